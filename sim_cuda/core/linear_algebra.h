@@ -1,0 +1,30 @@
+#pragma once
+// The vector and quaternion types of the simulator: Eigen's fixed-size ones, stored unaligned and computed
+// without SIMD, so that g++ and nvcc agree on every size and on every bit (the definitions that say so are
+// PUBLIC on the target `linear_algebra`).
+//
+// Only + - * / and sqrt reach the state; never call a function of libm (sin, pow, exp, cbrt...) on it: they
+// are not correctly rounded, and differ by version.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace collidoscope {
+
+template <class Real>
+using Vector3 = Eigen::Matrix<Real, 3, 1>;
+template <class Real>
+using Matrix3 = Eigen::Matrix<Real, 3, 3>;
+template <class Real>
+using Quaternion = Eigen::Quaternion<Real>;
+
+using Vector3d = Vector3<double>;
+using Vector3f = Vector3<float>;
+using Matrix3d = Matrix3<double>;
+using Quaterniond = Quaternion<double>;
+using Quaternionf = Quaternion<float>;
+
+static_assert(sizeof(Vector3f) == 12 && sizeof(Vector3d) == 24);
+static_assert(sizeof(Quaternionf) == 16 && sizeof(Quaterniond) == 32);
+
+}  // namespace collidoscope

@@ -1,0 +1,61 @@
+#pragma once
+// What a picture needs, packed as the GPU draws it. World::publish() writes these records, on the device
+// where there is one, straight into memory that the renderer owns (mapped GL buffers or plain memory): the
+// simulator has never heard of GL. Plain data, shared with shaders: sizes are part of the contract.
+
+#include <cstdint>
+
+namespace collidoscope {
+
+/// What BodyInstance::value holds; the renderer maps it to colour.
+enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order };
+
+struct BodyInstance {    // 48 bytes
+  float center[3];       ///< m
+  float radius;          ///< m; of a mesh: bounding radius
+  float orientation[4];  ///< unit quaternion x y z w
+  float value;           ///< raw: m/s, m, id, contacts or place in the tree, by BodyColor
+  std::uint32_t id;
+  std::uint32_t mesh;  ///< 0: sphere; k: mesh k - 1
+  std::uint32_t padding;
+};
+
+struct BoxInstance {  // 32 bytes
+  float min[3];       ///< m
+  float level;        ///< depth from the root, which is 0
+  float max[3];
+  float value;  ///< level for now; SAH share, overlap, visits... later
+};
+
+struct ContactInstance {  // 48 bytes
+  float point[3];         ///< m, midway between the two surfaces
+  float penetration;      ///< m, > 0 where they overlap
+  float normal[3];        ///< unit, from body a to body b
+  float impulse;          ///< N s, normal impulse of the last step; 0 where unknown
+  std::uint32_t a, b;     ///< ids, a < b
+  float radius;           ///< m, of the smaller sphere: sizes the mark
+  float padding;
+};
+
+static_assert(sizeof(BodyInstance) == 48 && sizeof(BoxInstance) == 32 && sizeof(ContactInstance) == 48);
+
+/// Where publish() writes. All pointers are in the executor's own memory space (device pointers where the
+/// world is on a GPU). A null pointer skips that layer; capacities are in records and must hold what
+/// PublishCounts announces.
+struct PublishTarget {
+  BodyInstance* bodies = nullptr;
+  std::int64_t body_capacity = 0;
+  BodyColor body_color = BodyColor::speed;
+  BoxInstance* boxes = nullptr;
+  std::int64_t box_capacity = 0;
+  int first_level = 0, last_level = 0;  ///< inclusive, depth from the root; clipped to the levels there are
+  ContactInstance* contacts = nullptr;
+  std::int64_t contact_capacity = 0;
+};
+
+/// How many records of each kind the current state has.
+struct PublishCounts {
+  std::int64_t bodies = 0, boxes = 0, contacts = 0;
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,29 @@
+#pragma once
+// How and where a scene runs. Nothing in here changes the state: that is the first promise, and every field
+// is there to be varied in a test of it. Plain data.
+
+#include <cstdint>
+#include <string>
+
+#include "sim_cuda/core/launch_shape.h"
+
+namespace collidoscope {
+
+enum class ExecutorKind { automatic, cpu, cuda };  ///< automatic: CUDA where there is a device, else the CPU
+
+/// Which items each lane of the CPU takes. The last two are test modes: they expose a stage whose items
+/// depend on each other.
+enum class LaneOrder { contiguous, strided, shuffled };
+
+struct RunOptions {
+  ExecutorKind executor = ExecutorKind::automatic;
+  int gpu = 0;          ///< CUDA's number of the device
+  int cpu_threads = 0;  ///< 1 to 1024; 0: as many as the machine has
+  LaunchShape shape;
+  LaneOrder lane_order = LaneOrder::contiguous;
+  std::string broad_phase = "bvh_bottom_up";  ///< a name from broad_phase_names()
+  int key_bits = 30;                          ///< Morton keys: 30 or 63
+  std::int64_t initial_pair_capacity = 0;     ///< 0: a guess from N; tests start too small on purpose
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,27 @@
+#pragma once
+// The effects that a simulation can include. An effect that is off costs no launch, no byte and no
+// instruction: the stages that it touches take it as a template parameter.
+
+#include <array>
+#include <string_view>
+
+namespace collidoscope {
+
+/// One flag per effect. Which are on is physics: it decides the state.
+struct Effects {
+  bool gravity = false;  ///< a uniform acceleration; called for by gravity != 0
+  bool rotation =
+      false;  ///< orientation and spin are stored and integrated; called for by anything that turns
+
+  friend bool operator==(const Effects&, const Effects&) = default;
+};
+
+/// Every effect by its name in scene files and on the command line.
+struct EffectName {
+  std::string_view name;
+  bool Effects::*flag;
+};
+inline constexpr std::array<EffectName, 2> effect_names{
+    {{"gravity", &Effects::gravity}, {"rotation", &Effects::rotation}}};
+
+}  // namespace collidoscope

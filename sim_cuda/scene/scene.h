@@ -1,0 +1,105 @@
+#pragma once
+// What is simulated, as plain structs in SI units. A Scene is what a scene file says, no more: generators are
+// not yet expanded and meshes are not yet loaded (initial_bodies.h does both). Everything that decides the
+// state of a run is in here; how and where it runs (executor, launch shape, broad phase) is in run_options.h.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/scene/effects.h"
+
+namespace collidoscope {
+
+enum class Precision { f32, f64 };
+enum class Solver { impulse };
+enum class Integrator { semi_implicit_euler };
+
+/// The closed container; its six inner faces are walls of the material "default".
+struct Box {
+  Vector3d min{0, 0, 0}, max{100, 100, 100};  ///< m, min < max on each axis
+};
+
+struct Material {
+  std::string name = "default";
+  double density = 1000;          ///< kg/m^3, > 0
+  double restitution = 0.8;       ///< 0 to 1; a pair takes the larger of the two
+  double friction = 0;            ///< Coulomb's coefficient, 0 to 100; a pair takes the geometric mean
+  double rolling_resistance = 0;  ///< 0 to 1
+};
+
+enum class Shape { sphere, mesh };
+
+struct Body {
+  Shape shape = Shape::sphere;
+  double radius = 1;                    ///< m, > 0, sphere only
+  std::string mesh;                     ///< path of an OBJ file, relative to the scene file; mesh only
+  Vector3d position{0, 0, 0};           ///< m, of the centre of mass
+  Quaterniond orientation{1, 0, 0, 0};  ///< w x y z; normalised on reading
+  Vector3d velocity{0, 0, 0};           ///< m/s
+  Vector3d angular_velocity{0, 0, 0};   ///< rad/s, world axes
+  std::optional<double> mass;           ///< kg, > 0; else density x volume
+  std::optional<Vector3d> inertia;      ///< kg m^2, principal moments; else 2/5 m r^2, or the mesh's own
+  int material = 0;                     ///< index into Scene::materials
+};
+
+/// How the Box Collider's box and radii grow with N; see the README for the formulas.
+enum class Variant { paper, scaled, equal };
+/// Where generated spheres may start: whole spheres within the walls; centres within; or no two overlapping.
+enum class Spawn { inside, centres, apart };
+
+/// The paper's benchmark: `count` spheres with radii uniform in (0, radius_max], or all of one radius
+/// ("equal").
+struct BoxCollider {
+  std::int64_t count = 2000;  ///< bodies, 0 to 2^27
+  double radius_max = 5;      ///< m, > 0
+  Variant variant = Variant::paper;
+  Spawn spawn = Spawn::inside;
+  std::uint64_t seed = 1;
+  double speed_max = 0;  ///< m/s, >= 0: each velocity component is uniform in [-speed_max, speed_max)
+  int material = 0;
+};
+
+/// A half-space that never moves: bodies stay where normal . x >= offset.
+struct Plane {
+  Vector3d normal{0, 0, 1};  ///< unit length; normalised on reading
+  double offset = 0;         ///< m
+  int material = 0;
+};
+
+/// Where the pictures are taken from; unset fields frame the whole scene.
+struct Camera {
+  std::optional<Vector3d> position, target;  ///< m
+  Vector3d up{0, 0, 1};
+  double vertical_field_of_view = 40;  ///< degrees, 1 to 150
+};
+
+/// The physical settings: with the bodies, they alone decide the state.
+struct Physics {
+  Vector3d gravity{0, 0, -9.81};        ///< m/s^2
+  double time_step = 1.0 / 30;          ///< s, > 0
+  std::optional<int> steps_per_second;  ///< set where the scene said so; then time_step is 1/steps_per_second
+  int substeps = 1;                     ///< K >= 1: the pipeline runs K times at time_step / K
+  int iterations = 1;                   ///< sweeps of the solver over all contacts, 1 to 1000
+  Solver solver = Solver::impulse;
+  Integrator integrator = Integrator::semi_implicit_euler;
+  Precision precision = Precision::f32;
+  std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for
+  std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h
+};
+
+struct Scene {
+  std::string name = "unnamed";
+  std::string directory = ".";  ///< where relative mesh paths start; not written to files
+  std::optional<Box> box;       ///< unset: no walls
+  Physics physics;
+  std::vector<Material> materials{Material{}};  ///< materials[0] is always "default"
+  std::vector<Body> bodies;                     ///< ids 0, 1, ... in order
+  std::vector<BoxCollider> generators;          ///< their bodies follow, generator by generator
+  std::vector<Plane> obstacles;
+  Camera camera;
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,47 @@
+#pragma once
+// What a run reports: plain data, SI units, read by panels, JSON and tests alike. No CUDA, no GL.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace collidoscope {
+
+/// Sums over all bodies at one state, and counts of the last step.
+struct StepStats {
+  std::int64_t step = 0;  ///< states are numbered by the steps that led to them
+  std::int64_t bodies = 0;
+  std::int64_t pairs = 0;           ///< boxes that overlap, last step (at state 0: as found there)
+  std::int64_t contacts = 0;        ///< pairs whose shapes touch
+  std::int64_t split_contacts = 0;  ///< contacts that the colours left over, solved by mass splitting
+  double kinetic_energy = 0;        ///< J, translation and rotation
+  double potential_energy = 0;      ///< J, zero at z = box.min.z (or z = 0 without a box)
+  double push_work = 0;             ///< J, potential energy added by the positional push since the start
+  double momentum[3] = {};          ///< kg m/s
+  double angular_momentum[3] = {};  ///< kg m^2/s about the origin
+  double wall_impulse = 0;  ///< N s, sum of normal impulses given to walls and obstacles since the start
+  double wall_impulse_vector[3] = {};  ///< N s, what walls and obstacles gave to the bodies, as a vector
+  double max_penetration = 0;          ///< m, deepest overlap of two bodies or body and wall at this state
+  double max_speed = 0;                ///< m/s
+  std::int64_t non_finite = 0;         ///< bodies with a component that is not finite
+  std::int64_t escaped = 0;            ///< centres outside the box
+  double energy() const { return kinetic_energy + potential_energy; }
+};
+
+/// One stage's cost over the steps measured so far.
+struct StageTime {
+  std::string name;  ///< the same in profiler, NVTX, graphs and exports
+  double median_ms = 0, p95_ms = 0, last_ms = 0;
+  int launches = 0;        ///< kernels per step (CPU: parallel loops)
+  bool own_shape = false;  ///< part of it runs in a library that ignores (B, T)
+};
+
+/// Times of the whole step come from plain steps, times of stages from instrumented ones; they are never
+/// mixed.
+struct RunTimes {
+  double step_median_ms = 0, step_p95_ms = 0;  ///< 0 while no plain step was timed
+  int steps_timed = 0;
+  std::vector<StageTime> stages;  ///< in the order of the pipeline
+};
+
+}  // namespace collidoscope

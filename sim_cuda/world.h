@@ -1,0 +1,92 @@
+#pragma once
+// World: one scene being simulated, with all its buffers, on one executor. Made from a Scene, stepped,
+// measured, published, destroyed; owns everything it uses. Not thread-safe: one thread at a time.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/publish.h"
+#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/scene.h"
+#include "sim_cuda/step_stats.h"
+
+namespace collidoscope {
+
+/// The state of all bodies on the host, widened to double; bit-exact. Arrays that are not stored are filled
+/// in (q = 1, w = 0).
+struct BodyStates {
+  std::vector<Vector3d> position, velocity, angular_velocity;
+  std::vector<Quaterniond> orientation;
+};
+
+/// The boxes of the hierarchy, level by level from the root (level 0).
+struct TreeLevels {
+  struct Box {
+    float min[3], max[3];
+  };
+  std::vector<std::vector<Box>> levels;
+};
+
+class World {
+ public:
+  /// Throws InputError where the scene is not valid or the options name nothing known, MachineError where the
+  /// machine lacks what was asked for (the line says what and how much).
+  World(const Scene& scene, const RunOptions& options);
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  const Scene& scene() const;
+  const InitialBodies& initial() const;  ///< bodies at state 0: radii, masses and meshes never change
+  const RunOptions& options() const;
+  Effects effects() const;
+  bool on_gpu() const;
+  int gpu() const;                       ///< CUDA's number of the device, -1 on the CPU
+  std::string device_name() const;       ///< "NVIDIA H200", or the CPU's own name
+  std::int64_t allocated_bytes() const;  ///< in the executor's memory space
+  LaunchShape launch_shape() const;      ///< what was asked for; zeros are "auto"
+
+  /// Advances by `count` steps; returns when they are done (overflows grown and repeated).
+  /// Odd-numbered steps run instrumented, even-numbered ones plain, so that times() knows both.
+  void step(int count = 1);
+  std::int64_t steps() const;
+
+  /// Sums, counts and penetration at the current state.
+  StepStats measure();
+  RunTimes times() const;
+
+  /// One 64-bit hash of the state: equal exactly where all bodies are bitwise equal (-0 = 0, one NaN).
+  std::uint64_t state_hash();
+  BodyStates bodies();
+  /// All overlapping pairs (i < j), ordered, of the last step or detect().
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs();
+
+  /// Finds boxes, tree, pairs and contacts of the *current* state without moving it, so that what is drawn
+  /// fits the bodies. Changes no hash. publish(), pairs() and tree_levels() then speak of the current state.
+  void detect();
+  TreeLevels tree_levels();
+  int tree_level_count();  ///< 0 where the broad phase has no tree, or there are no bodies
+  PublishCounts publish_counts(int first_level, int last_level);
+  /// Packs what is drawn into the target's memory; returns when the device has written it.
+  void publish(const PublishTarget& target);
+  /// Memory in the executor's space for a renderer that cannot map its own: a device allocation on a GPU,
+  /// else plain memory. Freed with the World.
+  void* scratch(std::size_t bytes, int slot);
+  /// Copies from the executor's memory space to the host.
+  void copy_to_host(void* host, const void* source, std::size_t bytes);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Names of the broad phases that `--broad-phase` accepts, the default first.
+std::vector<std::string> broad_phase_names();
+
+/// Whether this build and this machine can run CUDA; if not, `why` (where given) receives one line.
+bool cuda_available(std::string* why = nullptr);
+
+}  // namespace collidoscope
