@@ -1,0 +1,37 @@
+#pragma once
+// The `capture` command: steps a world to each state asked for and writes a picture of it.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/world.h"
+#include "viewer/render/frame_layers.h"
+#include "viewer/render/interop/display_path.h"
+
+namespace collidoscope {
+
+struct CaptureRequest {
+  std::vector<std::int64_t> states{0, 30, 60};  ///< ascending; state k is the state after k steps
+  FrameLayers layers{.spheres = true};
+  int width = 1280, height = 800;  ///< pixels, 16 to 16384
+  std::string out = "captures";    ///< the folder; made if it is not there
+  bool timings = false;            ///< stage times as measured; else drawn as a dash, so that pictures repeat
+  DisplayPath display_path = DisplayPath::automatic;
+};
+
+/// Each throws InputError with lines that begin with `where`.
+std::vector<std::int64_t> parse_states(const std::string& text, const std::string& where = "--states");
+/// WIDTHxHEIGHT, each 16 to 16384.
+void parse_size(const std::string& text, CaptureRequest& request, const std::string& where = "--size");
+
+/// Where pictures go: makes the folder and tries a file in it. Throws InputError if it cannot be written.
+/// Call it before anything is simulated; run_capture() does.
+void ensure_writable_folder(const std::string& folder);
+
+/// Writes OUT/<scene>_<state>.png for each state, whole or not at all, and prints one line per picture on
+/// stdout; says on stderr which renderer and display path drew them. Returns 0. Throws InputError and
+/// MachineError.
+int run_capture(const CaptureRequest& request, World& world);
+
+}  // namespace collidoscope

@@ -1,0 +1,32 @@
+#pragma once
+// What a frame shows. Plain data: a frame is a function of the state, the camera and these layers, with no
+// randomness and no clock, so that the same three give the same bytes.
+
+#include <string>
+
+#include "sim_cuda/publish.h"
+
+namespace collidoscope {
+
+struct FrameLayers {
+  bool spheres = false;                  ///< all bodies, mesh bodies too
+  bool boxes = false;                    ///< the hierarchy's AABBs, levels first_level to last_level
+  int first_level = 0, last_level = 63;  ///< inclusive, depth from the root; clipped to the levels there are
+  bool contacts = false;
+  bool grid = true;     ///< the floor, with a line every round number of metres
+  bool walls = true;    ///< the edges of the scene's box
+  bool overlay = true;  ///< text: scene, state, counts, stage times, legend
+  BodyColor color = BodyColor::speed;
+
+  friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
+};
+
+/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, grid, walls,
+/// overlay, and no-grid, no-walls, no-overlay: those three are the setting and are drawn unless switched off.
+/// Throws InputError, one line per fault, each beginning with `where` (the flag's name).
+FrameLayers parse_layers(const std::string& text, const std::string& where = "--layers");
+
+/// speed, radius, id, contacts or order. Throws InputError.
+BodyColor parse_body_color(const std::string& text, const std::string& where = "--color");
+
+}  // namespace collidoscope
