@@ -1,0 +1,59 @@
+#pragma once
+// The interface of all broad phases: from boxes to the ordered list of pairs. A method is one file and one
+// line in broad_phase.cpp. All find the same pairs in the same order, so the state does not depend on the
+// choice.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/step_control.h"
+
+namespace collidoscope {
+
+/// Two ids a < b whose boxes overlap.
+struct Pair {
+  std::uint32_t a, b;
+};
+
+/// The boxes of a hierarchy in the executor's memory, level by level. Level 0 are the leaves, one per body,
+/// in the tree's order.
+struct TreeView {
+  static constexpr int max_levels = 28;  ///< 2^27 bodies
+  const Aabb* nodes = nullptr;
+  const std::uint32_t* leaf_body = nullptr;  ///< id of the body in each leaf
+  int levels = 0;                            ///< 0: no tree
+  std::uint32_t first[max_levels] = {};      ///< node number at which each level starts
+  std::uint32_t size[max_levels] = {};       ///< nodes in each level; 1 in the last, the root's
+};
+
+class BroadPhase {
+ public:
+  virtual ~BroadPhase() = default;
+
+  /// Prepares for that many bodies; called outside the step, before the first update and when N changes.
+  virtual void reserve(std::int64_t bodies) = 0;
+  /// Takes this step's boxes (one per body, by id; they stay until the next update). `extent`, in the
+  /// executor's memory, holds most centres.
+  virtual void update(const Aabb* boxes, const Aabb* extent) = 0;
+  /// count[a] = number of pairs (a, b) with a < b, for each body a.
+  virtual void count_pairs(std::uint32_t* count) = 0;
+  /// Writes the b of each pair (a, b) to second[offset[a] ...], in any order within the body's segment. Does
+  /// nothing where control->overflow is set.
+  virtual void write_pairs(const std::uint64_t* offset, std::uint32_t* second,
+                           const StepControl* control) = 0;
+  virtual TreeView tree() const { return {}; }
+};
+
+/// Throws InputError for an unknown name; the line lists the known ones.
+std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor);
+
+// One factory per method, defined in the method's own file.
+std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
+std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor);
+
+}  // namespace collidoscope

@@ -1,0 +1,48 @@
+#pragma once
+// The atomics that stages may use: on integers only, where the order of arrival cannot change the outcome.
+
+#include <atomic>
+#include <cstdint>
+
+#include "sim_cuda/core/host_device.h"
+
+namespace collidoscope {
+
+/// Adds and returns the value before.
+SIM_HD inline std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(target, value);
+#else
+  return std::atomic_ref<std::uint32_t>(*target).fetch_add(value, std::memory_order_relaxed);
+#endif
+}
+
+SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+  atomicMax(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<std::uint64_t> cell(*target);
+  std::uint64_t seen = cell.load(std::memory_order_relaxed);
+  while (seen < value && !cell.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
+/// A store that others may make at the same time, all of the same value.
+SIM_HD inline void atomic_store(std::uint32_t* target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  *reinterpret_cast<volatile std::uint32_t*>(target) = value;
+#else
+  std::atomic_ref<std::uint32_t>(*target).store(value, std::memory_order_relaxed);
+#endif
+}
+SIM_HD inline void atomic_store(std::uint64_t* target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  *reinterpret_cast<volatile std::uint64_t*>(target) = value;
+#else
+  std::atomic_ref<std::uint64_t>(*target).store(value, std::memory_order_relaxed);
+#endif
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,60 @@
+#pragma once
+// Buffer<T>: an array in an executor's memory space. The buffer is the canonical copy; every move of data
+// between spaces has a name (upload, download). Contents after growing are undefined: what must survive is
+// copied by name.
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "sim_cuda/core/executor.h"
+
+namespace collidoscope {
+
+template <class T>
+class Buffer {
+ public:
+  static_assert(std::is_trivially_destructible_v<T>);
+
+  /// `name` (a literal) stands in errors about memory. The executor outlives the buffer.
+  Buffer(Executor& executor, const char* name) : executor_(&executor), name_(name) {}
+  ~Buffer() { executor_->release(data_, bytes()); }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  std::size_t bytes() const { return size_ * sizeof(T); }
+  std::span<T> span() const { return {data_, size_}; }
+
+  /// Makes room for exactly `size` elements of undefined value, unless that is the size already.
+  void resize_discarding(std::size_t size) {
+    if (size == size_) return;
+    executor_->release(data_, bytes());
+    data_ = nullptr;
+    size_ = 0;
+    data_ = static_cast<T*>(executor_->allocate(name_, size * sizeof(T)));
+    size_ = size;
+  }
+  void upload(const std::vector<T>& host) {
+    resize_discarding(host.size());
+    executor_->copy_to_executor(data_, host.data(), bytes());
+  }
+  std::vector<T> download() const { return download(size_); }
+  std::vector<T> download(std::size_t count) const {
+    std::vector<T> host(count);
+    executor_->copy_to_host(host.data(), data_, count * sizeof(T));
+    return host;
+  }
+  void fill_zero() const { executor_->fill(data_, 0, bytes()); }
+
+ private:
+  Executor* executor_;
+  const char* name_;
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace collidoscope

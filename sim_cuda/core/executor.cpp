@@ -1,0 +1,322 @@
+#include "sim_cuda/core/executor.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <thread>
+
+#include "sim_cuda/core/error.h"
+
+#if SIM_CUDA
+#include <nvtx3/nvToolsExt.h>
+#endif
+
+namespace collidoscope {
+
+namespace {
+
+constexpr std::align_val_t host_alignment{64};
+
+int cpu_threads(int asked) {
+  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+std::string cpu_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0) {
+      const auto colon = line.find(": ");
+      if (colon != std::string::npos) return line.substr(colon + 2);
+    }
+  return "CPU";
+}
+
+void push_range([[maybe_unused]] const char* name) {
+#if SIM_CUDA
+  nvtxRangePushA(name);
+#endif
+}
+void pop_range() {
+#if SIM_CUDA
+  nvtxRangePop();
+#endif
+}
+
+}  // namespace
+
+bool cuda_available(std::string* why) {
+#if SIM_CUDA
+  int devices = 0;
+  const cudaError_t status = cudaGetDeviceCount(&devices);
+  if (status == cudaSuccess && devices > 0) return true;
+  cudaGetLastError();
+  if (why != nullptr)
+    *why = status == cudaSuccess ? "CUDA sees no device"
+                                 : std::string("CUDA says: ") + cudaGetErrorString(status);
+#else
+  if (why != nullptr) *why = "this build has no CUDA executor";
+#endif
+  return false;
+}
+
+Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_threads(options.cpu_threads)) {
+  std::string why;
+  on_device_ = options.executor != ExecutorKind::cpu && cuda_available(&why);
+  if (options.executor == ExecutorKind::cuda && !on_device_)
+    throw MachineError("--executor cuda: no CUDA device can be used: " + why);
+  if (!on_device_) {
+    device_name_ = cpu_name();
+    return;
+  }
+#if SIM_CUDA
+  int devices = 0;
+  check(cudaGetDeviceCount(&devices), "count devices");
+  if (options.gpu < 0 || options.gpu >= devices)
+    throw MachineError("--gpu " + std::to_string(options.gpu) + ": this machine has GPUs 0 to " +
+                       std::to_string(devices - 1));
+  check(cudaSetDevice(options.gpu), "use GPU " + std::to_string(options.gpu));
+  cudaDeviceProp properties{};
+  check(cudaGetDeviceProperties(&properties, options.gpu), "describe GPU " + std::to_string(options.gpu));
+  device_name_ = properties.name;
+  max_threads_ = properties.maxThreadsPerBlock;
+  max_blocks_ = properties.maxGridSize[0];
+  check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create a stream");
+  set_shape(options.shape);
+#endif
+}
+
+Executor::~Executor() {
+#if SIM_CUDA
+  if (stream_ != nullptr) cudaStreamDestroy(stream_);
+#endif
+}
+
+void Executor::set_shape(LaunchShape shape) {
+#if SIM_CUDA
+  if (on_device_ && (shape.threads > max_threads_ || shape.blocks > max_blocks_))
+    throw MachineError("asked " + device_name_ + " for " + std::to_string(shape.blocks) + " blocks of " +
+                       std::to_string(shape.threads) + " threads; it launches at most " +
+                       std::to_string(max_blocks_) + " blocks of " + std::to_string(max_threads_));
+#endif
+  options_.shape = shape;
+}
+
+void* Executor::allocate(const char* name, std::size_t bytes) {
+  if (bytes == 0) return nullptr;
+  void* memory = nullptr;
+  const auto refuse = [&](const std::string& answer) {
+    throw MachineError("asked " + device_name_ + " for " + std::to_string(bytes) + " bytes for '" + name +
+                       "', beside " + std::to_string(allocated_bytes_) +
+                       " already taken; it answered: " + answer);
+  };
+  if (!on_device_) {
+    memory = ::operator new(bytes, host_alignment, std::nothrow);
+    if (memory == nullptr) refuse("out of memory");
+  }
+#if SIM_CUDA
+  if (on_device_) {
+    const cudaError_t status = cudaMalloc(&memory, bytes);
+    if (status != cudaSuccess) {
+      cudaGetLastError();
+      std::size_t free_bytes = 0, total_bytes = 0;
+      cudaMemGetInfo(&free_bytes, &total_bytes);
+      refuse(std::string(cudaGetErrorString(status)) + ", " + std::to_string(free_bytes) + " of " +
+             std::to_string(total_bytes) + " bytes free");
+    }
+  }
+#endif
+  allocated_bytes_ += static_cast<std::int64_t>(bytes);
+  return memory;
+}
+
+void Executor::release(void* memory, std::size_t bytes) {
+  if (memory == nullptr) return;
+  allocated_bytes_ -= static_cast<std::int64_t>(bytes);
+#if SIM_CUDA
+  if (on_device_) {
+    cudaFree(
+        memory);  // waits for the device; an error here was, or will be, reported by the next checked call
+    return;
+  }
+#endif
+  ::operator delete(memory, host_alignment);
+}
+
+void Executor::copy_to_executor(void* destination, const void* host_source, std::size_t bytes) {
+  if (bytes == 0) return;
+#if SIM_CUDA
+  if (on_device_) {
+    check(cudaMemcpyAsync(destination, host_source, bytes, cudaMemcpyHostToDevice, stream_),
+          "copy " + std::to_string(bytes) + " bytes to the device");
+    return synchronize();
+  }
+#endif
+  std::memcpy(destination, host_source, bytes);
+}
+
+void Executor::copy_to_host(void* host_destination, const void* source, std::size_t bytes) {
+  if (bytes == 0) return;
+#if SIM_CUDA
+  if (on_device_) {
+    check(cudaMemcpyAsync(host_destination, source, bytes, cudaMemcpyDeviceToHost, stream_),
+          "copy " + std::to_string(bytes) + " bytes to the host");
+    return synchronize();
+  }
+#endif
+  std::memcpy(host_destination, source, bytes);
+}
+
+void Executor::copy_within(void* destination, const void* source, std::size_t bytes) {
+  if (bytes == 0) return;
+#if SIM_CUDA
+  if (on_device_)
+    return check(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToDevice, stream_),
+                 "copy " + std::to_string(bytes) + " bytes on the device");
+#endif
+  std::memcpy(destination, source, bytes);
+}
+
+void Executor::fill(void* destination, int byte, std::size_t bytes) {
+  if (bytes == 0) return;
+#if SIM_CUDA
+  if (on_device_)
+    return check(cudaMemsetAsync(destination, byte, bytes, stream_),
+                 "fill " + std::to_string(bytes) + " bytes");
+#endif
+  std::memset(destination, byte, bytes);
+}
+
+void Executor::synchronize() {
+#if SIM_CUDA
+  if (on_device_) check(cudaStreamSynchronize(stream_), "finish the work given to it");
+#endif
+}
+
+// ---- stages and their times ----
+
+#if SIM_CUDA
+std::size_t Executor::nodes_in_capture() const {
+  cudaStreamCaptureStatus status{};
+  cudaGraph_t graph = nullptr;
+  check(cudaStreamGetCaptureInfo(stream_, &status, nullptr, &graph, nullptr, nullptr, nullptr),
+        "describe the recording");
+  if (status != cudaStreamCaptureStatusActive) return 0;
+  std::size_t nodes = 0;
+  check(cudaGraphGetNodes(graph, nullptr, &nodes), "count the nodes of a graph");
+  return nodes;
+}
+#endif
+
+void Executor::begin_stage(const char* name, bool own_shape) {
+  if (stage_ != nullptr && std::strcmp(stage_, name) == 0) {
+    if (own_shape) clock_.entry(name).own_shape = true;
+    return;
+  }
+  end_stage();
+  StageClock::Entry& entry = clock_.entry(name);
+  if (own_shape) entry.own_shape = true;
+  stage_ = name;
+  stage_entry_ = clock_.index(entry);
+  push_range(name);
+#if SIM_CUDA
+  if (recording_ != nullptr) {
+    if (recording_->instrumented_) recording_->mark(stage_entry_);
+    stage_nodes_ = nodes_in_capture();
+  }
+#endif
+  if (timing_) stage_start_ = std::chrono::steady_clock::now();
+}
+
+void Executor::end_stage() {
+  if (stage_ == nullptr) return;
+  if (timing_)
+    clock_.add(
+        stage_entry_,
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - stage_start_).count());
+#if SIM_CUDA
+  if (recording_ != nullptr && counting_) {
+    const int launches = static_cast<int>(nodes_in_capture() - stage_nodes_);
+    clock_.entry(stage_).launches += launches;
+  }
+#endif
+  stage_ = nullptr;
+  pop_range();
+}
+
+void Executor::count_launches(int launches) {
+  if (counting_ && !on_device_ && stage_ != nullptr) clock_.entry(stage_).launches += launches;
+}
+
+StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()> enqueue)
+    : executor_(executor), instrumented_(instrumented), enqueue_(std::move(enqueue)) {
+#if SIM_CUDA
+  if (!executor_.on_device()) return;
+  executor_.end_stage();
+  check(cudaStreamBeginCapture(executor_.stream_, cudaStreamCaptureModeThreadLocal), "record a step");
+  executor_.recording_ = this;
+  executor_.counting_ = !instrumented;
+  if (!instrumented) executor_.clock_.clear_launches();
+  cudaGraph_t graph = nullptr;
+  try {
+    enqueue_();
+    executor_.end_stage();
+    if (instrumented_) mark(0);
+  } catch (...) {
+    executor_.recording_ = nullptr;
+    executor_.stage_ = nullptr;
+    cudaStreamEndCapture(executor_.stream_, &graph);
+    if (graph != nullptr) cudaGraphDestroy(graph);
+    throw;
+  }
+  executor_.recording_ = nullptr;
+  executor_.counting_ = false;
+  check(cudaStreamEndCapture(executor_.stream_, &graph), "end the recording of a step");
+  const cudaError_t status = cudaGraphInstantiate(&graph_, graph, 0);
+  cudaGraphDestroy(graph);
+  check(status, "make a graph of a step");
+#endif
+}
+
+StepGraph::~StepGraph() {
+#if SIM_CUDA
+  if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
+  for (cudaEvent_t event : events_) cudaEventDestroy(event);
+#endif
+}
+
+#if SIM_CUDA
+void StepGraph::mark(std::size_t entry) {
+  cudaEvent_t event = nullptr;
+  check(cudaEventCreate(&event), "create an event");
+  events_.push_back(event);
+  event_entries_.push_back(entry);
+  check(cudaEventRecordWithFlags(event, executor_.stream_, cudaEventRecordExternal), "record an event");
+}
+#endif
+
+void StepGraph::launch() {
+#if SIM_CUDA
+  if (executor_.on_device()) return check(cudaGraphLaunch(graph_, executor_.stream_), "run a step");
+#endif
+  executor_.end_stage();
+  executor_.clock_.clear_launches();
+  executor_.counting_ = true;
+  executor_.timing_ = instrumented_;
+  enqueue_();
+  executor_.end_stage();
+  executor_.timing_ = executor_.counting_ = false;
+}
+
+void StepGraph::collect() {
+#if SIM_CUDA
+  if (!executor_.on_device()) return;
+  for (std::size_t k = 0; k + 1 < events_.size(); ++k) {
+    float milliseconds = 0;
+    check(cudaEventElapsedTime(&milliseconds, events_[k], events_[k + 1]), "read the time of a stage");
+    executor_.clock_.add(event_entries_[k], milliseconds);
+  }
+#endif
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,254 @@
+#pragma once
+// An Executor runs stages: on a GPU, or on the threads of the CPU, behind one call. It owns the stream or the
+// threads, counts the bytes that buffers take, and tells the StageClock which stage is running. It outlives
+// every buffer and graph made on it.
+//
+//   executor.run("bounds", body_count, Bounds{...});
+//
+// calls Bounds::operator()(int item) for every item, B blocks of T threads sharing them (launch_shape.h). A
+// stage's items must not depend on each other: any order and any number at a time gives the same result.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/core/host_device.h"
+#include "sim_cuda/core/parallel_for.h"
+#include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/run_options.h"
+
+#if SIM_CUDA
+#include "sim_cuda/core/cuda_check.h"
+#endif
+
+namespace collidoscope {
+
+/// How many items a stage has: known to the host, or the value of a counter in the executor's memory, which
+/// the stage reads when it starts, so that the host need not wait for it.
+struct Count {
+  std::int64_t bound = 0;                  ///< the number of items, or no fewer than it
+  const std::uint32_t* counter = nullptr;  ///< where the number stands, if the host does not know it
+
+  Count(std::int64_t items) : bound(items) {}  // NOLINT(google-explicit-constructor): a number is a Count
+  Count(const std::uint32_t* where, std::int64_t at_most) : bound(at_most), counter(where) {}
+  SIM_HD std::int64_t value() const {
+    if (counter == nullptr) return bound;
+    const auto items = static_cast<std::int64_t>(*counter);
+    return items < bound ? items : bound;
+  }
+};
+
+class Executor {
+ public:
+  /// Throws MachineError where the device asked for is not there, InputError where an option makes no sense.
+  explicit Executor(const RunOptions& options);
+  ~Executor();
+  Executor(const Executor&) = delete;
+  Executor& operator=(const Executor&) = delete;
+
+  bool on_device() const { return on_device_; }
+  int gpu() const { return on_device_ ? options_.gpu : -1; }
+  const std::string& device_name() const { return device_name_; }
+  const RunOptions& options() const { return options_; }
+  StageClock& clock() { return clock_; }
+  ThreadTeam& team() { return team_; }
+
+  /// Changes (B, T) for the stages enqueued from now on. Throws MachineError beyond the device's limits.
+  void set_shape(LaunchShape shape);
+
+  // Memory of this executor's space: the device's, or the host's (64-byte aligned). `name` stands in the
+  // error that says how many bytes were asked for. Sizes of zero are allowed.
+  void* allocate(const char* name, std::size_t bytes);
+  void release(void* memory, std::size_t bytes);
+  std::int64_t allocated_bytes() const { return allocated_bytes_; }
+
+  // Copies and fills, in the order of the stages. The copies return when they are done; fill() is only
+  // enqueued.
+  void copy_to_executor(void* destination, const void* host_source, std::size_t bytes);
+  void copy_to_host(void* host_destination, const void* source, std::size_t bytes);
+  void copy_within(void* destination, const void* source, std::size_t bytes);  ///< only enqueued
+  void fill(void* destination, int byte, std::size_t bytes);
+  void synchronize();
+
+  /// The stage of what is enqueued from here on; what libraries launch themselves ignores (B, T):
+  /// `own_shape`.
+  void begin_stage(const char* name, bool own_shape = false);
+  /// On the CPU: that many parallel loops ran. On a GPU the graph counts its own nodes.
+  void count_launches(int launches);
+
+#if !SIM_CUDA || defined(__CUDACC__)
+  /// Runs one stage over all items. Returns when it is done on the CPU, when it is enqueued on a GPU.
+  template <class Stage>
+  void run(const char* name, const Count& count, const Stage& stage) {
+    if (count.bound == 0) return;
+    begin_stage(name);
+    if (!on_device_) return run_on_cpu(count.value(), stage);
+#if defined(__CUDACC__)
+    launch(name, count, stage);
+#endif
+  }
+#endif
+
+#if SIM_CUDA
+  cudaStream_t stream() const { return stream_; }
+#endif
+
+ private:
+  friend class StepGraph;
+
+  template <class Stage>
+  void run_on_cpu(std::int64_t count, const Stage& stage);
+#if defined(__CUDACC__)
+  template <class Stage>
+  void launch(const char* name, const Count& count, const Stage& stage);
+#endif
+  void end_stage();
+
+  RunOptions options_;
+  bool on_device_ = false;
+  std::string device_name_;
+  std::int64_t allocated_bytes_ = 0;
+  ThreadTeam team_;
+  StageClock clock_;
+
+  // The stage in progress.
+  const char* stage_ = nullptr;
+  std::size_t stage_entry_ = 0;
+  bool timing_ = false;    ///< CPU: read the clock at every change of stage
+  bool counting_ = false;  ///< count launches per stage
+  std::chrono::steady_clock::time_point stage_start_;
+#if SIM_CUDA
+  int max_threads_ = 1024, max_blocks_ = 2147483647;
+  cudaStream_t stream_ = nullptr;
+  class StepGraph* recording_ = nullptr;
+  std::size_t nodes_in_capture() const;
+  std::size_t stage_nodes_ = 0;
+#endif
+};
+
+/// A step, recorded once and launched often: a CUDA graph, or on the CPU simply the function. An instrumented
+/// one also measures each of its stages.
+class StepGraph {
+ public:
+  /// `enqueue` runs stages on `executor`; it must not allocate, copy to or from the host, or wait.
+  StepGraph(Executor& executor, bool instrumented, std::function<void()> enqueue);
+  ~StepGraph();
+  StepGraph(const StepGraph&) = delete;
+  StepGraph& operator=(const StepGraph&) = delete;
+
+  void launch();
+  /// After an instrumented launch has finished: gives its times to the executor's clock (which still needs
+  /// commit_step()).
+  void collect();
+
+ private:
+  friend class Executor;
+  Executor& executor_;
+  bool instrumented_;
+  std::function<void()> enqueue_;
+#if SIM_CUDA
+  void mark(std::size_t entry);
+  cudaGraphExec_t graph_ = nullptr;
+  std::vector<cudaEvent_t> events_;         ///< one at the start of each run of a stage, one at the end
+  std::vector<std::size_t> event_entries_;  ///< which stage starts there
+#endif
+};
+
+// ---- implementation of the templates ----
+
+namespace detail {
+/// Greatest common divisor 1 makes item -> (a * item + b) mod n a permutation; n is prime to a prime that
+/// does not divide it.
+inline std::int64_t shuffle_multiplier(std::int64_t n) {
+  for (const std::int64_t prime : {1000003LL, 998244353LL, 1000000007LL})
+    if (n % prime != 0) return prime % n == 0 ? 1 : prime % n;
+  return 1;
+}
+}  // namespace detail
+
+template <class Stage>
+void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
+  count_launches(1);
+  struct Context {
+    const Stage& stage;
+    std::int64_t count, lanes;
+    LaneOrder order;
+  } context{stage, count, static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads,
+            options_.lane_order};
+  const bool automatic = options_.shape.blocks == 0 || options_.shape.threads == 0;
+  if (automatic && context.order == LaneOrder::contiguous) {
+    constexpr std::int64_t grain = 512;
+    return team_.parallel_for(
+        count, grain,
+        [](void* c, std::int64_t begin, std::int64_t end) {
+          const Stage& s = static_cast<const Context*>(c)->stage;
+          for (std::int64_t i = begin; i < end; ++i) s(static_cast<int>(i));
+        },
+        &context);
+  }
+  if (automatic) context.lanes = 64;
+  if (context.lanes > count) context.lanes = count;
+  team_.parallel_for(
+      context.lanes, 1,
+      [](void* c, std::int64_t begin, std::int64_t end) {
+        const Context& k = *static_cast<const Context*>(c);
+        for (std::int64_t lane = begin; lane < end; ++lane) {
+          if (k.order == LaneOrder::strided) {
+            for (std::int64_t i = lane; i < k.count; i += k.lanes) k.stage(static_cast<int>(i));
+            continue;
+          }
+          const std::int64_t first = k.count * lane / k.lanes, last = k.count * (lane + 1) / k.lanes;
+          if (k.order == LaneOrder::contiguous) {
+            for (std::int64_t i = first; i < last; ++i) k.stage(static_cast<int>(i));
+          } else {
+            const std::int64_t a = detail::shuffle_multiplier(k.count), b = k.count / 3;
+            for (std::int64_t i = first; i < last; ++i) k.stage(static_cast<int>((a * i + b) % k.count));
+          }
+        }
+      },
+      &context);
+}
+
+#if defined(__CUDACC__)
+
+/// B x T threads stride over the items, as in the paper. At most 64 registers, so that every T up to 1024 can
+/// be launched.
+template <class Stage>
+__global__ void __launch_bounds__(1024) run_stage(const Count count, const Stage stage) {
+  const std::int64_t items = count.value();
+  const std::int64_t stride = static_cast<std::int64_t>(gridDim.x) * blockDim.x;
+  for (std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < items;
+       i += stride)
+    stage(static_cast<int>(i));
+}
+
+template <class Stage>
+void Executor::launch(const char* name, const Count& count, const Stage& stage) {
+  LaunchShape shape = options_.shape;
+  if (shape.blocks == 0 || shape.threads == 0) {
+    int blocks = 0, threads = 0;
+    check(cudaOccupancyMaxPotentialBlockSize(&blocks, &threads, run_stage<Stage>, 0, shape.threads),
+          std::string("work out the occupancy of stage ") + name);
+    if (shape.threads == 0) shape.threads = threads < 256 ? threads : 256;
+    if (shape.blocks == 0) {
+      int per_multiprocessor = 0, multiprocessors = 0;
+      check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&per_multiprocessor, run_stage<Stage>,
+                                                          shape.threads, 0),
+            std::string("work out the occupancy of stage ") + name);
+      check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, options_.gpu),
+            "count multiprocessors");
+      const std::int64_t needed = (count.bound + shape.threads - 1) / shape.threads;
+      const std::int64_t resident = static_cast<std::int64_t>(per_multiprocessor) * multiprocessors;
+      shape.blocks = static_cast<int>(needed < resident ? needed : resident);
+    }
+  }
+  run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
+  check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
+                                   " blocks of " + std::to_string(shape.threads) + " threads");
+}
+
+#endif
+
+}  // namespace collidoscope

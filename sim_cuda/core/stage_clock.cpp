@@ -1,0 +1,56 @@
+#include "sim_cuda/core/stage_clock.h"
+
+#include <algorithm>
+
+namespace collidoscope {
+
+double quantile(std::vector<float> samples, double q) {
+  if (samples.empty()) return 0;
+  const double place = q * static_cast<double>(samples.size() - 1);
+  const auto low = static_cast<std::size_t>(place);
+  const std::size_t high = std::min(low + 1, samples.size() - 1);
+  std::sort(samples.begin(), samples.end());
+  const double t = place - static_cast<double>(low);
+  return (1 - t) * samples[low] + t * samples[high];
+}
+
+StageClock::Entry& StageClock::entry(const char* name) {
+  for (Entry& e : entries_)
+    if (e.name == name) return e;
+  entries_.emplace_back();
+  entries_.back().name = name;
+  return entries_.back();
+}
+
+void StageClock::commit_step() {
+  for (Entry& e : entries_) {
+    e.samples_ms.push_back(e.step_ms);
+    e.step_ms = 0;
+  }
+}
+
+void StageClock::discard_step() {
+  for (Entry& e : entries_) e.step_ms = 0;
+}
+
+void StageClock::clear_launches() {
+  for (Entry& e : entries_) e.launches = 0;
+}
+
+void StageClock::clear_samples() {
+  for (Entry& e : entries_) e.samples_ms.clear();
+  plain_ms_.clear();
+}
+
+RunTimes StageClock::times() const {
+  RunTimes times;
+  times.steps_timed = static_cast<int>(plain_ms_.size());
+  times.step_median_ms = quantile(plain_ms_, 0.5);
+  times.step_p95_ms = quantile(plain_ms_, 0.95);
+  for (const Entry& e : entries_)
+    times.stages.push_back({e.name, quantile(e.samples_ms, 0.5), quantile(e.samples_ms, 0.95),
+                            e.samples_ms.empty() ? 0.0 : e.samples_ms.back(), e.launches, e.own_shape});
+  return times;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,51 @@
+#pragma once
+// How long each stage takes. A stage begins where an executor is told its name and ends where the next one
+// begins; the runs of one name within a step add up. On the CPU the clock is read at once; on a GPU events
+// stand in the step's graph and are read after it has run (executor.cpp records them).
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/step_stats.h"
+
+namespace collidoscope {
+
+class StageClock {
+ public:
+  struct Entry {
+    std::string name;
+    int launches = 0;
+    bool own_shape = false;
+    std::vector<float> samples_ms;  ///< one per measured step
+    float step_ms = 0;              ///< of the step in progress
+  };
+
+  /// The entry of that name, made at the end of the list at its first use.
+  Entry& entry(const char* name);
+  /// The time of one run of a stage within the step in progress.
+  void add(std::size_t index, double milliseconds) {
+    entries_[index].step_ms += static_cast<float>(milliseconds);
+  }
+  std::size_t index(const Entry& e) const { return static_cast<std::size_t>(&e - entries_.data()); }
+  /// Ends the step in progress: its sums become a sample of each stage.
+  void commit_step();
+  /// Forgets the step in progress: it will be done again.
+  void discard_step();
+  /// A plain step of that many milliseconds.
+  void add_plain_step(double milliseconds) { plain_ms_.push_back(static_cast<float>(milliseconds)); }
+  void clear_launches();
+  /// Forgets all samples, keeps the names.
+  void clear_samples();
+
+  RunTimes times() const;
+
+ private:
+  std::vector<Entry> entries_;
+  std::vector<float> plain_ms_;
+};
+
+/// The q-quantile (0 to 1) by linear interpolation between order statistics; 0 of nothing.
+double quantile(std::vector<float> samples, double q);
+
+}  // namespace collidoscope

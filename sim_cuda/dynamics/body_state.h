@@ -1,0 +1,62 @@
+#pragma once
+// The state of all bodies, one array per quantity, by id, in the executor's memory. Arrays that no effect
+// calls for are empty and their pointers null.
+//
+// The paper keeps momenta (Baraff 1997); here velocities are kept, as contacts need them, and momenta are
+// derived (dynamics/baraff.h).
+
+#include <cstdint>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/linear_algebra.h"
+
+namespace collidoscope {
+
+/// What stages read and write.
+template <class Real>
+struct BodyView {
+  Vector3<Real>* position;          ///< m, centre of mass
+  Vector3<Real>* velocity;          ///< m/s
+  Quaternion<Real>* orientation;    ///< principal axes to world; null where nothing turns
+  Vector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
+  const Real* radius;               ///< m
+  const Real* mass;                 ///< kg
+  const Real* inverse_mass;         ///< 1/kg
+  const Vector3<Real>* inertia;     ///< kg m^2, principal; null where nothing turns
+};
+
+/// What walls and obstacles did to a body since the start. In double, whatever the precision of the run: it
+/// is a ledger.
+struct WallLedger {
+  double impulse = 0;     ///< N s, sum of magnitudes
+  double vector[3] = {};  ///< N s, given to the body
+  double push_work = 0;   ///< J, potential energy that pushing it out of walls added
+};
+
+template <class Real>
+struct BodyBuffers {
+  explicit BodyBuffers(Executor& executor)
+      : position(executor, "positions"),
+        velocity(executor, "velocities"),
+        orientation(executor, "orientations"),
+        angular_velocity(executor, "angular velocities"),
+        radius(executor, "radii"),
+        mass(executor, "masses"),
+        inverse_mass(executor, "inverse masses"),
+        inertia(executor, "inertia"),
+        material(executor, "materials of bodies"),
+        ledger(executor, "wall ledgers") {}
+  BodyView<Real> view() const {
+    return {position.data(), velocity.data(), orientation.data(),  angular_velocity.data(),
+            radius.data(),   mass.data(),     inverse_mass.data(), inertia.data()};
+  }
+  Buffer<Vector3<Real>> position, velocity;
+  Buffer<Quaternion<Real>> orientation;
+  Buffer<Vector3<Real>> angular_velocity;
+  Buffer<Real> radius, mass, inverse_mass;
+  Buffer<Vector3<Real>> inertia;
+  Buffer<std::uint16_t> material;  ///< empty where all are of material 0
+  Buffer<WallLedger> ledger;       ///< empty where there are no walls
+};
+
+}  // namespace collidoscope

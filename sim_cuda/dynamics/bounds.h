@@ -1,0 +1,36 @@
+#pragma once
+// Bounds: the box of each body at its current pose.
+
+#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/linear_algebra.h"
+
+namespace collidoscope {
+
+/// Double runs round outward, so that the float box holds the sphere. A body whose position is not finite
+/// gets an empty box: it meets nobody, and the tree around it stays whole.
+template <class Real>
+struct Bounds {
+  const Vector3<Real>* position;
+  const Real* radius;
+  Aabb* boxes;
+
+  SIM_HD void operator()(int body) const {
+    const Vector3<Real> x = position[body];
+    const Real r = radius[body];
+    Aabb box;
+    bool whole = true;
+    for (int k = 0; k < 3; ++k) {
+      box.min[k] = round_down(x[k] - r);
+      box.max[k] = round_up(x[k] + r);
+      whole = whole && finite(box.min[k]) && finite(box.max[k]);
+    }
+    boxes[body] = whole ? box : Aabb::empty();
+  }
+};
+
+struct LoadBox {
+  const Aabb* boxes;
+  SIM_HD Aabb operator()(std::int64_t body) const { return boxes[body]; }
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,65 @@
+#pragma once
+// Forwarding: the paper's FORWARDDYNAMICS (its 3.1) by semi-implicit Euler. Momentum first, then position
+// with the new velocity, then rotation by the angular momentum.
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/dynamics/body_state.h"
+
+namespace collidoscope {
+
+/// One free step of rotation. The angular momentum L = R I R^T w is kept (no torque); the body turns by h w
+/// about w through a Cayley map (q' = normalised (1, h w / 2) q, second-order in the angle: it turns by 2
+/// atan(h|w|/2)), and w' follows from L in the new axes. First order in h as a whole; exact in direction for
+/// a sphere, whose w does not change.
+template <class Real>
+SIM_HD void rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
+  const Vector3<Real> w_body = q.conjugate() * w;
+  const Vector3<Real> momentum =
+      q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
+  const Vector3<Real> half = (h / 2) * w;
+  const Quaternion<Real> turn(Real(1), half.x(), half.y(), half.z());
+  Quaternion<Real> next = turn * q;
+  using std::sqrt;
+  const Real norm = sqrt(next.coeffs().dot(next.coeffs()));
+  next.coeffs() /= norm;
+  q = next;
+  const bool ball = inertia.x() == inertia.y() && inertia.y() == inertia.z();
+  if (ball) return;
+  const Vector3<Real> l_body = next.conjugate() * momentum;
+  w = next * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
+}
+
+/// The effects are template parameters: what is off leaves no instruction.
+template <class Real, bool gravity, bool rotation, bool boxed>
+struct MoveBodies {
+  BodyView<Real> bodies;
+  Vector3<Real> acceleration;  ///< m/s^2
+  Vector3<Real> low, high;     ///< m, the box
+  Real h;                      ///< s
+  const StepControl* control;
+
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    Vector3<Real> v = bodies.velocity[body];
+    if constexpr (gravity) {
+      v += h * acceleration;
+      bodies.velocity[body] = v;
+    }
+    const Vector3<Real> x = bodies.position[body];
+    Vector3<Real> next = x + h * v;
+    if constexpr (boxed) {
+      // The walls have already stopped what would leave; this catches the last rounding of a sphere smaller
+      // than that.
+      for (int k = 0; k < 3; ++k)
+        if (x[k] >= low[k] && x[k] <= high[k] && finite(next[k]))
+          next[k] = clamp_to(next[k], low[k], high[k]);
+    }
+    bodies.position[body] = next;
+    if constexpr (rotation)
+      rotate_freely<Real>(bodies.orientation[body], bodies.angular_velocity[body], bodies.inertia[body], h);
+  }
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,105 @@
+#include "sim_cuda/narrow_phase/contact_list.h"
+
+#include "sim_cuda/core/scan.h"
+#include "sim_cuda/narrow_phase/sphere_sphere.h"
+
+namespace collidoscope {
+
+namespace {
+
+template <class Real>
+struct CountContacts {
+  PairView pairs;
+  SphereView<Real> spheres;
+  const StepControl* control;
+  std::uint32_t* count;
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    const Vector3<Real> x = spheres.position[body];
+    const Real r = spheres.radius[body];
+    std::uint32_t touching = 0;
+    for (std::uint64_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
+      const std::uint32_t other = pairs.second[k];
+      touching += spheres_touch<Real>(x, r, spheres.position[other], spheres.radius[other]);
+    }
+    count[body] = touching;
+  }
+};
+
+struct AcceptContacts {
+  const std::uint64_t* total;
+  std::uint64_t capacity;
+  StepControl* control;
+  SIM_HD void operator()(int) const {
+    control->contacts = 0;
+    if (control->overflow) return;
+    control->contacts_needed = *total;
+    if (*total > capacity)
+      control->overflow = 1;
+    else
+      control->contacts = static_cast<std::uint32_t>(*total);
+  }
+};
+
+template <class Real>
+struct WriteContacts {
+  PairView pairs;
+  SphereView<Real> spheres;
+  const std::uint64_t* offset;
+  const StepControl* control;
+  Pair* bodies_of;
+  Vector3<Real>* normal;
+  SIM_HD void operator()(int body) const {
+    if (control->overflow || offset[body] == offset[body + 1]) return;
+    const Vector3<Real> x = spheres.position[body];
+    const Real r = spheres.radius[body];
+    std::uint64_t at = offset[body];
+    for (std::uint64_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
+      const std::uint32_t other = pairs.second[k];
+      const Vector3<Real> y = spheres.position[other];
+      const Real s = spheres.radius[other];
+      if (!spheres_touch<Real>(x, r, y, s)) continue;
+      bodies_of[at] = {static_cast<std::uint32_t>(body), other};
+      normal[at] = separate<Real>(x, r, y, s).normal;
+      ++at;
+    }
+  }
+};
+
+}  // namespace
+
+template <class Real>
+ContactList<Real>::ContactList(Executor& executor)
+    : executor_(executor),
+      count_(executor, "contacts per body"),
+      offset_(executor, "contact offsets"),
+      bodies_of_(executor, "contact bodies"),
+      normal_(executor, "contact normals"),
+      temporary_(executor, "scan workspace") {}
+
+template <class Real>
+void ContactList<Real>::reserve(std::int64_t bodies, std::int64_t capacity) {
+  bodies_ = bodies;
+  count_.resize_discarding(static_cast<std::size_t>(bodies) + 1);
+  offset_.resize_discarding(static_cast<std::size_t>(bodies) + 1);
+  bodies_of_.resize_discarding(static_cast<std::size_t>(capacity));
+  normal_.resize_discarding(static_cast<std::size_t>(capacity));
+  temporary_.resize_discarding(scan_temporary_bytes(executor_, bodies));
+  executor_.fill(count_.data(), 0, count_.bytes());
+}
+
+template <class Real>
+void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres, StepControl* control) {
+  executor_.run("contacts", bodies_, CountContacts<Real>{pairs, spheres, control, count_.data()});
+  exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
+                 temporary_.bytes());
+  executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
+  executor_.run(
+      "contacts", bodies_,
+      WriteContacts<Real>{pairs, spheres, offset_.data(), control, bodies_of_.data(), normal_.data()});
+}
+
+template class ContactList<float>;
+template class ContactList<double>;
+
+}  // namespace collidoscope

@@ -1,0 +1,48 @@
+#pragma once
+// The ordered list of contacts: the pairs whose shapes touch, in the order of the pairs (by a, then b).
+
+#include <cstdint>
+
+#include "sim_cuda/broad_phase/pair_list.h"
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/step_control.h"
+
+namespace collidoscope {
+
+template <class Real>
+struct ContactView {
+  const Pair* bodies;           ///< a < b
+  const Vector3<Real>* normal;  ///< unit, from a to b
+};
+
+/// Positions and radii of what collides, by id.
+template <class Real>
+struct SphereView {
+  const Vector3<Real>* position;  ///< m
+  const Real* radius;             ///< m
+};
+
+template <class Real>
+class ContactList {
+ public:
+  explicit ContactList(Executor& executor);
+  /// Outside the step. `capacity` in contacts.
+  void reserve(std::int64_t bodies, std::int64_t capacity);
+  std::int64_t capacity() const { return static_cast<std::int64_t>(bodies_of_.size()); }
+  /// Tests all pairs. Where the capacity is too small: control->overflow, contacts_needed, and an empty list,
+  /// as for pairs.
+  void find(const PairView& pairs, const SphereView<Real>& spheres, StepControl* control);
+  ContactView<Real> view() const { return {bodies_of_.data(), normal_.data()}; }
+
+ private:
+  Executor& executor_;
+  std::int64_t bodies_ = 0;
+  Buffer<std::uint32_t> count_;
+  Buffer<std::uint64_t> offset_;
+  Buffer<Pair> bodies_of_;
+  Buffer<Vector3<Real>> normal_;
+  Buffer<std::byte> temporary_;
+};
+
+}  // namespace collidoscope

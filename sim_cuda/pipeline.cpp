@@ -1,0 +1,340 @@
+#include "sim_cuda/pipeline.h"
+
+#include "sim_cuda/broad_phase/pair_list.h"
+#include "sim_cuda/core/reduce.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/dynamics/bounds.h"
+#include "sim_cuda/dynamics/measure.h"
+#include "sim_cuda/dynamics/move.h"
+#include "sim_cuda/dynamics/state_hash.h"
+#include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/publish_stages.h"
+#include "sim_cuda/solver/impulse.h"
+#include "sim_cuda/solver/walls.h"
+
+namespace collidoscope {
+
+namespace {
+
+/// The run is in the state: count it, and keep what it found.
+struct Commit {
+  StepControl* control;
+  SIM_HD void operator()(int) const {
+    if (control->overflow) return;
+    ++control->committed;
+    control->pairs_committed = control->pairs;
+    control->contacts_committed = control->contacts;
+    control->split_committed = control->split_contacts;
+  }
+};
+
+template <class Real>
+class TypedPipeline final : public Pipeline {
+ public:
+  TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial, Effects effects);
+
+  void run() override {
+    detect();
+    solver_.solve(contacts_.view(), solver_bodies(), restitution_, iterations_, control_.data());
+    if (plane_count_ > 0) executor_.run("walls", body_count_, walls());
+    move();
+    executor_.run("move", 1, Commit{control_.data()});
+  }
+
+  void detect() override {
+    executor_.run("bounds", body_count_,
+                  Bounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
+    const Aabb* extent = extent_.data();
+    if (!box_ && body_count_ > 0)
+      extent = reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
+    broad_phase_->update(boxes_.data(), extent);
+    pairs_.find(*broad_phase_, control_.data());
+    contacts_.find(pairs_.view(), spheres(), control_.data());
+  }
+
+  void reserve(Capacity capacity) override {
+    pairs_.reserve(body_count_, capacity.pairs);
+    contacts_.reserve(body_count_, capacity.contacts);
+    solver_.reserve(body_count_, capacity.contacts);
+    depths_.resize_discarding(reduce_scratch_size(capacity.contacts));
+  }
+  Capacity capacity() const override { return {pairs_.capacity(), contacts_.capacity()}; }
+
+  StepControl control() override { return control_.download()[0]; }
+  void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
+  BroadPhase& broad_phase() override { return *broad_phase_; }
+
+  void measure(StepStats& stats) override;
+  std::uint64_t state_hash() override;
+  BodyStates bodies() override;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
+  void publish(const PublishTarget& target) override;
+
+ private:
+  SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
+  SolverBodies<Real> solver_bodies() const {
+    return {state_.position.data(), state_.velocity.data(), state_.inverse_mass.data(), state_.radius.data()};
+  }
+  ResolveWalls<Real> walls() const {
+    return {state_.view(),        planes_.data(), plane_count_, restitution_, gravity_, h_,
+            state_.ledger.data(), control_.data()};
+  }
+  void move() {
+    const auto with = [&]<bool gravity, bool rotation, bool boxed>() {
+      const Vector3<Real> low = box_ ? box_->min.cast<Real>() : Vector3<Real>(0, 0, 0);
+      const Vector3<Real> high = box_ ? box_->max.cast<Real>() : Vector3<Real>(0, 0, 0);
+      executor_.run("move", body_count_,
+                    MoveBodies<Real, gravity, rotation, boxed>{state_.view(), gravity_, low, high, h_,
+                                                               control_.data()});
+    };
+    const auto with_box = [&]<bool gravity, bool rotation>() {
+      box_ ? with.template operator()<gravity, rotation, true>()
+           : with.template operator()<gravity, rotation, false>();
+    };
+    if (effects_.gravity)
+      effects_.rotation ? with_box.template operator()<true, true>()
+                        : with_box.template operator()<true, false>();
+    else
+      effects_.rotation ? with_box.template operator()<false, true>()
+                        : with_box.template operator()<false, false>();
+  }
+
+  Executor& executor_;
+  const std::int64_t body_count_;
+  const Effects effects_;
+  const std::optional<Box> box_;
+  const int iterations_;
+  const Real h_;           // s
+  Vector3<Real> gravity_;  // m/s^2, zero where the effect is off
+  BodyBuffers<Real> state_;
+  Buffer<std::uint32_t> mesh_;  // 0: sphere; empty where all are
+  Buffer<Real> restitution_of_material_;
+  Buffer<WallPlane<Real>> planes_;
+  int plane_count_ = 0;
+  Restitution<Real> restitution_;
+  Buffer<Aabb> boxes_, extent_;  // extent: the box, or scratch for the extent of all boxes
+  std::unique_ptr<BroadPhase> broad_phase_;
+  PairList pairs_;
+  ContactList<Real> contacts_;
+  ImpulseSolver<Real> solver_;
+  Buffer<StepControl> control_;
+  Buffer<BodySums> sums_;  // scratch of measure()
+  Buffer<Depth> depths_;
+  Buffer<HashSum> hashes_;
+  Buffer<std::uint32_t> publish_counts_;
+};
+
+template <class Real>
+std::vector<Vector3<Real>> narrowed(const std::vector<Vector3d>& wide) {
+  std::vector<Vector3<Real>> narrow(wide.size());
+  for (std::size_t i = 0; i < wide.size(); ++i) narrow[i] = wide[i].cast<Real>();
+  return narrow;
+}
+
+template <class Real>
+std::vector<WallPlane<Real>> wall_planes(const Scene& scene, const std::optional<Box>& box) {
+  std::vector<WallPlane<Real>> planes;
+  for (const Plane& p : scene.obstacles)
+    planes.push_back({p.normal.cast<Real>(), static_cast<Real>(p.offset),
+                      static_cast<Real>(scene.materials[static_cast<std::size_t>(p.material)].restitution)});
+  if (box) {
+    const auto e = static_cast<Real>(scene.materials[0].restitution);
+    for (int axis = 0; axis < 3; ++axis) {
+      Vector3<Real> inward(0, 0, 0);
+      inward[axis] = 1;
+      planes.push_back({inward, static_cast<Real>(box->min[axis]), e});
+      planes.push_back({-inward, -static_cast<Real>(box->max[axis]), e});
+    }
+  }
+  return planes;
+}
+
+/// The approach speed below which nothing bounces; "auto": twice what gravity adds in a run, so that resting
+/// contacts rest.
+double bounce_threshold(const Physics& physics, bool gravity) {
+  if (physics.restitution_threshold) return *physics.restitution_threshold;
+  return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step / physics.substeps
+                 : 0;
+}
+
+template <class Real>
+TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial,
+                                   Effects effects)
+    : executor_(executor),
+      body_count_(static_cast<std::int64_t>(initial.size())),
+      effects_(effects),
+      box_(initial.box),
+      iterations_(scene.physics.iterations),
+      h_(static_cast<Real>(scene.physics.time_step) / static_cast<Real>(scene.physics.substeps)),
+      gravity_(effects.gravity ? Vector3<Real>(scene.physics.gravity.cast<Real>()) : Vector3<Real>(0, 0, 0)),
+      state_(executor),
+      mesh_(executor, "meshes of bodies"),
+      restitution_of_material_(executor, "restitution by material"),
+      planes_(executor, "walls"),
+      boxes_(executor, "boxes"),
+      extent_(executor, "extent"),
+      broad_phase_(make_broad_phase(executor.options().broad_phase, executor)),
+      pairs_(executor),
+      contacts_(executor),
+      solver_(executor),
+      control_(executor, "step control"),
+      sums_(executor, "sums"),
+      depths_(executor, "depths"),
+      hashes_(executor, "hashes"),
+      publish_counts_(executor, "contacts per body to draw") {
+  const std::size_t n = initial.size();
+  state_.position.upload(narrowed<Real>(initial.position));
+  state_.velocity.upload(initial.velocity.empty() ? std::vector<Vector3<Real>>(n, Vector3<Real>(0, 0, 0))
+                                                  : narrowed<Real>(initial.velocity));
+  std::vector<Real> radius(n), mass(n), inverse_mass(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    radius[i] = static_cast<Real>(initial.radius[i]);
+    mass[i] = static_cast<Real>(initial.mass[i]);
+    inverse_mass[i] = 1 / mass[i];
+  }
+  state_.radius.upload(radius);
+  state_.mass.upload(mass);
+  state_.inverse_mass.upload(inverse_mass);
+  if (effects.rotation) {
+    std::vector<Quaternion<Real>> orientation(n, Quaternion<Real>(1, 0, 0, 0));
+    std::vector<Vector3<Real>> spin(n, Vector3<Real>(0, 0, 0)), inertia(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!initial.orientation.empty()) orientation[i] = initial.orientation[i].template cast<Real>();
+      if (!initial.angular_velocity.empty()) spin[i] = initial.angular_velocity[i].template cast<Real>();
+      const double ball = 0.4 * initial.mass[i] * initial.radius[i] * initial.radius[i];
+      inertia[i] = initial.inertia.empty() ? Vector3<Real>::Constant(static_cast<Real>(ball))
+                                           : Vector3<Real>(initial.inertia[i].template cast<Real>());
+    }
+    state_.orientation.upload(orientation);
+    state_.angular_velocity.upload(spin);
+    state_.inertia.upload(inertia);
+  }
+  if (scene.materials.size() > 1 && !initial.material.empty()) state_.material.upload(initial.material);
+  mesh_.upload(initial.mesh);
+
+  std::vector<Real> restitution;
+  for (const Material& m : scene.materials) restitution.push_back(static_cast<Real>(m.restitution));
+  restitution_of_material_.upload(restitution);
+  restitution_ = {restitution_of_material_.data(), state_.material.data(),
+                  static_cast<Real>(bounce_threshold(scene.physics, effects.gravity))};
+
+  planes_.upload(wall_planes<Real>(scene, box_));
+  plane_count_ = static_cast<int>(planes_.size());
+  if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
+
+  boxes_.resize_discarding(n);
+  if (box_)
+    extent_.upload({Aabb{box_->min.cast<float>(), box_->max.cast<float>()}});
+  else
+    extent_.resize_discarding(reduce_scratch_size(body_count_));
+  broad_phase_->reserve(body_count_);
+  control_.upload({StepControl{}});
+  sums_.resize_discarding(reduce_scratch_size(body_count_));
+  hashes_.resize_discarding(reduce_scratch_size(body_count_));
+}
+
+template <class Real>
+void TypedPipeline<Real>::measure(StepStats& stats) {
+  if (body_count_ == 0) return;
+  const MeasureBody<Real> load{state_.view(),
+                               state_.ledger.data(),
+                               planes_.data(),
+                               plane_count_,
+                               gravity_.template cast<double>(),
+                               box_ ? box_->min.z() : 0.0,
+                               box_.has_value(),
+                               box_ ? box_->min : Vector3d(0, 0, 0),
+                               box_ ? box_->max : Vector3d(0, 0, 0)};
+  const BodySums* total = reduce<BodySums>(executor_, "measure", body_count_, load, sums_.data());
+  BodySums sums;
+  executor_.copy_to_host(&sums, total, sizeof sums);
+  double depth = sums.max_depth;
+  if (contacts_.capacity() > 0) {
+    const Depth* deepest = reduce<Depth>(
+        executor_, "measure", contacts_.capacity(),
+        MeasureDepth<Real>{contacts_.view().bodies, control_.data(), spheres()}, depths_.data());
+    Depth d;
+    executor_.copy_to_host(&d, deepest, sizeof d);
+    depth = max_of(depth, d.value);
+  }
+  stats.kinetic_energy = sums.kinetic;
+  stats.potential_energy = sums.potential;
+  stats.push_work = sums.push_work;
+  for (int k = 0; k < 3; ++k) {
+    stats.momentum[k] = sums.momentum[k];
+    stats.angular_momentum[k] = sums.angular_momentum[k];
+    stats.wall_impulse_vector[k] = sums.wall_vector[k];
+  }
+  stats.wall_impulse = sums.wall_impulse;
+  stats.max_penetration = depth;
+  stats.max_speed = std::sqrt(sums.max_speed_squared);
+  stats.non_finite = sums.non_finite;
+  stats.escaped = sums.escaped;
+}
+
+template <class Real>
+std::uint64_t TypedPipeline<Real>::state_hash() {
+  if (body_count_ == 0) return 0;
+  const HashSum* total =
+      reduce<HashSum>(executor_, "hash", body_count_, HashBody<Real>{state_.view()}, hashes_.data());
+  HashSum hash;
+  executor_.copy_to_host(&hash, total, sizeof hash);
+  return hash.value;
+}
+
+template <class Real>
+BodyStates TypedPipeline<Real>::bodies() {
+  const auto widened = [](const auto& narrow) {
+    std::vector<Vector3d> wide(narrow.size());
+    for (std::size_t i = 0; i < narrow.size(); ++i) wide[i] = narrow[i].template cast<double>();
+    return wide;
+  };
+  BodyStates states;
+  const auto n = static_cast<std::size_t>(body_count_);
+  states.position = widened(state_.position.download());
+  states.velocity = widened(state_.velocity.download());
+  states.angular_velocity.assign(n, Vector3d(0, 0, 0));
+  states.orientation.assign(n, Quaterniond(1, 0, 0, 0));
+  if (effects_.rotation) {
+    states.angular_velocity = widened(state_.angular_velocity.download());
+    const auto q = state_.orientation.download();
+    for (std::size_t i = 0; i < n; ++i) states.orientation[i] = q[i].template cast<double>();
+  }
+  return states;
+}
+
+template <class Real>
+std::vector<std::pair<std::uint32_t, std::uint32_t>> TypedPipeline<Real>::pairs() {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> list;
+  if (body_count_ == 0) return list;
+  const auto n = static_cast<std::size_t>(body_count_);
+  std::vector<std::uint64_t> offset(n + 1);
+  std::vector<std::uint32_t> second(control().pairs);
+  executor_.copy_to_host(offset.data(), pairs_.view().offset, offset.size() * sizeof offset[0]);
+  executor_.copy_to_host(second.data(), pairs_.view().second, second.size() * sizeof second[0]);
+  for (std::uint32_t a = 0; a < n; ++a)
+    for (std::uint64_t k = offset[a]; k < offset[a + 1]; ++k) list.emplace_back(a, second[k]);
+  return list;
+}
+
+template <class Real>
+void TypedPipeline<Real>::publish(const PublishTarget& target) {
+  publish_boxes(executor_, target, broad_phase_->tree());
+  publish_contacts<Real>(executor_, target, contacts_.view(), spheres(), control_.data());
+  if (target.bodies == nullptr) return;
+  if (target.body_color == BodyColor::contacts)
+    publish_counts_.resize_discarding(static_cast<std::size_t>(body_count_));
+  publish_bodies<Real>(executor_, target, state_.view(), mesh_.data(), contacts_.view(), contacts_.capacity(),
+                       control_.data(), broad_phase_->tree(), publish_counts_.data(), body_count_);
+}
+
+}  // namespace
+
+std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
+                                        Effects effects) {
+  if (scene.physics.precision == Precision::f64)
+    return std::make_unique<TypedPipeline<double>>(executor, scene, bodies, effects);
+  return std::make_unique<TypedPipeline<float>>(executor, scene, bodies, effects);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,55 @@
+#pragma once
+// The pipeline: the stages of one run, in order, over the buffers of one world. Each method only enqueues
+// work on the executor, so that a run can be recorded once and replayed; world.cpp decides when to run, grow
+// and measure. One interface for both precisions.
+
+#include <memory>
+
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/publish.h"
+#include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/scene.h"
+#include "sim_cuda/step_stats.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+/// Capacities of the lists whose length the scene does not fix.
+struct Capacity {
+  std::int64_t pairs = 0, contacts = 0;
+};
+
+class Pipeline {
+ public:
+  virtual ~Pipeline() = default;
+
+  /// Outside of runs; what runs have recorded must be recorded again afterwards.
+  virtual void reserve(Capacity capacity) = 0;
+  virtual Capacity capacity() const = 0;
+
+  /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, solve, walls, move; h = time_step /
+  /// substeps.
+  virtual void run() = 0;
+  /// Enqueues bounds to contacts only: nothing moves.
+  virtual void detect() = 0;
+
+  virtual StepControl control() = 0;  ///< read from the device; waits for it
+  virtual void clear_overflow() = 0;
+  virtual BroadPhase& broad_phase() = 0;
+
+  /// Energy, momenta and extremes at the current state; `contacts` must be those of the current state
+  /// (detect()).
+  virtual void measure(StepStats& stats) = 0;
+  virtual std::uint64_t state_hash() = 0;
+  virtual BodyStates bodies() = 0;
+  virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
+  virtual void publish(const PublishTarget& target) = 0;
+};
+
+/// Uploads the bodies; reserves nothing yet.
+std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
+                                        Effects effects);
+
+}  // namespace collidoscope

@@ -1,0 +1,138 @@
+#pragma once
+// The stages that pack what is drawn (publish.h) from the buffers of a world. Included by pipeline.cpp alone.
+
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/narrow_phase/sphere_sphere.h"
+#include "sim_cuda/publish.h"
+
+namespace collidoscope {
+
+template <class Real>
+struct PackBodies {
+  BodyView<Real> bodies;
+  const std::uint32_t* mesh;
+  BodyColor color;
+  BodyInstance* out;
+  SIM_HD void operator()(int body) const {
+    BodyInstance record{};
+    const Vector3<Real> x = bodies.position[body], v = bodies.velocity[body];
+    for (int k = 0; k < 3; ++k) record.center[k] = static_cast<float>(x[k]);
+    record.radius = static_cast<float>(bodies.radius[body]);
+    record.orientation[3] = 1;
+    if (bodies.orientation != nullptr)
+      for (int k = 0; k < 4; ++k)
+        record.orientation[k] = static_cast<float>(bodies.orientation[body].coeffs()[k]);
+    using std::sqrt;
+    record.value = color == BodyColor::speed    ? static_cast<float>(sqrt(v.dot(v)))
+                   : color == BodyColor::radius ? record.radius
+                   : color == BodyColor::id     ? static_cast<float>(body)
+                                                : 0.0f;
+    record.id = static_cast<std::uint32_t>(body);
+    record.mesh = mesh == nullptr ? 0 : mesh[body];
+    out[body] = record;
+  }
+};
+
+struct CountOfContacts {
+  const Pair* contacts;
+  std::uint32_t* count;
+  SIM_HD void operator()(int contact) const {
+    atomic_add(&count[contacts[contact].a], 1);
+    atomic_add(&count[contacts[contact].b], 1);
+  }
+};
+
+struct ColorByContacts {
+  const std::uint32_t* count;
+  BodyInstance* out;
+  SIM_HD void operator()(int body) const { out[body].value = static_cast<float>(count[body]); }
+};
+
+struct ColorByOrder {
+  const std::uint32_t* leaf_body;
+  BodyInstance* out;
+  SIM_HD void operator()(int leaf) const { out[leaf_body[leaf]].value = static_cast<float>(leaf); }
+};
+
+struct PackBoxes {
+  const Aabb* nodes;
+  float depth;  ///< levels below the root
+  BoxInstance* out;
+  SIM_HD void operator()(int node) const {
+    BoxInstance record{};
+    for (int k = 0; k < 3; ++k) {
+      record.min[k] = nodes[node].min[k];
+      record.max[k] = nodes[node].max[k];
+    }
+    record.level = record.value = depth;
+    out[node] = record;
+  }
+};
+
+template <class Real>
+struct PackContacts {
+  ContactView<Real> contacts;
+  SphereView<Real> spheres;
+  ContactInstance* out;
+  SIM_HD void operator()(int contact) const {
+    const auto [a, b] = contacts.bodies[contact];
+    const Vector3<Real> x_a = spheres.position[a], x_b = spheres.position[b];
+    const Real r_a = spheres.radius[a], r_b = spheres.radius[b];
+    const Separation<Real> now = separate<Real>(x_a, r_a, x_b, r_b);
+    // Midway between the two surfaces along the line of centres.
+    const Vector3<Real> point = x_a + (r_a + now.gap / 2) * now.normal;
+    ContactInstance record{};
+    for (int k = 0; k < 3; ++k) {
+      record.point[k] = static_cast<float>(point[k]);
+      record.normal[k] = static_cast<float>(now.normal[k]);
+    }
+    record.penetration = static_cast<float>(-now.gap);
+    record.a = a;
+    record.b = b;
+    record.radius = static_cast<float>(min_of(r_a, r_b));
+    out[contact] = record;
+  }
+};
+
+#if !SIM_CUDA || defined(__CUDACC__)
+
+inline void publish_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree) {
+  if (target.boxes == nullptr) return;
+  BoxInstance* out = target.boxes;
+  for (int depth = target.first_level; depth <= target.last_level && depth < tree.levels; ++depth) {
+    const int level = tree.levels - 1 - depth;
+    executor.run("publish", tree.size[level],
+                 PackBoxes{tree.nodes + tree.first[level], static_cast<float>(depth), out});
+    out += tree.size[level];
+  }
+}
+
+template <class Real>
+void publish_contacts(Executor& executor, const PublishTarget& target, const ContactView<Real>& contacts,
+                      const SphereView<Real>& spheres, const StepControl* control) {
+  if (target.contacts == nullptr) return;
+  executor.run("publish", Count(&control->contacts, target.contact_capacity),
+               PackContacts<Real>{contacts, spheres, target.contacts});
+}
+
+template <class Real>
+void publish_bodies(Executor& executor, const PublishTarget& target, const BodyView<Real>& bodies,
+                    const std::uint32_t* mesh, const ContactView<Real>& contacts,
+                    std::int64_t contact_capacity, const StepControl* control, const TreeView& tree,
+                    std::uint32_t* counts, std::int64_t body_count) {
+  executor.run("publish", body_count, PackBodies<Real>{bodies, mesh, target.body_color, target.bodies});
+  if (target.body_color == BodyColor::contacts) {
+    executor.fill(counts, 0, static_cast<std::size_t>(body_count) * sizeof *counts);
+    executor.run("publish", Count(&control->contacts, contact_capacity),
+                 CountOfContacts{contacts.bodies, counts});
+    executor.run("publish", body_count, ColorByContacts{counts, target.bodies});
+  }
+  if (target.body_color == BodyColor::order && tree.levels > 0)
+    executor.run("publish", body_count, ColorByOrder{tree.leaf_body, target.bodies});
+}
+
+#endif
+
+}  // namespace collidoscope

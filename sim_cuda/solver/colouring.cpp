@@ -1,0 +1,162 @@
+#include "sim_cuda/solver/colouring.h"
+
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/sort.h"
+
+namespace collidoscope {
+
+namespace {
+
+// Sort keys: 0 .. colours-1 are colours; the split set follows, then the unused part of the buffers.
+constexpr std::uint8_t uncoloured = Colouring::colours;
+constexpr std::uint8_t no_colour_free = Colouring::colours + 1;
+constexpr std::uint8_t unused = Colouring::colours + 2;
+constexpr int key_bits = 6;
+static_assert(unused < (1 << key_bits));
+
+/// Unique, and independent of how contacts are numbered up to order: ties of the hash go by ids.
+SIM_HD inline std::uint64_t priority(Pair bodies, std::uint32_t contact) {
+  const std::uint64_t ids = static_cast<std::uint64_t>(bodies.a) << 32 | bodies.b;
+  return (mix64(ids) & 0xffffffff00000000u) | (static_cast<std::uint64_t>(contact) + 1);
+}
+
+struct ClearBodies {
+  std::uint64_t* best;
+  std::uint32_t* used;
+  std::uint32_t bodies;
+  SIM_HD void operator()(int body) const {
+    for (std::uint32_t k = 0; k < 3; ++k) best[k * bodies + static_cast<std::uint32_t>(body)] = 0;
+    used[body] = 0;
+  }
+};
+
+struct ClearContacts {
+  const StepControl* control;
+  std::uint8_t* colour;
+  std::uint32_t* contact;
+  SIM_HD void operator()(int k) const {
+    colour[k] = static_cast<std::uint32_t>(k) < control->contacts ? uncoloured : unused;
+    contact[k] = static_cast<std::uint32_t>(k);
+  }
+};
+
+struct ClearRounds {
+  const StepControl* control;
+  std::uint32_t* pending;
+  SIM_HD void operator()(int round) const { pending[round] = round == 0 ? control->contacts : 0; }
+};
+
+/// One round, in one launch: decide by the bids of the round before, bid for the next one, clear the bids
+/// after that.
+struct Round {
+  const Pair* contacts;
+  const StepControl* control;
+  std::uint64_t *decided, *bids, *cleared;
+  std::uint32_t* used;
+  std::uint8_t* colour;
+  std::uint32_t* pending_next;
+  bool first;
+
+  SIM_HD void operator()(int contact) const {
+    if (colour[contact] != uncoloured) return;
+    const Pair bodies = contacts[contact];
+    const std::uint64_t mine = priority(bodies, static_cast<std::uint32_t>(contact));
+    if (!first && decided[bodies.a] == mine && decided[bodies.b] == mine) {
+      // No other contact at either body decides in this round, so the masks are this contact's alone.
+      const std::uint32_t taken = used[bodies.a] | used[bodies.b];
+      if (taken == ~std::uint32_t{0}) {
+        colour[contact] = no_colour_free;
+        return;
+      }
+      const std::uint32_t lowest_free = ~taken & (taken + 1);
+      used[bodies.a] |= lowest_free;
+      used[bodies.b] |= lowest_free;
+      std::uint8_t c = 0;
+      while ((lowest_free >> c) != 1) ++c;
+      colour[contact] = c;
+      return;
+    }
+    atomic_max(&bids[bodies.a], mine);
+    atomic_max(&bids[bodies.b], mine);
+    atomic_store(&cleared[bodies.a], 0);
+    atomic_store(&cleared[bodies.b], 0);
+    atomic_store(pending_next, control->contacts);
+  }
+};
+static_assert(Colouring::colours == 32, "one bit of a word per colour");
+
+/// Where each colour starts in the sorted keys: a lower bound.
+struct FindColours {
+  const std::uint8_t* sorted;
+  std::uint32_t size;
+  std::uint32_t *begin, *count;
+  StepControl* control;
+  SIM_HD std::uint32_t lower_bound(std::uint8_t key) const {
+    std::uint32_t low = 0, high = size;
+    while (low < high) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      if (sorted[middle] < key)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    return low;
+  }
+  SIM_HD void operator()(int c) const {
+    const bool split = c == Colouring::colours;
+    begin[c] = lower_bound(static_cast<std::uint8_t>(c));
+    count[c] = lower_bound(split ? unused : static_cast<std::uint8_t>(c + 1)) - begin[c];
+    if (split) control->split_contacts = count[c];
+  }
+};
+
+}  // namespace
+
+Colouring::Colouring(Executor& executor)
+    : executor_(executor),
+      best_(executor, "colouring bids"),
+      used_(executor, "colours used"),
+      pending_(executor, "colouring rounds"),
+      colour_(executor, "contact colours"),
+      sorted_colour_(executor, "sorted contact colours"),
+      contact_(executor, "contact numbers"),
+      order_(executor, "contacts by colour"),
+      begin_(executor, "colour starts"),
+      count_(executor, "colour sizes"),
+      temporary_(executor, "colour sort workspace") {}
+
+void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
+  bodies_ = bodies;
+  const auto contacts = static_cast<std::size_t>(contact_capacity);
+  best_.resize_discarding(3 * static_cast<std::size_t>(bodies));
+  used_.resize_discarding(static_cast<std::size_t>(bodies));
+  pending_.resize_discarding(rounds + 2);
+  colour_.resize_discarding(contacts);
+  sorted_colour_.resize_discarding(contacts);
+  contact_.resize_discarding(contacts);
+  order_.resize_discarding(contacts);
+  begin_.resize_discarding(colours + 1);
+  count_.resize_discarding(colours + 1);
+  temporary_.resize_discarding(sort_temporary_bytes<std::uint8_t>(executor_, contact_capacity, key_bits));
+}
+
+void Colouring::colour(const Pair* contacts, StepControl* control) {
+  const auto capacity = static_cast<std::int64_t>(order_.size());
+  const auto bodies = static_cast<std::uint32_t>(bodies_);
+  executor_.run("colour", bodies_, ClearBodies{best_.data(), used_.data(), bodies});
+  executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data()});
+  executor_.run("colour", rounds + 2, ClearRounds{control, pending_.data()});
+  const auto bids = [&](int round) { return best_.data() + static_cast<std::size_t>(round % 3) * bodies; };
+  for (int round = 0; round <= rounds; ++round)
+    executor_.run("colour", Count(pending_.data() + round, capacity),
+                  Round{contacts, control, bids(round), bids(round + 1), bids(round + 2), used_.data(),
+                        colour_.data(), pending_.data() + round + 1, round == 0});
+  sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
+              order_.data(), temporary_.data(), temporary_.bytes());
+  executor_.run("colour", colours + 1,
+                FindColours{sorted_colour_.data(), static_cast<std::uint32_t>(capacity), begin_.data(),
+                            count_.data(), control});
+}
+
+}  // namespace collidoscope

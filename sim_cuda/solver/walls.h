@@ -1,0 +1,79 @@
+#pragma once
+// Spheres against planes that never move: the six faces of the box, and half-space obstacles.
+//
+// A body that would be beyond a plane at the end of the step bounces now, at most h |v| before it touches;
+// one that has too little speed to bounce is given just what keeps it on the plane once gravity has acted. So
+// spheres never enter a wall, however fast (planes at right angles, as the box's, do not undo each other).
+// The energy of body and gravity over the whole step does not rise: a bounce keeps e <= 1 of the speed; a
+// body kept at gap s ends on the plane at speed s/h, and s^2/h^2 / 2 <= v^2 / 2 + g s wherever it would have
+// crossed (convex in s, true at both ends).
+
+#include <cstdint>
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/solver/restitution.h"
+
+namespace collidoscope {
+
+/// Bodies stay where normal . x >= offset.
+template <class Real>
+struct WallPlane {
+  Vector3<Real> normal;  ///< unit
+  Real offset;           ///< m
+  Real restitution;      ///< 0 to 1
+};
+
+/// Obstacles first, then the box's faces, so that the box has the last word.
+template <class Real>
+struct ResolveWalls {
+  BodyView<Real> bodies;
+  const WallPlane<Real>* planes;
+  int plane_count;
+  Restitution<Real> restitution;
+  Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
+  Real h;                 ///< s
+  WallLedger* ledger;
+  const StepControl* control;
+
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    Vector3<Real> x = bodies.position[body], v = bodies.velocity[body];
+    const Real r = bodies.radius[body], m = bodies.mass[body];
+    bool moved = false, hit = false;
+    for (int p = 0; p < plane_count; ++p) {
+      const WallPlane<Real> plane = planes[p];
+      Real gap = plane.normal.dot(x) - plane.offset - r;
+      if (gap < 0) {
+        // Nothing behind a wall can push back, so the whole depth goes at once; at most a radius a step.
+        const Real push = min_of(-gap, r);
+        const Vector3<Real> shift = push * plane.normal;
+        x += shift;
+        gap += push;
+        moved = true;
+        const Real work = -m * gravity.dot(shift);
+        ledger[body].push_work += static_cast<double>(work);
+      }
+      const Real speed = plane.normal.dot(v), pull = h * plane.normal.dot(gravity);
+      if (!(gap + h * (speed + pull) < 0)) continue;
+      const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(body)),
+                                         plane.restitution, -speed);
+      const Real bounce = speed < 0 ? -e * speed : Real(0);
+      const Real stay = -max_of(gap, Real(0)) / h - pull;
+      const Real target = max_of(bounce, stay);
+      if (!(target > speed)) continue;
+      const Vector3<Real> change = (target - speed) * plane.normal;
+      v += change;
+      hit = true;
+      WallLedger& book = ledger[body];
+      book.impulse += static_cast<double>(m * (target - speed));
+      for (int k = 0; k < 3; ++k) book.vector[k] += static_cast<double>(m * change[k]);
+    }
+    if (moved) bodies.position[body] = x;
+    if (hit) bodies.velocity[body] = v;
+  }
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,261 @@
+#include "sim_cuda/world.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/pipeline.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+
+namespace {
+
+constexpr std::int64_t max_list = 2147483647;  // pairs and contacts are counted in 32 bits
+
+void require_valid(const Scene& scene) {
+  std::vector<std::string> lines;
+  for (const Fault& fault : validate(scene))
+    lines.push_back(scene.name + ": " + fault.path + ": " + fault.message);
+  if (!lines.empty()) throw InputError(lines);
+}
+
+/// About four times what a packing of such spheres shows, so that most scenes never grow.
+std::int64_t first_guess(std::int64_t bodies) { return std::max<std::int64_t>(1024, 4 * bodies); }
+
+std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what, std::size_t bytes_each) {
+  if (needed <= static_cast<std::uint64_t>(capacity)) return capacity;
+  if (needed > static_cast<std::uint64_t>(max_list))
+    throw MachineError("a step found " + std::to_string(needed) + ' ' + what + ", which would take " +
+                       std::to_string(needed * bytes_each) + " bytes; this build counts up to " +
+                       std::to_string(max_list) +
+                       ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
+  return std::min<std::int64_t>(max_list, static_cast<std::int64_t>(needed + needed / 2));
+}
+
+}  // namespace
+
+struct World::Impl {
+  Impl(const Scene& s, const RunOptions& options) : scene(s), executor(options) {
+    require_valid(scene);
+    initial = initial_bodies(scene);
+    effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
+    pipeline = make_pipeline(executor, scene, initial, effects);
+    const std::int64_t guess = options.initial_pair_capacity > 0
+                                   ? options.initial_pair_capacity
+                                   : first_guess(static_cast<std::int64_t>(initial.size()));
+    reserve({std::min(guess, max_list), std::min(guess, max_list)});
+  }
+
+  void reserve(Capacity capacity) {
+    plain.reset();
+    instrumented.reset();
+    executor.synchronize();
+    pipeline->reserve(capacity);
+  }
+
+  /// After an overflow: grows what was too small. Returns whether there was one.
+  bool grow() {
+    const StepControl control = pipeline->control();
+    if (!control.overflow) return false;
+    const Capacity now = pipeline->capacity();
+    reserve({grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
+             grown(control.contacts_needed, now.contacts, "contacts", 64)});
+    pipeline->clear_overflow();
+    return true;
+  }
+
+  StepGraph& graph(bool with_events) {
+    std::unique_ptr<StepGraph>& wanted = with_events ? instrumented : plain;
+    if (!wanted) wanted = std::make_unique<StepGraph>(executor, with_events, [this] { pipeline->run(); });
+    return *wanted;
+  }
+
+  /// Runs until `target` pipeline runs are committed; false where an overflow stopped it before.
+  bool run_plain(std::uint32_t target);
+  bool run_instrumented(std::uint32_t target);
+
+  Scene scene;
+  Executor executor;  // before everything that lives on it
+  InitialBodies initial;
+  Effects effects;
+  std::unique_ptr<Pipeline> pipeline;
+  std::unique_ptr<StepGraph> plain, instrumented;
+  std::int64_t steps = 0;
+  std::uint32_t committed = 0;  // pipeline runs, modulo 2^32
+  bool detected = false;        // pairs and contacts are those of the current state
+  std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
+};
+
+bool World::Impl::run_instrumented(std::uint32_t target) {
+  while (committed != target) {
+    StepGraph& g = graph(true);
+    g.launch();
+    executor.synchronize();
+    const StepControl control = pipeline->control();
+    if (control.overflow) {
+      executor.clock().discard_step();
+      return false;
+    }
+    committed = control.committed;
+    g.collect();
+  }
+  executor.clock().commit_step();
+  return true;
+}
+
+bool World::Impl::run_plain(std::uint32_t target) {
+  StepGraph& g = graph(false);
+  const bool whole = target - committed == static_cast<std::uint32_t>(scene.physics.substeps);
+  const auto start = std::chrono::steady_clock::now();
+#if SIM_CUDA
+  cudaEvent_t begin = nullptr, end = nullptr;
+  if (executor.on_device()) {
+    check(cudaEventCreate(&begin), "create an event");
+    check(cudaEventCreate(&end), "create an event");
+    check(cudaEventRecord(begin, executor.stream()), "record an event");
+  }
+#endif
+  for (std::uint32_t run = committed; run != target; ++run) g.launch();
+  double milliseconds = 0;
+#if SIM_CUDA
+  if (executor.on_device()) {
+    check(cudaEventRecord(end, executor.stream()), "record an event");
+    executor.synchronize();
+    float elapsed = 0;
+    check(cudaEventElapsedTime(&elapsed, begin, end), "read the time of a step");
+    milliseconds = static_cast<double>(elapsed);
+    cudaEventDestroy(begin);
+    cudaEventDestroy(end);
+  }
+#endif
+  if (!executor.on_device())
+    milliseconds =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  const StepControl control = pipeline->control();
+  committed = control.committed;
+  if (control.overflow) return false;
+  if (whole) executor.clock().add_plain_step(milliseconds);
+  return true;
+}
+
+World::World(const Scene& scene, const RunOptions& options) : impl_(std::make_unique<Impl>(scene, options)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+const Scene& World::scene() const { return impl_->scene; }
+const InitialBodies& World::initial() const { return impl_->initial; }
+const RunOptions& World::options() const { return impl_->executor.options(); }
+Effects World::effects() const { return impl_->effects; }
+bool World::on_gpu() const { return impl_->executor.on_device(); }
+int World::gpu() const { return impl_->executor.gpu(); }
+std::string World::device_name() const { return impl_->executor.device_name(); }
+std::int64_t World::allocated_bytes() const { return impl_->executor.allocated_bytes(); }
+LaunchShape World::launch_shape() const { return impl_->executor.options().shape; }
+std::int64_t World::steps() const { return impl_->steps; }
+
+void World::step(int count) {
+  Impl& w = *impl_;
+  for (int k = 0; k < count; ++k) {
+    const bool with_events = w.steps % 2 == 1;
+    const std::uint32_t target = w.committed + static_cast<std::uint32_t>(w.scene.physics.substeps);
+    w.detected = false;
+    while (!(with_events ? w.run_instrumented(target) : w.run_plain(target))) w.grow();
+    ++w.steps;
+  }
+}
+
+RunTimes World::times() const {
+  RunTimes times = impl_->executor.clock().times();
+  std::erase_if(times.stages, [](const StageTime& s) {
+    return s.name == "measure" || s.name == "hash" || s.name == "publish";
+  });
+  for (StageTime& s : times.stages) s.launches *= impl_->scene.physics.substeps;
+  return times;
+}
+
+void World::detect() {
+  Impl& w = *impl_;
+  if (w.detected) return;
+  do w.pipeline->detect();
+  while (w.grow());
+  w.detected = true;
+}
+
+StepStats World::measure() {
+  Impl& w = *impl_;
+  StepControl last = w.pipeline->control();
+  detect();
+  if (w.steps == 0) {
+    last = w.pipeline->control();
+    last.pairs_committed = last.pairs;
+    last.contacts_committed = last.contacts;
+    last.split_committed = 0;
+  }
+  StepStats stats;
+  stats.step = w.steps;
+  stats.bodies = static_cast<std::int64_t>(w.initial.size());
+  stats.pairs = last.pairs_committed;
+  stats.contacts = last.contacts_committed;
+  stats.split_contacts = last.split_committed;
+  w.pipeline->measure(stats);
+  return stats;
+}
+
+std::uint64_t World::state_hash() { return impl_->pipeline->state_hash(); }
+BodyStates World::bodies() { return impl_->pipeline->bodies(); }
+std::vector<std::pair<std::uint32_t, std::uint32_t>> World::pairs() { return impl_->pipeline->pairs(); }
+
+int World::tree_level_count() { return impl_->pipeline->broad_phase().tree().levels; }
+
+TreeLevels World::tree_levels() {
+  Impl& w = *impl_;
+  const TreeView tree = w.pipeline->broad_phase().tree();
+  TreeLevels levels;
+  for (int level = tree.levels - 1; level >= 0; --level) {
+    static_assert(sizeof(TreeLevels::Box) == sizeof(Aabb));
+    std::vector<TreeLevels::Box> boxes(tree.size[level]);
+    w.executor.copy_to_host(boxes.data(), tree.nodes + tree.first[level], boxes.size() * sizeof(Aabb));
+    levels.levels.push_back(std::move(boxes));
+  }
+  return levels;
+}
+
+PublishCounts World::publish_counts(int first_level, int last_level) {
+  Impl& w = *impl_;
+  const TreeView tree = w.pipeline->broad_phase().tree();
+  PublishCounts counts;
+  counts.bodies = static_cast<std::int64_t>(w.initial.size());
+  for (int depth = std::max(0, first_level); depth <= last_level && depth < tree.levels; ++depth)
+    counts.boxes += tree.size[tree.levels - 1 - depth];
+  counts.contacts = w.pipeline->control().contacts;
+  return counts;
+}
+
+void World::publish(const PublishTarget& target) {
+  Impl& w = *impl_;
+  const PublishCounts counts = publish_counts(target.first_level, target.last_level);
+  if ((target.bodies != nullptr && target.body_capacity < counts.bodies) ||
+      (target.boxes != nullptr && target.box_capacity < counts.boxes) ||
+      (target.contacts != nullptr && target.contact_capacity < counts.contacts))
+    throw std::logic_error("publish: the target is smaller than publish_counts() says");
+  w.pipeline->publish(target);
+  w.executor.synchronize();
+}
+
+void* World::scratch(std::size_t bytes, int slot) {
+  Impl& w = *impl_;
+  while (w.scratch.size() <= static_cast<std::size_t>(slot))
+    w.scratch.push_back(std::make_unique<Buffer<std::byte>>(w.executor, "scratch of the renderer"));
+  Buffer<std::byte>& buffer = *w.scratch[static_cast<std::size_t>(slot)];
+  if (buffer.size() < bytes) buffer.resize_discarding(bytes);
+  return buffer.data();
+}
+
+void World::copy_to_host(void* host, const void* source, std::size_t bytes) {
+  impl_->executor.copy_to_host(host, source, bytes);
+}
+
+}  // namespace collidoscope
