@@ -1,0 +1,95 @@
+// What all passes share. Kept in step with FrameUniforms in viewer/render/frame_uniforms.h.
+// World: metres, z up. View: x right, y up, z towards the eye. Depth is reversed: 1 at the near plane, 0 far away.
+
+layout(std140, binding = 0) uniform Frame {
+  mat4 view;
+  mat4 projection;
+  mat4 inverse_view;
+  mat4 light_clip;       // world to the clip space of the key light's shadow map
+  vec4 pixels;           // width, height, 1 / width, 1 / height of what is drawn into
+  vec4 lens;             // half extents of the picture at distance 1 (orthographic: in m), 1 if perspective, near
+  vec4 key;              // towards the key light, world; w: width of the shadow map, m
+  vec4 values;           // least value, 1 / (greatest - least), 1 if coloured by id, drawn pixels per picture pixel
+  vec4 ground;           // centre x, y, height z, radius at which the floor has faded; radius 0: none
+  vec4 scale;            // reach of ambient occlusion m, grid spacing m, unused, unused
+  vec4 level_colors[8];  // of the hierarchy's levels, repeating
+};
+
+struct Ray {
+  vec3 origin, direction;  // view space; direction of unit length
+};
+
+Ray ray_through(vec2 pixel) {
+  vec2 at = (pixel * pixels.zw * 2.0 - 1.0) * lens.xy;
+  if (lens.z > 0.5) return Ray(vec3(0.0), normalize(vec3(at, -1.0)));
+  return Ray(vec3(at, 0.0), vec3(0.0, 0.0, -1.0));
+}
+
+// Distance along the ray to the near side of a sphere, or -1: missed, or the eye is inside. The distance of the
+// centre from the ray is taken first, which keeps its digits for small spheres far away.
+float hit_sphere(Ray ray, vec3 center, float radius) {
+  vec3 to_center = center - ray.origin;
+  float along = dot(to_center, ray.direction);
+  vec3 across = to_center - along * ray.direction;
+  float inside = radius * radius - dot(across, across);
+  if (inside < 0.0) return -1.0;
+  float hit = along - sqrt(inside);
+  return hit > lens.w ? hit : -1.0;
+}
+
+float depth_of(vec3 view_point) {
+  vec4 clip = projection * vec4(view_point, 1.0);
+  return clip.z / clip.w;
+}
+
+vec3 view_point(vec2 pixel, float depth) {
+  vec2 at = (pixel * pixels.zw * 2.0 - 1.0) * lens.xy;
+  if (lens.z > 0.5) {
+    float distance = projection[3][2] / depth;
+    return vec3(at * distance, -distance);
+  }
+  return vec3(at, (depth - projection[3][2]) / projection[2][2]);
+}
+
+vec3 to_linear(vec3 srgb) { return pow(srgb, vec3(2.2)); }
+vec3 to_srgb(vec3 linear_light) { return pow(max(linear_light, 0.0), vec3(1.0 / 2.2)); }
+
+// One corner (0 to 5: two triangles) of the quad that draws a line `half_width` drawn pixels wide to each side,
+// with a pixel of room for its soft edge. `across` runs over the width, in drawn pixels, 0 on the line.
+vec4 line_corner(vec3 from, vec3 to, float half_width, int corner, out float across) {
+  const int order[6] = int[6](0, 1, 2, 2, 1, 3);
+  int i = order[corner];
+  vec4 a = projection * (view * vec4(from, 1.0)), b = projection * (view * vec4(to, 1.0));
+  float room_a = a.w - 1.001 * a.z, room_b = b.w - 1.001 * b.z;  // > 0 beyond the near plane
+  across = 0.0;
+  if (room_a <= 0.0 && room_b <= 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
+  if (room_a < 0.0) a = mix(a, b, room_a / (room_a - room_b));
+  if (room_b < 0.0) b = mix(b, a, room_b / (room_b - room_a));
+  vec2 screen_a = a.xy / a.w * pixels.xy * 0.5, screen_b = b.xy / b.w * pixels.xy * 0.5;
+  vec2 direction = screen_b - screen_a;
+  float length_px = length(direction);
+  direction = length_px > 1e-4 ? direction / length_px : vec2(1.0, 0.0);
+  float reach = half_width + 1.0;
+  across = (i & 1) == 0 ? -reach : reach;
+  vec4 end = (i >> 1) == 0 ? a : b;
+  float cap = (i >> 1) == 0 ? -half_width : half_width;
+  vec2 offset = across * vec2(-direction.y, direction.x) + cap * direction;
+  end.xy += offset * 2.0 * pixels.zw * end.w;
+  return end;
+}
+
+// How much of a pixel a line covers.
+float line_coverage(float across, float half_width) {
+  return clamp(half_width + 0.5 - abs(across), 0.0, 1.0) * min(1.0, 2.0 * half_width);
+}
+
+// A body's colour: of its value by the map in `colors`, or of its id: neighbours in number lie far apart on the
+// colour wheel, by steps of the golden angle.
+vec3 body_color(sampler2D colors, float value, uint id) {
+  if (values.z > 0.5) {
+    float turn = fract(float(id % 4096u) * 0.618034) * 6.2831853;
+    return 0.58 + 0.30 * cos(turn - vec3(0.0, 2.0944, 4.1888));
+  }
+  float at = clamp((value - values.x) * values.y, 0.0, 1.0);
+  return textureLod(colors, vec2((at * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb;
+}

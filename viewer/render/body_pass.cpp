@@ -1,0 +1,80 @@
+#include "viewer/render/body_pass.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "viewer/render/gl/errors.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr const char* definitions[] = {"#define SURFACE\n", "#define IDS\n", "#define SHADOW\n"};
+
+struct MeshVertex {
+  float position[3], normal[3];
+};
+
+using Input = gl::VertexLayout::Input;
+constexpr Input center_radius{0, 4, offsetof(BodyInstance, center)};
+constexpr Input orientation{1, 4, offsetof(BodyInstance, orientation)};
+constexpr Input value{2, 1, offsetof(BodyInstance, value)};
+constexpr Input id{3, 1, offsetof(BodyInstance, id), true};
+
+}  // namespace
+
+BodyPass::BodyPass()
+    : sphere_layout_{center_radius, value, id},
+      mesh_layout_{center_radius,
+                   orientation,
+                   value,
+                   id,
+                   {4, 3, offsetof(MeshVertex, position), false, true},
+                   {5, 3, offsetof(MeshVertex, normal), false, true}},
+      vertices_("mesh vertices") {
+  for (const char* definition : definitions) {
+    spheres_.emplace_back("sphere.vert", "sphere.frag", definition);
+    meshes_.emplace_back("mesh.vert", "mesh.frag", definition);
+  }
+}
+
+void BodyPass::set_scene(const FrameScene& scene) {
+  runs_ = scene.runs;
+  ranges_.clear();
+  std::vector<MeshVertex> vertices;
+  for (const Mesh& mesh : scene.meshes) {
+    ranges_.push_back({static_cast<GLint>(vertices.size()), static_cast<GLsizei>(3 * mesh.faces.size())});
+    for (const auto& face : mesh.faces) {
+      const Vector3d a = mesh.vertices[face[0]], b = mesh.vertices[face[1]], c = mesh.vertices[face[2]];
+      const Vector3f normal = (b - a).cross(c - a).normalized().cast<float>();
+      for (const Vector3d& corner : {a, b, c}) {
+        const Vector3f at = corner.cast<float>();
+        vertices.push_back({{at.x(), at.y(), at.z()}, {normal.x(), normal.y(), normal.z()}});
+      }
+    }
+  }
+  vertices_.upload(vertices.data(), vertices.size() * sizeof(MeshVertex));
+}
+
+void BodyPass::draw(const InstanceBuffers& instances, Output output, GLuint colors) const {
+  glBindTextureUnit(0, colors);
+  const std::size_t variant = static_cast<std::size_t>(output);
+  for (const FrameScene::Run& run : runs_) {
+    const std::int64_t count = std::min(run.count, instances.counts.bodies - run.first);
+    if (count <= 0) continue;
+    const auto first = static_cast<GLuint>(run.first);
+    if (run.mesh == 0) {
+      spheres_[variant].use();
+      sphere_layout_.bind(instances.bodies.get(), sizeof(BodyInstance));
+      glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count), first);
+    } else {
+      const Range& range = ranges_.at(run.mesh - 1);
+      meshes_[variant].use();
+      mesh_layout_.bind(instances.bodies.get(), sizeof(BodyInstance), vertices_.get(), sizeof(MeshVertex));
+      glDrawArraysInstancedBaseInstance(GL_TRIANGLES, range.first, range.count, static_cast<GLsizei>(count),
+                                        first);
+    }
+  }
+  gl::check("to draw " + std::to_string(instances.counts.bodies) + " bodies");
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,58 @@
+#include "viewer/render/colors.h"
+
+#include <algorithm>
+
+namespace collidoscope {
+
+const std::array<Rgb, 256>& color_map() {
+  // Viridis (Smith, van der Walt and Firing 2015), as the polynomial of degree six fitted by M. Zucker. Its
+  // darkest tenth is left out: it would drown in the backdrop.
+  static const std::array<Rgb, 256> map = [] {
+    static constexpr double c[7][3] = {{0.2777273272234177, 0.005407344544966578, 0.3340998053353061},
+                                       {0.1050930431085774, 1.404613529898575, 1.384590162594685},
+                                       {-0.3308618287255563, 0.214847559468213, 0.09509516302823659},
+                                       {-4.634230498983486, -5.799100973351585, -19.33244095627987},
+                                       {6.228269936347081, 14.17993336680509, 56.69055260068105},
+                                       {4.776384997670288, -13.74514537774601, -65.35303263337234},
+                                       {-5.435455855934631, 4.645852612178535, 26.3124352495832}};
+    std::array<Rgb, 256> result;
+    for (int i = 0; i < 256; ++i) {
+      const double t = 0.1 + 0.9 * i / 255;
+      double value[3];
+      for (int k = 0; k < 3; ++k) {
+        double sum = 0;
+        for (int n = 6; n >= 0; --n) sum = sum * t + c[n][k];
+        value[k] = std::clamp(sum, 0.0, 1.0);
+      }
+      result[static_cast<std::size_t>(i)] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
+                                             static_cast<float>(value[2])};
+    }
+    return result;
+  }();
+  return map;
+}
+
+Rgb level_color(int level) {
+  static constexpr Rgb palette[8] = {{0.95f, 0.96f, 0.98f}, {1.00f, 0.62f, 0.26f}, {0.35f, 0.80f, 1.00f},
+                                     {1.00f, 0.86f, 0.30f}, {0.80f, 0.62f, 1.00f}, {0.45f, 0.95f, 0.60f},
+                                     {1.00f, 0.52f, 0.70f}, {0.62f, 0.92f, 0.92f}};
+  return palette[level & 7];
+}
+
+ColorMeaning color_meaning(BodyColor color) {
+  switch (color) {
+    case BodyColor::speed:
+      return {"speed", "m/s"};
+    case BodyColor::radius:
+      return {"radius", "m"};
+    case BodyColor::id:
+      return {"id", ""};
+    case BodyColor::contacts:
+      return {"contacts of a body", ""};
+    case BodyColor::order:
+      return {"place in the tree's order", ""};
+  }
+  return {"", ""};
+}
+
+}  // namespace collidoscope

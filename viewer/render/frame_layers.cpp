@@ -1,0 +1,84 @@
+#include "viewer/render/frame_layers.h"
+
+#include <charconv>
+#include <vector>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+// A level from all of `text`: 0 to 63.
+bool parse_level(std::string_view text, int& level) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
+  return error == std::errc{} && end == text.data() + text.size() && level >= 0 && level <= 63;
+}
+
+// `bvh`, `bvh:A` or `bvh:A-B`.
+bool parse_boxes(std::string_view text, FrameLayers& layers) {
+  layers.boxes = true;
+  if (text == "bvh") return true;
+  text.remove_prefix(4);
+  const std::size_t dash = text.find('-');
+  if (!parse_level(text.substr(0, dash), layers.first_level)) return false;
+  layers.last_level = layers.first_level;
+  if (dash != text.npos && !parse_level(text.substr(dash + 1), layers.last_level)) return false;
+  return layers.first_level <= layers.last_level;
+}
+
+}  // namespace
+
+FrameLayers parse_layers(const std::string& text, const std::string& where) {
+  FrameLayers layers;
+  std::vector<std::string> faults;
+  std::size_t from = 0;
+  while (from <= text.size()) {
+    const std::size_t to = std::min(text.find(',', from), text.size());
+    const std::string name = text.substr(from, to - from);
+    from = to + 1;
+    if (name == "spheres") {
+      layers.spheres = true;
+    } else if (name == "contacts") {
+      layers.contacts = true;
+    } else if (name == "grid" || name == "no-grid") {
+      layers.grid = name == "grid";
+    } else if (name == "walls" || name == "no-walls") {
+      layers.walls = name == "walls";
+    } else if (name == "overlay" || name == "no-overlay") {
+      layers.overlay = name == "overlay";
+    } else if (name == "bvh" || name.starts_with("bvh:")) {
+      if (layers.boxes)
+        faults.push_back(where + ": '" + name + "': a second range of levels; give one, such as bvh:2-5");
+      else if (!parse_boxes(name, layers))
+        faults.push_back(
+            where + ": '" + name +
+            "': not a range of levels; bvh, bvh:A or bvh:A-B with 0 <= A <= B <= 63, such as bvh:2-5");
+    } else if (name == "ui") {
+      faults.push_back(where +
+                       ": 'ui': the panels arrive with the viewer; leave it out, text comes with 'overlay'");
+    } else {
+      faults.push_back(
+          where + ": '" + name +
+          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, grid, walls, overlay, no-grid, "
+          "no-walls, no-overlay");
+    }
+  }
+  if (!faults.empty()) throw InputError(faults);
+  return layers;
+}
+
+BodyColor parse_body_color(const std::string& text, const std::string& where) {
+  static constexpr struct {
+    const char* name;
+    BodyColor color;
+  } names[] = {{"speed", BodyColor::speed},
+               {"radius", BodyColor::radius},
+               {"id", BodyColor::id},
+               {"contacts", BodyColor::contacts},
+               {"order", BodyColor::order}};
+  for (const auto& known : names)
+    if (text == known.name) return known.color;
+  throw InputError(where + ": '" + text + "': unknown colour; one of speed, radius, id, contacts, order");
+}
+
+}  // namespace collidoscope

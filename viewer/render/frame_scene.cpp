@@ -1,0 +1,63 @@
+#include "viewer/render/frame_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collidoscope {
+namespace {
+
+// 1, 2 or 5 times a power of ten, near an eighth of the scene's width.
+double round_spacing(double width) {
+  const double rough = std::max(width, 1e-9) / 8;
+  const double power = std::pow(10, std::floor(std::log10(rough)));
+  for (double step : {1.0, 2.0, 5.0})
+    if (rough <= 1.5 * step * power) return step * power;
+  return 10 * power;
+}
+
+Bounds bounds_of(const InitialBodies& bodies) {
+  Bounds bounds;
+  if (bodies.size() == 0) return bounds;
+  bounds.min.setConstant(1e300);
+  bounds.max.setConstant(-1e300);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vector3d reach = Vector3d::Constant(bodies.radius[i]);
+    bounds.min = bounds.min.cwiseMin(bodies.position[i] - reach);
+    bounds.max = bounds.max.cwiseMax(bodies.position[i] + reach);
+  }
+  return bounds;
+}
+
+}  // namespace
+
+FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
+  FrameScene result;
+  result.box = bodies.box;
+  result.bounds = bodies.box ? Bounds{bodies.box->min, bodies.box->max} : bounds_of(bodies);
+  result.floor = result.bounds.min.z();
+  if (!bodies.box) {
+    // A floor among the obstacles is where the grid belongs; the highest one if there are several.
+    bool found = false;
+    for (const Plane& plane : scene.obstacles) {
+      if (plane.normal.z() < 0.999 * plane.normal.norm()) continue;
+      result.floor = found ? std::max(result.floor, plane.offset) : plane.offset;
+      found = true;
+    }
+    result.bounds.min.z() = std::min(result.bounds.min.z(), result.floor);
+  }
+  const Vector3d size = result.bounds.max - result.bounds.min;
+  result.grid_spacing = round_spacing(std::max(size.x(), size.y()));
+  double sum = 0;
+  for (double radius : bodies.radius) sum += radius;
+  if (bodies.size()) result.body_size = sum / static_cast<double>(bodies.size());
+  result.meshes = bodies.meshes;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::uint32_t mesh = bodies.mesh.empty() ? 0 : bodies.mesh[i];
+    if (result.runs.empty() || result.runs.back().mesh != mesh)
+      result.runs.push_back({mesh, static_cast<std::int64_t>(i), 0});
+    ++result.runs.back().count;
+  }
+  return result;
+}
+
+}  // namespace collidoscope

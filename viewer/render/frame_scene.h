@@ -1,0 +1,32 @@
+#pragma once
+// What pictures of a scene need to know and what does not change from state to state. Plain data, made once.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sim_cuda/scene/initial_bodies.h"
+#include "viewer/render/orbit_camera.h"
+
+namespace collidoscope {
+
+struct FrameScene {
+  /// Bodies that follow each other in the published array and are drawn alike. (World::publish() writes body
+  /// i to place i, and the mesh of a body never changes.)
+  struct Run {
+    std::uint32_t mesh = 0;  ///< 0: spheres; k: meshes[k - 1]
+    std::int64_t first = 0, count = 0;
+  };
+
+  Bounds bounds;             ///< of the box, else of the bodies at state 0
+  std::optional<Box> box;    ///< whose edges are the walls
+  double floor = 0;          ///< m, height of the grid
+  double grid_spacing = 10;  ///< m, a round number
+  double body_size = 1;      ///< m, mean radius
+  std::vector<Mesh> meshes;
+  std::vector<Run> runs;
+};
+
+FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies);
+
+}  // namespace collidoscope

@@ -1,0 +1,32 @@
+#pragma once
+// The uniform block of all shaders (assets/shaders/frame.glsl), and how a camera and a scene fill it.
+
+#include "viewer/render/frame_scene.h"
+#include "viewer/render/gl/buffer.h"
+#include "viewer/render/orbit_camera.h"
+
+namespace collidoscope {
+
+/// std140: every member is a multiple of 16 bytes.
+struct FrameUniforms {
+  float view[16], projection[16], inverse_view[16], light_clip[16];
+  float pixels[4], lens[4], key[4], values[4], ground[4], scale[4];
+  float level_colors[8][4];
+};
+static_assert(sizeof(FrameUniforms) == 4 * 64 + 6 * 16 + 8 * 16);
+
+/// The range of BodyInstance::value that the colour map spans.
+struct ValueRange {
+  double min = 0, max = 1;
+};
+
+/// `width` x `height` pixels are drawn, `scale` x `scale` of them for each pixel of the picture.
+FrameUniforms camera_uniforms(const OrbitCamera& camera, const FrameScene& scene, int width, int height,
+                              int scale);
+/// The same for the shadow map: the key light looks at all of the scene.
+FrameUniforms light_uniforms(const FrameScene& scene, int size);
+/// Tells the camera's block where the light's map lies, and which values the colours span.
+void set_light(FrameUniforms& camera, const FrameUniforms& light);
+void set_values(FrameUniforms& uniforms, const ValueRange& range, bool by_id);
+
+}  // namespace collidoscope

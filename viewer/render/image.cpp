@@ -1,0 +1,83 @@
+#include "viewer/render/image.h"
+
+#include <png.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+// libpng leaves through longjmp, so nothing with a destructor may be made between setjmp and the last call.
+bool write_rows(std::FILE* file, const Image& image, const std::uint8_t* rgb) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  if (!info || setjmp(png_jmpbuf(png))) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_init_io(png, file);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
+               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(png, info);
+  for (int y = 0; y < image.height; ++y)
+    png_write_row(png, rgb + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 3);
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+}  // namespace
+
+void write_png(const Image& image, const std::string& file) {
+  std::vector<std::uint8_t> rgb;
+  rgb.reserve(image.rgba.size() / 4 * 3);
+  for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4)
+    rgb.insert(rgb.end(), image.rgba.begin() + static_cast<std::ptrdiff_t>(i),
+               image.rgba.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+  const std::string part = file + "." + std::to_string(getpid()) + ".part";
+  const auto refuse = [&](const std::string& why) {
+    std::remove(part.c_str());
+    return MachineError("picture '" + file + "' cannot be written: " + why);
+  };
+  File out(std::fopen(part.c_str(), "wb"));
+  if (!out) throw refuse(std::strerror(errno));
+  errno = 0;
+  bool whole = write_rows(out.get(), image, rgb.data());
+  whole = std::fflush(out.get()) == 0 && whole;
+  const int code = errno;
+  whole = std::fclose(out.release()) == 0 && whole;
+  if (!whole) throw refuse(code ? std::strerror(code) : "libpng failed");
+  if (std::rename(part.c_str(), file.c_str()) != 0) throw refuse(std::strerror(errno));
+}
+
+Image read_png(const std::string& file) {
+  File in(std::fopen(file.c_str(), "rb"));
+  if (!in) throw InputError(file + ": " + std::strerror(errno) + "; a PNG picture is needed");
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  if (!png_image_begin_read_from_stdio(&png, in.get()))
+    throw InputError(file + ": " + png.message + "; a PNG picture is needed");
+  png.format = PNG_FORMAT_RGBA;
+  Image image{static_cast<int>(png.width), static_cast<int>(png.height), {}};
+  image.rgba.resize(PNG_IMAGE_SIZE(png));
+  if (!png_image_finish_read(&png, nullptr, image.rgba.data(), 0, nullptr)) {
+    const std::string why = png.message;
+    png_image_free(&png);
+    throw InputError(file + ": " + why + "; a whole PNG picture is needed");
+  }
+  return image;
+}
+
+}  // namespace collidoscope

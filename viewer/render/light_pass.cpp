@@ -1,0 +1,69 @@
+#include "viewer/render/light_pass.h"
+
+#include "viewer/render/gl/errors.h"
+
+namespace collidoscope {
+
+LightPass::LightPass()
+    : occlusion_("fullscreen.vert", "occlusion.frag"),
+      blur_("fullscreen.vert", "occlusion_blur.frag"),
+      lighting_("fullscreen.vert", "lighting.frag"),
+      nothing_{},
+      shadow_("shadow map", shadow_size, shadow_size, {}, GL_DEPTH_COMPONENT32F) {
+  const GLuint map = shadow_.depth();
+  glTextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glTextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed
+  glTextureParameteri(map, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(map, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+}
+
+void LightPass::resize(int width, int height) {
+  if (rough_ && rough_->width() == width && rough_->height() == height) return;
+  rough_.emplace("occlusion", width, height, std::vector<GLenum>{GL_R16F}, 0);
+  smooth_.emplace("smooth occlusion", width, height, std::vector<GLenum>{GL_R16F}, 0);
+}
+
+void LightPass::draw_shadows(const gl::Buffer& light_uniforms, const BodyPass& bodies,
+                             const InstanceBuffers& instances, bool any_bodies, GLuint colors) const {
+  shadow_.bind();
+  glDepthMask(GL_TRUE);
+  const float farthest = 0;
+  glClearNamedFramebufferfv(shadow_.framebuffer(), GL_DEPTH, 0, &farthest);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, light_uniforms.get());
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  if (any_bodies) bodies.draw(instances, BodyPass::Output::shadow, colors);
+  gl::check("to draw the shadow map");
+}
+
+void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
+  nothing_.bind(0, 0);
+
+  rough_->bind();
+  occlusion_.use();
+  glBindTextureUnit(0, surface.depth());
+  glBindTextureUnit(1, surface.color(1));
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  smooth_->bind();
+  blur_.use();
+  glBindTextureUnit(0, rough_->color());
+  glBindTextureUnit(1, surface.depth());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  lit.bind();
+  lighting_.use();
+  glBindTextureUnit(0, surface.color(0));
+  glBindTextureUnit(1, surface.color(1));
+  glBindTextureUnit(2, surface.depth());
+  glBindTextureUnit(3, smooth_->color());
+  glBindTextureUnit(4, shadow_.depth());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  gl::check("to light the picture");
+}
+
+}  // namespace collidoscope

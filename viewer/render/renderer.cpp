@@ -1,0 +1,166 @@
+#include "viewer/render/renderer.h"
+
+#include <algorithm>
+
+#include "viewer/render/colors.h"
+#include "viewer/render/gl/errors.h"
+
+namespace collidoscope {
+namespace {
+
+gl::TextureHandle color_map_texture() {
+  gl::TextureHandle texture = gl::make_texture("colour map", 256, 1, GL_RGBA8);
+  std::vector<std::uint8_t> texels;
+  const auto to_byte = [](float value) { return static_cast<std::uint8_t>(value * 255 + 0.5f); };
+  for (const Rgb& color : color_map())
+    texels.insert(texels.end(), {to_byte(color.r), to_byte(color.g), to_byte(color.b), 255});
+  glTextureSubImage2D(texture.get(), 0, 0, 0, 256, 1, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  glTextureParameteri(texture.get(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(texture.get(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl::check("the colour map");
+  return texture;
+}
+
+// Rows as OpenGL gives them start at the bottom.
+template <class Texel>
+void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
+  for (int y = 0; y < height / 2; ++y)
+    std::swap_ranges(texels.begin() + static_cast<std::ptrdiff_t>(row) * y,
+                     texels.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1),
+                     texels.begin() + static_cast<std::ptrdiff_t>(row) * (height - 1 - y));
+}
+
+}  // namespace
+
+Renderer::Renderer(int width, int height, int supersampling)
+    : supersampling_(supersampling),
+      floor_("floor.vert", "floor.frag"),
+      resolve_("fullscreen.vert", "resolve.frag"),
+      nothing_{},
+      colors_(color_map_texture()) {
+  resize(width, height);
+}
+
+void Renderer::resize(int width, int height) {
+  if (picture_ && picture_->width() == width && picture_->height() == height) return;
+  const int w = width * supersampling_, h = height * supersampling_;
+  surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
+  // The lit picture has a depth attachment of its own only because a texture cannot be read while bound.
+  lit_.emplace("lit picture", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
+  picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
+  ids_.reset();
+  light_.resize(width, height);
+}
+
+void Renderer::set_scene(const FrameScene& scene) {
+  scene_ = scene;
+  bodies_.set_scene(scene);
+  if (!scene.box) return;
+  BoxInstance walls{};
+  for (int axis = 0; axis < 3; ++axis) {
+    walls.min[axis] = static_cast<float>(scene.box->min[axis]);
+    walls.max[axis] = static_cast<float>(scene.box->max[axis]);
+  }
+  walls_.upload(&walls, sizeof walls);
+}
+
+void Renderer::bind_uniforms(const gl::Buffer& buffer) const {
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, buffer.get());
+}
+
+void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values) {
+  FrameUniforms uniforms =
+      camera_uniforms(camera, scene_, surface_->width(), surface_->height(), supersampling_);
+  const FrameUniforms light = light_uniforms(scene_, LightPass::shadow_size);
+  set_light(uniforms, light);
+  set_values(uniforms, values, layers.color == BodyColor::id);
+  camera_uniforms_.upload(&uniforms, sizeof uniforms);
+  light_uniforms_.upload(&light, sizeof light);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);  // keeps the digits of reversed depth
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_CULL_FACE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+
+  light_.draw_shadows(light_uniforms_, bodies_, instances_, layers.spheres, colors_.get());
+
+  bind_uniforms(camera_uniforms_);
+  surface_->bind();
+  glDepthMask(GL_TRUE);
+  const float nothing[4] = {};
+  glClearNamedFramebufferfv(surface_->framebuffer(), GL_COLOR, 0, nothing);
+  glClearNamedFramebufferfv(surface_->framebuffer(), GL_COLOR, 1, nothing);
+  glClearNamedFramebufferfv(surface_->framebuffer(), GL_DEPTH, 0, nothing);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDisable(GL_BLEND);
+  if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::surface, colors_.get());
+  // Seen from below, the floor would hide everything.
+  if (layers.grid && camera.eye().z() > scene_.floor) {
+    floor_.use();
+    nothing_.bind(0, 0);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+  gl::check("to draw the surfaces");
+
+  light_.draw(*surface_, *lit_);
+
+  // Lines are tested against the depth of the surfaces, on top of the lit picture.
+  glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
+  lit_->bind();
+  if (layers.walls && scene_.box) lines_.draw_walls(walls_);
+  if (layers.boxes)
+    lines_.draw_boxes(instances_.boxes, instances_.counts.boxes, layers.first_level, layers.last_level);
+  if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
+  glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, 0, 0);
+
+  picture_->bind();
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  resolve_.use();
+  nothing_.bind(0, 0);
+  glBindTextureUnit(0, lit_->color());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  gl::check("to draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
+}
+
+Image Renderer::read_picture() const {
+  Image image{width(), height(), {}};
+  image.rgba.resize(static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()) * 4);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureImage(picture_->color(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
+                    image.rgba.data());
+  gl::check("to read the picture back");
+  flip_rows(image.rgba, static_cast<std::size_t>(width()) * 4, height());
+  return image;
+}
+
+std::vector<std::uint32_t> Renderer::draw_ids(const OrbitCamera& camera, const IdLayers& layers) {
+  if (!ids_) ids_.emplace("ids", width(), height(), std::vector<GLenum>{GL_R32UI}, GL_DEPTH_COMPONENT32F);
+  const FrameUniforms uniforms = camera_uniforms(camera, scene_, width(), height(), 1);
+  camera_uniforms_.upload(&uniforms, sizeof uniforms);
+  bind_uniforms(camera_uniforms_);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_CULL_FACE);
+  ids_->bind();
+  glDepthMask(GL_TRUE);
+  const GLuint none[4] = {};
+  const float farthest = 0;
+  glClearNamedFramebufferuiv(ids_->framebuffer(), GL_COLOR, 0, none);
+  glClearNamedFramebufferfv(ids_->framebuffer(), GL_DEPTH, 0, &farthest);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDisable(GL_BLEND);
+  if (layers.bodies) bodies_.draw(instances_, BodyPass::Output::ids, colors_.get());
+  if (layers.boxes) lines_.draw_box_ids(instances_.boxes, instances_.counts.boxes);
+  std::vector<std::uint32_t> ids(static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()));
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glGetTextureImage(ids_->color(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                    static_cast<GLsizei>(ids.size() * sizeof ids[0]), ids.data());
+  gl::check("to read the ids back");
+  flip_rows(ids, static_cast<std::size_t>(width()), height());
+  return ids;
+}
+
+}  // namespace collidoscope

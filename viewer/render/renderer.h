@@ -1,0 +1,64 @@
+#pragma once
+// Draws a state: a frame is a function of the published records, the camera and the layers, and of nothing
+// else. Owns its framebuffers, passes and instance buffers; needs the GL context that was current when it was
+// made.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "viewer/render/body_pass.h"
+#include "viewer/render/frame_layers.h"
+#include "viewer/render/frame_uniforms.h"
+#include "viewer/render/image.h"
+#include "viewer/render/light_pass.h"
+#include "viewer/render/line_pass.h"
+
+namespace collidoscope {
+
+/// What an id buffer shows.
+struct IdLayers {
+  bool bodies = true;  ///< id + 1
+  bool boxes = false;  ///< 0x80000000 + place in the published boxes, faces filled; nearest wins
+};
+
+class Renderer {
+ public:
+  /// Picture size in pixels. `supersampling`: 1 to 4; that many pixels squared are drawn for each.
+  Renderer(int width, int height, int supersampling = 2);
+
+  void set_scene(const FrameScene& scene);
+  const FrameScene& scene() const { return scene_; }
+  void resize(int width, int height);
+  int width() const { return picture_->width(); }
+  int height() const { return picture_->height(); }
+
+  /// Filled by whoever publishes, before draw().
+  InstanceBuffers& instances() { return instances_; }
+
+  void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values);
+  Image read_picture() const;
+  /// The framebuffer that holds the picture: text and panels are drawn on top of it.
+  const gl::Target& picture() const { return *picture_; }
+
+  /// One id for each pixel of the picture, rows from the top, 0 where there is nothing. Drawn as asked, apart
+  /// from draw(): never blended, one sample at the middle of each pixel.
+  std::vector<std::uint32_t> draw_ids(const OrbitCamera& camera, const IdLayers& layers);
+
+ private:
+  void bind_uniforms(const gl::Buffer& buffer) const;
+
+  int supersampling_;
+  FrameScene scene_;
+  InstanceBuffers instances_;
+  BodyPass bodies_;
+  LinePass lines_;
+  LightPass light_;
+  gl::Program floor_, resolve_;
+  gl::VertexLayout nothing_;
+  gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"};
+  gl::TextureHandle colors_;
+  std::optional<gl::Target> surface_, lit_, picture_, ids_;
+};
+
+}  // namespace collidoscope
