@@ -1,0 +1,167 @@
+#include "headless/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "headless/flag_value.h"
+#include "sim_cuda/core/assets.h"
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+struct CommandName {
+  const char* name;
+  Command command;
+  const char* operands;
+  std::size_t operand_count;
+  const char* help;
+};
+constexpr std::array<CommandName, 3> commands{
+    {{"run", Command::run, "SCENE", 1, "step a scene and report what it cost; no pictures"},
+     {"capture", Command::capture, "SCENE", 1, "step a scene and write pictures of its states"},
+     {"compare", Command::compare, "A.png B.png", 2, "how different two pictures are"}}};
+
+constexpr const char* exit_codes =
+    "Exit status: 0 done, 1 a check failed, 2 bad input, 3 something that the machine lacks.";
+
+std::string program_help() {
+  std::string text = "collidoscope-headless COMMAND ...: Collidoscope without a window.\n\n";
+  for (const CommandName& one : commands)
+    text += fmt::format("  {:<24}{}\n", fmt::format("{} {}", one.name, one.operands), one.help);
+  return text +
+         "\nA SCENE is a file, or the bare name of one in assets/scenes, such as box_collider.\n"
+         "COMMAND --help lists a command's flags; --version names the version.\n" +
+         exit_codes;
+}
+
+std::string command_help(const CommandName& command) {
+  std::string text = fmt::format("collidoscope-headless {} {} [FLAGS]: {}.\n\n", command.name,
+                                 command.operands, command.help);
+  for (const Flag& flag : flags())
+    if (flag.commands & bit(command.command))
+      text += fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value ? flag.value : ""),
+                          flag.help);
+  return text + "\n" + exit_codes;
+}
+
+CommandLine answer(std::string text) {
+  CommandLine line;
+  line.text = std::move(text);
+  return line;
+}
+
+/// CLI11's own words for a flag at the end of the line that lacks its value, in ours.
+std::string missing_value(const std::string& words) {
+  const std::size_t colon = words.find(':');
+  return words.starts_with("--") && colon != std::string::npos
+             ? words.substr(0, colon) + ": its value is missing"
+             : shown(words);
+}
+
+void check_operands(const CommandName& command, const std::vector<std::string>& operands,
+                    std::vector<std::string>& faults) {
+  if (operands.size() < command.operand_count)
+    faults.push_back(fmt::format("{}: {} missing: {} {}", command.name,
+                                 command.operand_count - operands.size() > 1 ? "two files are" : "a file is",
+                                 command.name, command.operands));
+  for (std::size_t extra = command.operand_count; extra < operands.size(); ++extra)
+    faults.push_back(fmt::format("{}: one argument too many; {} takes {}", shown(operands[extra]),
+                                 command.name, command.operands));
+}
+
+void check_files(const CommandLine& line, std::vector<std::string>& faults) {
+  const Options& options = line.options;
+  if (line.command == Command::compare && !options.json.empty() && options.json != "-")
+    faults.push_back(fmt::format("--json: {} is not -, all that compare takes", shown(options.json)));
+  // One file for two things would keep the last alone.
+  std::vector<std::pair<std::string, std::filesystem::path>> seen;
+  const auto add = [&](const std::string& flag, const std::string& file) {
+    if (file.empty() || file == "-") return;
+    const auto path = std::filesystem::absolute(file).lexically_normal();
+    for (const auto& [other, taken] : seen)
+      if (taken == path)
+        faults.push_back(fmt::format("{}: {} is the file of {} too", flag, shown(file), other));
+    seen.emplace_back(flag, path);
+  };
+  for (const std::string& operand : line.operands) add("the scene", operand);
+  add("--json", options.json == "-" ? "" : options.json);
+  add("--dump-bodies", options.dump_bodies);
+  add("--dump-dynamics", options.dump_dynamics);
+  add("--energy-trace", options.energy_trace);
+}
+
+}  // namespace
+
+CommandLine parse_command_line(const std::vector<std::string>& arguments) {
+  CommandLine line;
+  const std::string first = arguments.empty() ? "" : arguments[0];
+  if (first == "--help" || first == "-h" || first == "help") return answer(program_help());
+  if (first == "--version") return answer("collidoscope-headless " COLLIDOSCOPE_VERSION);
+  const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
+  if (command == commands.end())
+    throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
+                     "; there are run, capture and compare, and --help");
+  line.command = command->command;
+
+  CLI::App app;
+  app.allow_extras();
+  std::vector<std::pair<const Flag*, CLI::Option*>> taken;
+  for (const Flag& flag : flags()) {
+    if (!(flag.commands & bit(line.command))) continue;
+    CLI::Option* option = flag.value ? app.add_option(flag.name) : app.add_flag(flag.name);
+    if (flag.value) option->take_all();  // twice is a fault of ours, not an exception that hides the others
+    taken.emplace_back(&flag, option);
+  }
+
+  std::vector<std::string> faults;
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), std::prev(arguments.rend())));
+  } catch (const CLI::CallForHelp&) {
+    return answer(command_help(*command));
+  } catch (const CLI::ParseError& error) {
+    faults.push_back(missing_value(error.what()));
+  }
+  for (const auto& [flag, option] : taken) {
+    if (option->count() > 1 && flag->value)
+      faults.push_back(fmt::format("{}: given {} times; once is enough", flag->name, option->count()));
+    else if (option->count() > 0)
+      read_flag(flag->name, option->results().at(0), line.options, faults);
+  }
+  for (const std::string& extra : app.remaining()) {
+    if (extra.size() < 2 || extra[0] != '-')
+      line.operands.push_back(extra);
+    else if (extra != "--")
+      faults.push_back(
+          fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command->name));
+  }
+  check_operands(*command, line.operands, faults);
+  check_files(line, faults);
+  if (!faults.empty()) throw InputError(faults);
+  return line;
+}
+
+std::string scene_file(const std::string& given) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const bool bare = !given.empty() && given.find('/') == std::string::npos && !given.ends_with(".json");
+  if (!bare || fs::exists(given, failed)) return given;
+  std::vector<std::string> names;
+  for (const fs::path& folder : asset_folders()) {
+    const fs::path file = folder / "scenes" / (given + ".json");
+    if (fs::exists(file, failed)) return file.string();
+    if (!names.empty()) continue;
+    for (const auto& entry : fs::directory_iterator(folder / "scenes", failed))
+      if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(names);
+  throw InputError(fmt::format("{}: neither a file nor the name of a scene; {}", shown(given),
+                               names.empty() ? "no folder assets/scenes was found"
+                                             : fmt::format("there are {}", fmt::join(names, ", "))));
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,25 @@
+#pragma once
+// The command line as a whole: which command, on what, with which options; or text that was asked for.
+
+#include <string>
+#include <vector>
+
+#include "headless/options.h"
+
+namespace collidoscope {
+
+struct CommandLine {
+  Command command = Command::run;
+  std::vector<std::string> operands;  ///< of run and capture the scene; of compare two pictures
+  Options options;
+  std::string text;  ///< not empty: print this and do nothing else (--help, --version)
+};
+
+/// Reads the arguments that follow the program's name. Throws InputError with a line for each fault.
+CommandLine parse_command_line(const std::vector<std::string>& arguments);
+
+/// The file of a scene that was given as a path or as the bare name of one in assets/scenes. Throws
+/// InputError, which names the scenes there are.
+std::string scene_file(const std::string& given);
+
+}  // namespace collidoscope

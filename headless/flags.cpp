@@ -1,0 +1,243 @@
+// The flags of the command line: what each is called, what --help says of it, and how its text is read.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "headless/flag_value.h"
+#include "headless/options.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::array<Named<ExecutorKind>, 3> executor_names{
+    {{"auto", ExecutorKind::automatic}, {"cpu", ExecutorKind::cpu}, {"cuda", ExecutorKind::cuda}}};
+constexpr std::array<Named<LaneOrder>, 3> lane_order_names{{{"contiguous", LaneOrder::contiguous},
+                                                            {"strided", LaneOrder::strided},
+                                                            {"shuffled", LaneOrder::shuffled}}};
+constexpr std::string_view or_auto = ", or auto";
+constexpr std::int64_t max_int = std::numeric_limits<int>::max();
+
+/// One flag being read: its text, and where the value or the faults go.
+struct Reading {
+  FlagValue value;
+  Options& options;
+  std::vector<std::string>& faults;
+};
+
+std::optional<int> read_count(FlagValue& value, std::int64_t min, std::int64_t max) {
+  const auto number = value.whole(min, max);
+  return number ? std::optional(static_cast<int>(*number)) : std::nullopt;
+}
+
+void read_count_or_auto(FlagValue& value, std::int64_t max, int& count) {
+  if (value.text() == "auto") {
+    count = 0;
+  } else if (const auto number = value.whole(1, max, or_auto)) {
+    count = static_cast<int>(*number);
+  }
+}
+
+void read_time_step(Reading& in) {
+  Overrides& overrides = in.options.overrides;
+  overrides.time_step.reset();
+  overrides.steps_per_second.reset();
+  if (!in.value.text().starts_with("1/")) {
+    overrides.time_step = in.value.number(limits::min_time_step, limits::max_time_step, "s", ", or 1/n");
+    return;
+  }
+  FlagValue rate("--time-step", in.value.text().substr(2), in.faults);
+  if (const auto n = rate.whole(1, limits::max_steps_per_second))
+    overrides.steps_per_second = static_cast<int>(*n);
+}
+
+void read_effects(FlagValue& value, Overrides& overrides) {
+  if (value.text() == "auto") {
+    overrides.effects = std::optional<Effects>{};
+    return;
+  }
+  Effects effects;
+  std::string_view rest = value.text() == "none" ? "" : value.text();
+  bool more = value.text() != "none";
+  while (more) {
+    const std::size_t comma = rest.find(',');
+    const auto* known = std::ranges::find(effect_names, rest.substr(0, comma), &EffectName::name);
+    if (known == effect_names.end()) {
+      value.refuse(fmt::format("auto, none, or a list of {}", fmt::join(names_in(effect_names), ",")));
+      return;
+    }
+    effects.*(known->flag) = true;
+    more = comma != std::string_view::npos;
+    if (more) rest.remove_prefix(comma + 1);
+  }
+  overrides.effects = std::optional<Effects>{effects};
+}
+
+void read_restitution_threshold(FlagValue& value, Overrides& overrides) {
+  if (value.text() == "auto")
+    overrides.restitution_threshold = std::optional<double>{};
+  else if (const auto speed = value.number(0, limits::max_speed, "m/s", or_auto))
+    overrides.restitution_threshold = std::optional<double>{*speed};
+}
+
+void read_path(FlagValue& value, std::string& path) {
+  if (value.text().empty() || value.text().find('\0') != std::string_view::npos)
+    value.refuse("the name of a file");
+  else
+    path = value.text();
+}
+
+/// Some readers throw their faults.
+template <class Read>
+void collect(std::vector<std::string>& faults, Read read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    faults.insert(faults.end(), error.lines().begin(), error.lines().end());
+  }
+}
+
+constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
+constexpr unsigned stepping = running | capturing, all = stepping | bit(Command::compare);
+
+struct Reader {
+  Flag flag;
+  void (*read)(Reading& in);
+};
+
+constexpr Reader readers[] = {
+    {{"--bodies", "N", "bodies of the scene's generator", stepping},
+     [](Reading& in) { in.options.overrides.bodies = in.value.whole(0, limits::max_bodies); }},
+    {{"--variant", "NAME", "paper, scaled or equal: how the generator's box and radii go with N", stepping},
+     [](Reading& in) { in.options.overrides.variant = in.value.one_of(variant_names); }},
+    {{"--spawn", "NAME", "inside, centres or apart: where generated bodies start", stepping},
+     [](Reading& in) { in.options.overrides.spawn = in.value.one_of(spawn_names); }},
+    {{"--seed", "S", "seed of the generator", stepping},
+     [](Reading& in) { in.options.overrides.seed = in.value.whole_u64(); }},
+    {{"--gravity", "X,Y,Z", "m/s^2", stepping},
+     [](Reading& in) { in.options.overrides.gravity = in.value.vector(limits::max_gravity, "m/s^2"); }},
+    {{"--time-step", "S", "seconds, or 1/n", stepping}, [](Reading& in) { read_time_step(in); }},
+    {{"--substeps", "K", "the pipeline runs K times a step", stepping},
+     [](Reading& in) { in.options.overrides.substeps = read_count(in.value, 1, limits::max_substeps); }},
+    {{"--iterations", "I", "sweeps of the solver over all contacts", stepping},
+     [](Reading& in) { in.options.overrides.iterations = read_count(in.value, 1, limits::max_iterations); }},
+    {{"--solver", "NAME", "impulse", stepping},
+     [](Reading& in) { in.options.overrides.solver = in.value.one_of(solver_names); }},
+    {{"--integrator", "NAME", "semi_implicit_euler", stepping},
+     [](Reading& in) { in.options.overrides.integrator = in.value.one_of(integrator_names); }},
+    {{"--precision", "NAME", "f32 or f64", stepping},
+     [](Reading& in) { in.options.overrides.precision = in.value.one_of(precision_names); }},
+    {{"--effects", "LIST", "auto, none, or a list such as gravity,rotation", stepping},
+     [](Reading& in) { read_effects(in.value, in.options.overrides); }},
+    {{"--restitution-threshold", "V", "m/s, or auto: slower approaches do not bounce", stepping},
+     [](Reading& in) { read_restitution_threshold(in.value, in.options.overrides); }},
+
+    {{"--executor", "NAME", "auto, cpu or cuda", stepping},
+     [](Reading& in) {
+       if (const auto kind = in.value.one_of(executor_names)) in.options.run.executor = *kind;
+     }},
+    {{"--gpu", "I", "CUDA's number of the device", stepping},
+     [](Reading& in) {
+       if (const auto n = read_count(in.value, 0, 1023)) in.options.run.gpu = *n;
+     }},
+    {{"--blocks", "B", "blocks of a launch, or auto", stepping},
+     [](Reading& in) { read_count_or_auto(in.value, max_int, in.options.run.shape.blocks); }},
+    {{"--threads", "T", "threads of a block, or auto", stepping},
+     [](Reading& in) { read_count_or_auto(in.value, 1024, in.options.run.shape.threads); }},
+    {{"--cpu-threads", "N", "threads of the CPU that run the B*T lanes, or auto", stepping},
+     [](Reading& in) { read_count_or_auto(in.value, 1024, in.options.run.cpu_threads); }},
+    {{"--lane-order", "NAME", "contiguous, strided or shuffled: which items a lane of the CPU takes",
+      stepping},
+     [](Reading& in) {
+       if (const auto order = in.value.one_of(lane_order_names)) in.options.run.lane_order = *order;
+     }},
+    {{"--broad-phase", "NAME", "how pairs are found", stepping},
+     [](Reading& in) {
+       if (const auto name = in.value.word(broad_phase_names())) in.options.run.broad_phase = *name;
+     }},
+    {{"--key-bits", "K", "bits of a Morton key, 30 or 63", stepping},
+     [](Reading& in) {
+       constexpr std::array<Named<int>, 2> widths{{{"30", 30}, {"63", 63}}};
+       if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
+     }},
+    {{"--initial-pair-capacity", "N", "room for pairs at the start, or auto; it grows", stepping},
+     [](Reading& in) {
+       if (in.value.text() == "auto")
+         in.options.run.initial_pair_capacity = 0;
+       else if (const auto n = in.value.whole(1, std::int64_t{1} << 40, or_auto))
+         in.options.run.initial_pair_capacity = *n;
+     }},
+
+    {{"--steps", "K", "steps to run [300]", running},
+     [](Reading& in) {
+       if (const auto n = in.value.whole(0, 1'000'000'000)) in.options.steps = *n;
+     }},
+    {{"--json", "FILE|-", "the report as JSON; with -, alone on stdout", all},
+     [](Reading& in) { read_path(in.value, in.options.json); }},
+    {{"--dump-bodies", "FILE", "CSV: the state of every body at the end", running},
+     [](Reading& in) { read_path(in.value, in.options.dump_bodies); }},
+    {{"--dump-dynamics", "FILE", "CSV: mass, X, R, P, L, inverse inertia, F, T of every body at the end",
+      running},
+     [](Reading& in) { read_path(in.value, in.options.dump_dynamics); }},
+    {{"--energy-trace", "FILE", "CSV: energies, pairs and penetration at every state", running},
+     [](Reading& in) { read_path(in.value, in.options.energy_trace); }},
+
+    {{"--states", "LIST", "states to draw, such as 0,30,60", capturing},
+     [](Reading& in) {
+       collect(in.faults, [&] { in.options.capture.states = parse_states(std::string(in.value.text())); });
+     }},
+    {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", capturing},
+     [](Reading& in) {
+       collect(in.faults, [&] {
+         const BodyColor color = in.options.capture.layers.color;
+         in.options.capture.layers = parse_layers(std::string(in.value.text()));
+         in.options.capture.layers.color = color;
+       });
+     }},
+    {{"--color", "NAME", "speed, radius, id, contacts or order: what colours the bodies", capturing},
+     [](Reading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });
+     }},
+    {{"--size", "WxH", "pixels of a picture", capturing},
+     [](Reading& in) {
+       collect(in.faults, [&] { parse_size(std::string(in.value.text()), in.options.capture); });
+     }},
+    {{"--out", "DIR", "where pictures go [captures]", capturing},
+     [](Reading& in) { read_path(in.value, in.options.capture.out); }},
+    {{"--display-path", "NAME", "auto, interop, copy or upload: how data reach the picture", capturing},
+     [](Reading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.display_path = parse_display_path(std::string(in.value.text())); });
+     }},
+    {{"--timings", nullptr, "draw stage times too; such pictures differ from run to run", capturing},
+     [](Reading& in) { in.options.capture.timings = true; }},
+};
+
+}  // namespace
+
+std::span<const Flag> flags() {
+  static const std::vector<Flag> every = [] {
+    std::vector<Flag> list;
+    for (const Reader& reader : readers) list.push_back(reader.flag);
+    return list;
+  }();
+  return every;
+}
+
+void read_flag(std::string_view flag, std::string_view text, Options& options,
+               std::vector<std::string>& faults) {
+  for (const Reader& reader : readers)
+    if (flag == reader.flag.name) {
+      Reading in{FlagValue(flag, text, faults), options, faults};
+      reader.read(in);
+    }
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,67 @@
+#pragma once
+// What a command line asks for: where and how a scene runs, what of the scene it overrides, and what is
+// written where. Plain data, filled by read_flag(), one flag at a time.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "headless/capture.h"
+#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+enum class Command { run, capture, compare };
+
+/// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows
+/// it.
+struct Overrides {
+  std::optional<std::int64_t> bodies;
+  std::optional<Variant> variant;
+  std::optional<Spawn> spawn;
+  std::optional<std::uint64_t> seed;
+  std::optional<Vector3d> gravity;      ///< m/s^2
+  std::optional<double> time_step;      ///< s
+  std::optional<int> steps_per_second;  ///< where the time step was given as 1/n
+  std::optional<int> substeps, iterations;
+  std::optional<Solver> solver;
+  std::optional<Integrator> integrator;
+  std::optional<Precision> precision;
+  std::optional<std::optional<Effects>> effects;               ///< inner unset: "auto"
+  std::optional<std::optional<double>> restitution_threshold;  ///< m/s; inner unset: "auto"
+};
+
+struct Options {
+  RunOptions run;
+  Overrides overrides;
+  std::int64_t steps = 300;
+  std::string json;           ///< file, "-" for stdout, or empty
+  std::string dump_bodies;    ///< file or empty, and so the next two
+  std::string dump_dynamics;  ///<
+  std::string energy_trace;   ///<
+  CaptureRequest capture;
+};
+
+/// A flag of the command line, for --help and for the parser.
+struct Flag {
+  const char* name;
+  const char* value;  ///< what stands for its value in --help; nullptr: it takes none
+  const char* help;
+  unsigned commands;  ///< bit() of each command that takes it
+};
+constexpr unsigned bit(Command command) { return 1u << static_cast<unsigned>(command); }
+std::span<const Flag> flags();
+
+/// Reads one flag's text into `options`, or adds lines to `faults`. `flag` is the name of one of flags().
+void read_flag(std::string_view flag, std::string_view text, Options& options,
+               std::vector<std::string>& faults);
+
+/// Replaces what the overrides name, then validates the whole. Throws InputError: faults of a value that came
+/// from a flag begin with the flag, others with `file` and the path in the scene.
+void apply(const Overrides& overrides, const std::string& file, Scene& scene);
+
+}  // namespace collidoscope

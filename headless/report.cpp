@@ -1,0 +1,201 @@
+#include "headless/report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no infinity: nlohmann writes null for what is not finite, and doubles in the shortest form that
+// reads back the same.
+Json vector_json(const double (&v)[3]) { return Json::array({v[0], v[1], v[2]}); }
+
+/// A time that was not measured is null, not 0.
+Json time_json(double ms, int steps_timed) { return steps_timed > 0 ? Json(ms) : Json(nullptr); }
+
+std::string grouped(std::int64_t number) {  // 1,234,567
+  std::string digits = fmt::to_string(number);
+  const std::size_t first = digits.starts_with('-') ? 1 : 0;
+  for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, ",");
+  return digits;
+}
+
+std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
+
+std::string stage_table(const RunTimes& times) {
+  constexpr const char* row = "  {:<22}{:>11}{:>11}{:>9}{:>10}\n";
+  const auto ms = [](double value) { return fmt::format("{:.4f}", value); };
+  double sum = 0;
+  bool own_shape = false;
+  for (const StageTime& stage : times.stages) {
+    sum += stage.median_ms;
+    own_shape |= stage.own_shape;
+  }
+  std::string text = fmt::format(row, "stage", "median ms", "p95 ms", "share", "launches");
+  int launches = 0;
+  for (const StageTime& stage : times.stages) {
+    text +=
+        fmt::format(row, stage.name + (stage.own_shape ? " *" : ""), ms(stage.median_ms), ms(stage.p95_ms),
+                    sum > 0 ? fmt::format("{:.1f} %", 100 * stage.median_ms / sum) : "-", stage.launches);
+    launches += stage.launches;
+  }
+  text += fmt::format(row, "sum of the stages", ms(sum), "", "", launches);
+  if (times.steps_timed > 0)
+    text += fmt::format(row, "whole step, plain", ms(times.step_median_ms), ms(times.step_p95_ms), "", "");
+  text +=
+      "  The stages come from odd steps, where a time is taken after each stage; the whole step from\n"
+      "  even ones, where none is. So the sum holds the cost of measuring, and the step does not.\n";
+  if (own_shape) text += "  * runs in part in a library that chooses its own launch shape, not (B, T)\n";
+  return text;
+}
+
+std::string numbers_text(const RunReport& report) {
+  const StepStats& first = report.initial;
+  const StepStats& last = report.final;
+  const auto line = [](const char* what, const std::string& value) {
+    return fmt::format("  {:<18}{}\n", what, value);
+  };
+  const auto vector = [](const double(&v)[3], const char* unit) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g} {}", v[0], v[1], v[2], unit);
+  };
+  std::string text =
+      line("pairs", fmt::format("{} boxes overlap, {} shapes touch, {} solved by mass splitting",
+                                grouped(last.pairs), grouped(last.contacts), grouped(last.split_contacts)));
+  text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
+  text += line(
+      "", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy, last.potential_energy));
+  text += line(
+      "", fmt::format("{:.6g} J of it came in by pushing overlaps apart", last.push_work - first.push_work));
+  text += line("momentum", vector(last.momentum, "kg m/s"));
+  text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
+  text += line("wall impulse", fmt::format("{:.6g} N s", last.wall_impulse));
+  text += line("penetration", fmt::format("{:.6g} m at the deepest", last.max_penetration));
+  text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
+                                     grouped(last.escaped)));
+  text += line("memory", fmt::format("{} bytes", grouped(report.allocated_bytes)));
+  if (report.wall_seconds > 0 && last.step > first.step) {
+    const auto steps = static_cast<double>(last.step - first.step);
+    text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", report.wall_seconds,
+                                     steps * report.time_step / report.wall_seconds));
+  }
+  return text + line("state hash", fmt::format("{:016x}", report.state_hash));
+}
+
+}  // namespace
+
+namespace {
+
+std::vector<std::string> names_of(Effects effects) {
+  std::vector<std::string> names;
+  for (const EffectName& effect : effect_names)
+    if (effects.*(effect.flag)) names.emplace_back(effect.name);
+  return names;
+}
+
+}  // namespace
+
+RunReport make_report(World& world, const StepStats& initial, double wall_seconds) {
+  const Scene& scene = world.scene();
+  RunReport report{.scene = scene.name,
+                   .variant = {},
+                   .seed = {},
+                   .executor = world.on_gpu() ? "cuda" : "cpu",
+                   .device = world.device_name(),
+                   .broad_phase = world.options().broad_phase,
+                   .solver = std::string(name_of(solver_names, scene.physics.solver)),
+                   .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
+                   .precision = std::string(name_of(precision_names, scene.physics.precision)),
+                   .effects = names_of(world.effects()),
+                   .shape = world.launch_shape(),
+                   .substeps = scene.physics.substeps,
+                   .iterations = scene.physics.iterations,
+                   .time_step = scene.physics.time_step,
+                   .initial = initial,
+                   .final = world.measure(),
+                   .times = world.times(),
+                   .state_hash = world.state_hash(),
+                   .allocated_bytes = world.allocated_bytes(),
+                   .wall_seconds = wall_seconds};
+  if (!scene.generators.empty()) {
+    report.variant = name_of(variant_names, scene.generators[0].variant);
+    report.seed = scene.generators[0].seed;
+  }
+  return report;
+}
+
+std::string to_json(const RunReport& report) {
+  const StepStats& last = report.final;
+  Json json;
+  json["scene"] = report.scene;
+  json["variant"] = report.variant.empty() ? Json(nullptr) : Json(report.variant);
+  json["seed"] = report.seed ? Json(*report.seed) : Json(nullptr);
+  json["executor"] = report.executor;
+  json["device"] = report.device;
+  json["bodies"] = last.bodies;
+  json["blocks"] = report.shape.blocks;
+  json["threads"] = report.shape.threads;
+  json["steps"] = last.step;
+  json["time_step"] = report.time_step;
+  json["substeps"] = report.substeps;
+  json["iterations"] = report.iterations;
+  json["broad_phase"] = report.broad_phase;
+  json["solver"] = report.solver;
+  json["integrator"] = report.integrator;
+  json["precision"] = report.precision;
+  json["effects"] = report.effects;
+  json["state_hash"] = fmt::format("{:016x}", report.state_hash);
+  json["pairs"] = {
+      {"aabb", last.pairs}, {"contacts", last.contacts}, {"split_contacts", last.split_contacts}};
+  json["energy"] = {{"initial", report.initial.energy()},
+                    {"final", last.energy()},
+                    {"kinetic", last.kinetic_energy},
+                    {"potential", last.potential_energy},
+                    {"push_work", last.push_work}};
+  json["momentum"] = vector_json(last.momentum);
+  json["angular_momentum"] = vector_json(last.angular_momentum);
+  json["max_penetration"] = last.max_penetration;
+  json["max_speed"] = last.max_speed;
+  json["non_finite"] = last.non_finite;
+  json["escaped"] = last.escaped;
+  json["wall_impulse"] = last.wall_impulse;
+  json["wall_impulse_vector"] = vector_json(last.wall_impulse_vector);
+  json["stages"] = Json::array();
+  for (const StageTime& stage : report.times.stages)
+    json["stages"].push_back({{"name", stage.name},
+                              {"median_ms", stage.median_ms},
+                              {"p95_ms", stage.p95_ms},
+                              {"launches", stage.launches},
+                              {"own_shape", stage.own_shape}});
+  json["step_median_ms"] = time_json(report.times.step_median_ms, report.times.steps_timed);
+  json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);
+  json["wall_seconds"] = report.wall_seconds;
+  json["allocated_bytes"] = report.allocated_bytes;
+  // A name may hold any bytes of a scene file: what is not UTF-8 is replaced rather than refused this late.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_text(const RunReport& report) {
+  const double rate = 1 / report.time_step;
+  const std::string step = std::abs(rate - std::round(rate)) < 1e-9 * rate && rate > 1.5
+                               ? fmt::format("1/{:.0f} s", rate)
+                               : fmt::format("{} s", report.time_step);
+  std::string text =
+      fmt::format("{}: {} bodies{}{}; state {}, steps of {}", report.scene, grouped(report.final.bodies),
+                  report.variant.empty() ? "" : ", ", report.variant, grouped(report.final.step), step);
+  if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
+  text += fmt::format("\non {} ({}), B {}, T {}; {}, {}, {}, effects {}\n\n", report.executor, report.device,
+                      count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
+                      report.broad_phase, report.solver, report.precision,
+                      report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
+  if (!report.times.stages.empty()) text += stage_table(report.times) + "\n";
+  return text + numbers_text(report);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,42 @@
+#pragma once
+// What a run has to say at its end: gathered once from a World, then written as JSON or as a table for
+// people. Plain data, SI units.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/core/launch_shape.h"
+#include "sim_cuda/step_stats.h"
+
+namespace collidoscope {
+
+class World;
+
+struct RunReport {
+  std::string scene;    ///< its name
+  std::string variant;  ///< of its generator; empty where it has none
+  std::optional<std::uint64_t> seed;
+  std::string executor;  ///< cpu or cuda: what ran, not what was asked for
+  std::string device, broad_phase, solver, integrator, precision;
+  std::vector<std::string> effects;
+  LaunchShape shape;  ///< zeros are "auto"
+  int substeps = 1, iterations = 1;
+  double time_step = 0;  ///< s
+  StepStats initial, final;
+  RunTimes times;
+  std::uint64_t state_hash = 0;
+  std::int64_t allocated_bytes = 0;
+  double wall_seconds = 0;  ///< s, of the stepping alone
+};
+
+/// `initial`: World::measure() at the state that the run started from.
+RunReport make_report(World& world, const StepStats& initial, double wall_seconds);
+
+/// One object, the fields as the README lists them; what is not finite is null. Ends in a newline.
+std::string to_json(const RunReport& report);
+/// For a terminal of 80 columns. Ends in a newline.
+std::string to_text(const RunReport& report);
+
+}  // namespace collidoscope

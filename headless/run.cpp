@@ -1,0 +1,140 @@
+#include "headless/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "headless/body_csv.h"
+#include "headless/flag_value.h"
+#include "headless/output_file.h"
+#include "headless/progress.h"
+#include "headless/report.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The files of a run, each tried before anything is simulated. Throws one InputError for all.
+struct Outputs {
+  std::optional<OutputFile> json, bodies, dynamics, energy;
+
+  explicit Outputs(const Options& options) {
+    std::vector<std::string> faults;
+    const auto open = [&](std::optional<OutputFile>& file, const char* flag, const std::string& target) {
+      if (target.empty() || target == "-") return;
+      try {
+        file.emplace(flag, target);
+      } catch (const InputError& error) {
+        faults.insert(faults.end(), error.lines().begin(), error.lines().end());
+      }
+    };
+    open(json, "--json", options.json);
+    open(bodies, "--dump-bodies", options.dump_bodies);
+    open(dynamics, "--dump-dynamics", options.dump_dynamics);
+    open(energy, "--energy-trace", options.energy_trace);
+    if (!faults.empty()) throw InputError(faults);
+  }
+};
+
+Scene load_scene(const CommandLine& line) {
+  const std::string file = scene_file(line.operands[0]);
+  Scene scene = read_scene(file);
+  apply(line.options.overrides, file, scene);
+  return scene;
+}
+
+World make_world(const Scene& scene, const Options& options) {
+  World world(scene, options.run);
+  if (!world.initial().meshes.empty())
+    std::fputs("note: mesh bodies collide as their bounding spheres for now\n", stderr);
+  return world;
+}
+
+std::string trace_row(const StepStats& s) {
+  return fmt::format("{},{},{},{},{},{},{},{},{},{}\n", s.step, s.kinetic_energy, s.potential_energy,
+                     s.push_work, s.energy(), s.pairs, s.contacts, s.split_contacts, s.max_penetration,
+                     s.escaped);
+}
+
+/// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
+/// progress. With a trace every state is measured.
+double step_all(World& world, std::int64_t steps, std::string* trace) {
+  Progress progress("steps", steps);
+  double seconds = 0;
+  std::int64_t stride = 1;
+  for (std::int64_t done = 0; done < steps;) {
+    const int count = static_cast<int>(trace ? 1 : std::min(stride, steps - done));
+    const Clock::time_point start = Clock::now();
+    world.step(count);
+    const double spent = seconds_since(start);
+    seconds += spent;
+    done += count;
+    if (trace) *trace += trace_row(world.measure());
+    if (spent < 0.05 && stride < 1 << 20) stride *= 2;
+    if (spent > 0.2 && stride > 1) stride /= 2;
+    progress.update(done);
+  }
+  return seconds;
+}
+
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+}  // namespace
+
+int run_command(const CommandLine& line) {
+  const Options& options = line.options;
+  const Scene scene = load_scene(line);
+  Outputs outputs(options);
+  World world = make_world(scene, options);
+
+  const StepStats initial = world.measure();
+  std::string trace =
+      "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped\n" +
+      trace_row(initial);
+  const double seconds = step_all(world, options.steps, outputs.energy ? &trace : nullptr);
+  const RunReport report = make_report(world, initial, seconds);
+
+  // All is written before anything is put in place: a disk that fills up leaves no half of a set.
+  if (outputs.bodies) write_body_states(world, [&](std::string_view text) { outputs.bodies->write(text); });
+  if (outputs.dynamics)
+    write_body_dynamics(world, [&](std::string_view text) { outputs.dynamics->write(text); });
+  if (outputs.energy) outputs.energy->write(trace);
+  if (outputs.json) outputs.json->write(to_json(report));
+  for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.json})
+    if (*file) (*file)->commit();
+  print(options.json == "-" ? to_json(report) : to_text(report));
+  return 0;
+}
+
+int capture_command(const CommandLine& line) {
+  const Options& options = line.options;
+  const Scene scene = load_scene(line);
+  const Outputs checked(options);
+  ensure_writable_folder(options.capture.out);
+  World world = make_world(scene, options);
+
+  const StepStats initial = world.measure();
+  const Clock::time_point start = Clock::now();
+  const int status = run_capture(options.capture, world);
+  const RunReport report = make_report(world, initial, seconds_since(start));
+  if (!options.json.empty()) {
+    OutputFile json("--json", options.json);
+    json.write(to_json(report));
+    json.commit();
+  }
+  print("\n" + to_text(report));
+  return status;
+}
+
+}  // namespace collidoscope
