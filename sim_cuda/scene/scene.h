@@ -54,7 +54,7 @@ enum class Spawn { inside, centres, apart };
 /// ("equal").
 struct BoxCollider {
   std::int64_t count = 2000;  ///< bodies, 0 to 2^27
-  double radius_max = 5;      ///< m, > 0
+  double radius_max = 5;      ///< m, 1e-3 to 1e9
   Variant variant = Variant::paper;
   Spawn spawn = Spawn::inside;
   std::uint64_t seed = 1;
@@ -93,6 +93,7 @@ struct Physics {
 struct Scene {
   std::string name = "unnamed";
   std::string directory = ".";  ///< where relative mesh paths start; not written to files
+  std::string file;             ///< what it was read from, for messages; not written to files
   std::optional<Box> box;       ///< unset: no walls
   Physics physics;
   std::vector<Material> materials{Material{}};  ///< materials[0] is always "default"

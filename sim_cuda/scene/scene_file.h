@@ -16,16 +16,22 @@ struct Fault {
   std::string message;
 };
 
-/// Every fault of the values in `scene`, in the order of the file format; empty if it can be simulated.
+/// Every fault of the values in `scene`, in the order of the file format; empty if it can be simulated. Paths
+/// are those of the file format. What needs the bodies themselves (mesh files, masses that follow from
+/// densities, room for `apart`) is checked by initial_bodies().
 std::vector<Fault> validate(const Scene& scene);
 
-/// Reads, and validates. Throws InputError with one line per fault, `file:line:column: what, and what would
-/// be right`.
+/// Reads (at most 64 MiB, 2^23 values), and validates. Throws InputError with one line per fault,
+/// `file:line:column: what, and what would be right`.
 Scene read_scene(const std::string& file);
 /// The same from text; `name` stands where the file would.
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& directory = ".");
 
-/// The scene as a file: parse_scene(write_scene(s)) equals s, bit for bit.
+/// The scene as a file. For a valid scene parse_scene(write_scene(s)) equals s, bit for bit (but for `file`
+/// and `directory`, which are not written).
 std::string write_scene(const Scene& scene);
+
+/// Whether a quaternion or normal counts as being of unit length. Reading normalises only what does not.
+bool is_unit(double squared_length);
 
 }  // namespace collidoscope

@@ -1,0 +1,168 @@
+#include "sim_cuda/scene/box_collider.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <numbers>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/philox.h"
+#include "sim_cuda/scene/sphere_grid.h"
+
+namespace collidoscope {
+namespace {
+
+/// How many places `apart` tries for one body before it says that there is no room.
+constexpr std::uint32_t max_tries = 32768;
+
+/// The next float above or below x, which is finite.
+float next_float(float x, bool up) {
+  if (x == 0) return up ? std::bit_cast<float>(1u) : -std::bit_cast<float>(1u);
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
+  return std::bit_cast<float>((x > 0) == up ? bits + 1 : bits - 1);
+}
+
+/// The walls as the spawn sees them: floats, and the exact bounds beside them.
+struct Walls {
+  float min[3], side[3];
+  double low[3], high[3];
+
+  explicit Walls(const Box& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = box.min[axis];
+      high[axis] = box.max[axis];
+      min[axis] = static_cast<float>(box.min[axis]);
+      side[axis] = static_cast<float>(box.max[axis] - box.min[axis]);
+    }
+  }
+
+  /// A coordinate of a sphere that keeps `margin` (its radius, or 0) from both walls. Rounding can carry the
+  /// sum an ulp beyond the wall; it is then moved back by as much, so that no sphere starts inside a wall.
+  float place(int axis, float margin, float u) const {
+    float x = min[axis] + margin + u * (side[axis] - 2 * margin);
+    for (int nudge = 0; nudge < 2; ++nudge) {
+      if (static_cast<double>(x) - margin < low[axis]) x = next_float(x, true);
+      if (static_cast<double>(x) + margin > high[axis]) x = next_float(x, false);
+    }
+    return x;
+  }
+
+  Vector3d place(float margin, std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return {place(0, margin, unit_float(x)), place(1, margin, unit_float(y)),
+            place(2, margin, unit_float(z))};
+  }
+
+  double volume() const { return (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]); }
+};
+
+[[noreturn]] void no_room(const BoxCollider& generator, const std::string& where, double fill,
+                          const std::string& what) {
+  throw InputError(
+      fmt::format("{}.spawn: no room for {} spheres that do not overlap: {}, and together they would fill "
+                  "{:.1f} % of the box; use fewer or smaller spheres, a larger box, or spawn \"inside\"",
+                  where, generator.count, what, 100 * fill));
+}
+
+/// Body by body, each at the first of its places that is free of all bodies before it.
+void place_apart(const BoxCollider& generator, const Walls& walls, const std::string& where,
+                 std::size_t first, InitialBodies& bodies) {
+  double volume = 0;
+  for (std::size_t i = first; i < bodies.size(); ++i) {
+    const double radius = bodies.radius[i];
+    volume += 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+  }
+  const double fill = volume / walls.volume();
+  if (fill >= 1) no_room(generator, where, fill, "they are more than the box holds");
+
+  SphereGrid grid(Vector3d(walls.low[0], walls.low[1], walls.low[2]),
+                  Vector3d(walls.high[0], walls.high[1], walls.high[2]), largest_radius(generator),
+                  bodies.size());
+  for (std::size_t i = 0; i < first; ++i) grid.insert(bodies.position[i], bodies.radius[i]);
+  const PhiloxKey key = philox_key(generator.seed);
+  for (std::size_t i = first; i < bodies.size(); ++i) {
+    const auto id = static_cast<std::uint32_t>(i - first);
+    const double radius = bodies.radius[i];
+    for (std::uint32_t tries = 1; grid.overlaps(bodies.position[i], radius); ++tries) {
+      if (tries == max_tries) {
+        no_room(generator, where, fill,
+                fmt::format("none was found for sphere {} (radius {:.3g} m) in {} tries", id, radius, tries));
+      }
+      const PhiloxWords r = philox4x32({{id, 1 + tries, 0, 0}}, key);
+      bodies.position[i] = walls.place(static_cast<float>(radius), r.w[0], r.w[1], r.w[2]);
+    }
+    grid.insert(bodies.position[i], radius);
+  }
+}
+
+}  // namespace
+
+double newton_cube_root(double x) {
+  if (!(x > 0)) return 0;
+  double y = 1;
+  while (y * y * y < x) y *= 2;
+  while (y * y * y >= 8 * x) y /= 2;
+  for (int i = 0; i < 8; ++i) y = (2 * y + x / (y * y)) / 3;
+  return y;
+}
+
+double scaled_side(std::int64_t count, double radius_max) {
+  const double mean_volume = std::numbers::pi / 3 * (radius_max * radius_max * radius_max);
+  const double side = newton_cube_root(static_cast<double>(count) * mean_volume / scaled_fill);
+  return static_cast<float>(std::max(100.0, side));
+}
+
+float equal_radius(double radius_max) {
+  // The mean of r^3 for r uniform in (0, R] is R^3 / 4, so a sphere of radius R cuberoot(1/4) has the mean
+  // volume: cuberoot(1/4) = 2^(-2/3) = 0.62996052494743658...
+  return static_cast<float>(radius_max) * 0.62996052494743658f;
+}
+
+double largest_radius(const BoxCollider& generator) {
+  return generator.variant == Variant::equal ? equal_radius(generator.radius_max)
+                                             : static_cast<float>(generator.radius_max);
+}
+
+std::optional<Box> box_in_effect(const Scene& scene) {
+  std::optional<Box> box = scene.box;
+  for (const BoxCollider& generator : scene.generators) {
+    if (generator.variant == Variant::paper || !box) continue;
+    const double side = scaled_side(generator.count, generator.radius_max);
+    box->max = box->min + Vector3d(side, side, side);
+  }
+  return box;
+}
+
+void append_box_collider(const BoxCollider& generator, const Box& box, const std::string& where,
+                         InitialBodies& bodies) {
+  const std::size_t first = bodies.size(), total = first + static_cast<std::size_t>(generator.count);
+  bodies.position.resize(total);
+  bodies.radius.resize(total);
+  if (generator.speed_max > 0) {
+    bodies.velocity.resize(first, Vector3d(0, 0, 0));
+    bodies.velocity.resize(total);
+  }
+
+  const Walls walls(box);
+  const PhiloxKey key = philox_key(generator.seed);
+  const auto radius_max = static_cast<float>(generator.radius_max);
+  const auto speed_max = static_cast<float>(generator.speed_max);
+  for (std::size_t i = first; i < total; ++i) {
+    const auto id = static_cast<std::uint32_t>(i - first);
+    const PhiloxWords r = philox4x32({{id, 0, 0, 0}}, key);
+    const float radius = generator.variant == Variant::equal ? equal_radius(generator.radius_max)
+                                                             : radius_max * (1 - unit_float(r.w[0]));
+    const float margin = generator.spawn == Spawn::centres ? 0 : radius;
+    bodies.radius[i] = radius;
+    bodies.position[i] = walls.place(margin, r.w[1], r.w[2], r.w[3]);
+    if (speed_max > 0) {
+      const PhiloxWords v = philox4x32({{id, 1, 0, 0}}, key);
+      for (int axis = 0; axis < 3; ++axis) {
+        bodies.velocity[i][axis] = speed_max * (2 * unit_float(v.w[axis]) - 1);
+      }
+    }
+  }
+  if (generator.spawn == Spawn::apart) place_apart(generator, walls, where, first, bodies);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,196 @@
+#include "sim_cuda/scene/initial_bodies.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <numbers>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/mesh.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+double sphere_volume(double radius) { return 4.0 / 3 * std::numbers::pi * (radius * radius * radius); }
+
+Vector3d sphere_inertia(double mass, double radius) {
+  const double moment = 0.4 * mass * radius * radius;
+  return {moment, moment, moment};
+}
+
+/// How a fault names the scene.
+const std::string& scene_name(const Scene& scene) { return scene.file.empty() ? scene.name : scene.file; }
+
+bool is_identity(const Quaterniond& q) { return q.w() == 1 && q.x() == 0 && q.y() == 0 && q.z() == 0; }
+
+/// Loads each mesh file once; remembers which number (from 1) it has.
+class MeshStore {
+ public:
+  MeshStore(const Scene& scene, InitialBodies& bodies) : scene_(scene), bodies_(bodies) {}
+
+  std::uint32_t number_of(const std::string& path) {
+    const auto [entry, is_new] = numbers_.try_emplace(path, 0);
+    if (is_new) {
+      const std::filesystem::path file = std::filesystem::path(scene_.directory) / path;
+      bodies_.meshes.push_back(read_mesh(file.lexically_normal().string(), path));
+      entry->second = static_cast<std::uint32_t>(bodies_.meshes.size());
+    }
+    return entry->second;
+  }
+
+ private:
+  const Scene& scene_;
+  InitialBodies& bodies_;
+  std::map<std::string, std::uint32_t> numbers_;
+};
+
+/// What the arrays that may stay empty need to hold.
+struct Needs {
+  bool velocity = false, angular_velocity = false, orientation = false, inertia = false, material = false;
+  bool mesh = false;
+};
+
+void append_listed(const Scene& scene, InitialBodies& all, Needs& needs) {
+  MeshStore meshes(scene, all);
+  for (const Body& body : scene.bodies) {
+    const double density = scene.materials[body.material].density;
+    const bool is_mesh = body.shape == Shape::mesh;
+    const std::uint32_t number = is_mesh ? meshes.number_of(body.mesh) : 0;
+    const Mesh* mesh = is_mesh ? &all.meshes[number - 1] : nullptr;
+    const double radius = is_mesh ? mesh->bounding_radius : body.radius;
+    const double volume = is_mesh ? mesh->volume : sphere_volume(radius);
+    const double mass = body.mass ? *body.mass : density * volume;
+    // A mesh's vertices are stored along its principal axes, so those are the body's own axes.
+    const Quaterniond turn = is_mesh ? body.orientation * mesh->axes : body.orientation;
+
+    all.position.push_back(body.position);
+    all.radius.push_back(radius);
+    all.mass.push_back(mass);
+    all.velocity.push_back(body.velocity);
+    all.angular_velocity.push_back(body.angular_velocity);
+    all.orientation.push_back(turn);
+    if (body.inertia) {
+      all.inertia.push_back(*body.inertia);
+    } else {
+      all.inertia.push_back(is_mesh ? Vector3d(mesh->inertia_per_density * (mass / volume))
+                                    : sphere_inertia(mass, radius));
+    }
+    all.material.push_back(static_cast<std::uint16_t>(body.material));
+    all.mesh.push_back(number);
+
+    needs.velocity |= !body.velocity.isZero(0);
+    needs.angular_velocity |= !body.angular_velocity.isZero(0);
+    needs.orientation |= !is_identity(turn);
+    needs.inertia |= is_mesh || body.inertia.has_value();
+    needs.material |= body.material != 0;
+    needs.mesh |= is_mesh;
+  }
+}
+
+/// Keeps an optional array at full length, or empties it and gives its memory back.
+template <class Value>
+void fill_or_drop(std::vector<Value>& array, bool needed, std::size_t size, const Value& fill) {
+  if (needed) {
+    array.resize(size, fill);
+  } else {
+    std::vector<Value>().swap(array);
+  }
+}
+
+/// Ranges that only hold for the numbers worked out here. Spin makes every body's inertia matter.
+void check_ranges(const Scene& scene, const InitialBodies& all) {
+  const bool rotation =
+      scene.physics.effects ? scene.physics.effects->rotation : !all.angular_velocity.empty();
+  std::vector<std::string> faults;
+  const auto fault = [&](std::size_t body, const std::string& what) {
+    faults.push_back(fmt::format("{}: body {}: {}", scene_name(scene), body, what));
+  };
+  for (std::size_t i = 0; i < all.size() && faults.size() < 100; ++i) {
+    if (!(all.mass[i] >= limits::min_mass && all.mass[i] <= limits::max_mass)) {
+      fault(i, fmt::format("its mass would be {:.3g} kg (density times volume); it lies in [{}, {}] kg",
+                           all.mass[i], limits::min_mass, limits::max_mass));
+    }
+    if (rotation) {
+      const Vector3d inertia =
+          all.inertia.empty() ? sphere_inertia(all.mass[i], all.radius[i]) : all.inertia[i];
+      if (!(inertia.minCoeff() >= limits::min_inertia && inertia.maxCoeff() <= limits::max_inertia)) {
+        fault(i,
+              fmt::format("its moment of inertia would be {:.3g} kg m^2; where bodies turn it lies in "
+                          "[{}, {}] kg m^2",
+                          inertia.minCoeff() < limits::min_inertia ? inertia.minCoeff() : inertia.maxCoeff(),
+                          limits::min_inertia, limits::max_inertia));
+      }
+    }
+    if (all.box && i < scene.bodies.size() &&
+        !(2 * all.radius[i] <= (all.box->max - all.box->min).minCoeff())) {
+      fault(i, fmt::format("its bounding sphere of {:.3g} m radius does not fit between the walls",
+                           all.radius[i]));
+    }
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+}  // namespace
+
+InitialBodies initial_bodies(const Scene& scene) {
+  if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
+    std::vector<std::string> lines;
+    for (const Fault& fault : faults) {
+      lines.push_back(fmt::format("{}: {}: {}", scene_name(scene), fault.path, fault.message));
+    }
+    throw InputError(std::move(lines));
+  }
+  InitialBodies all;
+  all.box = box_in_effect(scene);
+  std::size_t total = scene.bodies.size();
+  for (const BoxCollider& generator : scene.generators) total += static_cast<std::size_t>(generator.count);
+  all.position.reserve(total);
+  all.radius.reserve(total);
+  all.mass.reserve(total);
+
+  Needs needs;
+  append_listed(scene, all, needs);
+  for (std::size_t g = 0; g < scene.generators.size(); ++g) {
+    const BoxCollider& generator = scene.generators[g];
+    const std::size_t first = all.size();
+    append_box_collider(generator, all.box.value(),
+                        fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all);
+    const double density = scene.materials[generator.material].density;
+    for (std::size_t i = first; i < all.size(); ++i) {
+      all.mass.push_back(static_cast<float>(density * sphere_volume(all.radius[i])));
+    }
+    needs.velocity |= generator.speed_max > 0;
+    if (generator.material != 0) {
+      needs.material = true;
+      all.material.resize(first, 0);
+      all.material.resize(all.size(), static_cast<std::uint16_t>(generator.material));
+    }
+  }
+
+  if (needs.inertia) {
+    for (std::size_t i = all.inertia.size(); i < total; ++i) {
+      all.inertia.push_back(sphere_inertia(all.mass[i], all.radius[i]));
+    }
+  }
+  fill_or_drop(all.inertia, needs.inertia, total, Vector3d(0, 0, 0));
+  fill_or_drop(all.velocity, needs.velocity, total, Vector3d(0, 0, 0));
+  fill_or_drop(all.angular_velocity, needs.angular_velocity, total, Vector3d(0, 0, 0));
+  fill_or_drop(all.orientation, needs.orientation, total, Quaterniond(1, 0, 0, 0));
+  fill_or_drop(all.material, needs.material, total, std::uint16_t{0});
+  fill_or_drop(all.mesh, needs.mesh, total, std::uint32_t{0});
+  check_ranges(scene, all);
+  return all;
+}
+
+Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
+  Effects effects;
+  effects.gravity = !scene.physics.gravity.isZero(0);
+  for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
+  return effects;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,271 @@
+#include "sim_cuda/scene/json_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/json_syntax.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+namespace {
+
+/// Tells how far the parser has read: the end of a text token is where it stands when it reports one.
+class CountingIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  CountingIterator(const char* at, const char** read) : at_(at), read_(read) {}
+  reference operator*() const { return *at_; }
+  CountingIterator& operator++() {
+    *read_ = ++at_;
+    return *this;
+  }
+  CountingIterator operator++(int) {
+    const CountingIterator before = *this;
+    ++*this;
+    return before;
+  }
+  bool operator==(const CountingIterator& other) const { return at_ == other.at_; }
+
+ private:
+  const char* at_;
+  const char** read_;
+};
+
+}  // namespace
+
+/// nlohmann's SAX handler. Values wait in `pending_` until their container closes; its children then move
+/// side by side into the document.
+class JsonTreeBuilder {
+ public:
+  explicit JsonTreeBuilder(JsonDocument& document) : document_(document), text_(document.text_) {}
+
+  void build() {
+    const char* const begin = text_.data();
+    const char* const end = begin + text_.size();
+    read_ = begin;
+    const bool complete =
+        nlohmann::json::sax_parse(CountingIterator(begin, &read_), CountingIterator(end, &read_), this,
+                                  nlohmann::json::input_format_t::json, true, true);
+    if (!complete && !fault_) fault_ = explain_syntax(text_, end_, last_, open_);
+    // The parser takes a zero byte for the end of the text.
+    if (!fault_ && skip_blanks(text_, end_) != text_.size())
+      fault_ = explain_syntax(text_, end_, last_, open_);
+    if (fault_) throw InputError(document_.lines({*fault_}));
+    document_.nodes_.push_back(pending_.back());
+  }
+
+  bool null() { return scalar(JsonKind::null, 4); }
+  bool boolean(bool value) { return scalar(JsonKind::boolean, value ? 4 : 5); }
+  bool number_integer(std::int64_t) { return number(); }
+  bool number_unsigned(std::uint64_t) { return number(); }
+  bool number_float(double, const std::string&) { return number(); }
+  bool string(std::string& value) {
+    const std::uint32_t begin = token_begin();
+    keep_unescaped(begin, offset_read(), value);
+    return add(JsonKind::text, begin, offset_read() - begin);
+  }
+  bool binary(std::vector<std::uint8_t>&) { return false; }
+
+  bool key(std::string& value) {
+    key_begin_ = token_begin();
+    end_ = offset_read();
+    key_size_ = end_ - key_begin_;
+    keep_unescaped(key_begin_, end_, value);
+    last_ = JsonProgress::key;
+    return true;
+  }
+
+  bool start_object(std::size_t) { return start(JsonKind::object); }
+  bool start_array(std::size_t) { return start(JsonKind::array); }
+  bool end_object() {
+    note_duplicates();
+    return finish();
+  }
+  bool end_array() { return finish(); }
+
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) { return false; }
+
+ private:
+  std::uint32_t offset_read() const { return static_cast<std::uint32_t>(read_ - text_.data()); }
+
+  /// Where the token that follows the last one starts: between them stand blanks, comments, "," and ":".
+  std::uint32_t token_begin() const {
+    std::uint32_t at = skip_blanks(text_, end_);
+    while (at < text_.size() && (text_[at] == ',' || text_[at] == ':')) at = skip_blanks(text_, at + 1);
+    return at;
+  }
+
+  void keep_unescaped(std::uint32_t begin, std::uint32_t end, std::string& value) {
+    if (text_.substr(begin, end - begin).find('\\') == std::string_view::npos) return;
+    document_.unescaped_.emplace(begin, std::move(value));
+  }
+
+  bool scalar(JsonKind kind, std::uint32_t size) { return add(kind, token_begin(), size); }
+  bool number() {
+    const std::uint32_t begin = token_begin();
+    return add(JsonKind::number, begin, number_length(text_, begin));
+  }
+
+  bool add(JsonKind kind, std::uint32_t begin, std::uint32_t size) {
+    if (document_.nodes_.size() + pending_.size() == JsonDocument::max_nodes) {
+      fault_ = JsonFault{begin, fmt::format("more than {} values; use a generator for so many bodies",
+                                            JsonDocument::max_nodes)};
+      return false;
+    }
+    JsonNode node;
+    node.begin = begin;
+    node.size = size;
+    if (last_ == JsonProgress::key) {
+      node.key_begin = key_begin_;
+      node.key_size = key_size_;
+    }
+    node.kind = kind;
+    pending_.push_back(node);
+    end_ = begin + size;
+    last_ = JsonProgress::value;
+    return true;
+  }
+
+  bool start(JsonKind kind) {
+    const std::uint32_t begin = token_begin();
+    if (open_.size() == JsonDocument::max_depth) {
+      fault_ =
+          JsonFault{begin, fmt::format("more than {} arrays and objects within each other; a scene needs "
+                                       "no more than 4",
+                                       JsonDocument::max_depth)};
+      return false;
+    }
+    if (!add(kind, begin, 1)) return false;
+    open_.push_back({begin, kind == JsonKind::array});
+    containers_.push_back(pending_.size() - 1);
+    last_ = JsonProgress::opened;
+    return true;
+  }
+
+  bool finish() {
+    end_ = token_begin() + 1;
+    const std::size_t container = containers_.back();
+    pending_[container].first_child = static_cast<std::uint32_t>(document_.nodes_.size());
+    pending_[container].child_count = static_cast<std::uint32_t>(pending_.size() - container - 1);
+    document_.nodes_.insert(document_.nodes_.end(),
+                            pending_.begin() + static_cast<std::ptrdiff_t>(container) + 1, pending_.end());
+    pending_.resize(container + 1);
+    containers_.pop_back();
+    open_.pop_back();
+    last_ = JsonProgress::value;
+    return true;
+  }
+
+  void note_duplicates() {
+    std::vector<const JsonNode*> members;
+    for (std::size_t i = containers_.back() + 1; i < pending_.size(); ++i) members.push_back(&pending_[i]);
+    std::stable_sort(members.begin(), members.end(), [&](const JsonNode* a, const JsonNode* b) {
+      return document_.key(*a) < document_.key(*b);
+    });
+    for (std::size_t i = 1; i < members.size(); ++i) {
+      if (document_.key(*members[i]) != document_.key(*members[i - 1])) continue;
+      if (document_.duplicates_.size() > JsonDocument::max_faults) return;
+      document_.duplicates_.push_back(
+          {members[i]->key_begin, fmt::format("the key \"{}\" stands twice in this object; keep one of them",
+                                              printable(document_.key(*members[i])))});
+    }
+  }
+
+  JsonDocument& document_;
+  std::string_view text_;
+  const char* read_ = nullptr;
+  std::uint32_t end_ = 0;  ///< of the last token that was reported
+  std::uint32_t key_begin_ = 0, key_size_ = 0;
+  JsonProgress last_ = JsonProgress::nothing;
+  std::vector<JsonNode> pending_;
+  std::vector<std::size_t> containers_;  ///< places in pending_ of what is open
+  std::vector<JsonOpen> open_;
+  std::optional<JsonFault> fault_;
+};
+
+std::string_view described(JsonKind kind) {
+  switch (kind) {
+    case JsonKind::null:
+      return "null";
+    case JsonKind::boolean:
+      return "true or false";
+    case JsonKind::number:
+      return "a number";
+    case JsonKind::text:
+      return "a text";
+    case JsonKind::array:
+      return "a list";
+    case JsonKind::object:
+      return "an object";
+  }
+  return "?";
+}
+
+JsonDocument::JsonDocument(std::string text, std::string name)
+    : text_(std::move(text)), name_(std::move(name)) {
+  if (text_.size() > max_bytes) {
+    throw InputError(
+        fmt::format("{}: holds more than {} MiB, the most that is read; use a generator for so many "
+                    "bodies",
+                    name_, max_bytes >> 20));
+  }
+  JsonTreeBuilder(*this).build();
+}
+
+const JsonNode* JsonDocument::find(const JsonNode& object, std::string_view wanted) const {
+  for (const JsonNode& child : children(object)) {
+    if (key(child) == wanted) return &child;
+  }
+  return nullptr;
+}
+
+std::string_view JsonDocument::unquoted(std::uint32_t begin, std::uint32_t size) const {
+  const std::string_view token = std::string_view(text_).substr(begin, size);
+  if (token.find('\\') != std::string_view::npos) {
+    if (const auto entry = unescaped_.find(begin); entry != unescaped_.end()) return entry->second;
+  }
+  return size < 2 ? std::string_view{} : token.substr(1, size - 2);
+}
+
+std::optional<double> JsonDocument::number(const JsonNode& node) const {
+  const std::string_view digits = token(node);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string> JsonDocument::lines(std::vector<JsonFault> faults) const {
+  std::stable_sort(faults.begin(), faults.end(),
+                   [](const JsonFault& a, const JsonFault& b) { return a.offset < b.offset; });
+  std::vector<std::string> result;
+  std::size_t line = 1, column = 1, at = text_.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  for (const JsonFault& fault : faults) {
+    if (result.size() == max_faults) {
+      result.push_back(fmt::format("{}: more than {} faults; the rest is not listed", name_, max_faults));
+      break;
+    }
+    for (; at < fault.offset && at < text_.size(); ++at) {
+      if (text_[at] == '\n') {
+        ++line;
+        column = 1;
+      } else if ((static_cast<unsigned char>(text_[at]) & 0xC0) != 0x80) {
+        ++column;
+      }
+    }
+    result.push_back(fmt::format("{}:{}:{}: {}", name_, line, column, fault.message));
+  }
+  return result;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,76 @@
+#pragma once
+// A JSON text (with // and /* */ comments) as a small tree whose nodes know where they are in it, so that
+// every complaint about a value can name its line and column. Parsed by nlohmann's SAX parser, whose own
+// DOM has no positions. Lives while a file is read. Memory is bounded: see the limits below.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace collidoscope {
+
+enum class JsonKind : std::uint8_t { null, boolean, number, text, array, object };
+
+/// "a number", "an object"...: for messages.
+std::string_view described(JsonKind kind);
+
+struct JsonNode {
+  std::uint32_t begin = 0, size = 0;          ///< the token in the text, bytes; a container's first character
+  std::uint32_t key_begin = 0, key_size = 0;  ///< with its quotes; size 0: no member of an object
+  std::uint32_t first_child = 0, child_count = 0;
+  JsonKind kind = JsonKind::null;
+};
+
+/// Something wrong at a byte of the text.
+struct JsonFault {
+  std::uint32_t offset;
+  std::string message;
+};
+
+class JsonDocument {
+ public:
+  static constexpr std::size_t max_bytes = std::size_t{64} << 20;  ///< of text
+  static constexpr std::size_t max_nodes = std::size_t{1} << 23;   ///< values in all; 28 bytes each
+  static constexpr std::size_t max_depth = 64;                     ///< arrays and objects within each other
+  static constexpr std::size_t max_faults = 10'000;                ///< listed; more are counted as one
+
+  /// Throws InputError, one line, where the text is no JSON or beyond a limit. `name` stands before the
+  /// positions in all messages. Duplicate keys are no syntax fault: they wait in duplicates().
+  JsonDocument(std::string text, std::string name);
+
+  const JsonNode& root() const { return nodes_.back(); }
+  std::span<const JsonNode> children(const JsonNode& node) const {
+    return {nodes_.data() + node.first_child, node.child_count};
+  }
+  /// The member of an object, or null.
+  const JsonNode* find(const JsonNode& object, std::string_view key) const;
+
+  std::string_view key(const JsonNode& node) const { return unquoted(node.key_begin, node.key_size); }
+  std::string_view text(const JsonNode& node) const { return unquoted(node.begin, node.size); }
+  /// As it is written: `-1e5`, `true`, `"text"`; `[` or `{` of a container.
+  std::string_view token(const JsonNode& node) const {
+    return std::string_view(text_).substr(node.begin, node.size);
+  }
+  /// The nearest double; none where it is too near to zero to be one (1e-999).
+  std::optional<double> number(const JsonNode& node) const;
+
+  const std::vector<JsonFault>& duplicates() const { return duplicates_; }
+
+  /// `name:line:column: message` for each fault, in the order of the text; columns count characters.
+  std::vector<std::string> lines(std::vector<JsonFault> faults) const;
+
+ private:
+  friend class JsonTreeBuilder;
+  std::string_view unquoted(std::uint32_t begin, std::uint32_t size) const;
+
+  std::string text_, name_;
+  std::vector<JsonNode> nodes_;                               ///< children side by side; the root is last
+  std::unordered_map<std::uint32_t, std::string> unescaped_;  ///< by offset: texts that hold a backslash
+  std::vector<JsonFault> duplicates_;
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,251 @@
+#include "sim_cuda/scene/json_syntax.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+namespace {
+
+std::string line_of(std::string_view text, std::uint32_t offset) {
+  return fmt::format("line {}", 1 + std::count(text.begin(), text.begin() + offset, '\n'));
+}
+
+int hex_value(std::string_view digits) {
+  int value = -1;
+  if (digits.size() < 4) return -1;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + 4, value, 16);
+  return error == std::errc{} && end == digits.data() + 4 ? value : -1;
+}
+
+/// The text in double quotes that starts at `at` is faulty: how?
+JsonFault explain_text(std::string_view text, std::uint32_t at) {
+  const std::string_view escapes = "\"\\/bfnrt";
+  for (std::uint32_t i = at + 1; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    if (c == '"') {
+      std::size_t bad = 0;
+      if (!is_utf8(text.substr(at, i - at), &bad)) {
+        return {static_cast<std::uint32_t>(at + bad), "this byte is not UTF-8; save the file as UTF-8"};
+      }
+      break;
+    }
+    if (c == '\n' || c == '\r') {
+      return {at,
+              "this text has no closing quote on its line; end it with \", and write a line break as \\n"};
+    }
+    if (c < 0x20) {
+      return {i, fmt::format("a control character (byte {0}) in a text; write it as \\u{0:04x}", int{c})};
+    }
+    if (c != '\\') continue;
+    const std::string_view rest = text.substr(i + 1);
+    if (rest.empty()) break;
+    if (rest[0] == 'u') {
+      const int code = hex_value(rest.substr(1));
+      if (code < 0) return {i, "\\u needs four hexadecimal digits, such as \\u00e9"};
+      const bool high = code >= 0xD800 && code < 0xDC00, low = code >= 0xDC00 && code < 0xE000;
+      const bool paired = high && rest.substr(5, 2) == "\\u" && hex_value(rest.substr(7)) >= 0xDC00 &&
+                          hex_value(rest.substr(7)) < 0xE000;
+      if (low || (high && !paired)) {
+        return {i, "half of a surrogate pair; write both halves, or the character itself"};
+      }
+      i += paired ? 11 : 5;
+    } else if (escapes.find(rest[0]) == std::string_view::npos) {
+      return {
+          i,
+          "an unknown escape; known are \\\" \\\\ \\/ \\b \\f \\n \\r \\t and \\uXXXX (write \\\\ for \\)"};
+    } else {
+      ++i;
+    }
+  }
+  return {at, "this text has no closing quote; end it with \""};
+}
+
+/// The run of letters, digits and signs at `at`, at least one character long.
+std::string_view word_at(std::string_view text, std::uint32_t at) {
+  std::uint32_t end = at;
+  const auto is_part = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '+' || c == '-' || c == '.' ||
+           (static_cast<unsigned char>(c) & 0x80) != 0;
+  };
+  while (end < text.size() && is_part(text[end])) ++end;
+  return text.substr(at, std::max<std::uint32_t>(end - at, 1));
+}
+
+/// A number that is out of a double's range, or not written as JSON wants it.
+std::string explain_number(std::string_view word) {
+  double value = 0;
+  const std::string_view digits = word.substr(word.starts_with('-') ? 1 : 0);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (end == digits.data() + digits.size() && error == std::errc::result_out_of_range) {
+    return fmt::format("{} is beyond what a double holds; numbers lie within 1.8e308", printable(word));
+  }
+  return fmt::format(
+      "\"{}\" is not a number as JSON writes it; write digits, then .digits, then e and an "
+      "exponent, such as 0.5 or 1e-3 (no leading + or zeros, no bare point)",
+      printable(word));
+}
+
+bool is_non_finite(std::string_view word) {
+  std::string lower(word.substr(word.starts_with('-') || word.starts_with('+') ? 1 : 0));
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower == "nan" || lower == "inf" || lower == "infinity";
+}
+
+class Explainer {
+ public:
+  Explainer(std::string_view text, const std::vector<JsonOpen>& open) : text_(text), open_(open) {}
+
+  JsonFault explain(std::uint32_t at, JsonProgress last) {
+    at = skip_blanks(text_, at);
+    if (last == JsonProgress::nothing) {
+      return at == text_.size() ? JsonFault{at, "there is nothing in here; a JSON text is an object: { ... }"}
+                                : value(at, false);
+    }
+    if (last == JsonProgress::key) {
+      if (stopped(at)) return stop(at);
+      if (text_[at] != ':') return {at, "a \":\" is missing between the key and its value"};
+      return value(skip_blanks(text_, at + 1), false);
+    }
+    if (open_.empty()) {
+      if (stopped(at)) return stop(at);
+      return {at, "something follows after the end of the document; remove it"};
+    }
+    const bool in_array = open_.back().is_array;
+    if (last == JsonProgress::opened) return in_array ? value(at, false) : key(at, false);
+    if (stopped(at)) return stop(at);
+    if (text_[at] == ',') {
+      at = skip_blanks(text_, at + 1);
+      return in_array ? value(at, true) : key(at, true);
+    }
+    if (text_[at] == (in_array ? '}' : ']')) {
+      return {at, fmt::format("\"{}\" closes the {} of {}; it ends with \"{}\"", text_[at],
+                              in_array ? "array" : "object", line_of(text_, open_.back().begin),
+                              in_array ? ']' : '}')};
+    }
+    return {at, fmt::format("a \",\" or \"{}\" is missing before this", in_array ? ']' : '}')};
+  }
+
+ private:
+  /// The end of the text, or something that is wrong wherever it stands.
+  bool stopped(std::uint32_t at) const {
+    return at >= text_.size() || text_[at] == '/' || text_[at] == '#' || text_[at] == 0;
+  }
+  JsonFault stop(std::uint32_t at) const {
+    if (at < text_.size()) {
+      if (text_[at] == 0) return {at, "a zero byte; a scene is plain text (UTF-8)"};
+      if (text_.substr(at, 2) == "/*") return {at, "this comment is never closed; end it with */"};
+      return {at, "comments start with // or stand between /* and */"};
+    }
+    if (open_.empty()) return {at, "the text ends too early; a value is missing"};
+    const bool is_array = open_.back().is_array;
+    return {at, fmt::format("the text ends inside the {} that {} opens; is it cut off? close it with \"{}\"",
+                            is_array ? "array" : "object", line_of(text_, open_.back().begin),
+                            is_array ? ']' : '}')};
+  }
+
+  JsonFault key(std::uint32_t at, bool after_comma) const {
+    if (stopped(at)) return stop(at);
+    const char c = text_[at];
+    if (c == '"') return explain_text(text_, at);
+    if (c == '}' && after_comma)
+      return {at, "another key must follow after a \",\"; remove the comma before \"}\""};
+    if (c == ',') return {at, "a key is missing before this \",\""};
+    return {at, fmt::format("a key must stand here, in double quotes: \"name\": value; found {}",
+                            printable(word_at(text_, at)))};
+  }
+
+  JsonFault value(std::uint32_t at, bool after_comma) const {
+    if (stopped(at)) return stop(at);
+    const char c = text_[at];
+    if (c == '"') return explain_text(text_, at);
+    if ((c == ']' || c == '}') && after_comma) {
+      return {at, fmt::format("another value must follow after a \",\"; remove the comma before \"{}\"", c)};
+    }
+    if (c == ',' || c == ']' || c == '}' || c == ':') {
+      return {at, fmt::format("a value is missing before this \"{}\"", c)};
+    }
+    if (c == '\'') return {at, "text goes in double quotes: \"...\""};
+    const std::string_view word = word_at(text_, at);
+    if (is_non_finite(word)) {
+      return {at,
+              fmt::format("{} is not a number that can be simulated; write a finite one", printable(word))};
+    }
+    if (std::isdigit(static_cast<unsigned char>(c)) || c == '-' || c == '+' || c == '.') {
+      return {at, explain_number(word)};
+    }
+    return {at,
+            fmt::format("{} is no JSON value; write a number, \"text\", true, false, [ ... ] or {{ ... }}",
+                        printable(word))};
+  }
+
+  std::string_view text_;
+  const std::vector<JsonOpen>& open_;
+};
+
+}  // namespace
+
+std::uint32_t skip_blanks(std::string_view text, std::uint32_t at) {
+  if (at == 0 && text.starts_with("\xEF\xBB\xBF")) at = 3;
+  const auto size = static_cast<std::uint32_t>(text.size());
+  while (at < size) {
+    const char c = text[at];
+    if (c == ' ' || c == '\t' || c == '\n' || c == '\r') {
+      ++at;
+    } else if (text.substr(at, 2) == "//") {
+      const std::size_t end = text.find_first_of(std::string_view("\n\r\0", 3), at);
+      at = static_cast<std::uint32_t>(std::min(end, text.size()));
+    } else if (text.substr(at, 2) == "/*") {
+      const std::size_t end = text.find("*/", at + 2);
+      if (end == std::string_view::npos) return at;
+      at = static_cast<std::uint32_t>(end + 2);
+    } else {
+      break;
+    }
+  }
+  return at;
+}
+
+std::uint32_t number_length(std::string_view text, std::uint32_t at) {
+  const std::size_t end = text.find_first_not_of("+-.0123456789eE", at);
+  return static_cast<std::uint32_t>(std::min(end, text.size())) - at;
+}
+
+bool is_utf8(std::string_view text, std::size_t* bad) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) {
+      return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u;
+    };
+    const unsigned lead = byte(0);
+    std::size_t length = lead < 0x80   ? 1
+                         : lead < 0xC2 ? 0
+                         : lead < 0xE0 ? 2
+                         : lead < 0xF0 ? 3
+                         : lead < 0xF5 ? 4
+                                       : 0;
+    for (std::size_t k = 1; k < length; ++k) {
+      if ((byte(k) & 0xC0u) != 0x80u) length = 0;
+    }
+    if ((lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xED && byte(1) > 0x9F) ||
+        (lead == 0xF0 && byte(1) < 0x90) || (lead == 0xF4 && byte(1) > 0x8F)) {
+      length = 0;
+    }
+    if (length == 0) {
+      if (bad != nullptr) *bad = i;
+      return false;
+    }
+    i += length;
+  }
+  return true;
+}
+
+JsonFault explain_syntax(std::string_view text, std::uint32_t end, JsonProgress last,
+                         const std::vector<JsonOpen>& open) {
+  return Explainer(text, open).explain(end, last);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,28 @@
+#pragma once
+// The ranges that a scene's values must lie in. They are wide enough for dust and planets, and narrow enough
+// that every quantity is a normal float and no step can overflow on its first product. validate() tests
+// them, the README's table quotes them.
+
+#include <cstdint>
+
+namespace collidoscope::limits {
+
+inline constexpr std::int64_t max_bodies = std::int64_t{1} << 27;   ///< listed and generated together
+inline constexpr double max_coordinate = 1e9;                       ///< m, of a position or a box
+inline constexpr double max_speed = 1e9;                            ///< m/s per component
+inline constexpr double max_spin = 1e9;                             ///< rad/s per component
+inline constexpr double max_gravity = 1e6;                          ///< m/s^2 per component
+inline constexpr double min_radius = 1e-9, max_radius = 1e9;        ///< m
+inline constexpr double min_mass = 1e-30, max_mass = 1e30;          ///< kg
+inline constexpr double min_inertia = 1e-36, max_inertia = 1e36;    ///< kg m^2
+inline constexpr double min_density = 1e-9, max_density = 1e18;     ///< kg/m^3
+inline constexpr double min_time_step = 1e-9, max_time_step = 1e3;  ///< s
+inline constexpr int max_steps_per_second = 1'000'000;
+inline constexpr int max_substeps = 1000;
+inline constexpr int max_iterations = 1000;
+inline constexpr double max_friction = 100;
+inline constexpr int max_name_length = 200;          ///< bytes of UTF-8
+inline constexpr int max_materials = 65535;          ///< indices are 16 bits
+inline constexpr double smallest_normal = 0x1p-126;  ///< of a float; what is nearer to 0 must be 0
+
+}  // namespace collidoscope::limits

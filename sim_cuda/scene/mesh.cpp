@@ -1,0 +1,282 @@
+#include "sim_cuda/scene/mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/mass_properties.h"
+#include "sim_cuda/scene/text_file.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::size_t max_file_size = std::size_t{256} << 20;
+constexpr std::size_t max_faults = 100;
+
+/// An edge as a face runs along it.
+struct Edge {
+  std::uint32_t from, to;
+  std::uint32_t line;  ///< of the face in the file
+  std::uint32_t low() const { return std::min(from, to); }
+  std::uint32_t high() const { return std::max(from, to); }
+};
+
+class ObjReader {
+ public:
+  ObjReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  /// Vertices and triangles as the file gives them, the surface found closed. Throws all faults.
+  void read(std::vector<Vector3d>& vertices, std::vector<std::array<std::uint32_t, 3>>& faces) {
+    while (!text_.empty() && faults_.size() < max_faults) {
+      const std::size_t end = std::min(text_.find('\n'), text_.size());
+      line_ = text_.substr(0, end);
+      text_.remove_prefix(std::min(end + 1, text_.size()));
+      ++line_number_;
+      if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
+      read_line();
+    }
+    if (faults_.empty()) check_indices();
+    if (faults_.empty() && corners_.empty())
+      fault(0, 0, "there are no faces; a mesh needs `v` and `f` lines");
+    if (faults_.empty()) check_closed();
+    if (!faults_.empty()) throw InputError(std::move(faults_));
+    for (const Polygon& polygon : polygons_) {
+      const std::uint32_t* corner = corners_.data() + polygon.first;
+      for (std::uint32_t i = 2; i < polygon.count; ++i)
+        faces.push_back({corner[0], corner[i - 1], corner[i]});
+    }
+    vertices = std::move(vertices_);
+  }
+
+ private:
+  struct Polygon {
+    std::uint32_t first, count, line;
+  };
+
+  /// `line` 0 stands for the whole file.
+  void fault(std::size_t line, std::size_t column, const std::string& what) {
+    if (faults_.size() == max_faults) return;
+    faults_.push_back(line == 0 ? fmt::format("{}: {}", file_, what)
+                                : fmt::format("{}:{}:{}: {}", file_, line, column, what));
+  }
+  void fault_here(std::string_view word, const std::string& what) {
+    fault(line_number_, static_cast<std::size_t>(word.data() - line_.data()) + 1, what);
+  }
+
+  /// The next word of the rest of the line; empty at its end or where a comment starts.
+  static std::string_view next_word(std::string_view& rest) {
+    const std::size_t start = std::min(rest.find_first_not_of(" \t"), rest.size());
+    rest.remove_prefix(start);
+    const std::size_t size = rest.starts_with('#') ? 0 : std::min(rest.find_first_of(" \t"), rest.size());
+    const std::string_view word = rest.substr(0, size);
+    rest.remove_prefix(size);
+    return word;
+  }
+
+  void read_line() {
+    std::string_view rest = line_;
+    const std::string_view keyword = next_word(rest);
+    if (keyword == "v") {
+      read_vertex(keyword, rest);
+    } else if (keyword == "f") {
+      read_face(keyword, rest);
+    } else {
+      for (const std::string_view passed : {"", "vt", "vn", "o", "g", "s", "usemtl", "mtllib"}) {
+        if (keyword == passed) return;
+      }
+      fault_here(keyword,
+                 fmt::format("\"{}\" is not read here; a mesh is made of `v x y z` and `f i j k ...` "
+                             "(vt, vn, o, g, s, usemtl and mtllib are passed over)",
+                             printable(keyword)));
+    }
+  }
+
+  static std::string printable(std::string_view word) {
+    std::string text(word.substr(0, 40));
+    for (char& c : text) {
+      if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+    }
+    return text;
+  }
+
+  void read_vertex(std::string_view keyword, std::string_view rest) {
+    double value[7];
+    int count = 0;
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+      if (count == 7) return fault_here(word, "a vertex has at most 7 numbers: x y z, w = 1 and a colour");
+      const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
+      double& x = value[count++];
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+      if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(x)) {
+        return fault_here(
+            word, fmt::format("\"{}\" is not a number; a vertex is `v x y z`, in metres", printable(word)));
+      }
+      if (std::abs(x) > limits::max_coordinate) {
+        return fault_here(word, fmt::format("{} is out of range; a coordinate lies in [-1e9, 1e9] m", x));
+      }
+    }
+    if (count < 3) return fault_here(keyword, fmt::format("{} numbers; a vertex is `v x y z`", count));
+    if (count != 6 && count > 3 && value[3] != 1) {
+      return fault_here(keyword, "a vertex with a weight other than 1; give x y z alone");
+    }
+    vertices_.emplace_back(value[0], value[1], value[2]);
+    if (vertices_.size() > (std::size_t{1} << 30)) fault_here(keyword, "more than 2^30 vertices");
+  }
+
+  /// One corner of a face, `v`, `v/vt`, `v//vn` or `v/vt/vn`, as an index from 0. Later vertices may be
+  /// named.
+  std::optional<std::uint32_t> corner(std::string_view word) {
+    long long index[3] = {0, 0, 0};
+    int part = 0;
+    const char* at = word.data();
+    const char* const end = word.data() + word.size();
+    while (true) {
+      const bool may_be_empty = part == 1 && at < end && *at == '/';
+      if (!may_be_empty) {
+        const auto [stop, error] = std::from_chars(at, end, index[part]);
+        if (error != std::errc{}) return std::nullopt;
+        at = stop;
+      }
+      if (at == end) break;
+      if (*at != '/' || ++part == 3) return std::nullopt;
+      ++at;
+    }
+    const long long absolute =
+        index[0] > 0 ? index[0] - 1 : static_cast<long long>(vertices_.size()) + index[0];
+    if (index[0] == 0 || absolute < 0 || absolute >= (1LL << 30)) return std::nullopt;
+    return static_cast<std::uint32_t>(absolute);
+  }
+
+  void read_face(std::string_view keyword, std::string_view rest) {
+    Polygon polygon{static_cast<std::uint32_t>(corners_.size()), 0, line_number_};
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+      const std::optional<std::uint32_t> index = corner(word);
+      if (!index) {
+        return fault_here(word, fmt::format("\"{}\" names no vertex; a corner is v, v/vt, v//vn or v/vt/vn, "
+                                            "counted from 1, or from -1 backwards ({} vertices so far)",
+                                            printable(word), vertices_.size()));
+      }
+      const auto first = corners_.begin() + polygon.first;
+      if (std::find(first, corners_.end(), *index) != corners_.end()) {
+        return fault_here(word, fmt::format("vertex {} twice in one face; name each once", *index + 1));
+      }
+      corners_.push_back(*index);
+      ++polygon.count;
+    }
+    if (polygon.count < 3) {
+      return fault_here(keyword, fmt::format("a face of {} corners; it has at least three", polygon.count));
+    }
+    polygons_.push_back(polygon);
+  }
+
+  void check_indices() {
+    for (const Polygon& polygon : polygons_) {
+      for (std::uint32_t i = 0; i < polygon.count; ++i) {
+        const std::uint32_t index = corners_[polygon.first + i];
+        if (index < vertices_.size()) continue;
+        fault(polygon.line, 1,
+              fmt::format("the face names vertex {}, but there are {}", index + 1, vertices_.size()));
+      }
+    }
+  }
+
+  /// Closed: every edge belongs to two faces, which run along it in opposite directions.
+  void check_closed() {
+    std::vector<Edge> edges;
+    edges.reserve(corners_.size());
+    for (const Polygon& polygon : polygons_) {
+      const std::uint32_t* corner = corners_.data() + polygon.first;
+      for (std::uint32_t i = 0; i < polygon.count; ++i) {
+        edges.push_back({corner[i], corner[i + 1 < polygon.count ? i + 1 : 0], polygon.line});
+      }
+    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+      if (a.low() != b.low()) return a.low() < b.low();
+      if (a.high() != b.high()) return a.high() < b.high();
+      return a.line < b.line;
+    });
+    for (std::size_t i = 0; i < edges.size();) {
+      std::size_t end = i + 1;
+      while (end < edges.size() && edges[end].low() == edges[i].low() &&
+             edges[end].high() == edges[i].high()) {
+        ++end;
+      }
+      const std::string edge =
+          fmt::format("the edge from vertex {} to {}", edges[i].from + 1, edges[i].to + 1);
+      if (end - i == 1) {
+        fault(edges[i].line, 1,
+              edge +
+                  " belongs to this face alone, so the surface is open; close it (vertices that lie in the "
+                  "same place must be one vertex)");
+      } else if (end - i > 2) {
+        fault(edges[i].line, 1,
+              fmt::format("{} belongs to {} faces; in a closed surface it belongs to two", edge, end - i));
+      } else if (edges[i].from == edges[i + 1].from) {
+        fault(edges[i].line, 1,
+              fmt::format("{} runs the same way in the face of line {}; turn one of them over", edge,
+                          edges[i + 1].line));
+      }
+      i = end;
+    }
+  }
+
+  std::string_view text_, line_;
+  const std::string& file_;
+  std::uint32_t line_number_ = 0;
+  std::vector<Vector3d> vertices_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<Polygon> polygons_;
+  std::vector<std::string> faults_;
+};
+
+}  // namespace
+
+Mesh parse_mesh(const std::string& text, const std::string& file, const std::string& name) {
+  Mesh mesh;
+  mesh.name = name;
+  ObjReader(text, file).read(mesh.vertices, mesh.faces);
+
+  const MassProperties solid = mass_properties(mesh.vertices, mesh.faces);
+  if (solid.volume < 0) {
+    throw InputError(file + ": the faces are clockwise seen from outside; turn all of them over");
+  }
+  const Vector3d moments = solid.inertia.diagonal();
+  if (!(solid.volume > 0) || !(moments.minCoeff() > 0)) {
+    throw InputError(file + ": the surface encloses no volume; a body needs one to have a mass");
+  }
+  const PrincipalAxes principal = principal_axes(solid.inertia);
+  mesh.volume = solid.volume;
+  mesh.center = solid.center;
+  mesh.axes = principal.axes;
+  mesh.inertia_per_density = principal.moments;
+
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (const auto& face : mesh.faces) {
+    for (const std::uint32_t vertex : face) used[vertex] = 1;
+  }
+  const Matrix3d to_principal = mesh.axes.toRotationMatrix().transpose();
+  double farthest = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    mesh.vertices[i] = to_principal * (mesh.vertices[i] - mesh.center);
+    if (used[i]) farthest = std::max(farthest, mesh.vertices[i].dot(mesh.vertices[i]));
+  }
+  mesh.bounding_radius = std::sqrt(farthest);
+  if (mesh.bounding_radius < limits::min_radius || mesh.bounding_radius > limits::max_radius) {
+    throw InputError(
+        fmt::format("{}: the mesh's bounding sphere has a radius of {:.3g} m; it lies in [{}, {}] m", file,
+                    mesh.bounding_radius, limits::min_radius, limits::max_radius));
+  }
+  return mesh;
+}
+
+Mesh read_mesh(const std::string& file, const std::string& name) {
+  return parse_mesh(read_text_file(file, max_file_size, "a closed mesh (.obj)"), file, name);
+}
+
+}  // namespace collidoscope

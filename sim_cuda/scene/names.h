@@ -1,0 +1,74 @@
+#pragma once
+// The names of choices, as scene files, command lines and reports write them: one table per enumeration.
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+template <class Choice>
+struct Named {
+  std::string_view name;
+  Choice value;
+};
+
+inline constexpr std::array<Named<Precision>, 2> precision_names{
+    {{"f32", Precision::f32}, {"f64", Precision::f64}}};
+inline constexpr std::array<Named<Solver>, 1> solver_names{{{"impulse", Solver::impulse}}};
+inline constexpr std::array<Named<Integrator>, 1> integrator_names{
+    {{"semi_implicit_euler", Integrator::semi_implicit_euler}}};
+inline constexpr std::array<Named<Shape>, 2> shape_names{{{"sphere", Shape::sphere}, {"mesh", Shape::mesh}}};
+inline constexpr std::array<Named<Variant>, 3> variant_names{
+    {{"paper", Variant::paper}, {"scaled", Variant::scaled}, {"equal", Variant::equal}}};
+inline constexpr std::array<Named<Spawn>, 3> spawn_names{
+    {{"inside", Spawn::inside}, {"centres", Spawn::centres}, {"apart", Spawn::apart}}};
+
+/// The name of a value that is in the table; "?" for one that is not.
+template <class Choice, std::size_t count>
+constexpr std::string_view name_of(const std::array<Named<Choice>, count>& table, Choice value) {
+  for (const Named<Choice>& entry : table) {
+    if (entry.value == value) return entry.name;
+  }
+  return "?";
+}
+
+/// The value of a name; none where the table does not know it.
+template <class Choice, std::size_t count>
+constexpr std::optional<Choice> value_of(const std::array<Named<Choice>, count>& table,
+                                         std::string_view name) {
+  for (const Named<Choice>& entry : table) {
+    if (entry.name == name) return entry.value;
+  }
+  return std::nullopt;
+}
+
+/// All names of a table (of Named or EffectName) in order.
+template <class Table>
+std::vector<std::string_view> names_in(const Table& table) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : table) names.push_back(entry.name);
+  return names;
+}
+
+/// "paper, scaled or equal".
+std::string either_of(std::span<const std::string_view> names);
+
+/// The name that `word` was probably meant to be: fewest single-letter edits, at most a third of its length
+/// (but always one); empty where none is near.
+std::string_view nearest_name(std::string_view word, std::span<const std::string_view> names);
+
+/// What is wrong with a name that is not in the list: `unknown solver "foo"; impulse is the only one`, or
+/// `unknown variant "papr"; did you mean "paper"? (paper, scaled or equal)`.
+std::string unknown_name(std::string_view what, std::string_view word,
+                         std::span<const std::string_view> names);
+
+/// `word` for a message: at most 60 bytes of it, control characters replaced by '?'.
+std::string printable(std::string_view word);
+
+}  // namespace collidoscope

@@ -1,0 +1,337 @@
+// Scene files to structs. Types, keys and names are checked here, ranges in validate(), whose paths are
+// looked up in the text again: one set of range checks serves files and structs that were filled in code.
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/json_document.h"
+#include "sim_cuda/scene/object_reader.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/text_file.h"
+
+namespace collidoscope {
+namespace {
+
+class SceneReader {
+ public:
+  SceneReader(const JsonDocument& document, Scene& scene)
+      : document_(document), reading_{document, document.duplicates()}, scene_(scene) {}
+
+  void read() {
+    ObjectReader root(reading_, document_.root(), "a scene");
+    if (root.is_object()) {
+      read_header(root);
+      root.text("name", scene_.name);
+      if (const JsonNode* node = root.member("box")) read_box(*node);
+      read_physics(root);
+      if (const JsonNode* node = root.member("materials")) read_materials(*node);
+      read_list(root, "bodies", [&](const JsonNode& node) { read_body(node); });
+      read_list(root, "generators", [&](const JsonNode& node) { read_generator(node); });
+      read_list(root, "obstacles", [&](const JsonNode& node) { read_obstacle(node); });
+      if (const JsonNode* joints = root.member("joints", JsonKind::array);
+          joints != nullptr && joints->child_count > 0) {
+        reading_.fault(*joints, "joints are not simulated yet; the list must be empty");
+      }
+      if (const JsonNode* node = root.member("camera")) read_camera(*node);
+    }
+    root.finish();
+    locate_faults();
+    if (!reading_.faults.empty()) throw InputError(document_.lines(std::move(reading_.faults)));
+  }
+
+ private:
+  void read_header(ObjectReader& root) {
+    const JsonNode* format = root.member("format");
+    if (format == nullptr || format->kind != JsonKind::text ||
+        document_.text(*format) != "collidoscope-scene") {
+      reading_.fault(format == nullptr ? document_.root() : *format,
+                     "a scene starts with \"format\": \"collidoscope-scene\"");
+    }
+    const JsonNode* version = root.member("version");
+    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0) {
+      reading_.fault(version == nullptr ? document_.root() : *version,
+                     version == nullptr ? "\"version\" is missing; it is 1"
+                                        : "this version of the format is not known; it is 1");
+    }
+  }
+
+  void read_box(const JsonNode& node) {
+    ObjectReader reader(reading_, node, "a box");
+    scene_.box.emplace();
+    reader.vector("min", scene_.box->min);
+    reader.vector("max", scene_.box->max);
+    reader.finish();
+  }
+
+  void read_physics(ObjectReader& root) {
+    Physics& physics = scene_.physics;
+    root.vector("gravity", physics.gravity);
+    root.real("time_step", physics.time_step);
+    int per_second = 0;
+    if (root.whole("steps_per_second", per_second)) {
+      physics.steps_per_second = per_second;
+      physics.time_step = 1.0 / per_second;
+    }
+    const JsonNode* time_step = document_.find(document_.root(), "time_step");
+    const JsonNode* both = document_.find(document_.root(), "steps_per_second");
+    if (time_step != nullptr && both != nullptr) {
+      reading_.fault_at_key(time_step->begin > both->begin ? *time_step : *both,
+                            "time_step and steps_per_second are both given; keep one of them");
+    }
+    root.whole("substeps", physics.substeps);
+    root.whole("iterations", physics.iterations);
+    root.choice("solver", solver_names, physics.solver);
+    root.choice("integrator", integrator_names, physics.integrator);
+    root.choice("precision", precision_names, physics.precision);
+    if (const JsonNode* node = root.member("effects")) read_effects(*node);
+    if (const JsonNode* node = root.member("restitution_threshold")) {
+      const std::optional<double> number = document_.number(*node);
+      if (node->kind == JsonKind::number && number) {
+        physics.restitution_threshold = *number;
+      } else if (node->kind != JsonKind::text || document_.text(*node) != "auto") {
+        reading_.fault(*node, "\"restitution_threshold\" is \"auto\" or a speed in m/s");
+      }
+    }
+  }
+
+  void read_effects(const JsonNode& node) {
+    if (node.kind == JsonKind::text && document_.text(node) == "auto") return;
+    if (node.kind != JsonKind::array) {
+      return reading_.fault(node, "\"effects\" is \"auto\" or a list of effects, such as [\"gravity\"]");
+    }
+    Effects& effects = scene_.physics.effects.emplace();
+    const std::vector<std::string_view> names = names_in(effect_names);
+    for (const JsonNode& child : document_.children(node)) {
+      const std::string_view name =
+          child.kind == JsonKind::text ? document_.text(child) : document_.token(child);
+      bool found = false;
+      for (const EffectName& effect : effect_names) {
+        if (child.kind != JsonKind::text || effect.name != name) continue;
+        if (effects.*effect.flag)
+          reading_.fault(child, fmt::format("\"{}\" stands twice in this list", name));
+        effects.*effect.flag = true;
+        found = true;
+      }
+      if (!found) reading_.fault(child, unknown_name("effect", name, names));
+    }
+  }
+
+  void read_materials(const JsonNode& node) {
+    if (node.kind != JsonKind::object) {
+      return reading_.fault(
+          node, fmt::format("\"materials\" is an object of names, {{\"default\": {{ ... }}}}, not {}",
+                            described(node.kind)));
+    }
+    for (const JsonNode& child : document_.children(node)) {
+      const std::string_view name = document_.key(child);
+      Material& material =
+          name == "default" ? scene_.materials.front() : scene_.materials.emplace_back(Material{});
+      material.name = name;
+      ObjectReader reader(reading_, child, "a material");
+      reader.real("density", material.density);
+      reader.real("restitution", material.restitution);
+      reader.real("friction", material.friction);
+      reader.real("rolling_resistance", material.rolling_resistance);
+      reader.finish();
+    }
+    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+      material_numbers_.emplace(scene_.materials[i].name, static_cast<int>(i));
+    }
+  }
+
+  void read_material_name(ObjectReader& reader, int& material) {
+    const JsonNode* node = reader.member("material", JsonKind::text);
+    if (node == nullptr) return;
+    const std::string name(document_.text(*node));
+    if (name == "default") {
+      material = 0;
+    } else if (const auto entry = material_numbers_.find(name); entry != material_numbers_.end()) {
+      material = entry->second;
+    } else {
+      std::vector<std::string_view> names;
+      for (const Material& known : scene_.materials) names.push_back(known.name);
+      reading_.fault(*node, unknown_name("material", name, names));
+    }
+  }
+
+  template <class Read>
+  void read_list(ObjectReader& root, std::string_view key, Read read) {
+    const JsonNode* list = root.member(key, JsonKind::array);
+    if (list == nullptr) return;
+    for (const JsonNode& child : document_.children(*list)) read(child);
+  }
+
+  void read_body(const JsonNode& node) {
+    Body& body = scene_.bodies.emplace_back();
+    ObjectReader reader(reading_, node, "a body");
+    reader.choice("shape", shape_names, body.shape);
+    const JsonNode* radius = reader.member("radius");
+    if (body.shape == Shape::mesh && radius != nullptr) {
+      reading_.fault_at_key(*radius, "a mesh has no radius; give \"shape\": \"sphere\" or remove it");
+    } else {
+      reader.real("radius", body.radius);
+    }
+    const JsonNode* mesh = reader.member("mesh");
+    if (body.shape == Shape::sphere && mesh != nullptr) {
+      reading_.fault_at_key(*mesh, "a sphere has no mesh; give \"shape\": \"mesh\" or remove it");
+    } else {
+      reader.text("mesh", body.mesh);
+    }
+    reader.vector("position", body.position);
+    read_orientation(reader, body.orientation);
+    reader.vector("velocity", body.velocity);
+    reader.vector("angular_velocity", body.angular_velocity);
+    double mass = 0;
+    if (reader.real("mass", mass)) body.mass = mass;
+    Vector3d inertia(0, 0, 0);
+    if (reader.vector("inertia", inertia)) body.inertia = inertia;
+    read_material_name(reader, body.material);
+    reader.finish();
+  }
+
+  void read_orientation(ObjectReader& reader, Quaterniond& orientation) {
+    double q[4];
+    const JsonNode* node = reader.numbers("orientation", q, 4, "four numbers, the quaternion [w, x, y, z]");
+    if (node == nullptr) return;
+    double largest = 0;
+    for (const double part : q) largest = std::max(largest, std::abs(part));
+    if (!(largest > 0)) return reading_.fault(*node, "the quaternion [w, x, y, z] must not be zero");
+    orientation = Quaterniond(q[0], q[1], q[2], q[3]);
+    if (is_unit(orientation.squaredNorm())) return;  // as it is: reading what was written changes no bit
+    orientation.coeffs() /= largest;                 // the squares of huge or tiny parts are out of range
+    orientation.coeffs() /= std::sqrt(orientation.squaredNorm());
+  }
+
+  void read_generator(const JsonNode& node) {
+    BoxCollider& generator = scene_.generators.emplace_back();
+    ObjectReader reader(reading_, node, "a generator");
+    const JsonNode* kind = reader.member("kind");
+    if (reader.is_object() &&
+        (kind == nullptr || kind->kind != JsonKind::text || document_.text(*kind) != "box_collider")) {
+      reading_.fault(kind == nullptr ? node : *kind,
+                     "a generator has \"kind\": \"box_collider\", the only one");
+    }
+    reader.whole("count", generator.count);
+    reader.real("radius_max", generator.radius_max);
+    const JsonNode* variant = reader.member("variant");
+    if (variant != nullptr && variant->kind == JsonKind::text && document_.text(*variant) == "settled") {
+      reading_.fault(*variant, "variant \"settled\" arrives with the solvers; it is paper, scaled or equal");
+    } else {
+      reader.choice("variant", variant_names, generator.variant);
+    }
+    reader.choice("spawn", spawn_names, generator.spawn);
+    reader.whole("seed", generator.seed);
+    reader.real("speed_max", generator.speed_max);
+    read_material_name(reader, generator.material);
+    reader.finish();
+  }
+
+  void read_obstacle(const JsonNode& node) {
+    Plane& plane = scene_.obstacles.emplace_back();
+    ObjectReader reader(reading_, node, "an obstacle");
+    const JsonNode* shape = reader.member("shape");
+    if (reader.is_object() &&
+        (shape == nullptr || shape->kind != JsonKind::text || document_.text(*shape) != "plane")) {
+      reading_.fault(shape == nullptr ? node : *shape,
+                     "an obstacle has \"shape\": \"plane\", the only one so far");
+    }
+    Vector3d normal = plane.normal;
+    if (reader.vector("normal", normal)) {
+      const double largest = normal.cwiseAbs().maxCoeff();
+      if (largest > 0) {
+        plane.normal = normal;
+        if (!is_unit(normal.squaredNorm())) {
+          plane.normal /= largest;
+          plane.normal /= std::sqrt(plane.normal.squaredNorm());
+        }
+      } else {
+        reading_.fault(*reader.member("normal"), "the normal must not be zero");
+      }
+    }
+    reader.real("offset", plane.offset);
+    read_material_name(reader, plane.material);
+    reader.finish();
+  }
+
+  void read_camera(const JsonNode& node) {
+    ObjectReader reader(reading_, node, "a camera");
+    Vector3d point(0, 0, 0);
+    if (reader.vector("position", point)) scene_.camera.position = point;
+    if (reader.vector("target", point)) scene_.camera.target = point;
+    reader.vector("up", scene_.camera.up);
+    reader.real("vertical_field_of_view", scene_.camera.vertical_field_of_view);
+    reader.finish();
+  }
+
+  /// validate()'s faults, where the text has them; a value that is not in the text is a fault of what holds
+  /// it.
+  void locate_faults() {
+    for (const Fault& fault : validate(scene_)) {
+      const auto [node, exact] = locate(fault.path);
+      std::string message = fault.path.empty() ? fault.message : fault.path + ": " + fault.message;
+      const bool is_plain = node->kind == JsonKind::number || node->kind == JsonKind::text;
+      if (exact && is_plain) message += fmt::format(", not {}", printable(document_.token(*node)));
+      reading_.fault(*node, std::move(message));
+    }
+  }
+
+  /// The node of a path such as `bodies[3].position[0]` or `materials["a b"].density`, or the innermost one
+  /// on the way to it that there is.
+  std::pair<const JsonNode*, bool> locate(std::string_view path) const {
+    const JsonNode* node = &document_.root();
+    while (!path.empty()) {
+      const JsonNode* next = nullptr;
+      if (path.starts_with("[\"")) {
+        const std::size_t end = std::min(path.find("\"]"), path.size() - 2);
+        next = member_of(*node, path.substr(2, end - 2));
+        path.remove_prefix(end + 2);
+      } else if (path.starts_with('[')) {
+        const std::size_t end = std::min(path.find(']'), path.size() - 1);
+        std::size_t index = 0;
+        std::from_chars(path.data() + 1, path.data() + end, index);
+        if (node->kind == JsonKind::array && index < node->child_count)
+          next = &document_.children(*node)[index];
+        path.remove_prefix(end + 1);
+      } else {
+        if (path.starts_with('.')) path.remove_prefix(1);
+        const std::size_t end = std::min(path.find_first_of(".["), path.size());
+        next = member_of(*node, path.substr(0, end));
+        path.remove_prefix(end);
+      }
+      if (next == nullptr) return {node, false};
+      node = next;
+    }
+    return {node, true};
+  }
+  const JsonNode* member_of(const JsonNode& node, std::string_view key) const {
+    return node.kind == JsonKind::object ? document_.find(node, key) : nullptr;
+  }
+
+  const JsonDocument& document_;
+  Reading reading_;
+  Scene& scene_;
+  std::unordered_map<std::string, int> material_numbers_;
+};
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::string& name, const std::string& directory) {
+  Scene scene;
+  scene.directory = directory;
+  scene.file = name;
+  const JsonDocument document(text, name);
+  SceneReader(document, scene).read();
+  return scene;
+}
+
+Scene read_scene(const std::string& file) {
+  const std::string text = read_text_file(file, JsonDocument::max_bytes, "a scene file (.json)");
+  const std::string directory = std::filesystem::path(file).parent_path().string();
+  return parse_scene(text, file, directory.empty() ? "." : directory);
+}
+
+}  // namespace collidoscope

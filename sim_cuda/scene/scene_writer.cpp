@@ -1,0 +1,178 @@
+// Structs to scene files: the canonical text, in the order of the README's table. What is unset in the struct
+// or at a body's default is left out; numbers are the shortest decimals that read back as the same bits.
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+std::string json_text(std::string_view text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string list(const Vector3d& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
+
+/// Equal in every bit: -0 is not 0 here, so that it survives.
+bool same(const Vector3d& a, const Vector3d& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::bit_cast<std::uint64_t>(a[axis]) != std::bit_cast<std::uint64_t>(b[axis])) return false;
+  }
+  return true;
+}
+
+bool is_default(const Quaterniond& q) {
+  return q.w() == 1 && same(Vector3d(q.x(), q.y(), q.z()), Vector3d(0, 0, 0));
+}
+
+/// Members of an object or items of a list, with commas between them.
+class Items {
+ public:
+  Items(std::string& text, std::string separator) : text_(text), separator_(std::move(separator)) {}
+  std::string& next() {
+    text_ += first_ ? "" : separator_;
+    first_ = false;
+    return text_;
+  }
+  void member(std::string_view key, std::string_view value) {
+    next() += json_text(key) + ": " + std::string(value);
+  }
+
+ private:
+  std::string& text_;
+  std::string separator_;
+  bool first_ = true;
+};
+
+class SceneWriter {
+ public:
+  explicit SceneWriter(const Scene& scene) : scene_(scene) {}
+
+  std::string write() {
+    const Physics& physics = scene_.physics;
+    std::string text = "{\n  ";
+    Items root(text, ",\n  ");
+    root.member("format", json_text("collidoscope-scene"));
+    root.member("version", "1");
+    root.member("name", json_text(scene_.name));
+    if (scene_.box) {
+      root.member("box",
+                  fmt::format(R"({{"min": {}, "max": {}}})", list(scene_.box->min), list(scene_.box->max)));
+    }
+    root.member("gravity", list(physics.gravity));
+    if (physics.steps_per_second) {
+      root.member("steps_per_second", fmt::format("{}", *physics.steps_per_second));
+    } else {
+      root.member("time_step", fmt::format("{}", physics.time_step));
+    }
+    root.member("substeps", fmt::format("{}", physics.substeps));
+    root.member("iterations", fmt::format("{}", physics.iterations));
+    root.member("solver", json_text(name_of(solver_names, physics.solver)));
+    root.member("integrator", json_text(name_of(integrator_names, physics.integrator)));
+    root.member("precision", json_text(name_of(precision_names, physics.precision)));
+    root.member("effects", effects());
+    root.member("restitution_threshold", physics.restitution_threshold
+                                             ? fmt::format("{}", *physics.restitution_threshold)
+                                             : json_text("auto"));
+    root.member("materials", materials());
+    root.member("bodies", items(scene_.bodies, [&](const Body& body) { return one(body); }));
+    root.member("generators", items(scene_.generators, [&](const BoxCollider& g) { return one(g); }));
+    root.member("obstacles", items(scene_.obstacles, [&](const Plane& plane) { return one(plane); }));
+    root.member("joints", "[]");
+    root.member("camera", camera());
+    return text + "\n}\n";
+  }
+
+ private:
+  template <class Item, class Write>
+  static std::string items(const std::vector<Item>& all, Write write) {
+    if (all.empty()) return "[]";
+    std::string text = "[\n    ";
+    Items separated(text, ",\n    ");
+    for (const Item& item : all) separated.next() += write(item);
+    return text + "\n  ]";
+  }
+
+  std::string material_name(int index) const { return json_text(scene_.materials.at(index).name); }
+
+  std::string effects() const {
+    if (!scene_.physics.effects) return json_text("auto");
+    std::string text = "[";
+    Items names(text, ", ");
+    for (const EffectName& effect : effect_names) {
+      if ((*scene_.physics.effects).*effect.flag) names.next() += json_text(effect.name);
+    }
+    return text + "]";
+  }
+
+  std::string materials() const {
+    std::string text = "{\n    ";
+    Items separated(text, ",\n    ");
+    for (const Material& m : scene_.materials) {
+      separated.member(m.name, fmt::format(R"({{"density": {}, "restitution": {}, "friction": {}, )"
+                                           R"("rolling_resistance": {}}})",
+                                           m.density, m.restitution, m.friction, m.rolling_resistance));
+    }
+    return text + "\n  }";
+  }
+
+  std::string one(const Body& body) const {
+    std::string text = "{";
+    Items members(text, ", ");
+    members.member("shape", json_text(name_of(shape_names, body.shape)));
+    if (body.shape == Shape::sphere) {
+      members.member("radius", fmt::format("{}", body.radius));
+    } else {
+      members.member("mesh", json_text(body.mesh));
+    }
+    const Vector3d zero(0, 0, 0);
+    members.member("position", list(body.position));
+    if (!is_default(body.orientation)) {
+      const Quaterniond& q = body.orientation;
+      members.member("orientation", fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z()));
+    }
+    if (!same(body.velocity, zero)) members.member("velocity", list(body.velocity));
+    if (!same(body.angular_velocity, zero)) members.member("angular_velocity", list(body.angular_velocity));
+    if (body.mass) members.member("mass", fmt::format("{}", *body.mass));
+    if (body.inertia) members.member("inertia", list(*body.inertia));
+    if (body.material != 0) members.member("material", material_name(body.material));
+    return text + "}";
+  }
+
+  std::string one(const BoxCollider& g) const {
+    return fmt::format(
+        R"({{"kind": "box_collider", "count": {}, "radius_max": {}, "variant": {}, "spawn": {}, )"
+        R"("seed": {}, "speed_max": {}, "material": {}}})",
+        g.count, g.radius_max, json_text(name_of(variant_names, g.variant)),
+        json_text(name_of(spawn_names, g.spawn)), g.seed, g.speed_max, material_name(g.material));
+  }
+
+  std::string one(const Plane& plane) const {
+    return fmt::format(R"({{"shape": "plane", "normal": {}, "offset": {}, "material": {}}})",
+                       list(plane.normal), plane.offset, material_name(plane.material));
+  }
+
+  std::string camera() const {
+    std::string text = "{";
+    Items members(text, ", ");
+    if (scene_.camera.position) members.member("position", list(*scene_.camera.position));
+    if (scene_.camera.target) members.member("target", list(*scene_.camera.target));
+    members.member("up", list(scene_.camera.up));
+    members.member("vertical_field_of_view", fmt::format("{}", scene_.camera.vertical_field_of_view));
+    return text + "}";
+  }
+
+  const Scene& scene_;
+};
+
+}  // namespace
+
+std::string write_scene(const Scene& scene) { return SceneWriter(scene).write(); }
+
+}  // namespace collidoscope

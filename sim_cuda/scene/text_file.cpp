@@ -1,0 +1,44 @@
+#include "sim_cuda/scene/text_file.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+
+std::string read_text_file(const std::string& file, std::size_t limit, const std::string& wanted) {
+  const auto refuse = [&](const std::string& what) {
+    return InputError(fmt::format("{}: {}; give the path of {}", file, what, wanted));
+  };
+  const auto too_large = [&] {
+    return refuse(fmt::format("holds more than {} MiB, the most that is read", limit >> 20));
+  };
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw refuse("is a folder");
+  if (std::filesystem::is_regular_file(file, ignored)) {
+    const auto size = std::filesystem::file_size(file, ignored);
+    if (!ignored && size > limit) throw too_large();
+  }
+
+  errno = 0;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream) throw refuse("cannot be opened (" + std::generic_category().message(errno) + ")");
+  std::string text;
+  char block[1 << 16];
+  while (const std::size_t got = std::fread(block, 1, sizeof block, stream.get())) {
+    if (text.size() + got > limit) throw too_large();
+    text.append(block, got);
+  }
+  if (std::ferror(stream.get())) {
+    throw refuse("cannot be read (" + std::generic_category().message(errno) + ")");
+  }
+  return text;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,302 @@
+// Whether the values of a scene can be simulated: every range, and everything that is not simulated yet.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/json_syntax.h"
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+/// A path, put together only when there is a fault to report: validating 10^5 bodies allocates nothing.
+struct Path {
+  const char* list = "";
+  std::int64_t index = -1;
+  const char* field = "";
+  int component = -1;
+  const std::string* name = nullptr;  ///< of a material
+
+  std::string text() const {
+    std::string path = list;
+    if (index >= 0) path += fmt::format("[{}]", index);
+    if (name != nullptr) {
+      const bool plain = !name->empty() && name->find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") ==
+                                               std::string::npos;
+      path += plain ? "." + *name : "[\"" + *name + "\"]";
+    }
+    if (*field != 0) path += (path.empty() ? "" : ".") + std::string(field);
+    if (component >= 0) path += fmt::format("[{}]", component);
+    return path;
+  }
+  Path at(const char* member) const { return {list, index, member, -1, name}; }
+  Path at(int part) const { return {list, index, field, part, name}; }
+};
+
+/// A text for people and for paths in them.
+bool is_plain_text(const std::string& text) {
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return false;
+  }
+  return text.size() <= limits::max_name_length && is_utf8(text);
+}
+
+class Validator {
+ public:
+  explicit Validator(const Scene& scene) : scene_(scene) {}
+
+  std::vector<Fault> run() {
+    if (!is_plain_text(scene_.name)) {
+      fault({"", -1, "name"}, fmt::format("must be UTF-8 text of at most {} bytes without control characters",
+                                          limits::max_name_length));
+    }
+    if (scene_.box) check_box(*scene_.box);
+    check_physics(scene_.physics);
+    check_materials();
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      check_body(scene_.bodies[i], {"bodies", static_cast<std::int64_t>(i)});
+    }
+    check_generators();
+    for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
+      check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
+    }
+    check_camera(scene_.camera);
+    return std::move(faults_);
+  }
+
+ private:
+  void fault(const Path& path, std::string message) { faults_.push_back({path.text(), std::move(message)}); }
+
+  bool number(const Path& path, double value, double least, double most, const char* unit) {
+    if (!(value >= least && value <= most)) {
+      fault(path, fmt::format("must lie in [{:g}, {:g}]{}{}", least, most, *unit != 0 ? " " : "", unit));
+      return false;
+    }
+    if (value != 0 && std::abs(value) < limits::smallest_normal) {
+      fault(path, "must be 0 or at least 1.2e-38 in size, which a float holds");
+      return false;
+    }
+    return true;
+  }
+  bool whole(const Path& path, std::int64_t value, std::int64_t least, std::int64_t most) {
+    if (value >= least && value <= most) return true;
+    fault(path, fmt::format("must be a whole number from {} to {}", least, most));
+    return false;
+  }
+  bool vector(const Path& path, const Vector3d& value, double most, const char* unit) {
+    bool good = true;
+    for (int axis = 0; axis < 3; ++axis) good &= number(path.at(axis), value[axis], -most, most, unit);
+    return good;
+  }
+  void material(const Path& path, int index) {
+    if (index >= 0 && static_cast<std::size_t>(index) < scene_.materials.size()) return;
+    fault(path.at("material"), "must be the index of a material");
+  }
+  template <class Choice, std::size_t count>
+  void choice(const Path& path, const std::array<Named<Choice>, count>& table, Choice value) {
+    if (name_of(table, value) == "?") fault(path, "must be " + either_of(names_in(table)));
+  }
+
+  void check_box(const Box& box) {
+    const Path path{"box"};
+    box_is_good_ = vector(path.at("min"), box.min, limits::max_coordinate, "m");
+    box_is_good_ &= vector(path.at("max"), box.max, limits::max_coordinate, "m");
+    for (int axis = 0; axis < 3 && box_is_good_; ++axis) {
+      // Float runs see the walls as floats; a box must not vanish there.
+      if (static_cast<float>(box.min[axis]) < static_cast<float>(box.max[axis])) continue;
+      fault(path.at("max").at(axis), fmt::format("must be more than min[{}] = {}", axis, box.min[axis]));
+      box_is_good_ = false;
+    }
+  }
+
+  void check_physics(const Physics& physics) {
+    const Path root;
+    vector(root.at("gravity"), physics.gravity, limits::max_gravity, "m/s^2");
+    if (physics.steps_per_second) {
+      if (whole(root.at("steps_per_second"), *physics.steps_per_second, 1, limits::max_steps_per_second) &&
+          physics.time_step != 1.0 / *physics.steps_per_second) {
+        fault(root.at("time_step"), "must be 1/steps_per_second where that is given");
+      }
+    } else {
+      number(root.at("time_step"), physics.time_step, limits::min_time_step, limits::max_time_step, "s");
+    }
+    whole(root.at("substeps"), physics.substeps, 1, limits::max_substeps);
+    whole(root.at("iterations"), physics.iterations, 1, limits::max_iterations);
+    choice(root.at("solver"), solver_names, physics.solver);
+    choice(root.at("integrator"), integrator_names, physics.integrator);
+    choice(root.at("precision"), precision_names, physics.precision);
+    if (physics.restitution_threshold) {
+      number(root.at("restitution_threshold"), *physics.restitution_threshold, 0, limits::max_speed, "m/s");
+    }
+  }
+
+  void check_materials() {
+    const Path root{"materials"};
+    if (scene_.materials.empty() || scene_.materials[0].name != "default") {
+      fault(root, "must start with the material \"default\"");
+    }
+    if (scene_.materials.size() > static_cast<std::size_t>(limits::max_materials)) {
+      fault(root, fmt::format("must be at most {} materials", limits::max_materials));
+    }
+    std::set<std::string_view> names;
+    for (const Material& m : scene_.materials) {
+      const Path path{"materials", -1, "", -1, &m.name};
+      if (m.name.empty() || !is_plain_text(m.name) || m.name.find_first_of("\"\\") != std::string::npos) {
+        fault(path,
+              fmt::format("a material's name must be UTF-8 text of 1 to {} bytes without quotes, backslashes "
+                          "and control characters",
+                          limits::max_name_length));
+      }
+      if (!names.insert(m.name).second) fault(path, "two materials must not have one name");
+      number(path.at("density"), m.density, limits::min_density, limits::max_density, "kg/m^3");
+      number(path.at("restitution"), m.restitution, 0, 1, "");
+      if (m.friction != 0) fault(path.at("friction"), "friction is not simulated yet; 0 is the only value");
+      if (m.rolling_resistance != 0) {
+        fault(path.at("rolling_resistance"), "rolling resistance is not simulated yet; 0 is the only value");
+      }
+    }
+  }
+
+  void check_body(const Body& body, const Path& path) {
+    choice(path.at("shape"), shape_names, body.shape);
+    if (body.shape == Shape::sphere) {
+      if (number(path.at("radius"), body.radius, limits::min_radius, limits::max_radius, "m")) {
+        must_fit(path.at("radius"), body.radius);
+      }
+    } else if (body.mesh.empty()) {
+      fault(path.at("mesh"), "must name an OBJ file, relative to the scene file");
+    } else if (!is_utf8(body.mesh) || body.mesh.find('\0') != std::string::npos) {
+      fault(path.at("mesh"), "must be a path in UTF-8");
+    }
+    vector(path.at("position"), body.position, limits::max_coordinate, "m");
+    if (!is_unit(body.orientation.squaredNorm())) {
+      fault(path.at("orientation"), "must be a quaternion of length 1 and of finite numbers");
+    }
+    vector(path.at("velocity"), body.velocity, limits::max_speed, "m/s");
+    vector(path.at("angular_velocity"), body.angular_velocity, limits::max_spin, "rad/s");
+    if (body.mass) number(path.at("mass"), *body.mass, limits::min_mass, limits::max_mass, "kg");
+    if (body.inertia) check_inertia(*body.inertia, path.at("inertia"));
+    material(path, body.material);
+  }
+
+  void check_inertia(const Vector3d& inertia, const Path& path) {
+    bool good = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      good &= number(path.at(axis), inertia[axis], limits::min_inertia, limits::max_inertia, "kg m^2");
+    }
+    for (int axis = 0; axis < 3 && good; ++axis) {
+      // Equality, a flat plate, is possible; leave room for its rounding.
+      const double others = inertia[(axis + 1) % 3] + inertia[(axis + 2) % 3];
+      if (inertia[axis] > others * (1 + 1e-12)) {
+        fault(path.at(axis), "must not exceed the sum of the other two moments; no body has such an inertia");
+      }
+    }
+  }
+
+  void must_fit(const Path& path, double radius) {
+    if (!scene_.box || !box_is_good_ || scene_has_scaled_box()) return;
+    const double side = (scene_.box->max - scene_.box->min).minCoeff();
+    if (2 * radius > side)
+      fault(path, fmt::format("must be at most {:g} m, for the sphere to fit in the box", side / 2));
+  }
+  bool scene_has_scaled_box() const {
+    for (const BoxCollider& generator : scene_.generators) {
+      if (generator.variant != Variant::paper) return true;
+    }
+    return false;
+  }
+
+  void check_generators() {
+    std::int64_t total = static_cast<std::int64_t>(scene_.bodies.size());
+    int scaled = 0;
+    for (std::size_t i = 0; i < scene_.generators.size(); ++i) {
+      const BoxCollider& g = scene_.generators[i];
+      const Path path{"generators", static_cast<std::int64_t>(i)};
+      const bool good_count = whole(path.at("count"), g.count, 0, limits::max_bodies);
+      const bool good_radius = number(path.at("radius_max"), g.radius_max, 1e-3, limits::max_radius, "m");
+      choice(path.at("variant"), variant_names, g.variant);
+      choice(path.at("spawn"), spawn_names, g.spawn);
+      number(path.at("speed_max"), g.speed_max, 0, limits::max_speed, "m/s");
+      material(path, g.material);
+      if (good_count) {
+        total += g.count;
+        if (total > limits::max_bodies) {
+          fault(path.at("count"), fmt::format("must leave at most {} bodies in all", limits::max_bodies));
+          total = 0;
+        }
+      }
+      if (g.variant != Variant::paper && ++scaled > 1) {
+        fault(path.at("variant"),
+              "must be paper in all generators but one: \"scaled\" and \"equal\" set the box");
+      }
+      if (!scene_.box) {
+        fault(path, "needs a \"box\" to put its spheres in");
+      } else if (box_is_good_ && good_count && good_radius) {
+        check_room(g, path);
+      }
+    }
+  }
+
+  void check_room(const BoxCollider& g, const Path& path) {
+    const Box box = box_in_effect(scene_).value();
+    if (g.variant != Variant::paper && !(box.max.cwiseAbs().maxCoeff() <= limits::max_coordinate)) {
+      fault(path.at("count"), fmt::format("must be less: the box would reach to {:g} m, beyond {:g} m",
+                                          box.max.maxCoeff(), limits::max_coordinate));
+      return;
+    }
+    const double side = (box.max - box.min).minCoeff();
+    if (2 * largest_radius(g) > side) {
+      fault(path.at("radius_max"),
+            fmt::format("must be at most {:g} m, for the spheres to fit in the box", side / 2));
+    }
+  }
+
+  void check_plane(const Plane& plane, const Path& path) {
+    if (!is_unit(plane.normal.squaredNorm())) {
+      fault(path.at("normal"), "must be a vector of length 1 and of finite numbers");
+    }
+    number(path.at("offset"), plane.offset, -limits::max_coordinate, limits::max_coordinate, "m");
+    material(path, plane.material);
+  }
+
+  void check_camera(const Camera& camera) {
+    const Path path{"camera"};
+    bool good = true;
+    if (camera.position) good &= vector(path.at("position"), *camera.position, limits::max_coordinate, "m");
+    if (camera.target) good &= vector(path.at("target"), *camera.target, limits::max_coordinate, "m");
+    good &= vector(path.at("up"), camera.up, limits::max_coordinate, "");
+    if (good && camera.up.isZero(0)) {
+      fault(path.at("up"), "must not be zero");
+      good = false;
+    }
+    if (good && camera.position && camera.target) {
+      const Vector3d view = *camera.target - *camera.position;
+      if (view.isZero(0)) {
+        fault(path.at("target"), "must differ from the camera's position");
+      } else if (view.cross(camera.up).isZero(0)) {
+        fault(path.at("up"), "must not point along the line of sight");
+      }
+    }
+    number(path.at("vertical_field_of_view"), camera.vertical_field_of_view, 1, 150, "degrees");
+  }
+
+  const Scene& scene_;
+  std::vector<Fault> faults_;
+  bool box_is_good_ = false;
+};
+
+}  // namespace
+
+std::vector<Fault> validate(const Scene& scene) { return Validator(scene).run(); }
+
+bool is_unit(double squared_length) {
+  const double error = squared_length - 1;
+  return error <= 1e-14 && error >= -1e-14;
+}
+
+}  // namespace collidoscope
