@@ -1,0 +1,218 @@
+#include "headless/capture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "headless/egl_context.h"
+#include "headless/progress.h"
+#include "sim_cuda/core/error.h"
+#include "ui/overlay.h"
+#include "viewer/render/colors.h"
+#include "viewer/render/gui_pass.h"
+#include "viewer/render/interop/display_link.h"
+#include "viewer/render/renderer.h"
+
+namespace collidoscope {
+namespace {
+
+bool whole_number(std::string_view text, std::int64_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && !text.empty();
+}
+
+std::string file_stem(const std::string& scene) {
+  std::string stem;
+  for (char c : scene) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-';
+    if (plain) stem += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!plain && !stem.empty() && stem.back() != '_') stem += '_';
+  }
+  while (!stem.empty() && stem.back() == '_') stem.pop_back();
+  return stem.empty() ? "scene" : stem;
+}
+
+// Up to two digits, so that legends read well: 17.3 becomes 18.
+double round_up(double value) {
+  if (!(value > 0) || !std::isfinite(value)) return 1;
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::ceil(value / unit - 1e-9) * unit;
+}
+
+ValueRange value_range(const World& world, BodyColor color, const StepStats& stats) {
+  const std::vector<double>& radius = world.initial().radius;
+  const double last = static_cast<double>(std::max<std::size_t>(radius.size(), 2) - 1);
+  switch (color) {
+    case BodyColor::speed:
+      return {0, round_up(stats.max_speed)};
+    case BodyColor::radius:
+      return {0, radius.empty() ? 1 : round_up(*std::max_element(radius.begin(), radius.end()))};
+    case BodyColor::contacts:
+      return {0, 12};  // as many equal spheres as touch one of their size
+    case BodyColor::id:
+    case BodyColor::order:
+      return {0, last};
+  }
+  return {};
+}
+
+PackedColor packed(const Rgb& color) {
+  const auto byte = [](float value) { return static_cast<PackedColor>(value * 255 + 0.5f); };
+  return 0xff000000u | byte(color.b) << 16 | byte(color.g) << 8 | byte(color.r);
+}
+
+std::string variant_name(const Scene& scene) {
+  if (scene.generators.empty()) return "";
+  switch (scene.generators[0].variant) {
+    case Variant::paper:
+      return "paper";
+    case Variant::scaled:
+      return "scaled";
+    case Variant::equal:
+      return "equal";
+  }
+  return "";
+}
+
+OverlayText overlay_text(World& world, const CaptureRequest& request, const Renderer& renderer,
+                         const PublishCounts& drawn, const StepStats& stats, const ValueRange& values) {
+  OverlayText text;
+  const FrameLayers& layers = request.layers;
+  text.scene = world.scene().name;
+  text.state = stats.step;
+  text.time = static_cast<double>(stats.step) * world.scene().physics.time_step;
+  text.bodies = stats.bodies;
+  text.shape = world.launch_shape();
+  text.variant = variant_name(world.scene());
+  text.executor = world.on_gpu() ? "CUDA" : "CPU";
+  text.device = world.device_name();
+  text.pairs = stats.pairs;
+  text.contacts = stats.contacts;
+  const RunTimes times = world.times();
+  text.stages = times.stages;
+  text.step_ms = times.step_median_ms;
+  text.timings = request.timings;
+  if (layers.spheres && layers.color != BodyColor::id) {
+    const ColorMeaning meaning = color_meaning(layers.color);
+    text.legend_title = meaning.title;
+    text.legend_unit = meaning.unit;
+    text.legend_min = values.min;
+    text.legend_max = values.max;
+    for (const Rgb& color : color_map()) text.legend_colors.push_back(packed(color));
+  }
+  if (layers.boxes) {
+    const int last = std::min(layers.last_level, world.tree_level_count() - 1);
+    for (int level = layers.first_level; level <= last; ++level)
+      text.levels.push_back({level, packed(level_color(level))});
+    text.boxes_drawn = drawn.boxes;
+  }
+  text.contacts_shown = layers.contacts;
+  if (layers.grid) text.grid_spacing = renderer.scene().grid_spacing;
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::int64_t> parse_states(const std::string& text, const std::string& where) {
+  std::vector<std::int64_t> states;
+  std::vector<std::string> faults;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find(',', from), text.size());
+    const std::string part = text.substr(from, to - from);
+    from = to + 1;
+    std::int64_t state = -1;
+    if (!whole_number(part, state) || state < 0 || state > 1000000000)
+      faults.push_back(where + ": '" + part +
+                       "': not a state; whole numbers from 0 to 1000000000, such as 0,30,60");
+    else
+      states.push_back(state);
+  }
+  if (!faults.empty()) throw InputError(faults);
+  std::sort(states.begin(), states.end());
+  states.erase(std::unique(states.begin(), states.end()), states.end());
+  return states;
+}
+
+void parse_size(const std::string& text, CaptureRequest& request, const std::string& where) {
+  const std::size_t cross = text.find('x');
+  std::int64_t width = 0, height = 0;
+  const bool read = cross != text.npos && whole_number(std::string_view(text).substr(0, cross), width) &&
+                    whole_number(std::string_view(text).substr(cross + 1), height);
+  if (!read || width < 16 || width > 16384 || height < 16 || height > 16384)
+    throw InputError(where + ": '" + text +
+                     "': not a size; WIDTHxHEIGHT, each 16 to 16384, such as 1280x800");
+  request.width = static_cast<int>(width);
+  request.height = static_cast<int>(height);
+}
+
+void ensure_writable_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed || !fs::is_directory(folder))
+    throw InputError("--out: '" + folder + "': cannot be made: " +
+                     (failed ? failed.message() : "a file of this name is in the way") +
+                     "; a folder that can be written is needed");
+  const fs::path probe = fs::path(folder) / ".collidoscope-can-write";
+  const bool open = static_cast<bool>(std::ofstream(probe));
+  fs::remove(probe, failed);
+  if (!open) throw InputError("--out: '" + folder + "': cannot be written; a folder that can be is needed");
+}
+
+int run_capture(const CaptureRequest& request, World& world) {
+  ensure_writable_folder(request.out);
+  const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  const EglContext context(world.gpu());
+  for (const std::string& line : context.steps_down()) say(line);
+
+  // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
+  const std::int64_t pixels = static_cast<std::int64_t>(request.width) * request.height;
+  Renderer renderer(request.width, request.height, pixels <= 16'000'000 ? 2 : 1);
+  renderer.set_scene(frame_scene(world.scene(), world.initial()));
+  DisplayLink link(world, request.display_path, say);
+  GuiPass gui(overlay_font_size(request.width, request.height));
+  say(fmt::format("drawn by {}{}, OpenGL {}; display path: {}", context.renderer(),
+                  context.software() ? " (a software renderer)" : "", context.version(),
+                  display_path_name(link.path())));
+  const double aspect = static_cast<double>(request.width) / request.height;
+  const OrbitCamera camera = scene_camera(world.scene().camera, renderer.scene().bounds, aspect);
+
+  const std::int64_t total = request.states.empty() ? 0 : request.states.back();
+  Progress progress("capture", total);
+  for (std::int64_t state : request.states) {
+    while (world.steps() < state) {
+      world.step();
+      progress.update(world.steps());
+    }
+    const StepStats stats = world.measure();
+    if (request.layers.boxes || request.layers.contacts || request.layers.color == BodyColor::contacts ||
+        request.layers.color == BodyColor::order)
+      world.detect();
+    link.publish(world, request.layers, renderer.instances());
+    const ValueRange values = value_range(world, request.layers.color, stats);
+    renderer.draw(camera, request.layers, values);
+    const PublishCounts drawn = renderer.instances().counts;
+    if (request.layers.overlay) {
+      gui.begin(request.width, request.height);
+      draw_overlay(overlay_text(world, request, renderer, drawn, stats, values),
+                   static_cast<float>(request.width), static_cast<float>(request.height));
+      gui.end(renderer.picture());
+    }
+    const std::string file = (std::filesystem::path(request.out) /
+                              fmt::format("{}_{:04}.png", file_stem(world.scene().name), state))
+                                 .string();
+    write_png(renderer.read_picture(), file);
+    fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  contacts {}\n", file, request.width, request.height,
+               state, drawn.bodies, drawn.boxes, drawn.contacts);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,163 @@
+#include "ui/overlay.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace collidoscope {
+namespace {
+
+constexpr ImU32 bright = IM_COL32(242, 244, 248, 255), plain = IM_COL32(205, 210, 218, 255),
+                dim = IM_COL32(140, 148, 160, 255), contact_color = IM_COL32(255, 92, 107, 255);
+
+// 1234567 as 1,234,567.
+std::string grouped(std::int64_t value) {
+  std::string digits = std::to_string(value);
+  for (std::size_t i = digits.size(); i > 3 && digits[i - 4] != '-';) digits.insert(i -= 3, ",");
+  return digits;
+}
+
+std::string shape_number(int value) { return value ? grouped(value) : "auto"; }
+
+// Text that stays legible on whatever is behind it.
+class Writer {
+ public:
+  explicit Writer(float size) : size_(size), list_(ImGui::GetForegroundDrawList()), font_(ImGui::GetFont()) {}
+
+  float width(const std::string& text, float scale = 1) const {
+    return font_->CalcTextSizeA(size_ * scale, 1e9f, 0, text.c_str()).x;
+  }
+  void at(float x, float y, const std::string& text, ImU32 color = plain, float scale = 1) const {
+    const ImVec2 place{std::round(x), std::round(y)};
+    const float off = std::max(1.0f, std::round(size_ * 0.07f));
+    list_->AddText(font_, size_ * scale, {place.x + off, place.y + off}, IM_COL32(0, 0, 0, 150),
+                   text.c_str());
+    list_->AddText(font_, size_ * scale, place, color, text.c_str());
+  }
+  void right(float x, float y, const std::string& text, ImU32 color = plain) const {
+    at(x - width(text), y, text, color);
+  }
+  ImDrawList* list() const { return list_; }
+  float size() const { return size_; }
+
+ private:
+  float size_;
+  ImDrawList* list_;
+  ImFont* font_;
+};
+
+// The rows under the scene's name, and how far down they reach.
+float draw_facts(const Writer& write, const OverlayText& text, float x, float y, float end) {
+  const float line = write.size() * 1.45f;
+  write.at(x, y, text.scene, bright, 1.6f);
+  y += write.size() * 2.2f;
+  write.at(x, y, fmt::format("state {} · t = {:.2f} s", grouped(text.state), text.time), plain);
+  y += line * 1.25f;
+  std::vector<std::pair<std::string, std::string>> rows{{"N", grouped(text.bodies)}};
+  if (!text.variant.empty()) rows.emplace_back("variant", text.variant);
+  rows.emplace_back("B × T", shape_number(text.shape.blocks) + " × " + shape_number(text.shape.threads));
+  rows.emplace_back("pairs", grouped(text.pairs));
+  rows.emplace_back("contacts", grouped(text.contacts));
+  rows.emplace_back("on", text.executor);
+  const float column = write.width("contacts  ");
+  for (const auto& [name, value] : rows) {
+    if (y + line > end) return y;
+    write.at(x, y, name, dim);
+    write.at(x + column, y, value, bright);
+    y += line;
+  }
+  if (y + line <= end && !text.device.empty()) {
+    write.at(x, y, text.device, dim, 0.85f);
+    y += line;
+  }
+  return y;
+}
+
+void draw_times(const Writer& write, const OverlayText& text, float right, float y, float end) {
+  if (text.stages.empty()) return;
+  const float line = write.size() * 1.4f;
+  float names = write.width("whole step");
+  for (const StageTime& stage : text.stages) names = std::max(names, write.width(stage.name));
+  const float numbers = write.width("0000.000 ms");
+  const float x = right - numbers - names - write.size();
+  const auto time = [&](double ms) { return text.timings ? fmt::format("{:.3f} ms", ms) : std::string("–"); };
+  for (const StageTime& stage : text.stages) {
+    if (y + line > end) return;
+    write.at(x, y, stage.name, dim);
+    write.right(right, y, time(stage.median_ms), plain);
+    y += line;
+  }
+  if (y + line > end) return;
+  write.list()->AddLine({x, y + 1}, {right, y + 1}, IM_COL32(140, 148, 160, 120));
+  y += write.size() * 0.3f;
+  write.at(x, y, "whole step", dim);
+  write.right(right, y, time(text.step_ms), bright);
+}
+
+void draw_color_bar(const Writer& write, const OverlayText& text, float x, float bottom) {
+  const float size = write.size(), width = size * 13, height = size * 0.6f;
+  const float y = bottom - size * 1.3f - height;
+  const std::size_t n = text.legend_colors.size();
+  write.at(x, y - size * 1.45f,
+           text.legend_title + (text.legend_unit.empty() ? "" : " · " + text.legend_unit), plain);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float from = x + width * static_cast<float>(i) / static_cast<float>(n);
+    const float to = x + width * static_cast<float>(i + 1) / static_cast<float>(n);
+    write.list()->AddRectFilled({std::floor(from), y}, {std::floor(to), y + height}, text.legend_colors[i]);
+  }
+  const auto number = [](double value) {
+    return std::abs(value) >= 1e4 && value == std::floor(value) ? grouped(static_cast<std::int64_t>(value))
+                                                                : fmt::format("{:.4g}", value);
+  };
+  write.at(x, y + height + size * 0.25f, number(text.legend_min), dim);
+  write.right(x + width, y + height + size * 0.25f, number(text.legend_max), dim);
+}
+
+// From the right margin leftwards: grid, contacts, levels.
+void draw_keys(const Writer& write, const OverlayText& text, float right, float y, float left) {
+  const float size = write.size();
+  const auto key = [&](const std::string& name, ImU32 color, bool mark) {
+    const float x = right - write.width(name);
+    if (x - size * 1.6f < left) return;
+    write.at(x, y, name, mark ? plain : dim);
+    right = x - size * 0.5f;
+    if (mark) {
+      write.list()->AddRectFilled({right - size * 0.9f, y + size * 0.52f}, {right, y + size * 0.74f}, color);
+      right -= size * 1.5f;
+    } else {
+      right -= size * 1.0f;
+    }
+  };
+  if (text.grid_spacing > 0) key(fmt::format("grid {:g} m", text.grid_spacing), 0, false);
+  if (text.contacts_shown) key("contacts", contact_color, true);
+  for (std::size_t i = text.levels.size(); i-- > 0;)
+    key(std::to_string(text.levels[i].level), text.levels[i].color, true);
+  if (!text.levels.empty())
+    key(grouped(text.boxes_drawn) + (text.boxes_drawn == 1 ? " box" : " boxes") + " of level", 0, false);
+}
+
+}  // namespace
+
+float overlay_font_size(int width, int height) {
+  const float fit = std::min(static_cast<float>(width) / 1280.0f, static_cast<float>(height) / 800.0f);
+  return std::round(std::clamp(15.0f * fit, 9.0f, 60.0f));
+}
+
+void draw_overlay(const OverlayText& text, float width, float height) {
+  const Writer write(ImGui::GetFontSize());
+  const float margin = write.size() * 1.5f;
+  const float legend = height - margin - write.size() * 4;
+  if (height < write.size() * 8) return;
+  draw_facts(write, text, margin, margin * 0.9f, legend);
+  draw_times(write, text, width - margin, margin, legend);
+  float keys_from = margin;
+  if (!text.legend_title.empty()) {
+    draw_color_bar(write, text, margin, height - margin * 0.7f);
+    keys_from += write.size() * 15;
+  }
+  draw_keys(write, text, width - margin, height - margin * 0.7f - write.size(), keys_from);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,51 @@
+#include "viewer/render/gui_pass.h"
+
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include "sim_cuda/core/assets.h"
+#include "sim_cuda/core/error.h"
+#include "viewer/render/gl/errors.h"
+
+namespace collidoscope {
+
+GuiPass::GuiPass(float font_size) {
+  IMGUI_CHECKVERSION();
+  const std::string font = asset("fonts/JetBrainsMono-Regular.ttf").string();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  // Latin, Greek, dashes and dots, super- and subscripts, arrows, mathematical signs.
+  static constexpr ImWchar ranges[] = {0x0020, 0x00ff, 0x0370, 0x03ff, 0x2010, 0x2026, 0x2070,
+                                       0x209f, 0x2190, 0x2193, 0x2200, 0x22ff, 0};
+  ImFontConfig config;
+  config.OversampleH = 2;
+  config.OversampleV = 2;
+  if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size, &config, ranges))
+    throw MachineError("font '" + font + "' cannot be used");
+  if (!ImGui_ImplOpenGL3_Init("#version 450 core"))
+    throw MachineError("Dear ImGui found no OpenGL (libGL.so.1 is needed)");
+}
+
+GuiPass::~GuiPass() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void GuiPass::begin(int width, int height, float step) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+  io.DeltaTime = step;
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::NewFrame();
+}
+
+void GuiPass::end(const gl::Target& picture) {
+  ImGui::Render();
+  picture.bind();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  gl::check("to draw text and panels");
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,22 @@
+#pragma once
+// Dear ImGui, drawn into a framebuffer of ours. Owns the ImGui context and its font; one at a time, with the
+// GL context that was current when it was made. Keeps no file and reads no clock.
+
+#include "viewer/render/gl/target.h"
+
+namespace collidoscope {
+
+class GuiPass {
+ public:
+  /// `font_size`: pixels, of the font under assets/fonts.
+  explicit GuiPass(float font_size);
+  ~GuiPass();
+  GuiPass(const GuiPass&) = delete;
+  GuiPass& operator=(const GuiPass&) = delete;
+
+  /// Between the two, ImGui may be called. `step`: s, told to ImGui as the time since the last frame.
+  void begin(int width, int height, float step = 1.0f / 60);
+  void end(const gl::Target& picture);
+};
+
+}  // namespace collidoscope

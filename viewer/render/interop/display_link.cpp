@@ -1,0 +1,102 @@
+#include "viewer/render/interop/display_link.h"
+
+#include <algorithm>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+DisplayPath best_path(const World& world, DisplayPath wish) {
+  if (!world.on_gpu()) return DisplayPath::upload;
+  return wish == DisplayPath::automatic ? DisplayPath::interop : wish;
+}
+
+}  // namespace
+
+DisplayLink::DisplayLink(const World& world, DisplayPath wish, Say say)
+    : path_(best_path(world, wish)), say_(std::move(say)) {
+  if (!world.on_gpu() && (wish == DisplayPath::interop || wish == DisplayPath::copy))
+    step_down("the simulation runs on the CPU", DisplayPath::upload);
+  // Plain memory is all that the CPU publishes into, and a GPU cannot write it.
+  if (world.on_gpu() && wish == DisplayPath::upload)
+    step_down("the simulation runs on the GPU", DisplayPath::copy);
+  if (path_ != DisplayPath::interop) return;
+  try {
+    shared_ = std::make_unique<CudaGlBuffers>(world.gpu());
+  } catch (const MachineError& error) {
+    step_down(error.what(), DisplayPath::copy);
+  }
+}
+
+void DisplayLink::step_down(const std::string& why, DisplayPath to) {
+  shared_.reset();
+  path_ = to;
+  say_("display path: " + why + "; " + display_path_name(to) + " instead");
+}
+
+void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers) {
+  PublishCounts counts = world.publish_counts(layers.first_level, layers.last_level);
+  if (!layers.spheres) counts.bodies = 0;
+  if (!layers.boxes) counts.boxes = 0;
+  if (!layers.contacts) counts.contacts = 0;
+  buffers.counts = counts;
+  buffers.bodies.reserve(static_cast<std::size_t>(counts.bodies) * sizeof(BodyInstance));
+  buffers.boxes.reserve(static_cast<std::size_t>(counts.boxes) * sizeof(BoxInstance));
+  buffers.contacts.reserve(static_cast<std::size_t>(counts.contacts) * sizeof(ContactInstance));
+  PublishTarget target;
+  target.body_capacity = counts.bodies;
+  target.body_color = layers.color;
+  target.box_capacity = counts.boxes;
+  target.first_level = layers.first_level;
+  target.last_level = layers.last_level;
+  target.contact_capacity = counts.contacts;
+  if (path_ == DisplayPath::interop && publish_mapped(world, target, buffers)) return;
+  publish_uploaded(world, target, buffers);
+}
+
+bool DisplayLink::publish_mapped(World& world, PublishTarget target, const InstanceBuffers& buffers) {
+  try {
+    const std::array<void*, 3> at = shared_->map(buffers);
+    if (target.body_capacity) target.bodies = static_cast<BodyInstance*>(at[0]);
+    if (target.box_capacity) target.boxes = static_cast<BoxInstance*>(at[1]);
+    if (target.contact_capacity) target.contacts = static_cast<ContactInstance*>(at[2]);
+  } catch (const MachineError& error) {
+    step_down(error.what(), DisplayPath::copy);
+    return false;
+  }
+  world.publish(target);
+  shared_->unmap();
+  return true;
+}
+
+void DisplayLink::publish_uploaded(World& world, PublishTarget target, InstanceBuffers& buffers) {
+  struct Part {
+    std::size_t bytes;
+    gl::Buffer* to;
+    void* at = nullptr;
+  };
+  Part parts[3] = {
+      {static_cast<std::size_t>(target.body_capacity) * sizeof(BodyInstance), &buffers.bodies},
+      {static_cast<std::size_t>(target.box_capacity) * sizeof(BoxInstance), &buffers.boxes},
+      {static_cast<std::size_t>(target.contact_capacity) * sizeof(ContactInstance), &buffers.contacts}};
+  // On the CPU the scratch is plain memory, and is uploaded from where it was written.
+  for (int slot = 0; slot < 3; ++slot)
+    if (parts[slot].bytes) parts[slot].at = world.scratch(parts[slot].bytes, slot);
+  target.bodies = static_cast<BodyInstance*>(parts[0].at);
+  target.boxes = static_cast<BoxInstance*>(parts[1].at);
+  target.contacts = static_cast<ContactInstance*>(parts[2].at);
+  world.publish(target);
+  for (const Part& part : parts) {
+    if (!part.bytes) continue;
+    const void* source = part.at;
+    if (world.on_gpu()) {
+      host_.resize(std::max(host_.size(), part.bytes));
+      world.copy_to_host(host_.data(), part.at, part.bytes);
+      source = host_.data();
+    }
+    part.to->upload(source, part.bytes);
+  }
+}
+
+}  // namespace collidoscope
