@@ -78,6 +78,8 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
   const Options& options = line.options;
   if (line.command == Command::compare && !options.json.empty() && options.json != "-")
     faults.push_back(fmt::format("--json: {} is not -, all that compare takes", shown(options.json)));
+  if (line.command == Command::capture && options.json == "-")
+    faults.emplace_back("--json: - is not a file; the stdout of capture lists its pictures");
   // One file for two things would keep the last alone.
   std::vector<std::pair<std::string, std::filesystem::path>> seen;
   const auto add = [&](const std::string& flag, const std::string& file) {
@@ -148,7 +150,8 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
 std::string scene_file(const std::string& given) {
   namespace fs = std::filesystem;
   std::error_code failed;
-  const bool bare = !given.empty() && given.find('/') == std::string::npos && !given.ends_with(".json");
+  if (given.empty()) throw InputError("'': neither a file nor the name of a scene");
+  const bool bare = given.find('/') == std::string::npos && !given.ends_with(".json");
   if (!bare || fs::exists(given, failed)) return given;
   std::vector<std::string> names;
   for (const fs::path& folder : asset_folders()) {

@@ -31,6 +31,7 @@ std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(coun
 
 std::string stage_table(const RunTimes& times) {
   constexpr const char* row = "  {:<22}{:>11}{:>11}{:>9}{:>10}\n";
+  constexpr const char* total_row = "  {:<22}{:>11}{:>11}\n";
   const auto ms = [](double value) { return fmt::format("{:.4f}", value); };
   double sum = 0;
   bool own_shape = false;
@@ -48,11 +49,12 @@ std::string stage_table(const RunTimes& times) {
   }
   text += fmt::format(row, "sum of the stages", ms(sum), "", "", launches);
   if (times.steps_timed > 0)
-    text += fmt::format(row, "whole step, plain", ms(times.step_median_ms), ms(times.step_p95_ms), "", "");
+    text += fmt::format(total_row, "whole step, plain", ms(times.step_median_ms), ms(times.step_p95_ms));
   text +=
-      "  The stages come from odd steps, where a time is taken after each stage; the whole step from\n"
-      "  even ones, where none is. So the sum holds the cost of measuring, and the step does not.\n";
-  if (own_shape) text += "  * runs in part in a library that chooses its own launch shape, not (B, T)\n";
+      "  Stages are timed on odd steps, with a time taken after each; the whole step on\n"
+      "  even ones, with none taken within. So the sum contains the cost of measuring,\n"
+      "  the step does not, and as medians of different steps they need not add up.\n";
+  if (own_shape) text += "  * works in part in a launch shape of its own, not in (B, T)\n";
   return text;
 }
 
@@ -66,11 +68,11 @@ std::string numbers_text(const RunReport& report) {
     return fmt::format("{:.6g}, {:.6g}, {:.6g} {}", v[0], v[1], v[2], unit);
   };
   std::string text =
-      line("pairs", fmt::format("{} boxes overlap, {} shapes touch, {} solved by mass splitting",
-                                grouped(last.pairs), grouped(last.contacts), grouped(last.split_contacts)));
+      line("pairs", fmt::format("{} of boxes that overlap; contacts {}, mass-split {}", grouped(last.pairs),
+                                grouped(last.contacts), grouped(last.split_contacts)));
   text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
-  text += line(
-      "", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy, last.potential_energy));
+  text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
+                               last.potential_energy + 0.0));
   text += line(
       "", fmt::format("{:.6g} J of it came in by pushing overlaps apart", last.push_work - first.push_work));
   text += line("momentum", vector(last.momentum, "kg m/s"));
