@@ -29,6 +29,15 @@ SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
 #endif
 }
 
+/// A load beside which others may store.
+SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
+#if defined(__CUDA_ARCH__)
+  return *reinterpret_cast<const volatile std::uint32_t*>(source);
+#else
+  return std::atomic_ref<std::uint32_t>(*const_cast<std::uint32_t*>(source)).load(std::memory_order_relaxed);
+#endif
+}
+
 /// A store that others may make at the same time, all of the same value.
 SIM_HD inline void atomic_store(std::uint32_t* target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)

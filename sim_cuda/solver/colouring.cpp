@@ -23,11 +23,12 @@ SIM_HD inline std::uint64_t priority(Pair bodies, std::uint32_t contact) {
 
 struct ClearBodies {
   std::uint64_t* best;
-  std::uint32_t* used;
+  std::uint32_t *used, *full_since;
   std::uint32_t bodies;
   SIM_HD void operator()(int body) const {
     for (std::uint32_t k = 0; k < 3; ++k) best[k * bodies + static_cast<std::uint32_t>(body)] = 0;
     used[body] = 0;
+    full_since[body] = ~std::uint32_t{0};
   }
 };
 
@@ -53,16 +54,21 @@ struct Round {
   const Pair* contacts;
   const StepControl* control;
   std::uint64_t *decided, *bids, *cleared;
-  std::uint32_t* used;
+  std::uint32_t *used, *full_since;
   std::uint8_t* colour;
   std::uint32_t* pending_next;
-  bool first;
+  std::uint32_t round;
+
+  SIM_HD void take(std::uint32_t body, std::uint32_t bit) const {
+    used[body] |= bit;
+    if (used[body] == ~std::uint32_t{0}) atomic_store(&full_since[body], round);
+  }
 
   SIM_HD void operator()(int contact) const {
     if (colour[contact] != uncoloured) return;
     const Pair bodies = contacts[contact];
     const std::uint64_t mine = priority(bodies, static_cast<std::uint32_t>(contact));
-    if (!first && decided[bodies.a] == mine && decided[bodies.b] == mine) {
+    if (round > 0 && decided[bodies.a] == mine && decided[bodies.b] == mine) {
       // No other contact at either body decides in this round, so the masks are this contact's alone.
       const std::uint32_t taken = used[bodies.a] | used[bodies.b];
       if (taken == ~std::uint32_t{0}) {
@@ -70,11 +76,17 @@ struct Round {
         return;
       }
       const std::uint32_t lowest_free = ~taken & (taken + 1);
-      used[bodies.a] |= lowest_free;
-      used[bodies.b] |= lowest_free;
+      take(bodies.a, lowest_free);
+      take(bodies.b, lowest_free);
       std::uint8_t c = 0;
       while ((lowest_free >> c) != 1) ++c;
       colour[contact] = c;
+      return;
+    }
+    // A body without a free colour can be given up at once, but only where that was known before this round
+    // began.
+    if (atomic_load(&full_since[bodies.a]) < round || atomic_load(&full_since[bodies.b]) < round) {
+      colour[contact] = no_colour_free;
       return;
     }
     atomic_max(&bids[bodies.a], mine);
@@ -117,6 +129,7 @@ Colouring::Colouring(Executor& executor)
     : executor_(executor),
       best_(executor, "colouring bids"),
       used_(executor, "colours used"),
+      full_since_(executor, "rounds in which colours ran out"),
       pending_(executor, "colouring rounds"),
       colour_(executor, "contact colours"),
       sorted_colour_(executor, "sorted contact colours"),
@@ -131,6 +144,7 @@ void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   const auto contacts = static_cast<std::size_t>(contact_capacity);
   best_.resize_discarding(3 * static_cast<std::size_t>(bodies));
   used_.resize_discarding(static_cast<std::size_t>(bodies));
+  full_since_.resize_discarding(static_cast<std::size_t>(bodies));
   pending_.resize_discarding(rounds + 2);
   colour_.resize_discarding(contacts);
   sorted_colour_.resize_discarding(contacts);
@@ -144,14 +158,15 @@ void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
 void Colouring::colour(const Pair* contacts, StepControl* control) {
   const auto capacity = static_cast<std::int64_t>(order_.size());
   const auto bodies = static_cast<std::uint32_t>(bodies_);
-  executor_.run("colour", bodies_, ClearBodies{best_.data(), used_.data(), bodies});
+  executor_.run("colour", bodies_, ClearBodies{best_.data(), used_.data(), full_since_.data(), bodies});
   executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data()});
   executor_.run("colour", rounds + 2, ClearRounds{control, pending_.data()});
   const auto bids = [&](int round) { return best_.data() + static_cast<std::size_t>(round % 3) * bodies; };
   for (int round = 0; round <= rounds; ++round)
     executor_.run("colour", Count(pending_.data() + round, capacity),
                   Round{contacts, control, bids(round), bids(round + 1), bids(round + 2), used_.data(),
-                        colour_.data(), pending_.data() + round + 1, round == 0});
+                        full_since_.data(), colour_.data(), pending_.data() + round + 1,
+                        static_cast<std::uint32_t>(round)});
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());
   executor_.run("colour", colours + 1,
