@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <numbers>
+#include <numeric>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/philox.h"
@@ -64,7 +65,9 @@ struct Walls {
                   where, generator.count, what, 100 * fill));
 }
 
-/// Body by body, each at the first of its places that is free of all bodies before it.
+/// Body by body, the largest first (of equal ones the smaller id), each at the first of its places that is
+/// free of all bodies placed before it. In the order of ids instead, a large body that comes late finds no
+/// room from 25 % of the box on: not even 2,000 spheres of U(0,5) could be placed in the paper's box.
 void place_apart(const BoxCollider& generator, const Walls& walls, const std::string& where,
                  std::size_t first, InitialBodies& bodies) {
   double volume = 0;
@@ -79,19 +82,25 @@ void place_apart(const BoxCollider& generator, const Walls& walls, const std::st
                   Vector3d(walls.high[0], walls.high[1], walls.high[2]), largest_radius(generator),
                   bodies.size());
   for (std::size_t i = 0; i < first; ++i) grid.insert(bodies.position[i], bodies.radius[i]);
+
+  std::vector<std::uint32_t> order(bodies.size() - first);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return bodies.radius[first + a] > bodies.radius[first + b];
+  });
   const PhiloxKey key = philox_key(generator.seed);
-  for (std::size_t i = first; i < bodies.size(); ++i) {
-    const auto id = static_cast<std::uint32_t>(i - first);
-    const double radius = bodies.radius[i];
-    for (std::uint32_t tries = 1; grid.overlaps(bodies.position[i], radius); ++tries) {
+  for (const std::uint32_t id : order) {
+    const double radius = bodies.radius[first + id];
+    Vector3d& position = bodies.position[first + id];
+    for (std::uint32_t tries = 1; grid.overlaps(position, radius); ++tries) {
       if (tries == max_tries) {
         no_room(generator, where, fill,
                 fmt::format("none was found for sphere {} (radius {:.3g} m) in {} tries", id, radius, tries));
       }
       const PhiloxWords r = philox4x32({{id, 1 + tries, 0, 0}}, key);
-      bodies.position[i] = walls.place(static_cast<float>(radius), r.w[0], r.w[1], r.w[2]);
+      position = walls.place(static_cast<float>(radius), r.w[0], r.w[1], r.w[2]);
     }
-    grid.insert(bodies.position[i], radius);
+    grid.insert(position, radius);
   }
 }
 

@@ -6,7 +6,9 @@
 //
 //   stream 0: word 0 -> radius = radius_max (1 - u); words 1, 2, 3 -> position, a u per axis
 //   stream 1: words 0, 1, 2 -> velocity component = speed_max (2 u - 1)
-//   stream 2, 3, ...: words 0, 1, 2 -> further positions, for `apart` alone
+//   stream 2, 3, ...: words 0, 1, 2 -> further positions, tried by `apart` alone, largest sphere first (so
+//   there,
+//                                      and only there, where a body starts depends on the others too)
 //
 // All of it is computed in float and widened, so that float and double runs start from the same state.
 

@@ -65,14 +65,15 @@ JsonFault explain_text(std::string_view text, std::uint32_t at) {
   return {at, "this text has no closing quote; end it with \""};
 }
 
+bool is_word_part(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '+' || c == '-' || c == '.' ||
+         (static_cast<unsigned char>(c) & 0x80) != 0;
+}
+
 /// The run of letters, digits and signs at `at`, at least one character long.
 std::string_view word_at(std::string_view text, std::uint32_t at) {
   std::uint32_t end = at;
-  const auto is_part = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '+' || c == '-' || c == '.' ||
-           (static_cast<unsigned char>(c) & 0x80) != 0;
-  };
-  while (end < text.size() && is_part(text[end])) ++end;
+  while (end < text.size() && is_word_part(text[end])) ++end;
   return text.substr(at, std::max<std::uint32_t>(end - at, 1));
 }
 
@@ -100,8 +101,8 @@ class Explainer {
  public:
   Explainer(std::string_view text, const std::vector<JsonOpen>& open) : text_(text), open_(open) {}
 
-  JsonFault explain(std::uint32_t at, JsonProgress last) {
-    at = skip_blanks(text_, at);
+  JsonFault explain(const std::uint32_t end, JsonProgress last) {
+    std::uint32_t at = skip_blanks(text_, end);
     if (last == JsonProgress::nothing) {
       return at == text_.size() ? JsonFault{at, "there is nothing in here; a JSON text is an object: { ... }"}
                                 : value(at, false);
@@ -126,6 +127,12 @@ class Explainer {
       return {at, fmt::format("\"{}\" closes the {} of {}; it ends with \"{}\"", text_[at],
                               in_array ? "array" : "object", line_of(text_, open_.back().begin),
                               in_array ? ']' : '}')};
+    }
+    if (at == end && is_word_part(text_[at]) &&
+        std::isdigit(static_cast<unsigned char>(text_[at - 1])) != 0) {
+      // A number that goes on as none can: 01, 0x10, 5m.
+      while (at > 0 && is_word_part(text_[at - 1])) --at;
+      return {at, explain_number(word_at(text_, at))};
     }
     return {at, fmt::format("a \",\" or \"{}\" is missing before this", in_array ? ']' : '}')};
   }
@@ -211,8 +218,29 @@ std::uint32_t skip_blanks(std::string_view text, std::uint32_t at) {
 }
 
 std::uint32_t number_length(std::string_view text, std::uint32_t at) {
-  const std::size_t end = text.find_first_not_of("+-.0123456789eE", at);
-  return static_cast<std::uint32_t>(std::min(end, text.size())) - at;
+  std::uint32_t end = at;
+  const auto is = [&](std::string_view any) {
+    return end < text.size() && any.find(text[end]) != std::string_view::npos;
+  };
+  const auto digits = [&] {
+    while (is("0123456789")) ++end;
+  };
+  if (is("-")) ++end;
+  if (is("0")) {
+    ++end;  // and no digit after it
+  } else {
+    digits();
+  }
+  if (is(".")) {
+    ++end;
+    digits();
+  }
+  if (is("eE")) {
+    ++end;
+    if (is("+-")) ++end;
+    digits();
+  }
+  return end - at;
 }
 
 bool is_utf8(std::string_view text, std::size_t* bad) {

@@ -22,7 +22,7 @@ struct JsonOpen {
 /// From `at`, over blanks and closed comments. Stops at the slash of a comment that has no end.
 std::uint32_t skip_blanks(std::string_view text, std::uint32_t at);
 
-/// The length of the number-like run that starts at `at`.
+/// The length of the number, as JSON writes them, that starts at `at`.
 std::uint32_t number_length(std::string_view text, std::uint32_t at);
 
 /// Whether `text` is well-formed UTF-8 (no overlong forms, no surrogates); `*bad` is the first bad byte.

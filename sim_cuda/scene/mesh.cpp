@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/limits.h"
@@ -201,6 +202,7 @@ class ObjReader {
       if (a.high() != b.high()) return a.high() < b.high();
       return a.line < b.line;
     });
+    std::vector<std::pair<std::uint32_t, std::string>> found;
     for (std::size_t i = 0; i < edges.size();) {
       std::size_t end = i + 1;
       while (end < edges.size() && edges[end].low() == edges[i].low() &&
@@ -210,20 +212,25 @@ class ObjReader {
       const std::string edge =
           fmt::format("the edge from vertex {} to {}", edges[i].from + 1, edges[i].to + 1);
       if (end - i == 1) {
-        fault(edges[i].line, 1,
-              edge +
-                  " belongs to this face alone, so the surface is open; close it (vertices that lie in the "
-                  "same place must be one vertex)");
+        found.emplace_back(
+            edges[i].line,
+            edge +
+                " belongs to this face alone, so the surface is open; close it (vertices that lie in the "
+                "same place must be one vertex)");
       } else if (end - i > 2) {
-        fault(edges[i].line, 1,
-              fmt::format("{} belongs to {} faces; in a closed surface it belongs to two", edge, end - i));
+        found.emplace_back(
+            edges[i].line,
+            fmt::format("{} belongs to {} faces; in a closed surface it belongs to two", edge, end - i));
       } else if (edges[i].from == edges[i + 1].from) {
-        fault(edges[i].line, 1,
-              fmt::format("{} runs the same way in the face of line {}; turn one of them over", edge,
-                          edges[i + 1].line));
+        found.emplace_back(edges[i].line,
+                           fmt::format("{} runs the same way in the face of line {}; turn one of them over",
+                                       edge, edges[i + 1].line));
       }
       i = end;
     }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [line, what] : found) fault(line, 1, what);
   }
 
   std::string_view text_, line_;

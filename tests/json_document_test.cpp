@@ -1,0 +1,211 @@
+#include "sim_cuda/scene/json_document.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/json_syntax.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::ElementsAre;
+using testing::StartsWith;
+
+/// Where a node's token starts, as "line:column".
+std::string position(const JsonDocument& document, std::uint32_t offset) {
+  const std::string line = document.lines({{offset, "x"}}).at(0);
+  return line.substr(2, line.size() - 5);
+}
+
+std::string fault_of(std::string text) {
+  try {
+    const JsonDocument document(std::move(text), "f");
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.lines().size(), 1u);
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(JsonDocument, NodesKnowWhereTheirTokensStart) {
+  const JsonDocument document(
+      "\xEF\xBB\xBF// a comment\n{ /* and, : [ { \" another */ \"a\": [1, -2.5e3,true],\n\t\"b\\n\" :\n  "
+      "null , "
+      "\"\xC3\xA9\xC3\xA9\": {},\"s\":\"t\"}\n",
+      "f");
+  const JsonNode& root = document.root();
+  ASSERT_EQ(root.kind, JsonKind::object);
+  ASSERT_EQ(root.child_count, 4u);
+  EXPECT_EQ(position(document, root.begin), "2:1");
+
+  const JsonNode& a = document.children(root)[0];
+  EXPECT_EQ(document.key(a), "a");
+  EXPECT_EQ(position(document, a.key_begin), "2:30");
+  EXPECT_EQ(position(document, a.begin), "2:35");
+  ASSERT_EQ(a.child_count, 3u);
+  EXPECT_EQ(position(document, document.children(a)[0].begin), "2:36");
+  EXPECT_EQ(position(document, document.children(a)[1].begin), "2:39");
+  EXPECT_EQ(document.token(document.children(a)[1]), "-2.5e3");
+  EXPECT_EQ(document.number(document.children(a)[1]), -2500.0);
+  EXPECT_EQ(document.token(document.children(a)[2]), "true");
+
+  const JsonNode& b = document.children(root)[1];
+  EXPECT_EQ(document.key(b), "b\n");
+  EXPECT_EQ(position(document, b.key_begin), "3:2");
+  EXPECT_EQ(position(document, b.begin), "4:3");
+  const JsonNode& s = document.children(root)[3];
+  EXPECT_EQ(position(document, s.begin), "4:23");  // a letter of two bytes is one column
+  EXPECT_EQ(document.text(s), "t");
+  EXPECT_EQ(document.find(root, "s"), &s);
+  EXPECT_EQ(document.find(root, "t"), nullptr);
+}
+
+TEST(JsonDocument, NumbersAreExact) {
+  const JsonDocument document("[0.1, -0, 1e-320, 1e-999, 18446744073709551615, 1.7976931348623157e308]", "f");
+  const auto values = document.children(document.root());
+  EXPECT_EQ(document.number(values[0]), 0.1);
+  EXPECT_TRUE(std::signbit(*document.number(values[1])));
+  EXPECT_EQ(document.number(values[2]), 1e-320);
+  EXPECT_EQ(document.number(values[3]), std::nullopt);
+  EXPECT_EQ(document.token(values[4]), "18446744073709551615");
+  EXPECT_EQ(document.number(values[5]), 1.7976931348623157e308);
+}
+
+TEST(JsonDocument, EscapesAreDecoded) {
+  const JsonDocument document(R"(["\u00e9\ud83d\ude00\"\\\/\t", "plain"])", "f");
+  EXPECT_EQ(document.text(document.children(document.root())[0]), "\xC3\xA9\xF0\x9F\x98\x80\"\\/\t");
+  EXPECT_EQ(document.text(document.children(document.root())[1]), "plain");
+}
+
+TEST(JsonDocument, DuplicateKeysWait) {
+  const JsonDocument document("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2},\n \"\\u0061\": 3}", "f");
+  EXPECT_THAT(document.lines(document.duplicates()),
+              ElementsAre("f:2:16: the key \"c\" stands twice in this object; keep one of them",
+                          "f:3:2: the key \"a\" stands twice in this object; keep one of them"));
+}
+
+TEST(JsonDocument, NestingIsBounded) {
+  const auto nested = [](int depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  EXPECT_EQ(fault_of(nested(64)), "none");
+  EXPECT_THAT(fault_of(nested(65)), StartsWith("f:1:65: more than 64 arrays and objects within each other"));
+  EXPECT_THAT(fault_of(std::string(100'000, '[')), StartsWith("f:1:65: more than 64"));
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
+  EXPECT_THAT(fault_of(objects), StartsWith("f:1:321: more than 64"));
+}
+
+TEST(JsonDocument, SizeIsBounded) {
+  EXPECT_THAT(fault_of(std::string(JsonDocument::max_bytes + 1, ' ')),
+              StartsWith("f: holds more than 64 MiB"));
+  std::string values = "[0";
+  for (std::size_t i = 1; i < JsonDocument::max_nodes; ++i) values += ",0";
+  EXPECT_THAT(fault_of(values + "]"), StartsWith("f:1:16777216: more than 8388608 values"));
+}
+
+TEST(JsonDocument, FaultsAreListedInTheOrderOfTheText) {
+  const JsonDocument document("[1,\n 2]", "f");
+  EXPECT_THAT(document.lines({{5, "b"}, {1, "a"}, {99, "end"}}),
+              ElementsAre("f:1:2: a", "f:2:2: b", "f:2:4: end"));
+  const std::vector<std::string> many = document.lines(std::vector<JsonFault>(20'000, JsonFault{1, "a"}));
+  EXPECT_EQ(many.size(), 10'001u);
+  EXPECT_EQ(many.back(), "f: more than 10000 faults; the rest is not listed");
+}
+
+struct Bad {
+  std::string text, line;
+};
+class BadJson : public testing::TestWithParam<Bad> {};
+TEST_P(BadJson, IsExplained) { EXPECT_THAT(fault_of(GetParam().text), StartsWith(GetParam().line)); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadJson,
+    testing::Values(
+        Bad{"", "f:1:1: there is nothing in here"}, Bad{" \n // x\n", "f:3:1: there is nothing in here"},
+        Bad{"{",
+            "f:1:2: the text ends inside the object that line 1 opens; is it cut off? close it with \"}\""},
+        Bad{"{\n\"a\": [1, 2", "f:2:11: the text ends inside the array that line 2 opens"},
+        Bad{"{\"a\"", "f:1:5: the text ends inside the object"},
+        Bad{"{\"a\":", "f:1:6: the text ends inside the object"},
+        Bad{"{\"a\":1,", "f:1:8: the text ends inside the object"},
+        Bad{"{\"a\": \"b", "f:1:7: this text has no closing quote; end it with \""},
+        Bad{"{\"a", "f:1:2: this text has no closing quote"},
+        Bad{"{\"a\": \"b\n\"}", "f:1:7: this text has no closing quote on its line"},
+        Bad{"{\"a\" 1}", "f:1:6: a \":\" is missing between the key and its value"},
+        Bad{"{\"a\": 1 \"b\": 2}", "f:1:9: a \",\" or \"}\" is missing before this"},
+        Bad{"[1 2]", "f:1:4: a \",\" or \"]\" is missing before this"},
+        Bad{"[1,\n 2}", "f:2:3: \"}\" closes the array of line 1; it ends with \"]\""},
+        Bad{"{\"a\": 1]", "f:1:8: \"]\" closes the object of line 1; it ends with \"}\""},
+        Bad{"[1,]", "f:1:4: another value must follow after a \",\"; remove the comma before \"]\""},
+        Bad{"{\"a\": 1,}", "f:1:9: another key must follow after a \",\"; remove the comma before \"}\""},
+        Bad{"{,}", "f:1:2: a key is missing before this \",\""},
+        Bad{"[,]", "f:1:2: a value is missing before this \",\""},
+        Bad{"{\"a\":}", "f:1:6: a value is missing before this \"}\""},
+        Bad{"{a: 1}", "f:1:2: a key must stand here, in double quotes: \"name\": value; found a"},
+        Bad{"{'a': 1}", "f:1:2: a key must stand here, in double quotes"},
+        Bad{"['a']", "f:1:2: text goes in double quotes"}, Bad{"[yes]", "f:1:2: yes is no JSON value"},
+        Bad{"[True]", "f:1:2: True is no JSON value"}, Bad{"[nul]", "f:1:2: nul is no JSON value"},
+        Bad{"[1, NaN]", "f:1:5: NaN is not a number that can be simulated; write a finite one"},
+        Bad{"[-Infinity]", "f:1:2: -Infinity is not a number that can be simulated"},
+        Bad{"[nan]", "f:1:2: nan is not a number"},
+        Bad{"[1e999]", "f:1:2: 1e999 is beyond what a double holds"},
+        Bad{"[0, // c\n -1e999]", "f:2:2: -1e999 is beyond what a double holds"},
+        Bad{"[01]", "f:1:2: \"01\" is not a number"},
+        Bad{"[+1]", "f:1:2: \"+1\" is not a number as JSON writes it"},
+        Bad{"[.5]", "f:1:2: \".5\" is not a number"}, Bad{"[1.]", "f:1:2: \"1.\" is not a number"},
+        Bad{"[1e]", "f:1:2: \"1e\" is not a number"}, Bad{"[-]", "f:1:2: \"-\" is not a number"},
+        Bad{"[0x10]", "f:1:2: \"0x10\" is not a number"}, Bad{"[5m]", "f:1:2: \"5m\" is not a number"},
+        Bad{"[\"\\x\"]", "f:1:3: an unknown escape"},
+        Bad{"[\"\\u12g4\"]", "f:1:3: \\u needs four hexadecimal digits"},
+        Bad{"[\"\\ud800\"]", "f:1:3: half of a surrogate pair"},
+        Bad{"[\"\\udc00\"]", "f:1:3: half of a surrogate pair"},
+        Bad{"[\"a\tb\"]", "f:1:4: a control character (byte 9) in a text; write it as \\u0009"},
+        Bad{"[\"a\xFF\"]", "f:1:4: this byte is not UTF-8"},
+        Bad{"[\"\xC3\"]", "f:1:3: this byte is not UTF-8"},
+        Bad{"[\"\xED\xA0\x80\"]", "f:1:3: this byte is not UTF-8"},
+        Bad{"{\"\xC0\x80\": 1}", "f:1:3: this byte is not UTF-8"},
+        Bad{"[1] /* open", "f:1:5: this comment is never closed"},
+        Bad{"[1, /* open", "f:1:5: this comment is never closed"},
+        Bad{"[1] # x", "f:1:5: comments start with //"}, Bad{"[1, / 2]", "f:1:5: comments start with //"},
+        Bad{"[1] 2", "f:1:5: something follows after the end of the document"},
+        Bad{"{} {}", "f:1:4: something follows"}, Bad{"[],", "f:1:3: something follows"},
+        Bad{std::string("[1]\0[2]", 7), "f:1:4: a zero byte"},
+        Bad{std::string("[1,\0 2]", 7), "f:1:4: a zero byte"},
+        Bad{std::string("[\"a\0\"]", 6), "f:1:4: a control character (byte 0)"},
+        Bad{"]", "f:1:1: a value is missing before this \"]\""}));
+
+TEST(JsonSyntax, Utf8) {
+  EXPECT_TRUE(is_utf8("a\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80"));
+  for (const char* bad : {"\x80", "\xC1\x81", "\xE0\x9F\x80", "\xED\xA0\x80", "\xF0\x8F\x80\x80",
+                          "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\xE2\x82"}) {
+    std::size_t at = 99;
+    EXPECT_FALSE(is_utf8(std::string("ab") + bad, &at));
+    EXPECT_EQ(at, 2u);
+  }
+}
+
+// Whatever a text is cut or spoilt to: a tree or one line that starts with a position; never a crash.
+TEST(JsonSyntax, EverySpoiltTextIsExplained) {
+  const std::string good =
+      "// c\n{\"a\\u00e9\": [1, -2.5e+3, \"x\xC3\xA9\"], /* d */ \"b\": {\"c\": null, \"d\": false}}\n";
+  EXPECT_EQ(fault_of(good), "none");
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    const std::string cut = fault_of(good.substr(0, at));
+    if (at + 1 < good.size()) {
+      EXPECT_THAT(cut, StartsWith("f:")) << at;
+    }
+    for (int byte = 0; byte < 256; ++byte) {
+      std::string spoilt = good;
+      spoilt[at] = static_cast<char>(byte);
+      const std::string line = fault_of(spoilt);
+      EXPECT_TRUE(line == "none" || line.starts_with("f:")) << line;
+      EXPECT_EQ(line.find("json.exception"), std::string::npos);
+      EXPECT_EQ(line.find('\n'), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope

@@ -1,0 +1,142 @@
+#include "sim_cuda/scene/mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "sim_cuda/core/error.h"
+#include "tests/test_files.h"
+
+namespace collidoscope {
+namespace {
+
+const std::string tetrahedron = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 7\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+Mesh parse(const std::string& text) { return parse_mesh(text, "m.obj", "m"); }
+
+std::vector<std::string> faults_of(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const InputError& error) {
+    return error.lines();
+  }
+  return {};
+}
+
+TEST(Mesh, IsMovedToItsCentreAndPrincipalAxes) {
+  const Mesh mesh = parse(tetrahedron);
+  EXPECT_NEAR(mesh.volume, 7, 1e-14);
+  EXPECT_TRUE(mesh.center.isApprox(Vector3d(0.5, 0.75, 1.75), 1e-14));
+  const Vector3d corners[] = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 7}};
+  double farthest = 0;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE((mesh.axes * mesh.vertices[i] + mesh.center).isApprox(corners[i], 1e-14) || i == 0);
+    farthest = std::max(farthest, (corners[i] - mesh.center).norm());
+  }
+  EXPECT_NEAR((mesh.axes * mesh.vertices[0] + mesh.center).norm(), 0, 1e-14);
+  EXPECT_NEAR(mesh.bounding_radius, farthest, 1e-14);
+  EXPECT_LE(mesh.inertia_per_density[0], mesh.inertia_per_density[1]);
+  EXPECT_LE(mesh.inertia_per_density[1], mesh.inertia_per_density[2]);
+  EXPECT_NEAR(mesh.inertia_per_density.sum(), 7.0 * 6 * (4 + 9 + 49) / 80, 1e-12);  // the trace stays
+}
+
+TEST(Mesh, AllFormsOfFacesMeanTheSame) {
+  const Mesh plain = parse(tetrahedron);
+  const std::string forms =
+      "# comment\r\nmtllib a.mtl\no thing\nv 0 0 0 1\nv +2 0 0\nv 0 3. 0 0.5 0.5 0.5\nv\t0 0 7e0 # top\nvt 0 "
+      "0\n"
+      "vn 0 0 1\ng x\ns off\nusemtl red\n\n  f 1/1 3/1 2/1\nf 1//1 2//1 4//1\nf 1/1/1 4/1/1 3/1/1\nf -3 -2 "
+      "-1";
+  const Mesh other = parse(forms);
+  ASSERT_EQ(other.faces, plain.faces);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(other.vertices[i], plain.vertices[i]);
+  EXPECT_EQ(other.volume, plain.volume);
+}
+
+TEST(Mesh, PolygonsAreFanned) {
+  const Mesh block = read_mesh(project_file("assets/scenes/meshes/l_block.obj").string(), "l");
+  EXPECT_EQ(block.faces.size(), 20u);
+  EXPECT_NEAR(block.volume, 4, 1e-14);
+  // A bar of 3 x 1 x 1 about (1.5, 0.5, 0.5) and a cube about (0.5, 0.5, 1.5), by the parallel axis theorem.
+  EXPECT_TRUE(block.center.isApprox(Vector3d(1.25, 0.5, 0.75), 1e-14));
+  const double along_y = 3 * (10.0 / 12 + 0.25 * 0.25 + 0.25 * 0.25) + (2.0 / 12 + 0.75 * 0.75 + 0.75 * 0.75);
+  EXPECT_NEAR(block.inertia_per_density[2], along_y, 1e-13);
+}
+
+TEST(Mesh, IcosahedronIsRegular) {
+  const Mesh mesh = read_mesh(project_file("assets/scenes/meshes/icosahedron.obj").string(), "i");
+  const double edge = 1.5 / 0.9510565162951535;  // circumradius over sin(2 pi / 5)
+  EXPECT_NEAR(mesh.volume, 2.1816949906249123 * edge * edge * edge, 1e-7);
+  // I = m edge^2 phi^2 / 10 for the solid
+  const double phi = 1.618033988749895;
+  EXPECT_NEAR(mesh.inertia_per_density[0], mesh.volume * edge * edge * phi * phi / 10, 1e-7);
+  EXPECT_NEAR(mesh.bounding_radius, 1.5, 1e-8);
+}
+
+struct Bad {
+  const char* text;
+  const char* line;
+};
+
+class BadMesh : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadMesh, IsRefusedWithItsPosition) {
+  const std::vector<std::string> faults = faults_of(GetParam().text);
+  ASSERT_FALSE(faults.empty());
+  EXPECT_THAT(faults[0], testing::StartsWith(GetParam().line));
+}
+
+#define CORNERS "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 7\n"
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadMesh,
+    testing::Values(
+        Bad{"", "m.obj: there are no faces"}, Bad{"v 0 0\n", "m.obj:1:1: 2 numbers; a vertex is `v x y z`"},
+        Bad{"v 0 0 x\n", "m.obj:1:7: \"x\" is not a number"},
+        Bad{"v 0 nan 0\n", "m.obj:1:5: \"nan\" is not a number"},
+        Bad{"v 0 1e999 0\n", "m.obj:1:5: \"1e999\" is not a number"},
+        Bad{"v 0 0 2e9\n", "m.obj:1:7: 2000000000 is out of range"},
+        Bad{"v 0 0 0 2\n", "m.obj:1:1: a vertex with a weight other than 1"},
+        Bad{"v 0 0 0 1 1 1 1 1\n", "m.obj:1:17: a vertex has at most 7 numbers"},
+        Bad{"# fine\n  q 1 2\n", "m.obj:2:3: \"q\" is not read here"},
+        Bad{CORNERS "f 1 2\n", "m.obj:5:1: a face of 2 corners"},
+        Bad{CORNERS "f 1 2 0\n", "m.obj:5:7: \"0\" names no vertex"},
+        Bad{CORNERS "f 1 2 -5\n", "m.obj:5:7: \"-5\" names no vertex"},
+        Bad{CORNERS "f 1 2 3/x\n", "m.obj:5:7: \"3/x\" names no vertex"},
+        Bad{CORNERS "f 1 2 3/1/\n", "m.obj:5:7: \"3/1/\" names no vertex"},
+        Bad{CORNERS "f 1 2 3/1/1/1\n", "m.obj:5:7: \"3/1/1/1\" names no vertex"},
+        Bad{CORNERS "f 1 2 99999999999999999999\n", "m.obj:5:7: \"99999999999999999999\" names no vertex"},
+        Bad{CORNERS "f 1 2 9\n", "m.obj:5:1: the face names vertex 9, but there are 4"},
+        Bad{CORNERS "f 1 2 2\n", "m.obj:5:7: vertex 2 twice in one face"},
+        Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\n",
+            "m.obj:5:1: the edge from vertex 3 to 2 belongs to this face alone, so the surface is open"},
+        Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n",
+            "m.obj:5:1: the edge from vertex 3 to 2 runs the same way in the face of line 8"},
+        Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 2 3\n",
+            "m.obj:5:1: the edge from vertex 2 to 1 belongs to 3 faces"},
+        Bad{CORNERS "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n",
+            "m.obj: the faces are clockwise seen from outside"},
+        Bad{CORNERS "f 1 2 3\nf 3 2 1\n", "m.obj: the surface encloses no volume"},
+        Bad{"v 0 0 0\nv 2e-12 0 0\nv 0 3e-12 0\nv 0 0 7e-12\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+            "m.obj: the mesh's bounding sphere has a radius of"}));
+
+TEST(Mesh, AllFaultsAreListed) {
+  EXPECT_EQ(faults_of("v a 0 0\nv 0 b 0\nz\n").size(), 3u);
+  std::string many;
+  for (int i = 0; i < 1000; ++i) many += "z\n";
+  EXPECT_EQ(faults_of(many).size(), 100u);  // enough is enough
+}
+
+TEST(Mesh, MissingFileAndFolder) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(read_mesh((folder / "none.obj").string(), "n"), InputError);
+  try {
+    read_mesh(folder.path().string(), "n");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("is a folder; give the path of a closed mesh (.obj)"));
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope

@@ -1,0 +1,462 @@
+#include "sim_cuda/scene/scene_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+#include "tests/test_files.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::ElementsAre;
+using testing::StartsWith;
+
+const std::string head = "{\"format\": \"collidoscope-scene\", \"version\": 1,\n";
+
+std::vector<std::string> faults_of(const std::string& text) {
+  try {
+    parse_scene(text, "s");
+  } catch (const InputError& error) {
+    return error.lines();
+  }
+  return {};
+}
+
+TEST(SceneFile, DefaultsAreTheStructs) {
+  const Scene scene = parse_scene(head + "\"bodies\": []}", "s");
+  const Scene expected;
+  EXPECT_EQ(write_scene(scene), write_scene(expected));
+  EXPECT_EQ(scene.physics.time_step, 1.0 / 30);
+  EXPECT_EQ(scene.physics.steps_per_second, std::nullopt);
+  EXPECT_EQ(scene.materials.size(), 1u);
+  EXPECT_EQ(scene.materials[0].restitution, 0.8);
+}
+
+TEST(SceneFile, EveryFieldIsRead) {
+  const Scene scene = parse_scene(head + R"(
+    "name": "all", // comment
+    "box": {"min": [-1, -2, -3], "max": [1, 2, 3]},
+    "gravity": [0.5, 0, -1.6], "steps_per_second": 240, "substeps": 4, "iterations": 7, "solver": "impulse",
+    "integrator": "semi_implicit_euler", "precision": "f64", "effects": ["rotation"], "restitution_threshold": 0.25,
+    "materials": {"steel": {"density": 7850, "restitution": 0.6, "friction": 0, "rolling_resistance": 0},
+                  "default": {"density": 2}},
+    "bodies": [{"shape": "sphere", "radius": 0.5, "position": [1, 2, 3], "orientation": [0, 0, 2, 0],
+                "velocity": [4, 5, 6], "angular_velocity": [7, 8, 9], "mass": 10, "inertia": [1, 2, 3],
+                "material": "steel"},
+               {"shape": "mesh", "mesh": "a/b.obj"}],
+    "generators": [{"kind": "box_collider", "count": 1e1, "radius_max": 0.25, "variant": "equal", "spawn": "apart",
+                    "seed": 18446744073709551615, "speed_max": 2, "material": "steel"}],
+    "obstacles": [{"shape": "plane", "normal": [0, 0, 3], "offset": -4, "material": "steel"}],
+    "joints": [],
+    "camera": {"position": [9, 9, 9], "target": [1, 1, 1], "up": [0, 1, 0], "vertical_field_of_view": 55}})",
+                                  "s", "dir");
+  EXPECT_EQ(scene.name, "all");
+  EXPECT_EQ(scene.directory, "dir");
+  EXPECT_EQ(scene.file, "s");
+  EXPECT_EQ(scene.box->min, Vector3d(-1, -2, -3));
+  EXPECT_EQ(scene.box->max, Vector3d(1, 2, 3));
+  const Physics& p = scene.physics;
+  EXPECT_EQ(p.gravity, Vector3d(0.5, 0, -1.6));
+  EXPECT_EQ(p.time_step, 1.0 / 240);
+  EXPECT_EQ(p.steps_per_second, 240);
+  EXPECT_EQ(p.substeps, 4);
+  EXPECT_EQ(p.iterations, 7);
+  EXPECT_EQ(p.precision, Precision::f64);
+  EXPECT_EQ(*p.effects, (Effects{.gravity = false, .rotation = true}));
+  EXPECT_EQ(p.restitution_threshold, 0.25);
+  ASSERT_EQ(scene.materials.size(), 2u);
+  EXPECT_EQ(scene.materials[0].name, "default");
+  EXPECT_EQ(scene.materials[0].density, 2);
+  EXPECT_EQ(scene.materials[1].name, "steel");
+  EXPECT_EQ(scene.materials[1].restitution, 0.6);
+  const Body& body = scene.bodies.at(0);
+  EXPECT_EQ(body.radius, 0.5);
+  EXPECT_EQ(body.position, Vector3d(1, 2, 3));
+  EXPECT_EQ(body.orientation.coeffs(), Quaterniond(0, 0, 1, 0).coeffs());
+  EXPECT_EQ(body.velocity, Vector3d(4, 5, 6));
+  EXPECT_EQ(body.angular_velocity, Vector3d(7, 8, 9));
+  EXPECT_EQ(body.mass, 10.0);
+  EXPECT_EQ(*body.inertia, Vector3d(1, 2, 3));
+  EXPECT_EQ(body.material, 1);
+  EXPECT_EQ(scene.bodies.at(1).shape, Shape::mesh);
+  EXPECT_EQ(scene.bodies.at(1).mesh, "a/b.obj");
+  const BoxCollider& generator = scene.generators.at(0);
+  EXPECT_EQ(generator.count, 10);
+  EXPECT_EQ(generator.radius_max, 0.25);
+  EXPECT_EQ(generator.variant, Variant::equal);
+  EXPECT_EQ(generator.spawn, Spawn::apart);
+  EXPECT_EQ(generator.seed, ~std::uint64_t{0});
+  EXPECT_EQ(generator.speed_max, 2);
+  EXPECT_EQ(generator.material, 1);
+  EXPECT_EQ(scene.obstacles.at(0).normal, Vector3d(0, 0, 1));
+  EXPECT_EQ(scene.obstacles.at(0).offset, -4);
+  EXPECT_EQ(scene.obstacles.at(0).material, 1);
+  EXPECT_EQ(*scene.camera.position, Vector3d(9, 9, 9));
+  EXPECT_EQ(*scene.camera.target, Vector3d(1, 1, 1));
+  EXPECT_EQ(scene.camera.up, Vector3d(0, 1, 0));
+  EXPECT_EQ(scene.camera.vertical_field_of_view, 55);
+}
+
+TEST(SceneFile, NormalisingHugeAndTinyDirections) {
+  const Scene scene = parse_scene(head + R"("obstacles": [{"shape": "plane", "normal": [3e300, 0, 4e300]},
+      {"shape": "plane", "normal": [0, 3e-300, 4e-300]}], "bodies": [{"orientation": [3e-200, 0, 4e-200, 0]}]})",
+                                  "s");
+  EXPECT_TRUE(scene.obstacles[0].normal.isApprox(Vector3d(0.6, 0, 0.8), 1e-15));
+  EXPECT_TRUE(scene.obstacles[1].normal.isApprox(Vector3d(0, 0.6, 0.8), 1e-15));
+  EXPECT_TRUE(scene.bodies[0].orientation.isApprox(Quaterniond(0.6, 0, 0.8, 0), 1e-15));
+}
+
+struct Bad {
+  std::string text;  ///< after `head`, so on line 2
+  std::string line;
+};
+class BadScene : public testing::TestWithParam<Bad> {};
+TEST_P(BadScene, IsOneLineWithItsPosition) {
+  EXPECT_THAT(faults_of(head + GetParam().text), ElementsAre(StartsWith(GetParam().line)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadScene,
+    testing::Values(
+        // keys
+        Bad{"\"gravty\": [0, 0, 0]}", "s:2:1: unknown key \"gravty\" in a scene; did you mean \"gravity\"?"},
+        Bad{"\"bodies\": [{\"raduis\": 1}]}",
+            "s:2:13: unknown key \"raduis\" in a body; did you mean \"radius\"?"},
+        Bad{"\"camera\": {\"zoom\": 1}}",
+            "s:2:12: unknown key \"zoom\" in a camera; it has position, target, up or "
+            "vertical_field_of_view"},
+        Bad{"\"name\": \"a\", \"name\": \"b\"}", "s:2:14: the key \"name\" stands twice"},
+        // types
+        Bad{"\"name\": 1}", "s:2:9: \"name\" is a text, not a number"},
+        Bad{"\"box\": []}", "s:2:8: a box is an object, { ... }, not a list"},
+        Bad{"\"box\": null}", "s:2:8: a box is an object, { ... }, not null"},
+        Bad{"\"bodies\": {}}", "s:2:11: \"bodies\" is a list, not an object"},
+        Bad{"\"bodies\": [7]}", "s:2:12: a body is an object, { ... }, not a number"},
+        Bad{"\"gravity\": -9.81}", "s:2:12: \"gravity\" is a list of three numbers, [x, y, z]"},
+        Bad{"\"gravity\": [0, 0]}",
+            "s:2:12: \"gravity\" is a list of three numbers, [x, y, z], not of 2 values"},
+        Bad{"\"gravity\": [0, \"0\", 0]}",
+            "s:2:16: \"gravity\" is a list of three numbers, [x, y, z]; this is a text"},
+        Bad{"\"time_step\": true}", "s:2:14: \"time_step\" is a number, not true or false"},
+        Bad{"\"time_step\": 1e-999}", "s:2:14: 1e-999 is too near to zero for a double; write 0"},
+        Bad{"\"gravity\": [0, 1e-999, 0]}", "s:2:16: 1e-999 is too near to zero"},
+        Bad{"\"substeps\": 1.5}", "s:2:13: \"substeps\" is a whole number, not 1.5"},
+        Bad{"\"materials\": []}", "s:2:14: \"materials\" is an object of names"},
+        Bad{"\"materials\": {\"a\": 1}}", "s:2:20: a material is an object, { ... }, not a number"},
+        Bad{"\"bodies\": [{\"orientation\": [1, 0, 0]}]}",
+            "s:2:28: \"orientation\" is a list of four numbers, the quaternion [w, x, y, z], not of 3 "
+            "values"},
+        // names
+        Bad{"\"solver\": \"soft_step\"}",
+            "s:2:11: unknown solver \"soft_step\"; \"impulse\" is the only one"},
+        Bad{"\"integrator\": \"rk4\"}", "s:2:15: unknown integrator \"rk4\""},
+        Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
+        Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},
+        Bad{"\"effects\": [\"gravity\", \"friction\"]}",
+            "s:2:24: unknown effect \"friction\"; it is gravity or rotation"},
+        Bad{"\"effects\": [\"gravity\", 3]}", "s:2:24: unknown effect \"3\""},
+        Bad{"\"effects\": [\"gravity\", \"gravity\"]}", "s:2:24: \"gravity\" stands twice in this list"},
+        Bad{"\"bodies\": [{\"material\": \"steel\"}]}",
+            "s:2:25: unknown material \"steel\"; \"default\" is the only one"},
+        Bad{"\"bodies\": [{\"shape\": \"cube\"}]}", "s:2:22: unknown shape \"cube\"; it is sphere or mesh"},
+        Bad{"\"restitution_threshold\": \"none\"}",
+            "s:2:26: \"restitution_threshold\" is \"auto\" or a speed"},
+        // ranges, found by validate()
+        Bad{"\"bodies\": [{}, {\"radius\": -1}]}",
+            "s:2:27: bodies[1].radius: must lie in [1e-09, 1e+09] m, not -1"},
+        Bad{"\"bodies\": [{\"radius\": 0}]}",
+            "s:2:23: bodies[0].radius: must lie in [1e-09, 1e+09] m, not 0"},
+        Bad{"\"bodies\": [{\"position\": [0, 2e9, 0]}]}", "s:2:29: bodies[0].position[1]: must lie in"},
+        Bad{"\"bodies\": [{\"orientation\": [0, 0, 0, 0]}]}",
+            "s:2:28: the quaternion [w, x, y, z] must not be zero"},
+        Bad{"\"obstacles\": [{\"shape\": \"plane\", \"normal\": [0, 0, 0]}]}",
+            "s:2:44: the normal must not be zero"},
+        Bad{"\"materials\": {\"a b\": {\"density\": 0}}}",
+            "s:2:34: materials[\"a b\"].density: must lie in [1e-09, 1e+18] kg/m^3, not 0"},
+        Bad{"\"materials\": {\"a\\\"b\": {}}}", "s:2:23: materials[\"a\"b\"]: a material's name must be"},
+        Bad{"\"substeps\": 1e30}", "s:2:13: substeps: must be a whole number from 1 to 1000, not 1e30"},
+        Bad{"\"steps_per_second\": 0}",
+            "s:2:21: steps_per_second: must be a whole number from 1 to 1000000, not 0"},
+        Bad{"\"box\": {\"max\": [0, 1, 1]}}", "s:2:17: box.max[0]: must be more than min[0] = 0, not 0"},
+        Bad{"\"box\": {\"min\": [100, 0, 0]}}", "s:2:8: box.max[0]: must be more than min[0] = 100"},
+        // what is not there yet
+        Bad{"\"materials\": {\"default\": {\"friction\": 0.5}}}",
+            "s:2:39: materials.default.friction: friction is not simulated yet; 0 is the only value, not "
+            "0.5"},
+        Bad{"\"materials\": {\"default\": {\"rolling_resistance\": 0.1}}}",
+            "s:2:49: materials.default.rolling_resistance: rolling resistance is not simulated yet"},
+        Bad{"\"joints\": [{}]}", "s:2:11: joints are not simulated yet; the list must be empty"},
+        Bad{"\"obstacles\": [{\"shape\": \"box\"}]}",
+            "s:2:25: an obstacle has \"shape\": \"plane\", the only one so far"},
+        Bad{"\"obstacles\": [{}]}", "s:2:15: an obstacle has \"shape\": \"plane\""},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"variant\": \"settled\"}]}",
+            "s:2:63: variant \"settled\" arrives with the solvers"},
+        // generators
+        Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},
+        Bad{"\"box\": {}, \"generators\": [{}]}",
+            "s:2:27: a generator has \"kind\": \"box_collider\", the only one"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"rain\"}]}", "s:2:36: a generator has \"kind\""},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 10000000000}]}",
+            "s:2:61: generators[0].count: must be a whole number from 0 to 134217728, not 10000000000"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 1e300}]}",
+            "s:2:61: generators[0].count: must be a whole number from 0 to 134217728, not 1e300"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": -1}]}",
+            "s:2:60: \"seed\" is a whole number from 0 to 18446744073709551615, not -1"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 18446744073709551616}]}",
+            "s:2:60: \"seed\" is a whole number from 0 to"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 0.5}]}",
+            "s:2:60: \"seed\" is a whole"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"radius_max\": 60}]}",
+            "s:2:66: generators[0].radius_max: must be at most 50 m, for the spheres to fit in the box, not "
+            "60"},
+        // either, not both
+        Bad{"\"time_step\": 0.1, \"steps_per_second\": 10}",
+            "s:2:19: time_step and steps_per_second are both given; keep one of them"},
+        Bad{"\"bodies\": [{\"shape\": \"mesh\", \"mesh\": \"a.obj\", \"radius\": 1}]}",
+            "s:2:47: a mesh has no radius"},
+        Bad{"\"bodies\": [{\"mesh\": \"a.obj\"}]}", "s:2:13: a sphere has no mesh"},
+        Bad{"\"bodies\": [{\"shape\": \"mesh\"}]}", "s:2:12: bodies[0].mesh: must name an OBJ file"},
+        // camera
+        Bad{"\"camera\": {\"vertical_field_of_view\": 0}}",
+            "s:2:38: camera.vertical_field_of_view: must lie in [1, 150] degrees, not 0"},
+        // syntax
+        Bad{"\"name\": 1e999}", "s:2:9: 1e999 is beyond what a double holds"},
+        Bad{"\"gravity\": [0, 0, NaN]}", "s:2:19: NaN is not a number that can be simulated"},
+        Bad{"\"gravity\": [0, 0", "s:2:17: the text ends inside the array that line 2 opens"}));
+
+TEST(SceneFile, HeadersAreRequired) {
+  EXPECT_THAT(faults_of("{}"), ElementsAre("s:1:1: a scene starts with \"format\": \"collidoscope-scene\"",
+                                           "s:1:1: \"version\" is missing; it is 1"));
+  EXPECT_THAT(faults_of("{\"format\": \"x\", \"version\": 2}"),
+              ElementsAre("s:1:12: a scene starts with \"format\": \"collidoscope-scene\"",
+                          "s:1:28: this version of the format is not known; it is 1"));
+  EXPECT_THAT(faults_of("[]"), ElementsAre("s:1:1: a scene is an object, { ... }, not a list"));
+}
+
+TEST(SceneFile, EveryFaultIsListedInTheOrderOfTheText) {
+  EXPECT_THAT(
+      faults_of(head +
+                "\"colour\": 1,\n\"bodies\": [{\"radius\": -1, \"mass\": \"heavy\"},\n{\"velocity\": 3}],\n"
+                "\"substeps\": 0, \"substeps\": 1}"),
+      ElementsAre(StartsWith("s:2:1: unknown key \"colour\""), StartsWith("s:3:23: bodies[0].radius"),
+                  StartsWith("s:3:35: \"mass\" is a number, not a text"), StartsWith("s:4:14: \"velocity\""),
+                  StartsWith("s:5:13: substeps: must be"), StartsWith("s:5:16: the key \"substeps\"")));
+}
+
+TEST(SceneFile, HundredsOfThousandsOfFaultsTakeNoTime) {
+  std::string text = head + "\"bodies\": [{}";
+  for (int i = 0; i < 200'000; ++i) text += ",\n{\"radius\": -1}";
+  EXPECT_EQ(faults_of(text + "]}").size(), 10'001u);
+}
+
+TEST(SceneFile, FilesThatCannotBeRead) {
+  const TemporaryFolder folder;
+  const auto line = [&](const std::string& file) -> std::string {
+    try {
+      read_scene(file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  const std::string missing = (folder / "none.json").string();
+  EXPECT_EQ(
+      line(missing),
+      missing + ": cannot be opened (No such file or directory); give the path of a scene file (.json)");
+  EXPECT_EQ(line(folder.path().string()),
+            folder.path().string() + ": is a folder; give the path of a scene file (.json)");
+  const std::string huge = (folder / "huge.json").string();
+  std::ofstream(huge).put('{');
+  std::filesystem::resize_file(huge, std::uintmax_t{1} << 40);  // sparse: refused before it is read
+  EXPECT_THAT(line(huge), StartsWith(huge + ": holds more than 64 MiB, the most that is read"));
+  EXPECT_THAT(line("/dev/zero"), StartsWith("/dev/zero: holds more than 64 MiB"));  // has no size
+}
+
+TEST(SceneFile, MeshPathsStartAtTheFile) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "a.json").string();
+  std::ofstream(file) << write_scene(Scene{});
+  const Scene scene = read_scene(file);
+  EXPECT_EQ(scene.directory, folder.path().string());
+  EXPECT_EQ(scene.file, file);
+}
+
+/// Random scenes for the round trip: every field, at awkward values.
+class RandomScene {
+ public:
+  explicit RandomScene(unsigned seed) : random_(seed) {}
+
+  Scene make() {
+    Scene s;
+    s.name =
+        pick<std::string>({"", "plain", "quote \" and \\ and /", "\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80"});
+    if (coin()) {
+      s.box = Box{};
+      s.box->min = vector(50);
+      s.box->max = s.box->min + Vector3d(real(1, 1e3), real(1, 1e3), real(1, 1e3));
+    }
+    Physics& p = s.physics;
+    p.gravity = coin() ? vector(20) : Vector3d(0, -0.0, 0);
+    p.time_step = real(1e-4, 0.1);
+    if (coin()) {
+      p.steps_per_second = 1 + static_cast<int>(random_() % 1000);
+      p.time_step = 1.0 / *p.steps_per_second;
+    }
+    p.substeps = 1 + static_cast<int>(random_() % 1000);
+    p.iterations = 1 + static_cast<int>(random_() % 1000);
+    p.precision = pick({Precision::f32, Precision::f64});
+    if (coin()) p.effects = Effects{.gravity = coin(), .rotation = coin()};
+    if (coin()) p.restitution_threshold = real(0, 2);
+    s.materials[0].density = real(1, 1e4);
+    for (const char* name : {"steel", "a b", "x.y[3]", "\xC3\xA9"}) {
+      if (coin())
+        s.materials.push_back({.name = name, .density = real(1e-3, 1e5), .restitution = real(0, 1)});
+    }
+    for (int i = static_cast<int>(random_() % 4); i > 0; --i) s.bodies.push_back(body(s));
+    for (int i = static_cast<int>(random_() % 3); s.box && i > 0; --i) {
+      s.generators.push_back(
+          {.count = static_cast<std::int64_t>(random_() % 100000),
+           .radius_max = real(0.001, 0.5),
+           .variant = i == 1 ? pick({Variant::paper, Variant::scaled, Variant::equal}) : Variant::paper,
+           .spawn = pick({Spawn::inside, Spawn::centres, Spawn::apart}),
+           .seed = random_(),
+           .speed_max = real(0, 10),
+           .material = material(s)});
+    }
+    for (int i = static_cast<int>(random_() % 3); i > 0; --i) {
+      s.obstacles.push_back(
+          {.normal = vector(1).normalized(), .offset = real(-10, 10), .material = material(s)});
+    }
+    if (coin()) s.camera.position = vector(1000);
+    if (coin()) s.camera.target = vector(1000);
+    s.camera.up = vector(1);
+    s.camera.vertical_field_of_view = real(1, 150);
+    return s;
+  }
+
+ private:
+  Body body(const Scene& s) {
+    Body b;
+    b.radius = real(1e-3, 0.5);
+    if (coin()) {
+      b = Body{};
+      b.shape = Shape::mesh;
+      b.mesh = pick<std::string>({"a.obj", "dir/b c.obj", "C:\\x.obj", "\xC3\xA9.obj"});
+    }
+    b.position = vector(1e6);
+    if (coin()) b.orientation = Quaterniond(real(-1, 1), real(-1, 1), real(-1, 1), real(-1, 1)).normalized();
+    if (coin()) b.velocity = coin() ? vector(100) : Vector3d(-0.0, 0, 0);
+    if (coin()) b.angular_velocity = vector(100);
+    if (coin()) b.mass = real(1e-20, 1e20);
+    if (coin()) b.inertia = Vector3d(real(1, 2), real(1, 2), real(1, 2));
+    b.material = material(s);
+    return b;
+  }
+  bool coin() { return random_() % 2 == 0; }
+  int material(const Scene& s) { return static_cast<int>(random_() % s.materials.size()); }
+  double real(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  Vector3d vector(double most) { return {real(-most, most), real(-most, most), real(-most, most)}; }
+  template <class Value>
+  Value pick(std::initializer_list<Value> values) {
+    return values.begin()[random_() % values.size()];
+  }
+  std::mt19937_64 random_;
+};
+
+/// Every bit of a scene that a file holds, one line a value, independent of write_scene().
+std::string bits(const Scene& s) {
+  std::string text;
+  const auto real = [&](double x) { text += std::to_string(std::bit_cast<std::uint64_t>(x)) + " "; };
+  const auto vec = [&](const Vector3d& v) {
+    for (int i = 0; i < 3; ++i) real(v[i]);
+  };
+  const auto whole = [&](auto x) { text += std::to_string(x) + " "; };
+  text += s.name + "\n";
+  whole(s.box.has_value());
+  if (s.box) vec(s.box->min), vec(s.box->max);
+  const Physics& p = s.physics;
+  vec(p.gravity), real(p.time_step), whole(p.steps_per_second.value_or(-1)), whole(p.substeps),
+      whole(p.iterations);
+  whole(static_cast<int>(p.solver)), whole(static_cast<int>(p.integrator)),
+      whole(static_cast<int>(p.precision));
+  whole(p.effects ? p.effects->gravity + 2 * p.effects->rotation : -1),
+      real(p.restitution_threshold.value_or(-1));
+  for (const Material& m : s.materials) {
+    text += "\n" + m.name + " ";
+    real(m.density), real(m.restitution), real(m.friction), real(m.rolling_resistance);
+  }
+  for (const Body& b : s.bodies) {
+    text += "\n" + b.mesh + " ";
+    whole(static_cast<int>(b.shape)), real(b.radius), vec(b.position), vec(b.velocity),
+        vec(b.angular_velocity);
+    real(b.orientation.w()), real(b.orientation.x()), real(b.orientation.y()), real(b.orientation.z());
+    real(b.mass.value_or(-1)), vec(b.inertia.value_or(Vector3d(-1, -1, -1))), whole(b.material);
+  }
+  for (const BoxCollider& g : s.generators) {
+    text += "\n";
+    whole(g.count), real(g.radius_max), whole(static_cast<int>(g.variant)), whole(static_cast<int>(g.spawn));
+    whole(g.seed), real(g.speed_max), whole(g.material);
+  }
+  for (const Plane& o : s.obstacles) text += "\n", vec(o.normal), real(o.offset), whole(o.material);
+  const Vector3d unset(-1, -1, -1);
+  text += "\n";
+  vec(s.camera.position.value_or(unset)), vec(s.camera.target.value_or(unset)), vec(s.camera.up);
+  real(s.camera.vertical_field_of_view);
+  return text;
+}
+
+TEST(SceneFile, WritingAndReadingKeepsEveryBit) {
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    const Scene scene = RandomScene(seed).make();
+    const std::vector<Fault> faults = validate(scene);
+    ASSERT_TRUE(faults.empty()) << seed << " " << faults[0].path << " " << faults[0].message;
+    const std::string text = write_scene(scene);
+    const Scene again = parse_scene(text, "s");
+    ASSERT_EQ(bits(again), bits(scene)) << seed << "\n" << text;
+    ASSERT_EQ(write_scene(again), text);
+  }
+}
+
+TEST(SceneFile, ScenesOfTheProjectSurviveTheRoundTrip) {
+  for (const auto& entry : std::filesystem::directory_iterator(project_file("assets/scenes"))) {
+    if (entry.path().extension() != ".json") continue;
+    const Scene scene = read_scene(entry.path().string());
+    EXPECT_EQ(bits(parse_scene(write_scene(scene), "s")), bits(scene)) << entry.path();
+  }
+}
+
+// Spoilt files end in complete lines of ours or a valid scene, whatever byte is changed.
+TEST(SceneFile, SpoiltFilesAreNeverWorseThanFaults) {
+  const std::string good = write_scene(RandomScene(5).make());
+  std::mt19937 random(1);
+  for (int i = 0; i < 3000; ++i) {
+    std::string spoilt = good;
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t at = random() % spoilt.size();
+      switch (random() % 3) {
+        case 0:
+          spoilt[at] = static_cast<char>(random());
+          break;
+        case 1:
+          spoilt.erase(at, random() % 8);
+          break;
+        default:
+          spoilt.insert(at, spoilt.substr(random() % spoilt.size(), random() % 8));
+          break;
+      }
+    }
+    for (const std::string& line : faults_of(spoilt))
+      EXPECT_THAT(line, testing::MatchesRegex("s:[0-9]+:[0-9]+: .+"));
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope
