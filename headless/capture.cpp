@@ -49,8 +49,14 @@ ValueRange value_range(const World& world, BodyColor color, const StepStats& sta
   const std::vector<double>& radius = world.initial().radius;
   const double last = static_cast<double>(std::max<std::size_t>(radius.size(), 2) - 1);
   switch (color) {
-    case BodyColor::speed:
-      return {0, round_up(stats.max_speed)};
+    case BodyColor::speed: {
+      // A few fast bodies would leave one colour to all others: the map ends at 2.2 times the root mean
+      // square (weighed by mass), and the legend says that it goes on.
+      double mass = 0;
+      for (double m : world.initial().mass) mass += m;
+      const double rms = mass > 0 ? std::sqrt(2 * stats.kinetic_energy / mass) : 0;
+      return {0, round_up(std::min(stats.max_speed, 2.2 * rms))};
+    }
     case BodyColor::radius:
       return {0, radius.empty() ? 1 : round_up(*std::max_element(radius.begin(), radius.end()))};
     case BodyColor::contacts:
@@ -104,6 +110,8 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
     text.legend_unit = meaning.unit;
     text.legend_min = values.min;
     text.legend_max = values.max;
+    text.legend_goes_on =
+        layers.color == BodyColor::speed ? stats.max_speed > values.max : layers.color == BodyColor::contacts;
     for (const Rgb& color : color_map()) text.legend_colors.push_back(packed(color));
   }
   if (layers.boxes) {

@@ -158,9 +158,15 @@ bool EglContext::try_display(void* display, const std::string& name) {
 
 EglContext::~EglContext() {
   if (!display_) return;
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  if (eglGetCurrentContext() == context_)
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
-  eglTerminate(display_);
+  // The display stays: EGL keeps one for the whole process, and another context may live on it.
+}
+
+void EglContext::make_current() const {
+  if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+    throw MachineError("EGL cannot make its context current: " + egl_error());
 }
 
 }  // namespace collidoscope

@@ -17,6 +17,9 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
+  /// Again, after another context was current on this thread.
+  void make_current() const;
+
   const std::string& renderer() const { return renderer_; }
   const std::string& version() const { return version_; }
   bool software() const { return software_; }

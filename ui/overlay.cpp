@@ -36,6 +36,13 @@ class Writer {
                    text.c_str());
     list_->AddText(font_, size_ * scale, place, color, text.c_str());
   }
+  /// In the largest font that was loaded.
+  void title(float x, float y, const std::string& text, ImU32 color) const {
+    ImFont* font = ImGui::GetIO().Fonts->Fonts.back();
+    list_->AddText(font, font->FontSize, {std::round(x) + 1, std::round(y) + 1}, IM_COL32(0, 0, 0, 150),
+                   text.c_str());
+    list_->AddText(font, font->FontSize, {std::round(x), std::round(y)}, color, text.c_str());
+  }
   void right(float x, float y, const std::string& text, ImU32 color = plain) const {
     at(x - width(text), y, text, color);
   }
@@ -51,7 +58,7 @@ class Writer {
 // The rows under the scene's name, and how far down they reach.
 float draw_facts(const Writer& write, const OverlayText& text, float x, float y, float end) {
   const float line = write.size() * 1.45f;
-  write.at(x, y, text.scene, bright, 1.6f);
+  write.title(x, y, text.scene, bright);
   y += write.size() * 2.2f;
   write.at(x, y, fmt::format("state {} · t = {:.2f} s", grouped(text.state), text.time), plain);
   y += line * 1.25f;
@@ -112,7 +119,8 @@ void draw_color_bar(const Writer& write, const OverlayText& text, float x, float
                                                                 : fmt::format("{:.4g}", value);
   };
   write.at(x, y + height + size * 0.25f, number(text.legend_min), dim);
-  write.right(x + width, y + height + size * 0.25f, number(text.legend_max), dim);
+  write.right(x + width, y + height + size * 0.25f,
+              (text.legend_goes_on ? "≥ " : "") + number(text.legend_max), dim);
 }
 
 // From the right margin leftwards: grid, contacts, levels.

@@ -30,6 +30,7 @@ struct OverlayText {
 
   std::string legend_title, legend_unit;  ///< no title: no colour bar
   double legend_min = 0, legend_max = 1;
+  bool legend_goes_on = false;             ///< larger values are drawn as the greatest
   std::vector<PackedColor> legend_colors;  ///< from least to greatest
   struct Level {
     int level;

@@ -36,8 +36,8 @@ void main() {
   vec3 to = mix(min_level.xyz, max_value.xyz, upper);
   float level = min_level.w;
   float depth_share = clamp((level - levels.x) / max(levels.y - levels.x, 1.0), 0.0, 1.0);
-  half_width = mix(1.25, 0.65, depth_share) * values.w;
-  color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.8, depth_share));
+  half_width = mix(1.7, 0.6, depth_share) * values.w;
+  color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.85, depth_share));
   gl_Position = line_corner(from, to, half_width, gl_VertexID % 6, across);
   gl_Position.z *= 1.0008;  // lines on a surface win over it
 }

@@ -13,7 +13,7 @@ void main() {
     float softness = max(fwidth(from_center), 1e-5);
     float disc = clamp((1.0 - from_center) / softness + 0.5, 0.0, 1.0);
     float rim = clamp((from_center - 1.0 + 2.0 * half_width / ring_px) / softness + 0.5, 0.0, 1.0);
-    covered = disc * mix(0.38, 1.0, rim);
+    covered = disc * mix(0.45 * color.a, 1.0, rim);
   } else {
     covered = line_coverage(across, half_width);
   }

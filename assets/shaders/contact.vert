@@ -3,7 +3,7 @@ layout(location = 0) in vec4 point_penetration;
 layout(location = 1) in vec4 normal_impulse;
 layout(location = 2) in float size;  // m, radius of the smaller body
 
-uniform float strength;
+uniform float strength;  // opacity of this pass
 
 flat out vec4 color;
 flat out float half_width;
@@ -15,11 +15,11 @@ void main() {
   vec3 point = point_penetration.xyz, normal = normal_impulse.xyz;
   vec3 in_view = (view * vec4(point, 1.0)).xyz;
   float metre_px = 0.5 * pixels.y / (lens.y * (lens.z > 0.5 ? max(-in_view.z, lens.w) : 1.0));
-  float radius = max(0.30 * size, 2.2 * values.w / metre_px);
+  float radius = max(0.38 * size, 3.0 * values.w / metre_px);
   int corner = gl_VertexID % 6;
   across = 0.0;
   in_ring = vec2(0.0);
-  half_width = 0.75 * values.w;
+  half_width = 0.8 * values.w;
   if (gl_VertexID < 6) {
     const int order[6] = int[6](0, 1, 2, 2, 1, 3);
     int i = order[corner];
@@ -28,12 +28,12 @@ void main() {
     vec3 side = normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
     vec3 other = cross(normal, side);
     in_ring = (vec2(i & 1, i >> 1) * 2.0 - 1.0) * reach / radius;
-    color = vec4(1.0, 0.36, 0.42, strength);
+    color = vec4(1.0, 0.30, 0.36, strength);
     gl_Position = projection * (view * vec4(point + radius * (in_ring.x * side + in_ring.y * other), 1.0));
   } else {
     ring_px = 0.0;
     color = vec4(1.0, 0.94, 0.90, strength);
-    float reach = max(0.55 * size, 5.0 * values.w / metre_px);
+    float reach = max(0.7 * size, 6.0 * values.w / metre_px);
     gl_Position = line_corner(point - reach * normal, point + reach * normal, half_width, corner, across);
   }
   gl_Position.z *= 1.0004;

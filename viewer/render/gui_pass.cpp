@@ -3,6 +3,8 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include <cmath>
+
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "viewer/render/gl/errors.h"
@@ -22,7 +24,9 @@ GuiPass::GuiPass(float font_size) {
   ImFontConfig config;
   config.OversampleH = 2;
   config.OversampleV = 2;
-  if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size, &config, ranges))
+  // The default, and one for titles.
+  if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size, &config, ranges) ||
+      !io.Fonts->AddFontFromFileTTF(font.c_str(), std::round(1.6f * font_size), &config, ranges))
     throw MachineError("font '" + font + "' cannot be used");
   if (!ImGui_ImplOpenGL3_Init("#version 450 core"))
     throw MachineError("Dear ImGui found no OpenGL (libGL.so.1 is needed)");

@@ -8,7 +8,7 @@ namespace collidoscope {
 
 class GuiPass {
  public:
-  /// `font_size`: pixels, of the font under assets/fonts.
+  /// `font_size`: pixels, of the font under assets/fonts; a second one, 1.6 times as large, is for titles.
   explicit GuiPass(float font_size);
   ~GuiPass();
   GuiPass(const GuiPass&) = delete;

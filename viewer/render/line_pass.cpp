@@ -1,5 +1,6 @@
 #include "viewer/render/line_pass.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "viewer/render/gl/errors.h"
@@ -36,7 +37,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::int64_t count, int first
   if (count <= 0) return;
   box_layout_.bind(boxes.get(), sizeof(BoxInstance));
   box_.set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
-  draw_twice(box_, 72, count, 0.95f, 0.16f);
+  draw_twice(box_, 72, count, 0.95f, std::min(0.2f, 8.0f / static_cast<float>(count)));
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
 
@@ -50,7 +51,8 @@ void LinePass::draw_walls(const gl::Buffer& boxes) const {
 void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) const {
   if (count <= 0) return;
   contact_layout_.bind(contacts.get(), sizeof(ContactInstance));
-  draw_twice(contact_, 12, count, 1.0f, 0.10f);
+  // What is hidden adds up to a fog where there are many, so each is the fainter then.
+  draw_twice(contact_, 12, count, 1.0f, std::min(0.3f, 100.0f / static_cast<float>(count)));
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 

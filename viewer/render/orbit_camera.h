@@ -30,7 +30,7 @@ struct OrbitCamera {
 };
 
 /// The nearest place on the orbit's direction from which all of `bounds` is seen, with a margin.
-OrbitCamera frame_all(const Bounds& bounds, double aspect, OrbitCamera from = {}, double margin = 1.06);
+OrbitCamera frame_all(const Bounds& bounds, double aspect, OrbitCamera from = {}, double margin = 1.1);
 
 /// What the scene asks for; what it leaves open frames the bounds.
 OrbitCamera scene_camera(const Camera& wish, const Bounds& bounds, double aspect);

@@ -1,0 +1,52 @@
+#include "viewer/render/frame_layers.h"
+
+#include <gmock/gmock.h>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::vector<std::string> faults(const std::string& text) {
+  try {
+    parse_layers(text);
+  } catch (const InputError& error) {
+    return error.lines();
+  }
+  return {};
+}
+
+TEST(FrameLayers, ReadsNamesAndRanges) {
+  FrameLayers expected{.spheres = true, .boxes = true, .first_level = 2, .last_level = 5, .contacts = true};
+  EXPECT_EQ(parse_layers("spheres,bvh:2-5,contacts"), expected);
+  EXPECT_EQ(parse_layers("bvh:7"), (FrameLayers{.boxes = true, .first_level = 7, .last_level = 7}));
+  EXPECT_EQ(parse_layers("bvh"), (FrameLayers{.boxes = true, .first_level = 0, .last_level = 63}));
+  EXPECT_EQ(parse_layers("spheres,no-grid,no-walls,no-overlay"),
+            (FrameLayers{.spheres = true, .grid = false, .walls = false, .overlay = false}));
+}
+
+TEST(FrameLayers, EveryFaultHasItsLine) {
+  EXPECT_THAT(faults("bhv,spheres,bvh:5-2"),
+              testing::ElementsAre(
+                  AllOf(StartsWith("--layers: 'bhv': unknown layer; one of spheres"), HasSubstr("contacts")),
+                  HasSubstr("'bvh:5-2': not a range of levels")));
+  for (const char* wrong :
+       {"bvh:", "bvh:-3", "bvh:3-", "bvh:a-b", "bvh:2-64", "bvh:1-2-3", "bvh: 2", "bvh:99999999999"})
+    EXPECT_THAT(faults(wrong), testing::ElementsAre(HasSubstr("not a range of levels"))) << wrong;
+  EXPECT_THAT(faults("ui"), testing::ElementsAre(HasSubstr("the panels arrive with the viewer")));
+  EXPECT_THAT(faults("bvh:1,bvh:2"), testing::ElementsAre(HasSubstr("a second range")));
+  EXPECT_THAT(faults(""), testing::ElementsAre(HasSubstr("'': unknown layer")));
+  EXPECT_THAT(faults("spheres,"), testing::SizeIs(1));
+}
+
+TEST(FrameLayers, Colours) {
+  EXPECT_EQ(parse_body_color("contacts"), BodyColor::contacts);
+  EXPECT_THROW(parse_body_color("depth"), InputError);
+}
+
+}  // namespace
+}  // namespace collidoscope

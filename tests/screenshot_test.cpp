@@ -1,0 +1,128 @@
+// The tight and loose tiers: pictures against goldens (tests/golden.h).
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "headless/compare.h"
+#include "tests/gl_fixture.h"
+#include "tests/golden.h"
+#include "ui/overlay.h"
+#include "viewer/render/colors.h"
+#include "viewer/render/gui_pass.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int width = 360, height = 270;
+
+// Spheres that rest on each other's outlines, with two levels of boxes and a contact between neighbours.
+struct Example {
+  TestBodies bodies = test_spheres(120, 10, 11);
+  std::vector<BoxInstance> boxes{box_instance({0, 0, 0}, {100, 100, 100}, 0),
+                                 box_instance({2, 3, 4}, {48, 97, 90}, 1),
+                                 box_instance({52, 3, 4}, {98, 97, 90}, 1)};
+  std::vector<ContactInstance> contacts;
+  FrameLayers layers{.spheres = true, .boxes = true, .first_level = 0, .last_level = 1, .contacts = true};
+
+  Example() {
+    for (std::size_t i = 0; i + 1 < bodies.instances.size(); i += 4) {
+      ContactInstance contact{};
+      for (int k = 0; k < 3; ++k) contact.point[k] = bodies.instances[i].center[k];
+      contact.point[2] += bodies.instances[i].radius;
+      contact.normal[2] = 1;
+      contact.radius = bodies.instances[i].radius;
+      contacts.push_back(contact);
+    }
+  }
+
+  Image draw(bool orthographic = false) const {
+    test_context();
+    Renderer renderer(width, height);
+    renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
+    renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
+    renderer.instances().upload(std::span<const BoxInstance>(boxes));
+    renderer.instances().upload(std::span<const ContactInstance>(contacts));
+    OrbitCamera camera = scene_camera({}, renderer.scene().bounds, static_cast<double>(width) / height);
+    camera.orthographic = orthographic;
+    renderer.draw(camera, layers, {0, 1});
+    if (layers.overlay) {
+      OverlayText text;
+      text.scene = "A golden scene Σ ≤ µ · × ³";
+      text.state = 1234;
+      text.bodies = 120;
+      text.shape = {16, 256};
+      text.pairs = 1234567;
+      text.stages = {{.name = "bounds"}, {.name = "sort"}};
+      text.legend_title = "value";
+      for (const Rgb& color : color_map())
+        text.legend_colors.push_back(0xff000000u | static_cast<PackedColor>(color.b * 255) << 16 |
+                                     static_cast<PackedColor>(color.g * 255) << 8 |
+                                     static_cast<PackedColor>(color.r * 255));
+      text.grid_spacing = 10;
+      GuiPass gui(11);
+      gui.begin(width, height);
+      draw_overlay(text, static_cast<float>(width), static_cast<float>(height));
+      gui.end(renderer.picture());
+    }
+    return renderer.read_picture();
+  }
+};
+
+TEST(Screenshot, AllLayers) { EXPECT_EQ(check_golden("all_layers", Example().draw()), ""); }
+
+TEST(Screenshot, SpheresInOrthographicView) {
+  Example example;
+  example.layers = {.spheres = true, .overlay = false, .color = BodyColor::id};
+  EXPECT_EQ(check_golden("orthographic", example.draw(true)), "");
+}
+
+TEST(Screenshot, TheSameFrameTwiceIsTheSameBytes) {
+  const Example example;
+  EXPECT_EQ(example.draw(), example.draw());
+}
+
+TEST(Screenshot, EveryLayerLeavesItsMark) {
+  Example example;
+  const Image all = example.draw();
+  for (bool FrameLayers::*layer : {&FrameLayers::spheres, &FrameLayers::boxes, &FrameLayers::contacts,
+                                   &FrameLayers::grid, &FrameLayers::walls, &FrameLayers::overlay}) {
+    Example without;
+    without.layers.*layer = false;
+    EXPECT_GT(compare_images(all, without.draw()).max_channel, 10);
+  }
+}
+
+TEST(Screenshot, AMovedSphereIsFound) {
+  // The deliberate mistake. One of 120 spheres, moved by its own radius, fails the tight tier; a tenth of
+  // them moved fails the loose one, whose bound must leave room for other drivers.
+  const Example right;
+  const Image golden = right.draw();
+  EXPECT_EQ(judge(golden, golden, true), "");
+  Example wrong;
+  std::size_t largest = 0;
+  for (std::size_t i = 0; i < wrong.bodies.instances.size(); ++i)
+    if (wrong.bodies.instances[i].center[1] - wrong.bodies.instances[largest].center[1] < 0) largest = i;
+  wrong.bodies.instances[largest].center[2] += wrong.bodies.instances[largest].radius;
+  EXPECT_THAT(judge(wrong.draw(), golden, true), testing::HasSubstr("of the pixels differ"));
+  for (std::size_t i = 0; i < wrong.bodies.instances.size(); i += 4)
+    wrong.bodies.instances[i].center[2] += 12;
+  EXPECT_THAT(judge(wrong.draw(), golden, false), testing::HasSubstr("perceptual mean"));
+}
+
+TEST(Screenshot, AFailureLeavesAPage) {
+  if (std::getenv("UPDATE_GOLDENS")) GTEST_SKIP() << "goldens are being made";
+  Example wrong;
+  wrong.layers.spheres = false;
+  const std::string said = check_golden("all_layers", wrong.draw());
+  const std::size_t at = said.find("; see ");
+  ASSERT_NE(at, said.npos) << said;
+  const std::filesystem::path page = said.substr(at + 6);
+  EXPECT_TRUE(std::filesystem::exists(page));
+  for (const char* picture : {"actual.png", "expected.png", "difference.png"})
+    EXPECT_EQ(read_png((page.parent_path() / picture).string()).width, width);
+}
+
+}  // namespace
+}  // namespace collidoscope
