@@ -80,17 +80,19 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
     faults.push_back(fmt::format("--json: {} is not -, all that compare takes", shown(options.json)));
   if (line.command == Command::capture && options.json == "-")
     faults.emplace_back("--json: - is not a file; the stdout of capture lists its pictures");
-  // One file for two things would keep the last alone.
+  if (line.command == Command::compare) return;
+  // One file for two things would keep the last alone; the scene would be lost.
   std::vector<std::pair<std::string, std::filesystem::path>> seen;
   const auto add = [&](const std::string& flag, const std::string& file) {
     if (file.empty() || file == "-") return;
-    const auto path = std::filesystem::absolute(file).lexically_normal();
+    std::error_code failed;
+    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(file), failed);
     for (const auto& [other, taken] : seen)
       if (taken == path)
         faults.push_back(fmt::format("{}: {} is the file of {} too", flag, shown(file), other));
     seen.emplace_back(flag, path);
   };
-  for (const std::string& operand : line.operands) add("the scene", operand);
+  if (!line.operands.empty()) add("the scene", line.operands[0]);
   add("--json", options.json == "-" ? "" : options.json);
   add("--dump-bodies", options.dump_bodies);
   add("--dump-dynamics", options.dump_dynamics);

@@ -192,7 +192,7 @@ std::string to_text(const RunReport& report) {
       fmt::format("{}: {} bodies{}{}; state {}, steps of {}", report.scene, grouped(report.final.bodies),
                   report.variant.empty() ? "" : ", ", report.variant, grouped(report.final.step), step);
   if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
-  text += fmt::format("\non {} ({}), B {}, T {}; {}, {}, {}, effects {}\n\n", report.executor, report.device,
+  text += fmt::format("\non {} ({}), B {}, T {}\n{}, {}, {}, effects {}\n\n", report.executor, report.device,
                       count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
                       report.broad_phase, report.solver, report.precision,
                       report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));

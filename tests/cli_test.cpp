@@ -1,0 +1,427 @@
+// The headless program as its users meet it: exit status, what stands where, and no file that is half a file.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "tests/run_program.h"
+
+namespace collidoscope {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::set<std::string> names_in_folder(const TemporaryFolder& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path())) names.insert(entry.path().filename());
+  return names;
+}
+
+std::vector<std::vector<double>> numbers_of_csv(const fs::path& file, std::string& header) {
+  const std::vector<std::string> lines = lines_of(text_of(file));
+  header = lines.at(0);
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    rows.emplace_back();
+    std::istringstream row(lines[i]);
+    for (std::string cell; std::getline(row, cell, ',');) rows.back().push_back(std::stod(cell));
+  }
+  return rows;
+}
+
+/// `text` in a scene file; `@` in the arguments stands for the folder.
+struct BadInput {
+  std::string name;
+  std::string text;  ///< of @/scene.json; empty: there is no such file
+  std::vector<std::string> arguments;
+  int status;
+  std::string first_line;  ///< a regular expression (POSIX extended); @ as above
+};
+
+std::string in_folder(std::string text, const TemporaryFolder& folder) {
+  for (std::size_t at; (at = text.find('@')) != std::string::npos;)
+    text.replace(at, 1, folder.path().string());
+  return text;
+}
+
+std::string one_sphere(const std::string& fields) {
+  return R"({"format": "collidoscope-scene", "version": 1, "bodies": [{"shape": "sphere", )" + fields + "}]}";
+}
+
+void PrintTo(const BadInput& given, std::ostream* stream) { *stream << given.name; }
+
+std::string name_of_case(const testing::TestParamInfo<BadInput>& given) { return given.param.name; }
+
+class BadInputTest : public testing::TestWithParam<BadInput> {};
+
+TEST_P(BadInputTest, IsOneClearLineAnExitStatusAndNothingElse) {
+  const BadInput& given = GetParam();
+  const TemporaryFolder folder;
+  if (!given.text.empty()) std::ofstream(folder / "scene.json") << given.text;
+  std::ofstream(folder / "kept.json") << "as it was";
+  const auto before = names_in_folder(folder);
+
+  std::vector<std::string> arguments;
+  for (const std::string& argument : given.arguments) arguments.push_back(in_folder(argument, folder));
+  const Outcome outcome = run_headless(arguments);
+
+  EXPECT_EQ(outcome.status, given.status);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, EndsWith("\n"));
+  ASSERT_FALSE(lines_of(outcome.err).empty());
+  EXPECT_THAT(lines_of(outcome.err)[0], testing::MatchesRegex(in_folder(given.first_line, folder)));
+  EXPECT_EQ(names_in_folder(folder), before);
+  EXPECT_EQ(text_of(folder / "kept.json"), "as it was");
+}
+
+const std::string good_scene = one_sphere(R"("radius": 1, "position": [0, 0, 5])");
+const std::vector<std::string> run_it{"run", "@/scene.json", "--steps", "2", "--json", "@/kept.json"};
+
+std::vector<std::string> run_with(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"run", "box_collider", "--steps", "2", "--dump-bodies", "@/kept.json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scene, BadInputTest,
+    testing::Values(
+        BadInput{"MissingFile", "", run_it, 2, "@/scene.json: .*(open|exist|No such file).*"},
+        BadInput{"UnknownName", "", {"run", "no_such_scene"}, 2, "no_such_scene: .*box_collider.*"},
+        BadInput{"Folder", "", {"run", "@"}, 2, "@: .*"},
+        BadInput{"BrokenJson", "{\n  \"format\": ", run_it, 2, "@/scene.json:2:[0-9]+: .+"},
+        BadInput{"NotJson", "what", run_it, 2, "@/scene.json:1:[0-9]+: .+"},
+        BadInput{"UnknownKey", one_sphere("\n\"radios\": 1"), run_it, 2, "@/scene.json:2:1: .*radios.*"},
+        BadInput{"WrongType", one_sphere("\n\"radius\": \"1\""), run_it, 2, "@/scene.json:2:11: .*"},
+        BadInput{"RadiusZero", one_sphere("\n\"radius\": 0"), run_it, 2, "@/scene.json:2:11: .*"},
+        BadInput{"RadiusNegative", one_sphere("\n\"radius\": -2.5"), run_it, 2, "@/scene.json:2:11: .*"},
+        BadInput{"NaN", one_sphere("\n\"radius\": NaN"), run_it, 2, "@/scene.json:2:[0-9]+: .*"},
+        BadInput{"TooLargeForADouble", one_sphere("\n\"radius\": 1e999"), run_it, 2, "@/scene.json:2:11: .*"},
+        BadInput{
+            "TenBillionBodies",
+            R"({"format": "collidoscope-scene", "version": 1, "box": {"min": [0, 0, 0], "max": [9, 9, 9]},
+"generators": [{"kind": "box_collider",
+"count": 10000000000}]})",
+            run_it, 2, "@/scene.json:3:10: .*"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Flags, BadInputTest,
+    testing::Values(
+        BadInput{"NoCommand", "", {}, 2, "a command is missing; .*run, capture.*"},
+        BadInput{"UnknownCommand", "", {"simulate"}, 2, "simulate: unknown command; .*run, capture.*"},
+        BadInput{"NoScene", "", {"run"}, 2, "run: a file is missing: run SCENE"},
+        BadInput{"TwoScenes", "", {"run", "gas", "empty"}, 2, "empty: one argument too many; .*"},
+        BadInput{"UnknownFlag", "", run_with({"--stepz", "3"}), 2, "--stepz: unknown flag; .*"},
+        BadInput{"NoValue", "", run_with({"--bodies"}), 2, "--bodies: its value is missing"},
+        BadInput{"Twice", "", run_with({"--seed", "1", "--seed", "2"}), 2, "--seed: given 2 times; .*"},
+        BadInput{"NegativeBodies", "", run_with({"--bodies", "-5"}), 2,
+                 "--bodies: -5 is not a whole number from 0 to 134217728"},
+        BadInput{"TenBillion", "", run_with({"--bodies", "10000000000"}), 2,
+                 "--bodies: 10000000000 is not a whole number from 0 to 134217728"},
+        BadInput{"Fraction", "", run_with({"--bodies", "2.5"}), 2, "--bodies: 2.5 is not a whole number .*"},
+        BadInput{"Trailing", "", run_with({"--bodies", "12x"}), 2, "--bodies: 12x is not a whole number .*"},
+        BadInput{"EmptyNumber", "", run_with({"--bodies", ""}), 2, "--bodies: '' is not a whole number .*"},
+        BadInput{"NaN", "", run_with({"--time-step", "nan"}), 2, "--time-step: nan is not a number .*"},
+        BadInput{"Infinity", "", run_with({"--time-step", "inf"}), 2, "--time-step: inf is not a number .*"},
+        BadInput{"Overflow", "", run_with({"--time-step", "1e999"}), 2,
+                 "--time-step: 1e999 is not a number .*"},
+        BadInput{"GravityOfTwo", "", run_with({"--gravity", "0,1"}), 2, "--gravity: 0,1 is not x,y,z.*"},
+        BadInput{"GravityNaN", "", run_with({"--gravity", "0,0,nan"}), 2,
+                 "--gravity: 0,0,nan is not x,y,z.*"},
+        BadInput{"ThreadsBeyondAnyDevice", "", run_with({"--blocks", "4", "--threads", "1025"}), 2,
+                 "--threads: 1025 is not a whole number from 1 to 1024, or auto"},
+        BadInput{"BlocksBeyondAnyDevice", "", run_with({"--blocks", "2147483648"}), 2,
+                 "--blocks: 2147483648 is not a whole number from 1 to 2147483647, or auto"},
+        BadInput{"NoSuchDevice", "", run_with({"--executor", "cuda", "--gpu", "1023"}), 3, "--.*CUDA.*"},
+        BadInput{"UnknownVariant", "", run_with({"--variant", "papr"}), 2,
+                 "--variant: .*paper, scaled or equal.*"},
+        BadInput{"UnknownBroadPhase", "", run_with({"--broad-phase", "magic"}), 2,
+                 "--broad-phase: .*bvh_bottom_up.*"},
+        BadInput{"UnknownEffect", "", run_with({"--effects", "gravity,magic"}), 2, "--effects: .*rotation"},
+        BadInput{"BodiesWithoutGenerator",
+                 good_scene,
+                 {"run", "@/scene.json", "--bodies", "7", "--json", "@/kept.json"},
+                 2,
+                 "--bodies: @/scene.json has no generators; .*"},
+        BadInput{"FaultOfTwoFlagsTogether", "", run_with({"--time-step", "1e-9", "--substeps", "0"}), 2,
+                 "--substeps: 0 is not a whole number from 1 to 1000"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, BadInputTest,
+    testing::Values(
+        BadInput{"FolderMissing", "", run_with({"--json", "@/none/x.json"}), 2,
+                 "--json: @/none/x.json cannot be written: .*"},
+        BadInput{"FolderIsAFile", "", run_with({"--json", "@/kept.json/x"}), 2,
+                 "--json: @/kept.json/x cannot be written: .*"},
+        BadInput{"FolderUnwritable", "", run_with({"--json", "/proc/x.json"}), 2,
+                 "--json: /proc/x.json cannot be written: .*"},
+        BadInput{"IsAFolder", "", run_with({"--json", "@"}), 2,
+                 "--json: @ cannot be written: it is a folder.*"},
+        BadInput{"OneFileForTwo", "", run_with({"--json", "@/kept.json"}), 2,
+                 "--dump-bodies: @/kept.json is the file of --json too"},
+        BadInput{"OverTheScene",
+                 good_scene,
+                 {"run", "@/scene.json", "--json", "@/./scene.json"},
+                 2,
+                 "--json: .* is the file of the scene too"},
+        BadInput{"DiskFull",
+                 "",
+                 {"run", "box_collider", "--steps", "1", "--json", "/dev/full"},
+                 3,
+                 "--json: writing /dev/full failed: No space left on device"},
+        BadInput{"CaptureFolder",
+                 "",
+                 {"capture", "box_collider", "--states", "0", "--out", "/proc/pictures"},
+                 2,
+                 "--out: .*/proc/pictures.*"},
+        BadInput{"CompareMissing", "", {"compare", "@/a.png", "@/b.png"}, 2, "@/a.png: .*"},
+        BadInput{"CompareNoPng", "", {"compare", "@/kept.json", "@/kept.json"}, 2, "@/kept.json: .*"},
+        BadInput{
+            "CompareOne", "", {"compare", "@/a.png"}, 2, "compare: a file is missing: compare A.png B.png"}),
+    name_of_case);
+
+TEST(Cli, EveryFaultOfACommandLineIsNamedInOneRun) {
+  const Outcome outcome =
+      run_headless({"run", "box_collider", "--bodies", "x", "--threads", "0", "--nonsense"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(lines_of(outcome.err).size(), 3u) << outcome.err;
+}
+
+TEST(Cli, ControlCharactersOfAnArgumentDoNotReachTheTerminal) {
+  const Outcome outcome = run_headless({"run", "box_collider", "--bodies", "1\n\x1b[2J"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u);
+  EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos);
+}
+
+TEST(Cli, TwentyFaultsArePrintedAndTheRestCounted) {
+  const TemporaryFolder folder;
+  std::ofstream scene(folder / "scene.json");
+  scene << R"({"format": "collidoscope-scene", "version": 1, "bodies": [)";
+  for (int i = 0; i < 27; ++i) scene << (i ? "," : "") << R"({"shape": "sphere", "radius": -1})";
+  scene << "]}";
+  scene.close();
+  const Outcome outcome = run_headless({"run", folder / "scene.json"});
+  EXPECT_EQ(outcome.status, 2);
+  const auto lines = lines_of(outcome.err);
+  ASSERT_EQ(lines.size(), 21u);
+  EXPECT_EQ(lines[20], "and 7 more");
+}
+
+TEST(Cli, HelpAndVersionAreResults) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"run", "--help"}, {"capture", "--help"}, {"--version"}}) {
+    const Outcome outcome = run_headless(arguments);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, HasSubstr("collidoscope-headless"));
+    EXPECT_EQ(outcome.err, "");
+  }
+}
+
+TEST(Cli, AFullDiskBehindStdoutIsAnError) {
+  const Outcome outcome = run_headless({"run", "one_body", "--steps", "1"}, "/dev/full");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.err, "stdout: writing failed: No space left on device\n");
+}
+
+TEST(Cli, JsonOnStdoutStandsAloneWithEveryField) {
+  const Outcome outcome =
+      run_headless({"run", "box_collider", "--bodies", "300", "--steps", "6", "--executor", "cpu", "--blocks",
+                    "2", "--threads", "4", "--json", "-"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const json report = json::parse(outcome.out);
+  EXPECT_EQ(report.at("scene"), "Box Collider");
+  EXPECT_EQ(report.at("executor"), "cpu");
+  EXPECT_TRUE(report.at("device").is_string());
+  EXPECT_EQ(report.at("bodies"), 300);
+  EXPECT_EQ(report.at("blocks"), 2);
+  EXPECT_EQ(report.at("threads"), 4);
+  EXPECT_EQ(report.at("steps"), 6);
+  EXPECT_EQ(report.at("broad_phase"), "bvh_bottom_up");
+  EXPECT_EQ(report.at("solver"), "impulse");
+  EXPECT_EQ(report.at("precision"), "f32");
+  EXPECT_EQ(report.at("effects"), json::array({"gravity"}));
+  EXPECT_THAT(report.at("state_hash").get<std::string>(), testing::MatchesRegex("[0-9a-f]{16}"));
+  EXPECT_GE(report.at("pairs").at("aabb").get<long>(), report.at("pairs").at("contacts").get<long>());
+  EXPECT_TRUE(report.at("energy").at("initial").is_number_float());
+  EXPECT_TRUE(report.at("energy").at("final").is_number_float());
+  EXPECT_EQ(report.at("momentum").size(), 3u);
+  EXPECT_EQ(report.at("angular_momentum").size(), 3u);
+  EXPECT_TRUE(report.at("max_penetration").is_number());
+  EXPECT_EQ(report.at("non_finite"), 0);
+  EXPECT_EQ(report.at("escaped"), 0);
+  EXPECT_TRUE(report.at("wall_impulse").is_number());
+  EXPECT_GT(report.at("allocated_bytes").get<long>(), 300 * 28);
+  EXPECT_GT(report.at("step_median_ms").get<double>(), 0);
+  ASSERT_FALSE(report.at("stages").empty());
+  for (const json& stage : report.at("stages")) {
+    EXPECT_FALSE(stage.at("name").get<std::string>().empty());
+    EXPECT_GE(stage.at("p95_ms").get<double>(), stage.at("median_ms").get<double>());
+    EXPECT_TRUE(stage.at("launches").is_number_integer());
+  }
+}
+
+TEST(Cli, HowItRunsChangesNoHash) {
+  const auto hash = [](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"run",     "box_collider", "--bodies", "400",
+                                       "--steps", "20",           "--json",   "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_headless(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.status == 0 ? json::parse(outcome.out).at("state_hash").get<std::string>() : "";
+  };
+  const std::string once = hash({});
+  EXPECT_EQ(hash({}), once);
+  EXPECT_EQ(hash({"--executor", "cpu", "--blocks", "3", "--threads", "37", "--cpu-threads", "2"}), once);
+  EXPECT_EQ(hash({"--executor", "cpu", "--lane-order", "shuffled", "--blocks", "2", "--threads", "4"}), once);
+  EXPECT_EQ(hash({"--initial-pair-capacity", "1"}), once);
+  EXPECT_EQ(hash({"--broad-phase", "brute_force"}), once);
+  // And it is no constant.
+  EXPECT_NE(hash({"--seed", "2"}), once);
+  EXPECT_NE(hash({"--precision", "f64"}), once);
+}
+
+TEST(Cli, TheFilesOfARunAgreeWithItsReport) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_headless({"run", "box_collider", "--bodies", "250", "--steps", "9", "--gravity", "0,0,-4", "--json",
+                    folder / "report.json", "--dump-bodies", folder / "bodies.csv", "--dump-dynamics",
+                    folder / "dynamics.csv", "--energy-trace", folder / "energy.csv"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("state hash"));
+  EXPECT_EQ(names_in_folder(folder),
+            (std::set<std::string>{"bodies.csv", "dynamics.csv", "energy.csv", "report.json"}));
+  const json report = json::parse(text_of(folder / "report.json"));
+
+  std::string header;
+  const auto bodies = numbers_of_csv(folder / "bodies.csv", header);
+  EXPECT_EQ(header, "id,radius,mass,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz");
+  ASSERT_EQ(bodies.size(), 250u);
+  double kinetic = 0, potential = 0, momentum[3] = {};
+  for (std::size_t id = 0; id < bodies.size(); ++id) {
+    const auto& row = bodies[id];
+    ASSERT_EQ(row.size(), 16u);
+    EXPECT_EQ(row[0], static_cast<double>(id));
+    const double mass = row[2], radius = row[1];
+    EXPECT_NEAR(mass, 1000 * 4.0 / 3 * M_PI * radius * radius * radius, 1e-5 * mass);  // the density is 1000
+    EXPECT_EQ(row[6], 1);                                                              // nothing turns
+    for (int axis = 0; axis < 3; ++axis) {
+      kinetic += mass * row[10 + axis] * row[10 + axis] / 2;
+      momentum[axis] += mass * row[10 + axis];
+    }
+    potential += mass * 4 * row[5];  // the box begins at z = 0
+  }
+  EXPECT_NEAR(report["energy"]["final"].get<double>(), kinetic + potential, 1e-6 * (kinetic + potential));
+  const double scale = std::abs(momentum[2]);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(report["momentum"][axis].get<double>(), momentum[axis], 1e-6 * scale);
+
+  const auto dynamics = numbers_of_csv(folder / "dynamics.csv", header);
+  EXPECT_EQ(header,
+            "id,mass,x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,px,py,pz,lx,ly,lz,"
+            "i00,i01,i02,i10,i11,i12,i20,i21,i22,fx,fy,fz,tx,ty,tz");
+  ASSERT_EQ(dynamics.size(), 250u);
+  for (std::size_t id = 0; id < dynamics.size(); ++id) {
+    const auto &row = dynamics[id], &body = bodies[id];
+    ASSERT_EQ(row.size(), 35u);
+    EXPECT_EQ(row[1], body[2]);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(row[2 + axis], body[3 + axis]);
+      EXPECT_DOUBLE_EQ(row[14 + axis], body[2] * body[10 + axis]);
+      EXPECT_EQ(row[32 + axis], 0);
+    }
+    EXPECT_NEAR(row[20], 1 / (0.4 * body[2] * body[1] * body[1]), 1e-5 * row[20]);  // 2/5 m r^2
+    EXPECT_DOUBLE_EQ(row[31], -4 * body[2]);
+  }
+
+  const auto energy = numbers_of_csv(folder / "energy.csv", header);
+  EXPECT_EQ(header,
+            "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped");
+  ASSERT_EQ(energy.size(), 10u);  // states 0 to 9
+  EXPECT_EQ(energy.front()[4], report["energy"]["initial"].get<double>());
+  EXPECT_EQ(energy.back()[4], report["energy"]["final"].get<double>());
+  EXPECT_EQ(energy.back()[5], report["pairs"]["aabb"].get<double>());
+}
+
+TEST(Cli, ASpinningBodysDynamicsFollowBaraff) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_headless({"run", "spinning_top", "--steps", "25", "--precision", "f64", "--dump-bodies",
+                    folder / "b.csv", "--dump-dynamics", folder / "d.csv"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  std::string header;
+  const auto bodies = numbers_of_csv(folder / "b.csv", header),
+             dynamics = numbers_of_csv(folder / "d.csv", header);
+  ASSERT_FALSE(dynamics.empty());
+  for (std::size_t id = 0; id < dynamics.size(); ++id) {
+    const auto &d = dynamics[id], &b = bodies[id];
+    double spin = 0;
+    for (int row = 0; row < 3; ++row) {
+      double orthogonal = 0, velocity = 0;
+      for (int column = 0; column < 3; ++column) {
+        orthogonal += d[5 + 3 * row + column] * d[5 + 3 * row + column];
+        velocity += d[20 + 3 * row + column] * d[17 + column];  // w = I^-1 L
+        EXPECT_NEAR(d[20 + 3 * row + column], d[20 + 3 * column + row], 1e-12 * std::abs(d[20]));
+      }
+      EXPECT_NEAR(orthogonal, 1, 1e-12);
+      spin += b[13 + row] * b[13 + row];
+      EXPECT_NEAR(velocity, b[13 + row], 1e-9 * std::max(1.0, std::sqrt(spin)));
+    }
+    EXPECT_GT(spin, 0);
+  }
+}
+
+TEST(Cli, AnExistingFileIsReplacedAndALinkStaysALink) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "real.json") << "old";
+  fs::create_symlink("real.json", folder / "link.json");
+  ASSERT_EQ(run_headless({"run", "one_body", "--steps", "1", "--json", folder / "link.json"}).status, 0);
+  EXPECT_TRUE(fs::is_symlink(folder / "link.json"));
+  EXPECT_EQ(json::parse(text_of(folder / "real.json")).at("steps"), 1);
+}
+
+TEST(Cli, ADeviceIsWrittenInPlace) {
+  ASSERT_EQ(run_headless({"run", "one_body", "--steps", "1", "--json", "/dev/null"}).status, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(Cli, MeshesAreSaidToCollideAsSpheres) {
+  const Outcome outcome = run_headless({"run", "tumbling_mesh", "--steps", "2"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "note: mesh bodies collide as their bounding spheres for now\n");
+  EXPECT_EQ(run_headless({"run", "one_body", "--steps", "2"}).err, "");
+}
+
+TEST(Cli, AnEmptySceneAndNoStepsAreFine) {
+  for (const char* scene : {"empty", "one_body"}) {
+    const Outcome outcome = run_headless({"run", scene, "--steps", "0", "--json", "-"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json report = json::parse(outcome.out);
+    EXPECT_EQ(report.at("steps"), 0);
+    EXPECT_TRUE(report.at("step_median_ms").is_null());  // no step was timed
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope

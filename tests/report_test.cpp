@@ -1,0 +1,99 @@
+#include "headless/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace collidoscope {
+namespace {
+
+using nlohmann::json;
+
+RunReport example() {
+  RunReport report;
+  report.scene = "Example";
+  report.variant = "paper";
+  report.seed = 18446744073709551615u;
+  report.executor = "cpu";
+  report.device = "A processor";
+  report.broad_phase = "bvh_bottom_up";
+  report.solver = "impulse";
+  report.precision = "f32";
+  report.effects = {"gravity"};
+  report.time_step = 1.0 / 30;
+  report.final.step = 40;
+  report.final.bodies = 1234567;
+  report.final.pairs = 20;
+  report.final.kinetic_energy = 0.1;
+  report.times = {
+      .step_median_ms = 1.5,
+      .step_p95_ms = 2,
+      .steps_timed = 20,
+      .stages = {{.name = "bounds", .median_ms = 0.25, .p95_ms = 0.5, .launches = 1},
+                 {.name = "sort", .median_ms = 0.75, .p95_ms = 1, .launches = 7, .own_shape = true}}};
+  report.state_hash = 0xabc;
+  report.wall_seconds = 0.5;
+  return report;
+}
+
+TEST(Report, JsonKeepsEveryBitOfANumber) {
+  RunReport report = example();
+  report.final.max_penetration = 0.1 + 0.2;
+  const json read = json::parse(to_json(report));
+  EXPECT_EQ(read["max_penetration"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(read["time_step"].get<double>(), 1.0 / 30);
+  EXPECT_EQ(read["seed"].get<std::uint64_t>(), 18446744073709551615u);
+  EXPECT_EQ(read["state_hash"], "0000000000000abc");
+  EXPECT_THAT(to_json(report), testing::HasSubstr("\"kinetic\": 0.1,"));
+}
+
+TEST(Report, WhatIsNotFiniteIsNull) {
+  RunReport report = example();
+  report.final.kinetic_energy = std::numeric_limits<double>::quiet_NaN();
+  report.final.momentum[1] = std::numeric_limits<double>::infinity();
+  report.final.non_finite = 3;
+  const json read = json::parse(to_json(report));
+  EXPECT_TRUE(read["energy"]["final"].is_null());
+  EXPECT_TRUE(read["momentum"][1].is_null());
+  EXPECT_EQ(read["non_finite"], 3);
+}
+
+TEST(Report, ATimeThatWasNotTakenIsNull) {
+  RunReport report = example();
+  report.times = {};
+  const json read = json::parse(to_json(report));
+  EXPECT_TRUE(read["step_median_ms"].is_null());
+  EXPECT_TRUE(read["stages"].empty());
+  EXPECT_THAT(to_text(report), testing::Not(testing::HasSubstr("whole step")));
+}
+
+TEST(Report, ANameThatIsNotUtf8StaysJson) {
+  RunReport report = example();
+  report.scene = "bad \xff name";
+  EXPECT_NO_THROW(json::parse(to_json(report)));
+}
+
+TEST(Report, TheTableShowsSharesAndMarksOwnShapes) {
+  const std::string text = to_text(example());
+  EXPECT_THAT(text, testing::ContainsRegex("bounds +0.2500 +0.5000 +25.0 % +1\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("sort \\* +0.7500 +1.0000 +75.0 % +7\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("sum of the stages +1.0000 +8\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("whole step, plain +1.5000 +2.0000\n"));
+  EXPECT_THAT(text, testing::HasSubstr("1,234,567 bodies, paper"));
+  EXPECT_THAT(text, testing::HasSubstr("steps of 1/30 s"));
+}
+
+TEST(Report, LinesFitATerminalAndEndInNoBlank) {
+  std::istringstream text(to_text(example()));
+  for (std::string line; std::getline(text, line);) {
+    EXPECT_LE(line.size(), 80u) << line;
+    EXPECT_FALSE(line.ends_with(' ')) << line;
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope
