@@ -1,0 +1,122 @@
+#include "sim_cuda/broad_phase/broad_phase.h"
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/dynamics/bounds.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+using PairIds = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// Every pair of bodies whose float boxes overlap, by the definition.
+template <class Real>
+PairIds by_definition(World& world) {
+  const BodyStates states = world.bodies();
+  const std::size_t n = states.position.size();
+  std::vector<Vector3<Real>> position(n);
+  std::vector<Real> radius(n);
+  std::vector<Aabb> boxes(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    position[i] = states.position[i].cast<Real>();
+    radius[i] = static_cast<Real>(world.initial().radius[i]);
+  }
+  const Bounds<Real> bounds{position.data(), radius.data(), boxes.data()};
+  for (std::size_t i = 0; i < n; ++i) bounds(static_cast<int>(i));
+  PairIds pairs;
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = i + 1; j < n; ++j)
+      if (overlap(boxes[i], boxes[j])) pairs.emplace_back(i, j);
+  return pairs;
+}
+
+class BroadPhases : public OnEachExecutor {
+ protected:
+  void expect_all_pairs(const Scene& scene) {
+    for (const std::string& method : broad_phase_names())
+      for (const int bits : {30, 63}) {
+        RunOptions o = options();
+        o.broad_phase = method;
+        o.key_bits = bits;
+        World world(scene, o);
+        world.detect();
+        const PairIds expected = scene.physics.precision == Precision::f64 ? by_definition<double>(world)
+                                                                           : by_definition<float>(world);
+        ASSERT_EQ(world.pairs(), expected)
+            << method << ", " << bits << " bits, " << scene.bodies.size() << " bodies";
+        ASSERT_EQ(world.measure().pairs, static_cast<std::int64_t>(expected.size()));
+      }
+  }
+};
+ON_EACH_EXECUTOR(BroadPhases);
+
+TEST_P(BroadPhases, FindAllPairsOf200RandomScenes) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Scene scene = random_scene(seed, 120);
+    if (seed % 2) scene.physics.precision = Precision::f64;
+    expect_all_pairs(scene);
+    if (HasFatalFailure()) FAIL() << "seed " << seed;
+  }
+}
+
+TEST_P(BroadPhases, FindAllPairsOfAdversarialScenes) {
+  for (const int count : {0, 1, 2, 3}) {
+    Scene few = empty_space();
+    for (int i = 0; i < count; ++i) few.bodies.push_back(sphere(1, Vector3d(0.5 * i, 0, 0)));
+    expect_all_pairs(few);
+  }
+
+  Scene coincident = empty_space();
+  for (int i = 0; i < 150; ++i) coincident.bodies.push_back(sphere(0.5 + i % 3, Vector3d(1, 2, 3)));
+  expect_all_pairs(coincident);
+
+  Scene line = empty_space();
+  for (int i = 0; i < 300; ++i)
+    line.bodies.push_back(sphere(0.5, Vector3d(i, 0, 0)));  // neighbours touch exactly
+  expect_all_pairs(line);
+  for (Body& body : line.bodies)
+    body.position = Vector3d(body.position.x(), body.position.x(), body.position.x());
+  expect_all_pairs(line);
+
+  Scene giant = empty_space();
+  for (int i = 0; i < 400; ++i)
+    giant.bodies.push_back(sphere(i == 200 ? 100 : 0.01, Vector3d(i % 20, i / 20 % 20, 0.1 * (i % 7))));
+  expect_all_pairs(giant);
+
+  Scene outlier = empty_space();  // all but one body in one Morton cell
+  for (int i = 0; i < 200; ++i) outlier.bodies.push_back(sphere(0.3, Vector3d(0.1 * i, 0, 0)));
+  outlier.bodies.push_back(sphere(1, Vector3d(1e6, 1e6, 1e6)));
+  expect_all_pairs(outlier);
+}
+
+TEST_P(BroadPhases, TheTreeHoldsItsBodies) {
+  World world(box_collider(777), options());
+  world.detect();
+  const TreeLevels tree = world.tree_levels();
+  ASSERT_EQ(static_cast<int>(tree.levels.size()), world.tree_level_count());
+  ASSERT_EQ(tree.levels.front().size(), 1u);
+  ASSERT_EQ(tree.levels.back().size(), 777u);
+  for (std::size_t level = 1; level < tree.levels.size(); ++level)
+    for (std::size_t k = 0; k < tree.levels[level].size(); ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto &child = tree.levels[level][k], &parent = tree.levels[level - 1][k / 2];
+        EXPECT_LE(parent.min[axis], child.min[axis]);
+        EXPECT_GE(parent.max[axis], child.max[axis]);
+      }
+}
+
+TEST(BroadPhase, UnknownNamesListTheKnown) {
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  o.broad_phase = "bvh_botom_up";
+  try {
+    World world(box_collider(10), o);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "--broad-phase: 'bvh_botom_up' is unknown; one of bvh_bottom_up, brute_force");
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope

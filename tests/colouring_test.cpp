@@ -1,0 +1,118 @@
+#include "sim_cuda/solver/colouring.h"
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "tests/executors.h"
+
+namespace collidoscope {
+namespace {
+
+struct Coloured {
+  std::vector<std::vector<std::uint32_t>> colours;  ///< contact numbers; the last is the split set
+};
+
+class ColouringTest : public OnEachExecutor {
+ protected:
+  Coloured colour(const std::vector<Pair>& contacts, std::uint32_t bodies, RunOptions o) {
+    Executor executor(o);
+    Colouring colouring(executor);
+    const auto capacity = static_cast<std::int64_t>(contacts.size()) + 13;  // room that must stay unused
+    colouring.reserve(bodies, capacity);
+    Buffer<Pair> pairs(executor, "contacts");
+    pairs.upload(contacts);
+    Buffer<StepControl> control(executor, "control");
+    StepControl c{};
+    c.contacts = static_cast<std::uint32_t>(contacts.size());
+    control.upload({c});
+    colouring.colour(pairs.data(), control.data());
+    executor.synchronize();
+
+    std::vector<std::uint32_t> begin(Colouring::colours + 1), count(Colouring::colours + 1);
+    std::vector<std::uint32_t> order(static_cast<std::size_t>(capacity));
+    executor.copy_to_host(begin.data(), colouring.view().begin, begin.size() * 4);
+    executor.copy_to_host(count.data(), colouring.view().count, count.size() * 4);
+    executor.copy_to_host(order.data(), colouring.view().order, order.size() * 4);
+    Coloured result;
+    for (std::size_t k = 0; k < begin.size(); ++k)
+      result.colours.emplace_back(order.begin() + begin[k], order.begin() + begin[k] + count[k]);
+    EXPECT_EQ(control.download()[0].split_contacts, count.back());
+    return result;
+  }
+
+  /// Every contact in exactly one place; no body twice in one colour; no contact left over that had a free
+  /// colour.
+  void expect_proper(const Coloured& coloured, const std::vector<Pair>& contacts, std::uint32_t bodies) {
+    std::vector<int> seen(contacts.size(), 0);
+    std::vector<std::set<std::size_t>> used(bodies);
+    for (std::size_t c = 0; c < coloured.colours.size(); ++c) {
+      std::set<std::uint32_t> touched;
+      for (const std::uint32_t contact : coloured.colours[c]) {
+        ++seen[contact];
+        if (c == Colouring::colours) continue;
+        EXPECT_TRUE(touched.insert(contacts[contact].a).second);
+        EXPECT_TRUE(touched.insert(contacts[contact].b).second);
+        used[contacts[contact].a].insert(c);
+        used[contacts[contact].b].insert(c);
+      }
+    }
+    EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
+  }
+};
+ON_EACH_EXECUTOR(ColouringTest);
+
+std::vector<Pair> random_contacts(std::uint32_t bodies, std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  while (pairs.size() < count) {
+    const std::uint32_t a = random() % bodies, b = random() % bodies;
+    if (a != b) pairs.insert({std::min(a, b), std::max(a, b)});
+  }
+  std::vector<Pair> contacts;
+  for (const auto& [a, b] : pairs) contacts.push_back({a, b});
+  return contacts;
+}
+
+TEST_P(ColouringTest, IsProperAndCompleteOnRandomGraphs) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const std::uint32_t bodies = 50 + 40 * seed;
+    const auto contacts = random_contacts(bodies, bodies * 3, seed);
+    const Coloured coloured = colour(contacts, bodies, options());
+    expect_proper(coloured, contacts, bodies);
+    EXPECT_TRUE(coloured.colours.back().empty()) << "six contacts a body need no mass splitting";
+  }
+}
+
+TEST_P(ColouringTest, AHubOverflowsIntoTheSplitSet) {
+  std::vector<Pair> contacts;
+  for (std::uint32_t b = 1; b <= 500; ++b) contacts.push_back({0, b});
+  const Coloured coloured = colour(contacts, 501, options());
+  expect_proper(coloured, contacts, 501);
+  EXPECT_EQ(coloured.colours.back().size(),
+            500u - Colouring::colours);  // every colour is used once at the hub
+}
+
+TEST_P(ColouringTest, DoesNotDependOnTheOrderOfWork) {
+  const auto contacts = random_contacts(300, 3000, 9);  // 20 contacts a body: saturated bodies too
+  RunOptions first = options();
+  const Coloured expected = colour(contacts, 300, first);
+  for (const LaunchShape shape :
+       {LaunchShape{1, 1}, LaunchShape{2, 4}, LaunchShape{3, 37}, LaunchShape{8, 64}})
+    for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
+      for (const int threads : {1, 2}) {
+        RunOptions o = options();
+        o.shape = shape;
+        o.lane_order = order;
+        o.cpu_threads = threads;
+        EXPECT_EQ(colour(contacts, 300, o).colours, expected.colours);
+      }
+}
+
+TEST_P(ColouringTest, OfNothingIsEmpty) {
+  const Coloured coloured = colour({}, 5, options());
+  for (const auto& c : coloured.colours) EXPECT_TRUE(c.empty());
+}
+
+}  // namespace
+}  // namespace collidoscope

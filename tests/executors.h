@@ -1,0 +1,37 @@
+#pragma once
+// The executors of this machine. A test over executors has one body: it runs on the CPU and, where there is a
+// GPU, on CUDA.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+inline std::vector<ExecutorKind> executors() {
+  std::vector<ExecutorKind> kinds{ExecutorKind::cpu};
+  if (cuda_available()) kinds.push_back(ExecutorKind::cuda);
+  return kinds;
+}
+
+inline std::string executor_name(const testing::TestParamInfo<ExecutorKind>& info) {
+  return info.param == ExecutorKind::cuda ? "cuda" : "cpu";
+}
+
+/// A fixture whose tests run once per executor.
+class OnEachExecutor : public testing::TestWithParam<ExecutorKind> {
+ protected:
+  RunOptions options() const {
+    RunOptions o;
+    o.executor = GetParam();
+    return o;
+  }
+};
+
+#define ON_EACH_EXECUTOR(Fixture) \
+  INSTANTIATE_TEST_SUITE_P(Executors, Fixture, testing::ValuesIn(executors()), executor_name)
+
+}  // namespace collidoscope

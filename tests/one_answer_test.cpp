@@ -1,0 +1,177 @@
+// The first promise: a scene, a seed and the physical settings determine the state bit for bit, whatever runs
+// it. Golden hashes of a dozen scenes are committed, so that a machine without a GPU checks what a GPU must
+// produce, and the reverse.
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int golden_steps = 60;
+
+std::string hex(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+std::string hash_after(const Scene& scene, const RunOptions& options, int steps) {
+  World world(scene, options);
+  world.step(steps);
+  return hex(world.state_hash());
+}
+
+class OneAnswer : public OnEachExecutor {};
+ON_EACH_EXECUTOR(OneAnswer);
+
+TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = box_collider(700);  // 700 is no multiple of any B x T
+    scene.generators[0].radius_max = 7;
+    scene.physics.precision = precision;
+    const std::string expected = hash_after(scene, options(), 40);
+    for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}, {8, 64}, {3, 37}, {0, 0}})
+      for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
+        for (const int threads : {1, 2}) {
+          if (GetParam() == ExecutorKind::cuda && (order != LaneOrder::contiguous || threads != 1)) continue;
+          RunOptions o = options();
+          o.shape = shape;
+          o.lane_order = order;
+          o.cpu_threads = threads;
+          EXPECT_EQ(hash_after(scene, o, 40), expected)
+              << shape.blocks << " x " << shape.threads << ", order " << static_cast<int>(order) << ", "
+              << threads;
+        }
+  }
+}
+
+TEST_P(OneAnswer, WithEveryBroadPhaseAndKeySize) {
+  const Scene scene = project_scene("giant_among_dust");
+  const std::string expected = hash_after(scene, options(), 30);
+  for (const std::string& method : broad_phase_names())
+    for (const int bits : {30, 63}) {
+      RunOptions o = options();
+      o.broad_phase = method;
+      o.key_bits = bits;
+      EXPECT_EQ(hash_after(scene, o, 30), expected) << method << ' ' << bits;
+    }
+}
+
+TEST_P(OneAnswer, WithCapacitiesTenTimesTooSmall) {
+  Scene scene = box_collider(1000);
+  scene.physics.substeps = 3;  // so that runs within a step overflow too
+  World roomy(scene, options());
+  roomy.step(30);
+  const std::int64_t pairs = roomy.measure().pairs;
+  ASSERT_GT(pairs, 500);
+  RunOptions o = options();
+  for (const std::int64_t capacity : {std::int64_t{1}, pairs / 10, pairs - 1}) {
+    o.initial_pair_capacity = capacity;
+    World tight(scene, o);
+    tight.step(30);
+    EXPECT_EQ(tight.state_hash(), roomy.state_hash()) << capacity;
+    EXPECT_EQ(tight.measure().pairs, pairs);
+    EXPECT_EQ(tight.measure().contacts, roomy.measure().contacts);
+  }
+}
+
+TEST_P(OneAnswer, DetectingMeasuringAndPublishingChangeNothing) {
+  const Scene scene = box_collider(500);
+  World plain(scene, options()), watched(scene, options());
+  plain.step(20);
+  for (int k = 0; k < 20; ++k) {
+    watched.step();
+    watched.detect();
+    watched.measure();
+    const PublishCounts counts = watched.publish_counts(0, 30);
+    const auto bytes = [](std::int64_t records, std::size_t each) {
+      return static_cast<std::size_t>(records) * each;
+    };
+    PublishTarget target;
+    target.bodies =
+        static_cast<BodyInstance*>(watched.scratch(bytes(counts.bodies, sizeof(BodyInstance)), 0));
+    target.body_capacity = counts.bodies;
+    target.body_color = BodyColor::contacts;
+    target.boxes = static_cast<BoxInstance*>(watched.scratch(bytes(counts.boxes, sizeof(BoxInstance)), 1));
+    target.box_capacity = counts.boxes;
+    target.last_level = 30;
+    target.contacts = static_cast<ContactInstance*>(
+        watched.scratch(bytes(counts.contacts + 1, sizeof(ContactInstance)), 2));
+    target.contact_capacity = counts.contacts;
+    watched.publish(target);
+  }
+  EXPECT_EQ(watched.state_hash(), plain.state_hash());
+}
+
+TEST_P(OneAnswer, OfTheGoldenScenes) {
+  const std::vector<std::string> scenes{"box_collider",
+                                        "box_collider_equal",
+                                        "box_collider_scaled",
+                                        "two_spheres_head_on",
+                                        "two_spheres_oblique",
+                                        "free_flight",
+                                        "bouncing_ball",
+                                        "spinning_top",
+                                        "newtons_cradle",
+                                        "all_coincident",
+                                        "on_a_line",
+                                        "giant_among_dust",
+                                        "gas",
+                                        "slope",
+                                        "tumbling_mesh",
+                                        "mixed_materials",
+                                        "one_body",
+                                        "empty"};
+  const auto file = project_file("tests/golden/hashes.json");
+  nlohmann::ordered_json golden;
+  if (std::ifstream in(file); in) golden = nlohmann::ordered_json::parse(in);
+  const bool update = std::getenv("UPDATE_GOLDENS") != nullptr && GetParam() == ExecutorKind::cpu;
+  for (const std::string& name : scenes)
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+      Scene scene = project_scene(name);
+      scene.physics.precision = precision;
+      const std::string hash = hash_after(scene, options(), golden_steps);
+      const std::string key = precision == Precision::f32 ? "f32" : "f64";
+      if (update)
+        golden[name][key] = hash;
+      else
+        EXPECT_EQ(golden.value(name, nlohmann::ordered_json::object()).value(key, "none"), hash)
+            << name << ' ' << key;
+    }
+  if (update) std::ofstream(file) << golden.dump(2) << '\n';
+}
+
+TEST(StateHash, SeesEveryComponentOfEveryBody) {
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  Scene scene = empty_space();
+  scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(1, 2, 3)), sphere(1, Vector3d(10, 0, 0))};
+  scene.bodies[0].angular_velocity = Vector3d(0.1, 0.2, 0.3);
+  const std::uint64_t hash = World(scene, o).state_hash();
+  for (int body = 0; body < 2; ++body)
+    for (int axis = 0; axis < 3; ++axis) {
+      Scene other = scene;
+      other.bodies[static_cast<std::size_t>(body)].position[axis] += 1e-6;
+      EXPECT_NE(World(other, o).state_hash(), hash);
+      other = scene;
+      other.bodies[static_cast<std::size_t>(body)].velocity[axis] += 1e-6;
+      EXPECT_NE(World(other, o).state_hash(), hash);
+      other = scene;
+      other.bodies[static_cast<std::size_t>(body)].angular_velocity[axis] += 1e-6;
+      EXPECT_NE(World(other, o).state_hash(), hash);
+    }
+  Scene swapped = scene;
+  std::swap(swapped.bodies[0], swapped.bodies[1]);
+  EXPECT_NE(World(swapped, o).state_hash(), hash) << "ids matter";
+  Scene zero = scene;
+  zero.bodies[1].velocity = Vector3d(-0.0, 0, 0);
+  EXPECT_EQ(World(zero, o).state_hash(), hash) << "-0 is 0";
+}
+
+}  // namespace
+}  // namespace collidoscope
