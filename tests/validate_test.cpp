@@ -100,7 +100,10 @@ TEST(Validate, NamesEveryFault) {
        [](Scene& s) { s.bodies[0].radius = 51; }},
       {"bodies[0].mesh", "must name an OBJ file", [](Scene& s) { s.bodies[0].shape = Shape::mesh; }},
       {"bodies[0].shape", "must be sphere or mesh",
-       [](Scene& s) { s.bodies[0].shape = static_cast<Shape>(9); }},
+       [](Scene& s) {
+         s.bodies[0].shape = static_cast<Shape>(9);
+         s.bodies[0].mesh = "a.obj";
+       }},
       {"bodies[1].position[0]", "must lie in", [](Scene& s) { s.bodies[1].position[0] = infinite; }},
       {"bodies[1].orientation", "must be a quaternion of length 1",
        [](Scene& s) { s.bodies[1].orientation = Quaterniond(1, 1, 0, 0); }},
