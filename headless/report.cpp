@@ -82,10 +82,10 @@ std::string numbers_text(const RunReport& report) {
   text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
                                      grouped(last.escaped)));
   text += line("memory", fmt::format("{} bytes", grouped(report.allocated_bytes)));
-  if (report.wall_seconds > 0 && last.step > first.step) {
+  if (report.wall_seconds && *report.wall_seconds > 0 && last.step > first.step) {
     const auto steps = static_cast<double>(last.step - first.step);
-    text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", report.wall_seconds,
-                                     steps * report.time_step / report.wall_seconds));
+    text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", *report.wall_seconds,
+                                     steps * report.time_step / *report.wall_seconds));
   }
   return text + line("state hash", fmt::format("{:016x}", report.state_hash));
 }
@@ -103,7 +103,7 @@ std::vector<std::string> names_of(Effects effects) {
 
 }  // namespace
 
-RunReport make_report(World& world, const StepStats& initial, double wall_seconds) {
+RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds) {
   const Scene& scene = world.scene();
   RunReport report{.scene = scene.name,
                    .variant = {},
@@ -177,7 +177,7 @@ std::string to_json(const RunReport& report) {
                               {"own_shape", stage.own_shape}});
   json["step_median_ms"] = time_json(report.times.step_median_ms, report.times.steps_timed);
   json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);
-  json["wall_seconds"] = report.wall_seconds;
+  json["wall_seconds"] = report.wall_seconds ? Json(*report.wall_seconds) : Json(nullptr);
   json["allocated_bytes"] = report.allocated_bytes;
   // A name may hold any bytes of a scene file: what is not UTF-8 is replaced rather than refused this late.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -28,11 +28,11 @@ struct RunReport {
   RunTimes times;
   std::uint64_t state_hash = 0;
   std::int64_t allocated_bytes = 0;
-  double wall_seconds = 0;  ///< s, of the stepping alone
+  std::optional<double> wall_seconds;  ///< s, of the stepping alone; unset where pictures were drawn between
 };
 
 /// `initial`: World::measure() at the state that the run started from.
-RunReport make_report(World& world, const StepStats& initial, double wall_seconds);
+RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds);
 
 /// One object, the fields as the README lists them; what is not finite is null. Ends in a newline.
 std::string to_json(const RunReport& report);

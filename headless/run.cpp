@@ -125,9 +125,8 @@ int capture_command(const CommandLine& line) {
   World world = make_world(scene, options);
 
   const StepStats initial = world.measure();
-  const Clock::time_point start = Clock::now();
   const int status = run_capture(options.capture, world);
-  const RunReport report = make_report(world, initial, seconds_since(start));
+  const RunReport report = make_report(world, initial, std::nullopt);
   if (!options.json.empty()) {
     OutputFile json("--json", options.json);
     json.write(to_json(report));
