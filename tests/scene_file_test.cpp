@@ -212,6 +212,8 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:60: \"seed\" is a whole number from 0 to 18446744073709551615, not -1"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 18446744073709551616}]}",
             "s:2:60: \"seed\" is a whole number from 0 to"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 1e30}]}",
+            "s:2:60: \"seed\" is a whole number from 0 to 18446744073709551615, not 1e30"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 0.5}]}",
             "s:2:60: \"seed\" is a whole"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"radius_max\": 60}]}",
