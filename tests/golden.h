@@ -10,7 +10,7 @@
 namespace collidoscope {
 
 /// Greatest FLIP-like mean that passes where the golden was drawn by another renderer.
-constexpr double loose_bound = 0.05;
+constexpr double loose_bound = 0.02;
 
 /// "" if the picture passes, else what is wrong and where the page lies. `name`: of the golden, without
 /// folder or ending.

@@ -10,7 +10,7 @@ namespace collidoscope {
 namespace {
 
 constexpr ImU32 bright = IM_COL32(242, 244, 248, 255), plain = IM_COL32(205, 210, 218, 255),
-                dim = IM_COL32(140, 148, 160, 255), contact_color = IM_COL32(255, 92, 107, 255);
+                dim = IM_COL32(140, 148, 160, 255), contact_color = IM_COL32(255, 69, 61, 255);
 
 // 1234567 as 1,234,567.
 std::string grouped(std::int64_t value) {

@@ -1,9 +1,9 @@
 // The twelve edges of a box as screen-space lines, coloured by level; thin and faint as levels deepen.
 // Compiled twice: lines (default) and IDS, the six faces filled with the number of the instance.
+#if defined(IDS)
 layout(location = 0) in vec4 min_level;
 layout(location = 1) in vec4 max_value;
 
-#if defined(IDS)
 flat out uint body;
 
 void main() {
@@ -18,6 +18,12 @@ void main() {
   gl_Position = projection * (view * vec4(mix(min_level.xyz, max_value.xyz, upper), 1.0));
 }
 #else
+struct Box {
+  vec4 min_level, max_value;
+};
+layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
+
+uniform int box_count;
 uniform float strength;  // opacity of this pass
 uniform vec4 levels;     // first and last level drawn
 
@@ -26,6 +32,9 @@ flat out float half_width;
 noperspective out float across;
 
 void main() {
+  // Backwards: where edges coincide, the line of the upper level lies on top, and is the thicker one.
+  vec4 min_level = boxes[box_count - 1 - gl_InstanceID].min_level;
+  vec4 max_value = boxes[box_count - 1 - gl_InstanceID].max_value;
   int edge = gl_VertexID / 6, axis = edge >> 2;
   bvec3 upper;
   upper[(axis + 1) % 3] = (edge & 1) == 1;
@@ -36,7 +45,7 @@ void main() {
   vec3 to = mix(min_level.xyz, max_value.xyz, upper);
   float level = min_level.w;
   float depth_share = clamp((level - levels.x) / max(levels.y - levels.x, 1.0), 0.0, 1.0);
-  half_width = mix(1.7, 0.6, depth_share) * values.w;
+  half_width = mix(1.4, 0.6, depth_share) * values.w;
   color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.85, depth_share));
   gl_Position = line_corner(from, to, half_width, gl_VertexID % 6, across);
   gl_Position.z *= 1.0008;  // lines on a surface win over it

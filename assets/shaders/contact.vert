@@ -28,7 +28,7 @@ void main() {
     vec3 side = normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
     vec3 other = cross(normal, side);
     in_ring = (vec2(i & 1, i >> 1) * 2.0 - 1.0) * reach / radius;
-    color = vec4(1.0, 0.30, 0.36, strength);
+    color = vec4(1.0, 0.27, 0.24, strength);
     gl_Position = projection * (view * vec4(point + radius * (in_ring.x * side + in_ring.y * other), 1.0));
   } else {
     ring_px = 0.0;

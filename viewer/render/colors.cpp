@@ -34,7 +34,7 @@ const std::array<Rgb, 256>& color_map() {
 
 Rgb level_color(int level) {
   static constexpr Rgb palette[8] = {{0.95f, 0.96f, 0.98f}, {1.00f, 0.62f, 0.26f}, {0.35f, 0.80f, 1.00f},
-                                     {1.00f, 0.84f, 0.28f}, {1.00f, 0.48f, 0.78f}, {0.86f, 0.88f, 1.00f},
+                                     {1.00f, 0.84f, 0.28f}, {0.76f, 0.62f, 1.00f}, {1.00f, 0.76f, 0.74f},
                                      {0.78f, 0.95f, 0.35f}, {0.60f, 0.95f, 0.90f}};
   return palette[level & 7];
 }

@@ -11,6 +11,7 @@ LinePass::LinePass()
     : box_("box.vert", "line.frag"),
       contact_("contact.vert", "contact.frag"),
       box_ids_("box.vert", "id.frag", "#define IDS\n"),
+      nothing_{},
       box_layout_{{0, 4, offsetof(BoxInstance, min)}, {1, 4, offsetof(BoxInstance, max)}},
       contact_layout_{{0, 4, offsetof(ContactInstance, point)},
                       {1, 4, offsetof(ContactInstance, normal)},
@@ -32,17 +33,23 @@ void LinePass::draw_twice(const gl::Program& program, GLsizei vertices, std::int
   glDrawArraysInstanced(GL_TRIANGLES, 0, vertices, static_cast<GLsizei>(count));
 }
 
+void LinePass::bind_boxes(const gl::Buffer& boxes, std::int64_t count) const {
+  nothing_.bind(0, 0);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, boxes.get());
+  box_.set("box_count", static_cast<int>(count));
+}
+
 void LinePass::draw_boxes(const gl::Buffer& boxes, std::int64_t count, int first_level,
                           int last_level) const {
   if (count <= 0) return;
-  box_layout_.bind(boxes.get(), sizeof(BoxInstance));
+  bind_boxes(boxes, count);
   box_.set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
   draw_twice(box_, 72, count, 0.95f, std::min(0.2f, 8.0f / static_cast<float>(count)));
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
 
 void LinePass::draw_walls(const gl::Buffer& boxes) const {
-  box_layout_.bind(boxes.get(), sizeof(BoxInstance));
+  bind_boxes(boxes, 1);
   box_.set("levels", 0, 0, 0, 0);
   draw_twice(box_, 72, 1, 0.30f, 0.06f);
   gl::check("to draw the walls");

@@ -12,7 +12,7 @@ class LinePass {
  public:
   LinePass();
   /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
-  /// The boxes hold levels first_level to last_level.
+  /// The boxes hold levels first_level to last_level, in this order.
   void draw_boxes(const gl::Buffer& boxes, std::int64_t count, int first_level, int last_level) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count) const;
@@ -20,11 +20,12 @@ class LinePass {
   void draw_box_ids(const gl::Buffer& boxes, std::int64_t count) const;
 
  private:
+  void bind_boxes(const gl::Buffer& boxes, std::int64_t count) const;
   void draw_twice(const gl::Program& program, GLsizei vertices, std::int64_t count, float shown,
                   float hidden) const;
 
   gl::Program box_, contact_, box_ids_;
-  gl::VertexLayout box_layout_, contact_layout_;
+  gl::VertexLayout nothing_, box_layout_, contact_layout_;
 };
 
 }  // namespace collidoscope

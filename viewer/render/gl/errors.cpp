@@ -65,6 +65,11 @@ void check(const std::string& what) {
   if (!error.empty()) throw MachineError("OpenGL refused " + what + ": " + error);
 }
 
+void forget_errors() {
+  first_error.clear();
+  while (glGetError() != GL_NO_ERROR) continue;
+}
+
 std::string renderer_name() { return get_string(GL_RENDERER); }
 std::string version_name() { return get_string(GL_VERSION); }
 

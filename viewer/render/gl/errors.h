@@ -13,6 +13,9 @@ void watch_errors();
 /// Throws MachineError "OpenGL refused <what>: <the driver's words>" if a call failed since the last check.
 void check(const std::string& what);
 
+/// Drops what is pending: for a caller who reports the fault in better words.
+void forget_errors();
+
 /// GL_RENDERER and GL_VERSION of the current context.
 std::string renderer_name();
 std::string version_name();

@@ -34,6 +34,7 @@ ShaderHandle compile(GLenum stage, const std::string& file, const std::string& d
     GLsizei length = 0;
     glGetShaderInfoLog(shader.get(), static_cast<GLsizei>(log.size()), &length, log.data());
     log.resize(static_cast<std::size_t>(length));
+    forget_errors();
     throw MachineError("shader '" + file + "' (1; 0 is frame.glsl) does not compile: " + log);
   }
   return shader;
@@ -57,6 +58,7 @@ Program::Program(const std::string& vertex_file, const std::string& fragment_fil
     GLsizei length = 0;
     glGetProgramInfoLog(program_.get(), static_cast<GLsizei>(log.size()), &length, log.data());
     log.resize(static_cast<std::size_t>(length));
+    forget_errors();
     throw MachineError("shaders " + name_ + " do not link: " + log);
   }
   glDetachShader(program_.get(), vertex.get());
