@@ -31,6 +31,7 @@ class Writer {
   }
   void at(float x, float y, const std::string& text, ImU32 color = plain, float scale = 1) const {
     const ImVec2 place{std::round(x), std::round(y)};
+    cover(place, font_->CalcTextSizeA(size_ * scale, 1e9f, 0, text.c_str()));
     const float off = std::max(1.0f, std::round(size_ * 0.07f));
     list_->AddText(font_, size_ * scale, {place.x + off, place.y + off}, IM_COL32(0, 0, 0, 150),
                    text.c_str());
@@ -39,6 +40,7 @@ class Writer {
   /// In the largest font that was loaded.
   void title(float x, float y, const std::string& text, ImU32 color) const {
     ImFont* font = ImGui::GetIO().Fonts->Fonts.back();
+    cover({x, y}, font->CalcTextSizeA(font->FontSize, 1e9f, 0, text.c_str()));
     list_->AddText(font, font->FontSize, {std::round(x) + 1, std::round(y) + 1}, IM_COL32(0, 0, 0, 150),
                    text.c_str());
     list_->AddText(font, font->FontSize, {std::round(x), std::round(y)}, color, text.c_str());
@@ -46,13 +48,34 @@ class Writer {
   void right(float x, float y, const std::string& text, ImU32 color = plain) const {
     at(x - width(text), y, text, color);
   }
+  /// A dark plate behind what was written since begin_plate(), so that it can be read over anything.
+  void begin_plate() {
+    list_->ChannelsSplit(2);
+    list_->ChannelsSetCurrent(1);
+    low_ = {1e9f, 1e9f};
+    high_ = {-1e9f, -1e9f};
+  }
+  void end_plate() {
+    list_->ChannelsSetCurrent(0);
+    const float room = 0.7f * size_;
+    if (low_.x < high_.x)
+      list_->AddRectFilled({low_.x - room, low_.y - room}, {high_.x + room, high_.y + room},
+                           IM_COL32(20, 22, 26, 135), 0.5f * size_);
+    list_->ChannelsMerge();
+  }
   ImDrawList* list() const { return list_; }
   float size() const { return size_; }
 
  private:
+  void cover(const ImVec2& from, const ImVec2& size) const {
+    low_ = {std::min(low_.x, from.x), std::min(low_.y, from.y)};
+    high_ = {std::max(high_.x, from.x + size.x), std::max(high_.y, from.y + size.y)};
+  }
+
   float size_;
   ImDrawList* list_;
   ImFont* font_;
+  mutable ImVec2 low_, high_;  // of what was written
 };
 
 // The rows under the scene's name, and how far down they reach.
@@ -154,12 +177,16 @@ float overlay_font_size(int width, int height) {
 }
 
 void draw_overlay(const OverlayText& text, float width, float height) {
-  const Writer write(ImGui::GetFontSize());
+  Writer write(ImGui::GetFontSize());
   const float margin = write.size() * 1.5f;
   const float legend = height - margin - write.size() * 4;
   if (height < write.size() * 8) return;
+  write.begin_plate();
   draw_facts(write, text, margin, margin * 0.9f, legend);
+  write.end_plate();
+  write.begin_plate();
   draw_times(write, text, width - margin, margin, legend);
+  write.end_plate();
   float keys_from = margin;
   if (!text.legend_title.empty()) {
     draw_color_bar(write, text, margin, height - margin * 0.7f);

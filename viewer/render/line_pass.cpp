@@ -44,7 +44,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::int64_t count, int first
   if (count <= 0) return;
   bind_boxes(boxes, count);
   box_.set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
-  draw_twice(box_, 72, count, 0.95f, std::min(0.2f, 8.0f / static_cast<float>(count)));
+  draw_twice(box_, 72, count, 0.95f, std::min(0.2f, 5.0f / static_cast<float>(count)));
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
 
@@ -59,7 +59,7 @@ void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) con
   if (count <= 0) return;
   contact_layout_.bind(contacts.get(), sizeof(ContactInstance));
   // What is hidden adds up to a fog where there are many, so each is the fainter then.
-  draw_twice(contact_, 12, count, 1.0f, std::min(0.3f, 100.0f / static_cast<float>(count)));
+  draw_twice(contact_, 12, count, 1.0f, std::min(0.3f, 70.0f / static_cast<float>(count)));
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 
