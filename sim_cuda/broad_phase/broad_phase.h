@@ -5,13 +5,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/core/executor.h"
-#include "sim_cuda/core/step_control.h"
 
 namespace collidoscope {
 
@@ -31,6 +29,8 @@ struct TreeView {
   std::uint32_t size[max_levels] = {};       ///< nodes in each level; 1 in the last, the root's
 };
 
+struct PairSink;
+
 class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
@@ -40,12 +40,8 @@ class BroadPhase {
   /// Takes this step's boxes (one per body, by id; they stay until the next update). `extent`, in the
   /// executor's memory, holds most centres.
   virtual void update(const Aabb* boxes, const Aabb* extent) = 0;
-  /// count[a] = number of pairs (a, b) with a < b, for each body a.
-  virtual void count_pairs(std::uint32_t* count) = 0;
-  /// Writes the b of each pair (a, b) to second[offset[a] ...], in any order within the body's segment. Does
-  /// nothing where control->overflow is set.
-  virtual void write_pairs(const std::uint64_t* offset, std::uint32_t* second,
-                           const StepControl* control) = 0;
+  /// Gives every pair of bodies whose boxes overlap to the sink, each once, in any order.
+  virtual void find_pairs(const PairSink& sink) = 0;
   virtual TreeView tree() const { return {}; }
 };
 

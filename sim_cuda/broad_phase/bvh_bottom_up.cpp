@@ -5,7 +5,7 @@
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton.h"
-#include "sim_cuda/broad_phase/query.h"
+#include "sim_cuda/broad_phase/pair_sink.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/sort.h"
 
@@ -42,30 +42,34 @@ struct MergeLevel {
   }
 };
 
+/// One body's query. Only leaves to the right of its own are looked for, so that each pair is found once,
+/// from its left leaf.
 struct Descend {
   TreeView tree;
-  SIM_HD std::uint32_t body(int slot) const { return tree.leaf_body[slot]; }
-  template <class Visit>
-  SIM_HD void operator()(int slot, Visit&& visit) const {
-    // An entry is (level, node in level). A node pops before its two children push, so the stack never holds
-    // more than one entry per level, plus one.
-    std::uint32_t stack[TreeView::max_levels + 1];
+  PairSink sink;
+  SIM_HD void operator()(int leaf) const {
+    const auto slot = static_cast<std::uint32_t>(leaf);
+    const Aabb box = tree.nodes[slot];
+    const std::uint32_t body = tree.leaf_body[slot];
+    // An entry is (level, node in level), of a node that overlaps. A node pops before its two children push,
+    // so the stack never holds more than one entry per level, plus one.
     constexpr int level_shift = 27;
     constexpr std::uint32_t node_mask = (1u << level_shift) - 1;
-    const Aabb box = tree.nodes[slot];
+    std::uint32_t stack[TreeView::max_levels + 1];
     int depth = 0;
-    stack[depth++] = static_cast<std::uint32_t>(tree.levels - 1) << level_shift;
+    if (tree.levels > 1) stack[depth++] = static_cast<std::uint32_t>(tree.levels - 1) << level_shift;
     while (depth > 0) {
       const std::uint32_t entry = stack[--depth];
-      const std::uint32_t level = entry >> level_shift, node = entry & node_mask;
-      if (!overlap(box, tree.nodes[tree.first[level] + node])) continue;
-      if (level == 0) {
-        visit(tree.leaf_body[node]);
-        continue;
+      const std::uint32_t level = (entry >> level_shift) - 1;  // of the children
+      const std::uint32_t left = 2 * (entry & node_mask);
+      for (std::uint32_t child = left; child < left + 2 && child < tree.size[level]; ++child) {
+        const std::uint32_t last_leaf = ((child + 1) << level) - 1;
+        if (last_leaf <= slot || !overlap(box, tree.nodes[tree.first[level] + child])) continue;
+        if (level == 0)
+          sink.add(body, tree.leaf_body[child]);
+        else
+          stack[depth++] = level << level_shift | child;
       }
-      const std::uint32_t below = (level - 1) << level_shift;
-      if (2 * node + 1 < tree.size[level - 1]) stack[depth++] = below | (2 * node + 1);
-      stack[depth++] = below | (2 * node);
     }
   }
 };
@@ -114,12 +118,7 @@ class BvhBottomUp final : public BroadPhase {
                                nodes_.data() + tree_.first[level]});
   }
 
-  void count_pairs(std::uint32_t* count) override {
-    executor_.run("pairs", bodies_, CountPairs<Descend>{{tree_}, count});
-  }
-  void write_pairs(const std::uint64_t* offset, std::uint32_t* second, const StepControl* control) override {
-    executor_.run("pairs", bodies_, WritePairs<Descend>{{tree_}, offset, second, control});
-  }
+  void find_pairs(const PairSink& sink) override { executor_.run("pairs", bodies_, Descend{tree_, sink}); }
   TreeView tree() const override { return tree_; }
 
  private:

@@ -1,5 +1,7 @@
 #include "sim_cuda/broad_phase/pair_list.h"
 
+#include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/segment_sort.h"
 
@@ -18,6 +20,16 @@ struct AcceptPairs {
   }
 };
 
+struct PlacePairs {
+  const Pair* found;
+  const std::uint64_t* offset;
+  std::uint32_t *count, *second;
+  SIM_HD void operator()(int k) const {
+    const Pair pair = found[k];
+    second[offset[pair.a] + atomic_add(&count[pair.a], ~std::uint32_t{0}) - 1] = pair.b;  // counts down to 0
+  }
+};
+
 struct SortPairs {
   const std::uint64_t* offset;
   std::uint32_t* second;
@@ -32,6 +44,8 @@ struct SortPairs {
 
 PairList::PairList(Executor& executor)
     : executor_(executor),
+      found_(executor, "pairs found"),
+      total_(executor, "number of pairs"),
       count_(executor, "pairs per body"),
       offset_(executor, "pair offsets"),
       second_(executor, "pairs"),
@@ -41,17 +55,22 @@ void PairList::reserve(std::int64_t bodies, std::int64_t capacity) {
   bodies_ = bodies;
   count_.resize_discarding(static_cast<std::size_t>(bodies) + 1);
   offset_.resize_discarding(static_cast<std::size_t>(bodies) + 1);
+  found_.resize_discarding(static_cast<std::size_t>(capacity));
   second_.resize_discarding(static_cast<std::size_t>(capacity));
+  total_.resize_discarding(1);
   temporary_.resize_discarding(scan_temporary_bytes(executor_, bodies));
-  executor_.fill(count_.data(), 0, count_.bytes());
 }
 
 void PairList::find(BroadPhase& method, StepControl* control) {
-  method.count_pairs(count_.data());
+  executor_.begin_stage("pairs");
+  total_.fill_zero();
+  count_.fill_zero();
+  method.find_pairs({found_.data(), found_.size(), total_.data(), count_.data()});
+  executor_.run("pairs", 1, AcceptPairs{total_.data(), found_.size(), control});
   exclusive_scan(executor_, "pairs", bodies_, count_.data(), offset_.data(), temporary_.data(),
                  temporary_.bytes());
-  executor_.run("pairs", 1, AcceptPairs{offset_.data() + bodies_, second_.size(), control});
-  method.write_pairs(offset_.data(), second_.data(), control);
+  executor_.run("pairs", Count(&control->pairs, capacity()),
+                PlacePairs{found_.data(), offset_.data(), count_.data(), second_.data()});
   executor_.run("pairs", bodies_, SortPairs{offset_.data(), second_.data(), control});
 }
 

@@ -1,11 +1,13 @@
 #pragma once
-// The ordered list of pairs: counted per body, placed by a scan, written, and sorted within each body's own
-// segment. No total is needed on the host, and the list is the same whatever method found the pairs.
+// The ordered list of pairs: found in any order and counted per body, placed by a scan, and sorted within
+// each body's own segment. No total is needed on the host, and the list is the same whatever method found the
+// pairs.
 
 #include <cstdint>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/step_control.h"
 
 namespace collidoscope {
 
@@ -31,6 +33,8 @@ class PairList {
  private:
   Executor& executor_;
   std::int64_t bodies_ = 0;
+  Buffer<Pair> found_;           ///< in order of arrival
+  Buffer<std::uint64_t> total_;  ///< one
   Buffer<std::uint32_t> count_;
   Buffer<std::uint64_t> offset_;
   Buffer<std::uint32_t> second_;

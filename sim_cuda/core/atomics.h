@@ -6,6 +6,10 @@
 
 #include "sim_cuda/core/host_device.h"
 
+#if defined(__CUDACC__)
+#include <cooperative_groups.h>
+#endif
+
 namespace collidoscope {
 
 /// Adds and returns the value before.
@@ -14,6 +18,20 @@ SIM_HD inline std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t valu
   return atomicAdd(target, value);
 #else
   return std::atomic_ref<std::uint32_t>(*target).fetch_add(value, std::memory_order_relaxed);
+#endif
+}
+
+/// Takes the next number of a counter that many take from at once: on a GPU, the threads of a warp that
+/// arrive together share one atomic.
+SIM_HD inline std::uint64_t atomic_next(std::uint64_t* counter) {
+#if defined(__CUDA_ARCH__)
+  const auto group = cooperative_groups::coalesced_threads();
+  unsigned long long first = 0;
+  if (group.thread_rank() == 0)
+    first = atomicAdd(reinterpret_cast<unsigned long long*>(counter), group.size());
+  return group.shfl(first, 0) + group.thread_rank();
+#else
+  return std::atomic_ref<std::uint64_t>(*counter).fetch_add(1, std::memory_order_relaxed);
 #endif
 }
 
