@@ -43,33 +43,39 @@ struct ResolveWalls {
     Vector3<Real> x = bodies.position[body], v = bodies.velocity[body];
     const Real r = bodies.radius[body], m = bodies.mass[body];
     bool moved = false, hit = false;
+    const auto give = [&](const Vector3<Real>& normal, Real change) {
+      const Vector3<Real> step = change * normal;
+      v += step;
+      hit = true;
+      WallLedger& book = ledger[body];
+      book.impulse += static_cast<double>(m * change);
+      for (int k = 0; k < 3; ++k) book.vector[k] += static_cast<double>(m * step[k]);
+    };
     for (int p = 0; p < plane_count; ++p) {
       const WallPlane<Real> plane = planes[p];
       Real gap = plane.normal.dot(x) - plane.offset - r;
       if (gap < 0) {
-        // Nothing behind a wall can push back, so the whole depth goes at once; at most a radius a step.
-        const Real push = min_of(-gap, r);
-        const Vector3<Real> shift = push * plane.normal;
+        // Nothing behind a wall pushes back, so the whole depth can go at once.
+        const Vector3<Real> shift = -gap * plane.normal;
         x += shift;
-        gap += push;
+        gap = 0;
         moved = true;
-        const Real work = -m * gravity.dot(shift);
-        ledger[body].push_work += static_cast<double>(work);
+        ledger[body].push_work -= static_cast<double>(m * gravity.dot(shift));
       }
       const Real speed = plane.normal.dot(v), pull = h * plane.normal.dot(gravity);
       if (!(gap + h * (speed + pull) < 0)) continue;
       const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(body)),
                                          plane.restitution, -speed);
       const Real bounce = speed < 0 ? -e * speed : Real(0);
-      const Real stay = -max_of(gap, Real(0)) / h - pull;
-      const Real target = max_of(bounce, stay);
-      if (!(target > speed)) continue;
-      const Vector3<Real> change = (target - speed) * plane.normal;
-      v += change;
-      hit = true;
-      WallLedger& book = ledger[body];
-      book.impulse += static_cast<double>(m * (target - speed));
-      for (int k = 0; k < 3; ++k) book.vector[k] += static_cast<double>(m * change[k]);
+      const Real target = max_of(bounce, -gap / h - pull);
+      if (target > speed) give(plane.normal, target - speed);
+    }
+    // A bounce that would cross the whole box within this step ends on the wall opposite.
+    for (int p = 0; hit && p < plane_count; ++p) {
+      const WallPlane<Real> plane = planes[p];
+      const Real gap = max_of(plane.normal.dot(x) - plane.offset - r, Real(0));
+      const Real speed = plane.normal.dot(v), stay = -gap / h - h * plane.normal.dot(gravity);
+      if (stay > speed) give(plane.normal, stay - speed);
     }
     if (moved) bodies.position[body] = x;
     if (hit) bodies.velocity[body] = v;
