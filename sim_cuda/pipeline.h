@@ -8,6 +8,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/step_control.h"
+#include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/publish.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
@@ -46,6 +47,12 @@ class Pipeline {
   virtual BodyStates bodies() = 0;
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
   virtual void publish(const PublishTarget& target) = 0;
+
+  virtual std::vector<WallLedger> ledgers() = 0;  ///< empty where there are no walls
+  /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
+  /// worlds have walls.
+  virtual void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) = 0;
+  virtual BodyReport inspect(std::uint32_t id) = 0;
 };
 
 /// Uploads the bodies; reserves nothing yet.

@@ -30,6 +30,29 @@ struct TreeLevels {
   std::vector<std::vector<Box>> levels;
 };
 
+/// Everything about one body, as the paper's Dynamics (Baraff 1997) has it, with its contacts and its place
+/// in the tree.
+struct BodyReport {
+  std::uint32_t id = 0;
+  double mass = 0, radius = 0;      ///< kg, m
+  Vector3d X{0, 0, 0};              ///< m, position
+  Quaterniond q{1, 0, 0, 0};        ///< R as a quaternion: principal axes to world
+  Vector3d v{0, 0, 0}, w{0, 0, 0};  ///< m/s, rad/s
+  Vector3d P{0, 0, 0}, L{0, 0, 0};  ///< kg m/s, kg m^2/s: momentum, angular momentum about the centre
+  Matrix3d inverse_inertia = Matrix3d::Zero();  ///< 1/(kg m^2), world axes
+  Vector3d F{0, 0, 0}, T{0, 0, 0};              ///< N, N m: what forwarding will apply (gravity)
+  struct Contact {
+    std::uint32_t other;
+    Vector3d normal;     ///< unit, from this body to the other
+    double penetration;  ///< m
+  };
+  std::vector<Contact> contacts;   ///< of the last step or detect(), by the other's id; the first 1,024
+  std::int64_t contact_count = 0;  ///< all of them
+  std::vector<TreeLevels::Box>
+      path;                ///< the boxes that hold it, from its leaf to the root; empty without a tree
+  std::int64_t leaf = -1;  ///< its place in the tree's order
+};
+
 class World {
  public:
   /// Throws InputError where the scene is not valid or the options name nothing known, MachineError where the
@@ -53,6 +76,19 @@ class World {
   /// Odd-numbered steps run instrumented, even-numbered ones plain, so that times() knows both.
   void step(int count = 1);
   std::int64_t steps() const;
+
+  /// (B, T) for the steps from now on. Throws MachineError beyond the device's limits, and changes nothing
+  /// then.
+  void set_launch_shape(LaunchShape shape);
+  /// Takes the state of all bodies that both worlds have (ids below both N), the step count and the ledgers
+  /// of the walls from `other`, whatever executor, precision or settings it has: how a running scene changes
+  /// them. Bodies beyond keep their initial state. With the same physical settings and N, the run goes on bit
+  /// for bit as `other` would have.
+  void adopt(World& other);
+
+  /// One body, read from the device; `id` < N. detect() first, if contacts and path shall fit the current
+  /// state.
+  BodyReport inspect(std::uint32_t id);
 
   /// Sums, counts and penetration at the current state.
   StepStats measure();
