@@ -1,5 +1,8 @@
 #include "sim_cuda/pipeline.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "sim_cuda/broad_phase/pair_list.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -7,6 +10,7 @@
 #include "sim_cuda/dynamics/measure.h"
 #include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/dynamics/state_hash.h"
+#include "sim_cuda/inspect_stages.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/publish_stages.h"
 #include "sim_cuda/solver/impulse.h"
@@ -69,6 +73,9 @@ class TypedPipeline final : public Pipeline {
   BodyStates bodies() override;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
   void publish(const PublishTarget& target) override;
+  std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }
+  void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) override;
+  BodyReport inspect(std::uint32_t id) override;
 
  private:
   SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
@@ -326,6 +333,78 @@ void TypedPipeline<Real>::publish(const PublishTarget& target) {
     publish_counts_.resize_discarding(static_cast<std::size_t>(body_count_));
   publish_bodies<Real>(executor_, target, state_.view(), mesh_.data(), contacts_.view(), contacts_.capacity(),
                        control_.data(), broad_phase_->tree(), publish_counts_.data(), body_count_);
+}
+
+template <class Real>
+void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) {
+  const std::size_t n = states.position.size();
+  const auto write = [&](const auto& buffer, const auto& values) {
+    executor_.copy_to_executor(buffer.data(), values.data(), n * sizeof values[0]);
+  };
+  write(state_.position, narrowed<Real>(states.position));
+  write(state_.velocity, narrowed<Real>(states.velocity));
+  if (effects_.rotation) {
+    std::vector<Quaternion<Real>> orientation(n);
+    for (std::size_t i = 0; i < n; ++i) orientation[i] = states.orientation[i].template cast<Real>();
+    write(state_.orientation, orientation);
+    write(state_.angular_velocity, narrowed<Real>(states.angular_velocity));
+  }
+  if (plane_count_ > 0 && ledgers.size() >= n) write(state_.ledger, ledgers);
+}
+
+template <class Real>
+BodyReport TypedPipeline<Real>::inspect(std::uint32_t id) {
+  const auto read = [&](const auto* array, std::size_t index) {
+    std::remove_cv_t<std::remove_reference_t<decltype(*array)>> value;
+    executor_.copy_to_host(&value, array + index, sizeof value);
+    return value;
+  };
+  const BodyView<Real> bodies = state_.view();
+  BodyReport report;
+  report.id = id;
+  report.mass = static_cast<double>(read(bodies.mass, id));
+  report.radius = static_cast<double>(read(bodies.radius, id));
+  report.X = read(bodies.position, id).template cast<double>();
+  report.v = read(bodies.velocity, id).template cast<double>();
+  report.P = report.mass * report.v;
+  report.F = report.mass * gravity_.template cast<double>();
+  Vector3d inertia = Vector3d::Constant(0.4 * report.mass * report.radius * report.radius);
+  if (effects_.rotation) {
+    report.q = read(bodies.orientation, id).template cast<double>();
+    report.w = read(bodies.angular_velocity, id).template cast<double>();
+    inertia = read(bodies.inertia, id).template cast<double>();
+  }
+  const Matrix3d r = report.q.toRotationMatrix();
+  report.inverse_inertia = r * inertia.cwiseInverse().asDiagonal() * r.transpose();
+  report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
+
+  constexpr std::uint32_t capacity = 1024;
+  Buffer<std::uint32_t> found(executor_, "contacts of a body");  // {number, leaf, ids...}
+  found.resize_discarding(capacity + 2);
+  found.fill_zero();
+  executor_.run("inspect", Count(&control_.data()->contacts, contacts_.capacity()),
+                FindContacts{contacts_.view().bodies, id, found.data(), found.data() + 2, capacity});
+  const TreeView tree = broad_phase_->tree();
+  if (tree.levels > 0) executor_.run("inspect", body_count_, FindLeaf{tree.leaf_body, id, found.data() + 1});
+  const std::vector<std::uint32_t> list = found.download();
+  report.contact_count = list[0];
+  std::vector<std::uint32_t> others(list.begin() + 2, list.begin() + 2 + min_of(list[0], capacity));
+  std::sort(others.begin(), others.end());
+  for (const std::uint32_t other : others) {
+    const Separation<double> s =
+        separate<double>(report.X, report.radius, read(bodies.position, other).template cast<double>(),
+                         static_cast<double>(read(bodies.radius, other)));
+    report.contacts.push_back({other, s.normal, -s.gap});
+  }
+  if (tree.levels > 0) {
+    report.leaf = list[1];
+    for (int level = 0; level < tree.levels; ++level) {
+      const Aabb box = read(tree.nodes, tree.first[level] + (list[1] >> level));
+      report.path.push_back(
+          {{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}});
+    }
+  }
+  return report;
 }
 
 }  // namespace

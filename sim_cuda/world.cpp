@@ -167,10 +167,37 @@ void World::step(int count) {
   }
 }
 
+void World::set_launch_shape(LaunchShape shape) {
+  Impl& w = *impl_;
+  w.executor.set_shape(shape);
+  w.plain.reset();  // a recorded step has the old shape in it
+  w.instrumented.reset();
+}
+
+void World::adopt(World& other) {
+  Impl& w = *impl_;
+  BodyStates states = other.bodies();
+  std::vector<WallLedger> ledgers = other.impl_->pipeline->ledgers();
+  const std::size_t common = std::min(states.position.size(), w.initial.size());
+  states.position.resize(common);
+  states.velocity.resize(common);
+  states.orientation.resize(common);
+  states.angular_velocity.resize(common);
+  if (ledgers.size() > common) ledgers.resize(common);
+  w.pipeline->set_bodies(states, ledgers);
+  w.steps = other.steps();
+  w.detected = false;
+}
+
+BodyReport World::inspect(std::uint32_t id) {
+  if (id >= impl_->initial.size()) throw std::out_of_range("inspect: there is no body " + std::to_string(id));
+  return impl_->pipeline->inspect(id);
+}
+
 RunTimes World::times() const {
   RunTimes times = impl_->executor.clock().times();
   std::erase_if(times.stages, [](const StageTime& s) {
-    return s.name == "measure" || s.name == "hash" || s.name == "publish";
+    return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect";
   });
   for (StageTime& s : times.stages) s.launches *= impl_->scene.physics.substeps;
   return times;

@@ -1,10 +1,10 @@
 #include "sim_cuda/solver/colouring.h"
 
 #include <algorithm>
-#include <random>
 #include <set>
 
 #include "tests/executors.h"
+#include "tests/random.h"
 
 namespace collidoscope {
 namespace {
@@ -63,7 +63,7 @@ class ColouringTest : public OnEachExecutor {
 ON_EACH_EXECUTOR(ColouringTest);
 
 std::vector<Pair> random_contacts(std::uint32_t bodies, std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
+  Random random(seed);
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   while (pairs.size() < count) {
     const std::uint32_t a = random() % bodies, b = random() % bodies;

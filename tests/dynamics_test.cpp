@@ -134,7 +134,7 @@ TEST_P(Dynamics, FastBodiesNeverCrossAWall) {
     scene.physics.precision = precision;
     scene.physics.gravity = Vector3d(0, 0, -9.81);
     scene.box = Box{};
-    std::mt19937 random(1);
+    Random random(1);
     for (int i = 0; i < 100; ++i) {
       const auto u = [&] { return random() / 4294967296.0; };
       scene.bodies.push_back(sphere(1e-6 + 0.5 * u() * u(),

@@ -1,8 +1,7 @@
 #include "sim_cuda/broad_phase/morton.h"
 
 #include <gtest/gtest.h>
-
-#include <random>
+#include "tests/random.h"
 
 namespace collidoscope {
 namespace {
@@ -17,7 +16,7 @@ std::uint64_t interleave(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
 }
 
 TEST(Morton, InterleavesBits) {
-  std::mt19937 random(1);
+  Random random(1);
   for (int k = 0; k < 10000; ++k) {
     const std::uint32_t x = random() >> 11, y = random() >> 11, z = random() >> 11;
     EXPECT_EQ(morton(x, y, z), interleave(x, y, z));

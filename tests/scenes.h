@@ -1,8 +1,8 @@
 #pragma once
 // Scenes that tests are made of: a few bodies placed by hand, or a named scene of the project.
 
-#include <random>
 #include <string>
+#include "tests/random.h"
 
 #include "sim_cuda/scene/scene_file.h"
 #include "tests/test_files.h"
@@ -44,7 +44,7 @@ inline Scene box_collider(std::int64_t count, Variant variant = Variant::paper, 
 
 /// Up to `most` spheres of mixed sizes in a random cloud, some of them coincident, some moving.
 inline Scene random_scene(unsigned seed, int most = 200) {
-  std::mt19937 random(seed);
+  Random random(seed);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (random() / 4294967296.0);
   };

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <numeric>
-#include <random>
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/segment_sort.h"
 #include "tests/executors.h"
+#include "tests/random.h"
 
 namespace collidoscope {
 namespace {
@@ -64,7 +64,7 @@ TEST_P(Scan, SumsBeyond32Bits) {
   Executor executor(options());
   for (const std::size_t count : {0u, 1u, 3u, 1000u, 65537u}) {
     std::vector<std::uint32_t> counts(count + 1);
-    std::mt19937 random(7);
+    Random random(7);
     for (auto& c : counts) c = random();  // 65537 of them exceed 2^32 by far
     Buffer<std::uint32_t> in(executor, "counts");
     Buffer<std::uint64_t> out(executor, "offsets");
@@ -82,7 +82,7 @@ TEST_P(Scan, SumsBeyond32Bits) {
 }
 
 TEST(SegmentSort, AgreesWithStdSort) {
-  std::mt19937 random(3);
+  Random random(3);
   for (int count = 0; count < 200; ++count)
     for (const std::uint32_t distinct : {2u, 1000u, 4000000000u}) {
       std::vector<std::uint32_t> values(static_cast<std::size_t>(count));

@@ -1,0 +1,117 @@
+#include "sim_cuda/world.h"
+
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class Worlds : public OnEachExecutor {};
+ON_EACH_EXECUTOR(Worlds);
+
+TEST_P(Worlds, AnAdoptedRunGoesOnBitForBit) {
+  Scene scene = box_collider(600);
+  scene.materials[0].restitution = 0.5;
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    scene.physics.precision = precision;
+    World whole(scene, options()), first(scene, options());
+    whole.step(60);
+    first.step(23);
+    RunOptions other = options();
+    other.executor = ExecutorKind::cpu;
+    other.broad_phase = "brute_force";
+    other.shape = {2, 8};
+    World second(scene, other);
+    second.adopt(first);
+    second.step(37);
+    EXPECT_EQ(second.steps(), 60);
+    EXPECT_EQ(second.state_hash(), whole.state_hash());
+    EXPECT_EQ(second.measure().wall_impulse, whole.measure().wall_impulse);
+  }
+}
+
+TEST_P(Worlds, AGrownOneKeepsItsSurvivorsAndSpawnsTheRest) {
+  World small(box_collider(100), options()), large(box_collider(250), options());
+  small.step(10);
+  const BodyStates before = small.bodies(), fresh = large.bodies();
+  large.adopt(small);
+  const BodyStates after = large.bodies();
+  for (std::size_t i = 0; i < 250; ++i)
+    EXPECT_EQ(after.position[i], i < 100 ? before.position[i] : fresh.position[i]);
+  World shrunk(box_collider(40), options());
+  shrunk.adopt(large);
+  EXPECT_EQ(shrunk.bodies().position[39], before.position[39]);
+  shrunk.step();
+  EXPECT_EQ(shrunk.measure().bodies, 40);
+}
+
+TEST_P(Worlds, ANewLaunchShapeActsAtTheNextStep) {
+  World world(box_collider(500), options()), plain(box_collider(500), options());
+  for (const LaunchShape shape : {LaunchShape{1, 1}, {4, 32}, {0, 0}, {2, 1024}}) {
+    world.set_launch_shape(shape);
+    EXPECT_EQ(world.launch_shape(), shape);
+    world.step(3);
+  }
+  plain.step(12);
+  EXPECT_EQ(world.state_hash(), plain.state_hash());
+}
+
+TEST_P(Worlds, InspectTellsAllOfABody) {
+  Scene scene = project_scene("spinning_top");
+  World top(scene, options());
+  top.step(7);
+  const BodyReport report = top.inspect(0);
+  const StepStats stats = top.measure();
+  // One body: its own momenta are the world's, and L = I w.
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(report.P[k], stats.momentum[k], 1e-6 * (1 + std::abs(stats.momentum[k])));
+    EXPECT_NEAR((report.X.cross(report.P) + report.L)[k], stats.angular_momentum[k], 1e-6 * report.L.norm());
+  }
+  EXPECT_LT((report.inverse_inertia * report.L - report.w).norm(), 1e-5 * report.w.norm());
+
+  World box(box_collider(1500), options());
+  box.detect();
+  const auto pairs = box.pairs();
+  const BodyStates states = box.bodies();
+  const TreeLevels tree = box.tree_levels();
+  for (const std::uint32_t id : {0u, 3u, 700u, 1499u}) {
+    const BodyReport body = box.inspect(id);
+    std::vector<std::uint32_t> expected;
+    for (const auto& [a, b] : pairs) {
+      if (a != id && b != id) continue;
+      const double reach = box.initial().radius[a] + box.initial().radius[b];
+      if ((states.position[a] - states.position[b]).norm() <= reach) expected.push_back(a == id ? b : a);
+    }
+    std::sort(expected.begin(), expected.end());
+    ASSERT_EQ(body.contacts.size(), expected.size());
+    EXPECT_EQ(body.contact_count, static_cast<std::int64_t>(expected.size()));
+    for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_EQ(body.contacts[k].other, expected[k]);
+    ASSERT_EQ(body.path.size(), tree.levels.size());
+    for (std::size_t level = 0; level < body.path.size(); ++level)
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_LE(body.path[level].min[axis], states.position[id][axis]);
+        EXPECT_GE(body.path[level].max[axis], states.position[id][axis]);
+      }
+    EXPECT_EQ(body.path.back().min[0], tree.levels.front()[0].min[0]) << "ends at the root";
+  }
+  EXPECT_THROW(box.inspect(1500), std::out_of_range);
+}
+
+TEST_P(Worlds, StageTimesNameThePipelineInOrder) {
+  World world(box_collider(300), options());
+  world.step(8);
+  const RunTimes times = world.times();
+  std::vector<std::string> names;
+  for (const StageTime& stage : times.stages) {
+    names.push_back(stage.name);
+    EXPECT_GE(stage.launches, 1) << stage.name;
+    EXPECT_GT(stage.median_ms, 0) << stage.name;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"bounds", "keys", "sort", "build", "pairs", "contacts", "colour",
+                                             "solve", "walls", "move"}));
+  EXPECT_EQ(times.steps_timed, 4);
+  EXPECT_GT(times.step_median_ms, 0);
+}
+
+}  // namespace
+}  // namespace collidoscope
