@@ -57,7 +57,11 @@ TEST_P(Worlds, ANewLaunchShapeActsAtTheNextStep) {
 }
 
 TEST_P(Worlds, InspectTellsAllOfABody) {
-  Scene scene = project_scene("spinning_top");
+  Scene scene = empty_space();
+  scene.bodies = {sphere(1, Vector3d(1, -2, 3), Vector3d(0.1, 0.2, 0.3))};
+  scene.bodies[0].mass = 2;
+  scene.bodies[0].inertia = Vector3d(1, 2, 2.5);
+  scene.bodies[0].angular_velocity = Vector3d(0.5, 3, -1);
   World top(scene, options());
   top.step(7);
   const BodyReport report = top.inspect(0);
