@@ -40,6 +40,7 @@ struct StageTime {
 /// mixed.
 struct RunTimes {
   double step_median_ms = 0, step_p95_ms = 0;  ///< 0 while no plain step was timed
+  double step_last_ms = 0;                     ///< the newest of them
   int steps_timed = 0;
   std::vector<StageTime> stages;  ///< in the order of the pipeline
 };

@@ -194,13 +194,25 @@ BodyReport World::inspect(std::uint32_t id) {
   return impl_->pipeline->inspect(id);
 }
 
-RunTimes World::times() const {
-  RunTimes times = impl_->executor.clock().times();
+namespace {
+
+/// Of the stages of a step alone, with the launches of all its substeps.
+RunTimes of_step(RunTimes times, int substeps) {
   std::erase_if(times.stages, [](const StageTime& s) {
     return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect";
   });
-  for (StageTime& s : times.stages) s.launches *= impl_->scene.physics.substeps;
+  for (StageTime& s : times.stages) s.launches *= substeps;
   return times;
+}
+
+}  // namespace
+
+RunTimes World::times() const {
+  return of_step(impl_->executor.clock().times(), impl_->scene.physics.substeps);
+}
+
+RunTimes World::latest_times() const {
+  return of_step(impl_->executor.clock().latest(), impl_->scene.physics.substeps);
 }
 
 void World::detect() {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/body_report.h"
 #include "sim_cuda/publish.h"
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/initial_bodies.h"
@@ -20,37 +21,6 @@ namespace collidoscope {
 struct BodyStates {
   std::vector<Vector3d> position, velocity, angular_velocity;
   std::vector<Quaterniond> orientation;
-};
-
-/// The boxes of the hierarchy, level by level from the root (level 0).
-struct TreeLevels {
-  struct Box {
-    float min[3], max[3];
-  };
-  std::vector<std::vector<Box>> levels;
-};
-
-/// Everything about one body, as the paper's Dynamics (Baraff 1997) has it, with its contacts and its place
-/// in the tree.
-struct BodyReport {
-  std::uint32_t id = 0;
-  double mass = 0, radius = 0;      ///< kg, m
-  Vector3d X{0, 0, 0};              ///< m, position
-  Quaterniond q{1, 0, 0, 0};        ///< R as a quaternion: principal axes to world
-  Vector3d v{0, 0, 0}, w{0, 0, 0};  ///< m/s, rad/s
-  Vector3d P{0, 0, 0}, L{0, 0, 0};  ///< kg m/s, kg m^2/s: momentum, angular momentum about the centre
-  Matrix3d inverse_inertia = Matrix3d::Zero();  ///< 1/(kg m^2), world axes
-  Vector3d F{0, 0, 0}, T{0, 0, 0};              ///< N, N m: what forwarding will apply (gravity)
-  struct Contact {
-    std::uint32_t other;
-    Vector3d normal;     ///< unit, from this body to the other
-    double penetration;  ///< m
-  };
-  std::vector<Contact> contacts;   ///< of the last step or detect(), by the other's id; the first 1,024
-  std::int64_t contact_count = 0;  ///< all of them
-  std::vector<TreeLevels::Box>
-      path;                ///< the boxes that hold it, from its leaf to the root; empty without a tree
-  std::int64_t leaf = -1;  ///< its place in the tree's order
 };
 
 class World {
@@ -93,6 +63,8 @@ class World {
   /// Sums, counts and penetration at the current state.
   StepStats measure();
   RunTimes times() const;
+  /// times() without medians and percentiles, which need all samples: for every frame of a live run.
+  RunTimes latest_times() const;
 
   /// One 64-bit hash of the state: equal exactly where all bodies are bitwise equal (-0 = 0, one NaN).
   std::uint64_t state_hash();

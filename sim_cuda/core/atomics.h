@@ -35,9 +35,12 @@ SIM_HD inline std::uint64_t atomic_next(std::uint64_t* counter) {
 #endif
 }
 
+/// Looks before it bids: most bids at a busy place are lower than what stands there, and a load costs far
+/// less than an atomic.
 SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
   static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+  if (*reinterpret_cast<volatile std::uint64_t*>(target) >= value) return;
   atomicMax(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
 #else
   std::atomic_ref<std::uint64_t> cell(*target);
@@ -56,19 +59,16 @@ SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
 #endif
 }
 
-/// A store that others may make at the same time, all of the same value.
-SIM_HD inline void atomic_store(std::uint32_t* target, std::uint32_t value) {
+/// A store that others may make at the same time, all of the same value. Left out where the value stands
+/// already, so that a busy cache line is not passed around.
+template <class T>
+SIM_HD void atomic_store(T* target, T value) {
 #if defined(__CUDA_ARCH__)
-  *reinterpret_cast<volatile std::uint32_t*>(target) = value;
+  auto* cell = reinterpret_cast<volatile T*>(target);
+  if (*cell != value) *cell = value;
 #else
-  std::atomic_ref<std::uint32_t>(*target).store(value, std::memory_order_relaxed);
-#endif
-}
-SIM_HD inline void atomic_store(std::uint64_t* target, std::uint64_t value) {
-#if defined(__CUDA_ARCH__)
-  *reinterpret_cast<volatile std::uint64_t*>(target) = value;
-#else
-  std::atomic_ref<std::uint64_t>(*target).store(value, std::memory_order_relaxed);
+  std::atomic_ref<T> cell(*target);
+  if (cell.load(std::memory_order_relaxed) != value) cell.store(value, std::memory_order_relaxed);
 #endif
 }
 

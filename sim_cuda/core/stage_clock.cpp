@@ -47,9 +47,20 @@ RunTimes StageClock::times() const {
   times.steps_timed = static_cast<int>(plain_ms_.size());
   times.step_median_ms = quantile(plain_ms_, 0.5);
   times.step_p95_ms = quantile(plain_ms_, 0.95);
+  times.step_last_ms = plain_ms_.empty() ? 0.0 : plain_ms_.back();
   for (const Entry& e : entries_)
     times.stages.push_back({e.name, quantile(e.samples_ms, 0.5), quantile(e.samples_ms, 0.95),
                             e.samples_ms.empty() ? 0.0 : e.samples_ms.back(), e.launches, e.own_shape});
+  return times;
+}
+
+RunTimes StageClock::latest() const {
+  RunTimes times;
+  times.steps_timed = static_cast<int>(plain_ms_.size());
+  times.step_last_ms = plain_ms_.empty() ? 0.0 : plain_ms_.back();
+  for (const Entry& e : entries_)
+    times.stages.push_back(
+        {e.name, 0, 0, e.samples_ms.empty() ? 0.0 : e.samples_ms.back(), e.launches, e.own_shape});
   return times;
 }
 

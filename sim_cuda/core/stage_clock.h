@@ -39,6 +39,8 @@ class StageClock {
   void clear_samples();
 
   RunTimes times() const;
+  /// The newest samples alone, without medians: cheap however long the run.
+  RunTimes latest() const;
 
  private:
   std::vector<Entry> entries_;

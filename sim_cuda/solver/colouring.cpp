@@ -91,8 +91,8 @@ struct Round {
     }
     atomic_max(&bids[bodies.a], mine);
     atomic_max(&bids[bodies.b], mine);
-    atomic_store(&cleared[bodies.a], 0);
-    atomic_store(&cleared[bodies.b], 0);
+    atomic_store(&cleared[bodies.a], std::uint64_t{0});
+    atomic_store(&cleared[bodies.b], std::uint64_t{0});
     atomic_store(pending_next, control->contacts);
   }
 };
