@@ -1,0 +1,110 @@
+// The ring of the last steps, and what is written of it.
+
+#include "sim_cuda/history.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace collidoscope {
+namespace {
+
+StageTime stage(const char* name, double last_ms) {
+  StageTime time;
+  time.name = name;
+  time.last_ms = last_ms;
+  time.launches = 2;
+  return time;
+}
+
+// Step k: odd ones are plain and take k ms, even ones take k ms in "a" and 1 ms in "b".
+History filled(std::size_t capacity, int steps) {
+  History history(capacity);
+  for (int k = 1; k <= steps; ++k) {
+    HistoryStep step;
+    step.step = k;
+    step.measured = k % 3 == 0;
+    step.stats.kinetic_energy = 0.5 * k;
+    if (k % 2 == 1) {
+      step.plain_ms = k;
+      history.add(step, {});
+    } else {
+      history.add(step, {stage("a", k), stage("b", 1)});
+    }
+  }
+  return history;
+}
+
+TEST(History, KeepsTheNewest) {
+  const History history = filled(7, 100);
+  ASSERT_EQ(history.size(), 7u);
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(history[i].step, 94 + static_cast<std::int64_t>(i));
+  EXPECT_TRUE(history[0].instrumented());
+  EXPECT_FALSE(history[1].instrumented());
+}
+
+TEST(History, SummariesAreThoseOfTheWindow) {
+  const History history = filled(50, 21);
+  // The last 10 steps are 12 to 21: even ones 12, 14, 16, 18, 20 are timed by stages.
+  const TimeSummary a = history.summarize_stage(0, 10);
+  EXPECT_EQ(a.samples, 5);
+  EXPECT_EQ(a.now, 20);
+  EXPECT_EQ(a.median, 16);
+  EXPECT_NEAR(a.p95, 18 + 0.8 * 2, 1e-5);
+  EXPECT_EQ(history.summarize_sum(10).median, 17);
+  const TimeSummary plain = history.summarize_plain(10);
+  EXPECT_EQ(plain.samples, 5);
+  EXPECT_EQ(plain.median, 17);
+  EXPECT_EQ(plain.now, 21);
+  EXPECT_EQ(history.summarize_stage(7, 10).samples, 0);
+  EXPECT_EQ(History().summarize_plain(10).samples, 0);
+}
+
+TEST(History, StagesThatComeLateAreNotMixedUp) {
+  History history;
+  history.add({}, {stage("a", 1), stage("b", 2)});
+  history.add({}, {stage("c", 3), stage("b", 4)});
+  ASSERT_EQ(history.stages().size(), 3u);
+  EXPECT_THAT(history[1].stage_ms, testing::ElementsAre(-1.0f, 4.0f, 3.0f));
+  EXPECT_EQ(history[1].stage_sum(), 7);
+  EXPECT_EQ(history.summarize_stage(0, 10).samples, 1);
+}
+
+TEST(History, CsvHasAFieldForEachColumn) {
+  std::istringstream text(history_csv(filled(50, 9), 4));
+  std::string line;
+  std::vector<std::string> lines;
+  while (std::getline(text, line)) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 5u);
+  const auto commas = [](const std::string& row) { return std::count(row.begin(), row.end(), ','); };
+  for (const std::string& row : lines) EXPECT_EQ(commas(row), commas(lines[0])) << row;
+  EXPECT_TRUE(lines[0].ends_with(",a_ms,b_ms"));
+  EXPECT_TRUE(lines[1].starts_with("6,,7,")) << lines[1];
+  EXPECT_TRUE(lines[1].ends_with(",6,1")) << lines[1];
+  EXPECT_TRUE(lines[2].starts_with("7,7,,")) << lines[2];
+}
+
+TEST(History, JsonSaysTheSame) {
+  History history = filled(50, 9);
+  HistoryStep broken;
+  broken.step = 10;
+  broken.measured = true;
+  broken.stats.kinetic_energy = std::nan("");
+  history.add(broken, {});
+  const auto document = nlohmann::json::parse(history_json(history, 5));
+  ASSERT_EQ(document["steps"].size(), 5u);
+  EXPECT_EQ(document["steps"][0]["step"], 6);
+  EXPECT_EQ(document["steps"][0]["stage_ms"]["a"], 6.0);
+  EXPECT_EQ(document["steps"][0]["kinetic"], 3.0);
+  EXPECT_TRUE(document["steps"][1]["stage_ms"].is_null());
+  EXPECT_TRUE(document["steps"][4]["kinetic"].is_null());
+  EXPECT_EQ(document["stages"][0]["name"], "a");
+  EXPECT_EQ(document["stages"][0]["median_ms"], 7.0);
+}
+
+}  // namespace
+}  // namespace collidoscope
