@@ -80,7 +80,8 @@ EglContext::EglContext(int cuda_device) {
     throw MachineError("no picture can be drawn: libEGL is missing (Debian: apt install libegl1)");
   const bool has_platforms = epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base");
   if (has_platforms && epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
-      epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration")) {
+      (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
+       epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_base"))) {  // NVIDIA names the older one alone
     const std::vector<Candidate> candidates = devices(cuda_device);
     const bool any_wanted = std::any_of(candidates.begin(), candidates.end(),
                                         [](const Candidate& candidate) { return candidate.rank == 0; });
