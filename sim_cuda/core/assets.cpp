@@ -26,7 +26,7 @@ fs::path asset(const std::string& name) {
   std::string looked;
   for (const fs::path& folder : asset_folders()) {
     std::error_code failed;
-    if (const fs::path found = folder / name; fs::exists(found, failed)) return found;
+    if (fs::path found = folder / name; fs::exists(found, failed)) return found;
     looked += (looked.empty() ? "" : ", ") + folder.string();
   }
   throw MachineError("asset '" + name + "' is missing: looked in " + looked +
