@@ -38,7 +38,6 @@ TEST(Progress, ATerminalIsDrawnOnAndLeftClean) {
     Progress progress("steps", 10, stream);
     EXPECT_TRUE(progress.visible());
     progress.update(5);
-    progress.update(6);  // too soon to be drawn
   }
   // The kernel hands over what was written in as many pieces as it likes.
   const std::string wiped = "\r\x1b[K";
@@ -53,7 +52,6 @@ TEST(Progress, ATerminalIsDrawnOnAndLeftClean) {
   std::fclose(stream);
   close(terminal);
   EXPECT_THAT(drawn, testing::StartsWith("\rsteps"));
-  EXPECT_THAT(drawn, testing::Not(testing::HasSubstr("6/10")));
   EXPECT_THAT(drawn, testing::EndsWith(wiped));
   EXPECT_LE(drawn.find('\x1b'), 40u);
 }
