@@ -14,10 +14,11 @@
 #include "headless/progress.h"
 #include "sim_cuda/core/error.h"
 #include "ui/overlay.h"
-#include "viewer/render/colors.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
+#include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
+#include "viewer/render/value_range.h"
 
 namespace collidoscope {
 namespace {
@@ -36,41 +37,6 @@ std::string file_stem(const std::string& scene) {
   }
   while (!stem.empty() && stem.back() == '_') stem.pop_back();
   return stem.empty() ? "scene" : stem;
-}
-
-// Up to two digits, so that legends read well: 17.3 becomes 18.
-double round_up(double value) {
-  if (!(value > 0) || !std::isfinite(value)) return 1;
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
-  return std::ceil(value / unit - 1e-9) * unit;
-}
-
-ValueRange value_range(const World& world, BodyColor color, const StepStats& stats) {
-  const std::vector<double>& radius = world.initial().radius;
-  const double last = static_cast<double>(std::max<std::size_t>(radius.size(), 2) - 1);
-  switch (color) {
-    case BodyColor::speed: {
-      // A few fast bodies would leave one colour to all others: the map ends at 2.2 times the root mean
-      // square (weighed by mass), and the legend says that it goes on.
-      double mass = 0;
-      for (double m : world.initial().mass) mass += m;
-      const double rms = mass > 0 ? std::sqrt(2 * stats.kinetic_energy / mass) : 0;
-      return {0, round_up(std::min(stats.max_speed, 2.2 * rms))};
-    }
-    case BodyColor::radius:
-      return {0, radius.empty() ? 1 : round_up(*std::max_element(radius.begin(), radius.end()))};
-    case BodyColor::contacts:
-      return {0, 12};  // as many equal spheres as touch one of their size
-    case BodyColor::id:
-    case BodyColor::order:
-      return {0, last};
-  }
-  return {};
-}
-
-PackedColor packed(const Rgb& color) {
-  const auto byte = [](float value) { return static_cast<PackedColor>(value * 255 + 0.5f); };
-  return 0xff000000u | byte(color.b) << 16 | byte(color.g) << 8 | byte(color.r);
 }
 
 std::string variant_name(const Scene& scene) {
@@ -104,20 +70,20 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.stages = times.stages;
   text.step_ms = times.step_median_ms;
   text.timings = request.timings;
-  if (layers.spheres && layers.color != BodyColor::id) {
-    const ColorMeaning meaning = color_meaning(layers.color);
-    text.legend_title = meaning.title;
-    text.legend_unit = meaning.unit;
-    text.legend_min = values.min;
-    text.legend_max = values.max;
-    text.legend_goes_on =
-        layers.color == BodyColor::speed ? stats.max_speed > values.max : layers.color == BodyColor::contacts;
-    for (const Rgb& color : color_map()) text.legend_colors.push_back(packed(color));
+  if (layers.spheres) {
+    Legend legend = body_legend(layers.color, values, stats);
+    text.legend_title = legend.title;
+    text.legend_unit = legend.unit;
+    text.legend_min = legend.min;
+    text.legend_max = legend.max;
+    text.legend_goes_on = legend.goes_on;
+    text.legend_colors = std::move(legend.colors);
   }
   if (layers.boxes) {
     const int last = std::min(layers.last_level, world.tree_level_count() - 1);
+    const std::vector<std::uint32_t> colors = level_legend();
     for (int level = layers.first_level; level <= last; ++level)
-      text.levels.push_back({level, packed(level_color(level))});
+      text.levels.push_back({level, colors[static_cast<std::size_t>(level) % colors.size()]});
     text.boxes_drawn = drawn.boxes;
   }
   text.contacts_shown = layers.contacts;

@@ -10,6 +10,7 @@
 #include "headless/flag_value.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
 namespace {
@@ -29,6 +30,8 @@ constexpr std::array<CommandName, 3> commands{
 constexpr const char* exit_codes =
     "Exit status: 0 done, 1 a check failed, 2 bad input, 3 something that the machine lacks.";
 
+constexpr CommandName viewer{"collidoscope", Command::view, "[SCENE]", 0, "the window"};
+
 std::string program_help() {
   std::string text = "collidoscope-headless COMMAND ...: Collidoscope without a window.\n\n";
   for (const CommandName& one : commands)
@@ -40,8 +43,9 @@ std::string program_help() {
 }
 
 std::string command_help(const CommandName& command) {
-  std::string text = fmt::format("collidoscope-headless {} {} [FLAGS]: {}.\n\n", command.name,
-                                 command.operands, command.help);
+  std::string text = fmt::format("{}{} {} [FLAGS]: {}.\n\n",
+                                 command.command == Command::view ? "" : "collidoscope-headless ",
+                                 command.name, command.operands, command.help);
   for (const Flag& flag : flags())
     if (flag.commands & bit(command.command))
       text += fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value ? flag.value : ""),
@@ -69,7 +73,8 @@ void check_operands(const CommandName& command, const std::vector<std::string>& 
     faults.push_back(fmt::format("{}: {} missing: {} {}", command.name,
                                  command.operand_count - operands.size() > 1 ? "two files are" : "a file is",
                                  command.name, command.operands));
-  for (std::size_t extra = command.operand_count; extra < operands.size(); ++extra)
+  const std::size_t most = command.command == Command::view ? 1 : command.operand_count;
+  for (std::size_t extra = most; extra < operands.size(); ++extra)
     faults.push_back(fmt::format("{}: one argument too many; {} takes {}", shown(operands[extra]),
                                  command.name, command.operands));
 }
@@ -99,18 +104,10 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
   add("--energy-trace", options.energy_trace);
 }
 
-}  // namespace
-
-CommandLine parse_command_line(const std::vector<std::string>& arguments) {
+/// The arguments that follow the command.
+CommandLine parse_arguments(const CommandName& command, const std::vector<std::string>& arguments) {
   CommandLine line;
-  const std::string first = arguments.empty() ? "" : arguments[0];
-  if (first == "--help" || first == "-h" || first == "help") return answer(program_help());
-  if (first == "--version") return answer("collidoscope-headless " COLLIDOSCOPE_VERSION);
-  const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
-  if (command == commands.end())
-    throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
-                     "; there are run, capture and compare, and --help");
-  line.command = command->command;
+  line.command = command.command;
 
   CLI::App app;
   app.allow_extras();
@@ -124,9 +121,9 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
 
   std::vector<std::string> faults;
   try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), std::prev(arguments.rend())));
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
-    return answer(command_help(*command));
+    return answer(command_help(command));
   } catch (const CLI::ParseError& error) {
     faults.push_back(missing_value(error.what()));
   }
@@ -141,12 +138,40 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
       line.operands.push_back(extra);
     else if (extra != "--")
       faults.push_back(
-          fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command->name));
+          fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command.name));
   }
-  check_operands(*command, line.operands, faults);
+  check_operands(command, line.operands, faults);
   check_files(line, faults);
   if (!faults.empty()) throw InputError(faults);
   return line;
+}
+
+}  // namespace
+
+CommandLine parse_command_line(const std::vector<std::string>& arguments) {
+  const std::string first = arguments.empty() ? "" : arguments[0];
+  if (first == "--help" || first == "-h" || first == "help") return answer(program_help());
+  if (first == "--version") return answer("collidoscope-headless " COLLIDOSCOPE_VERSION);
+  const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
+  if (command == commands.end())
+    throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
+                     "; there are run, capture and compare, and --help");
+  return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()});
+}
+
+CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
+  if (std::ranges::find(arguments, "--version") != arguments.end())
+    return answer("collidoscope " COLLIDOSCOPE_VERSION);
+  CommandLine line = parse_arguments(viewer, arguments);
+  if (line.operands.empty()) line.operands.emplace_back("box_collider");
+  return line;
+}
+
+Scene load_scene(const CommandLine& line) {
+  const std::string file = scene_file(line.operands[0]);
+  Scene scene = read_scene(file);
+  apply(line.options.overrides, file, scene);
+  return scene;
 }
 
 std::string scene_file(const std::string& given) {

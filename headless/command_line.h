@@ -17,6 +17,11 @@ struct CommandLine {
 
 /// Reads the arguments that follow the program's name. Throws InputError with a line for each fault.
 CommandLine parse_command_line(const std::vector<std::string>& arguments);
+/// The same for the desktop program, which has one command; a scene that is not named is the Box Collider.
+CommandLine parse_viewer_line(const std::vector<std::string>& arguments);
+
+/// The scene of `run`, `capture` and the viewer, with its overrides. Throws InputError.
+Scene load_scene(const CommandLine& line);
 
 /// The file of a scene that was given as a path or as the bare name of one in assets/scenes. Throws
 /// InputError, which names the scenes there are.

@@ -104,7 +104,8 @@ void collect(std::vector<std::string>& faults, Read read) {
 }
 
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
-constexpr unsigned stepping = running | capturing, all = stepping | bit(Command::compare);
+constexpr unsigned viewing = bit(Command::view), drawing = capturing | viewing;
+constexpr unsigned stepping = running | drawing, reporting = running | capturing | bit(Command::compare);
 
 struct Reader {
   Flag flag;
@@ -174,11 +175,13 @@ constexpr Reader readers[] = {
          in.options.run.initial_pair_capacity = *n;
      }},
 
-    {{"--steps", "K", "steps to run [300]", running},
+    {{"--steps", "K", "steps to run [300]; the viewer pauses at this state", running | viewing},
      [](Reading& in) {
-       if (const auto n = in.value.whole(0, 1'000'000'000)) in.options.steps = *n;
+       const auto n = in.value.whole(0, 1'000'000'000);
+       if (n) in.options.steps = *n;
+       in.options.view.pause_at = n;
      }},
-    {{"--json", "FILE|-", "the report as JSON; with -, alone on stdout", all},
+    {{"--json", "FILE|-", "the report as JSON; with -, alone on stdout", reporting},
      [](Reading& in) { read_path(in.value, in.options.json); }},
     {{"--dump-bodies", "FILE", "CSV: the state of every body at the end", running},
      [](Reading& in) { read_path(in.value, in.options.dump_bodies); }},
@@ -192,7 +195,7 @@ constexpr Reader readers[] = {
      [](Reading& in) {
        collect(in.faults, [&] { in.options.capture.states = parse_states(std::string(in.value.text())); });
      }},
-    {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", capturing},
+    {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", drawing},
      [](Reading& in) {
        collect(in.faults, [&] {
          const BodyColor color = in.options.capture.layers.color;
@@ -200,24 +203,29 @@ constexpr Reader readers[] = {
          in.options.capture.layers.color = color;
        });
      }},
-    {{"--color", "NAME", "speed, radius, id, contacts or order: what colours the bodies", capturing},
+    {{"--color", "NAME", "speed, radius, id, contacts or order: what colours the bodies", drawing},
      [](Reading& in) {
        collect(in.faults,
                [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });
      }},
-    {{"--size", "WxH", "pixels of a picture", capturing},
+    {{"--size", "WxH", "pixels of a picture", drawing},
      [](Reading& in) {
        collect(in.faults, [&] { parse_size(std::string(in.value.text()), in.options.capture); });
      }},
     {{"--out", "DIR", "where pictures go [captures]", capturing},
      [](Reading& in) { read_path(in.value, in.options.capture.out); }},
-    {{"--display-path", "NAME", "auto, interop, copy or upload: how data reach the picture", capturing},
+    {{"--display-path", "NAME", "auto, interop, copy or upload: how data reach the picture", drawing},
      [](Reading& in) {
        collect(in.faults,
                [&] { in.options.capture.display_path = parse_display_path(std::string(in.value.text())); });
      }},
     {{"--timings", nullptr, "draw stage times too; such pictures differ from run to run", capturing},
      [](Reading& in) { in.options.capture.timings = true; }},
+
+    {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
+     [](Reading& in) { in.options.view.reset_ui = true; }},
+    {{"--automation", "FILE", "a line of JSON for each frame: state, and where each widget is", viewing},
+     [](Reading& in) { read_path(in.value, in.options.view.automation); }},
 };
 
 }  // namespace

@@ -36,6 +36,8 @@ int perform(const CommandLine& line) {
       return capture_command(line);
     case Command::compare:
       return run_compare(line.operands[0], line.operands[1], line.options.json == "-");
+    case Command::view:
+      break;  // no word of the command line means it
   }
   return bad_input;
 }

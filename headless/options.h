@@ -15,7 +15,15 @@
 
 namespace collidoscope {
 
-enum class Command { run, capture, compare };
+/// `view` is what the desktop program does; it has no word on the command line.
+enum class Command { run, capture, compare, view };
+
+/// What only the desktop program takes.
+struct ViewRequest {
+  bool reset_ui = false;                 ///< forget what was remembered of panels and layers
+  std::string automation;                ///< file that gets a line of JSON for each frame, or empty
+  std::optional<std::int64_t> pause_at;  ///< state
+};
 
 /// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows
 /// it.
@@ -44,6 +52,7 @@ struct Options {
   std::string dump_dynamics;  ///<
   std::string energy_trace;   ///<
   CaptureRequest capture;
+  ViewRequest view;
 };
 
 /// A flag of the command line, for --help and for the parser.

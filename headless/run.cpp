@@ -13,7 +13,6 @@
 #include "headless/progress.h"
 #include "headless/report.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -46,13 +45,6 @@ struct Outputs {
     if (!faults.empty()) throw InputError(faults);
   }
 };
-
-Scene load_scene(const CommandLine& line) {
-  const std::string file = scene_file(line.operands[0]);
-  Scene scene = read_scene(file);
-  apply(line.options.overrides, file, scene);
-  return scene;
-}
 
 World make_world(const Scene& scene, const Options& options) {
   World world(scene, options.run);

@@ -141,9 +141,9 @@ void draw_color_bar(const Writer& write, const OverlayText& text, float x, float
     return std::abs(value) >= 1e4 && value == std::floor(value) ? grouped(static_cast<std::int64_t>(value))
                                                                 : fmt::format("{:.4g}", value);
   };
-  write.at(x, y + height + size * 0.25f, number(text.legend_min), dim);
+  write.at(x, y + height + size * 0.25f, number(text.legend_min), plain);
   write.right(x + width, y + height + size * 0.25f,
-              (text.legend_goes_on ? "≥ " : "") + number(text.legend_max), dim);
+              (text.legend_goes_on ? "≥ " : "") + number(text.legend_max), plain);
 }
 
 // From the right margin leftwards: grid, contacts, levels.
@@ -152,7 +152,7 @@ void draw_keys(const Writer& write, const OverlayText& text, float right, float 
   const auto key = [&](const std::string& name, ImU32 color, bool mark) {
     const float x = right - write.width(name);
     if (x - size * 1.6f < left) return;
-    write.at(x, y, name, mark ? plain : dim);
+    write.at(x, y, name, plain);
     right = x - size * 0.5f;
     if (mark) {
       write.list()->AddRectFilled({right - size * 0.9f, y + size * 0.52f}, {right, y + size * 0.74f}, color);
@@ -173,7 +173,7 @@ void draw_keys(const Writer& write, const OverlayText& text, float right, float 
 
 float overlay_font_size(int width, int height) {
   const float fit = std::min(static_cast<float>(width) / 1280.0f, static_cast<float>(height) / 800.0f);
-  return std::round(std::clamp(15.0f * fit, 9.0f, 60.0f));
+  return std::round(std::clamp(15.0f * fit, 11.0f, 60.0f));
 }
 
 void draw_overlay(const OverlayText& text, float width, float height) {
@@ -189,10 +189,14 @@ void draw_overlay(const OverlayText& text, float width, float height) {
   write.end_plate();
   float keys_from = margin;
   if (!text.legend_title.empty()) {
+    write.begin_plate();
     draw_color_bar(write, text, margin, height - margin * 0.7f);
+    write.end_plate();
     keys_from += write.size() * 15;
   }
+  write.begin_plate();
   draw_keys(write, text, width - margin, height - margin * 0.7f - write.size(), keys_from);
+  write.end_plate();
 }
 
 }  // namespace collidoscope

@@ -11,13 +11,22 @@
 
 namespace collidoscope {
 
-GuiPass::GuiPass(float font_size) {
+GuiPass::GuiPass(float font_size) : font_size_(font_size) {
   IMGUI_CHECKVERSION();
-  const std::string font = asset("fonts/JetBrainsMono-Regular.ttf").string();
+  const std::string font =
+      asset("fonts/JetBrainsMono-Regular.ttf").string();  // before there is a context to leak
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
+  load_fonts();
+  if (!ImGui_ImplOpenGL3_Init("#version 450 core"))
+    throw MachineError("Dear ImGui found no OpenGL (libGL.so.1 is needed)");
+}
+
+void GuiPass::load_fonts() {
+  const std::string font = asset("fonts/JetBrainsMono-Regular.ttf").string();
+  ImGuiIO& io = ImGui::GetIO();
   // Latin, Greek, dashes and dots, super- and subscripts, arrows, mathematical signs.
   static constexpr ImWchar ranges[] = {0x0020, 0x00ff, 0x0370, 0x03ff, 0x2010, 0x2026, 0x2070,
                                        0x209f, 0x2190, 0x2193, 0x2200, 0x22ff, 0};
@@ -25,11 +34,18 @@ GuiPass::GuiPass(float font_size) {
   config.OversampleH = 2;
   config.OversampleV = 2;
   // The default, and one for titles.
-  if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size, &config, ranges) ||
-      !io.Fonts->AddFontFromFileTTF(font.c_str(), std::round(1.6f * font_size), &config, ranges))
+  if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size_, &config, ranges) ||
+      !io.Fonts->AddFontFromFileTTF(font.c_str(), std::round(1.6f * font_size_), &config, ranges))
     throw MachineError("font '" + font + "' cannot be used");
-  if (!ImGui_ImplOpenGL3_Init("#version 450 core"))
-    throw MachineError("Dear ImGui found no OpenGL (libGL.so.1 is needed)");
+}
+
+void GuiPass::set_font_size(float font_size) {
+  if (font_size == font_size_) return;
+  font_size_ = font_size;
+  ImGui::GetIO().Fonts->Clear();
+  load_fonts();
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 GuiPass::~GuiPass() {

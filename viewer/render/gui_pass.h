@@ -14,9 +14,17 @@ class GuiPass {
   GuiPass(const GuiPass&) = delete;
   GuiPass& operator=(const GuiPass&) = delete;
 
+  /// Between frames.
+  void set_font_size(float font_size);
+
   /// Between the two, ImGui may be called. `step`: s, told to ImGui as the time since the last frame.
   void begin(int width, int height, float step = 1.0f / 60);
   void end(const gl::Target& picture);
+
+ private:
+  void load_fonts();
+
+  float font_size_;
 };
 
 }  // namespace collidoscope

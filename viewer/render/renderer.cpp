@@ -64,6 +64,11 @@ void Renderer::set_scene(const FrameScene& scene) {
   walls_.upload(&walls, sizeof walls);
 }
 
+void Renderer::set_marks(std::span<const BoxInstance> boxes) {
+  mark_count_ = static_cast<std::int64_t>(boxes.size());
+  if (mark_count_ > 0) marks_.upload(boxes.data(), boxes.size_bytes());
+}
+
 void Renderer::bind_uniforms(const gl::Buffer& buffer) const {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, buffer.get());
 }
@@ -112,6 +117,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.boxes)
     lines_.draw_boxes(instances_.boxes, instances_.counts.boxes, layers.first_level, layers.last_level);
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
+  if (mark_count_ > 0) lines_.draw_boxes(marks_, mark_count_, 0, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, 0, 0);
 
   picture_->bind();
@@ -135,7 +141,7 @@ Image Renderer::read_picture() const {
   return image;
 }
 
-std::vector<std::uint32_t> Renderer::draw_ids(const OrbitCamera& camera, const IdLayers& layers) {
+void Renderer::draw_id_target(const OrbitCamera& camera, const IdLayers& layers) {
   if (!ids_) ids_.emplace("ids", width(), height(), std::vector<GLenum>{GL_R32UI}, GL_DEPTH_COMPONENT32F);
   const FrameUniforms uniforms = camera_uniforms(camera, scene_, width(), height(), 1);
   camera_uniforms_.upload(&uniforms, sizeof uniforms);
@@ -154,6 +160,21 @@ std::vector<std::uint32_t> Renderer::draw_ids(const OrbitCamera& camera, const I
   glDisable(GL_BLEND);
   if (layers.bodies) bodies_.draw(instances_, BodyPass::Output::ids, colors_.get());
   if (layers.boxes) lines_.draw_box_ids(instances_.boxes, instances_.counts.boxes);
+}
+
+std::uint32_t Renderer::pick(const OrbitCamera& camera, const IdLayers& layers, int x, int y) {
+  if (x < 0 || y < 0 || x >= width() || y >= height()) return 0;
+  draw_id_target(camera, layers);
+  std::uint32_t id = 0;
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glGetTextureSubImage(ids_->color(), 0, x, height() - 1 - y, 0, 1, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                       sizeof id, &id);
+  gl::check("to read an id back");
+  return id;
+}
+
+std::vector<std::uint32_t> Renderer::draw_ids(const OrbitCamera& camera, const IdLayers& layers) {
+  draw_id_target(camera, layers);
   std::vector<std::uint32_t> ids(static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()));
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glGetTextureImage(ids_->color(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT,

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "viewer/render/body_pass.h"
@@ -36,6 +37,10 @@ class Renderer {
   /// Filled by whoever publishes, before draw().
   InstanceBuffers& instances() { return instances_; }
 
+  /// Boxes that draw() draws on top, whatever the layers are: the path of a body in the tree. Their colours
+  /// are those of their levels.
+  void set_marks(std::span<const BoxInstance> boxes);
+
   void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values);
   Image read_picture() const;
   /// The framebuffer that holds the picture: text and panels are drawn on top of it.
@@ -44,8 +49,11 @@ class Renderer {
   /// One id for each pixel of the picture, rows from the top, 0 where there is nothing. Drawn as asked, apart
   /// from draw(): never blended, one sample at the middle of each pixel.
   std::vector<std::uint32_t> draw_ids(const OrbitCamera& camera, const IdLayers& layers);
+  /// The one at a pixel, counted from the top left corner; nothing else is read back.
+  std::uint32_t pick(const OrbitCamera& camera, const IdLayers& layers, int x, int y);
 
  private:
+  void draw_id_target(const OrbitCamera& camera, const IdLayers& layers);
   void bind_uniforms(const gl::Buffer& buffer) const;
 
   int supersampling_;
@@ -56,7 +64,8 @@ class Renderer {
   LightPass light_;
   gl::Program floor_, resolve_;
   gl::VertexLayout nothing_;
-  gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"};
+  gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"}, marks_{"marks"};
+  std::int64_t mark_count_ = 0;
   gl::TextureHandle colors_;
   std::optional<gl::Target> surface_, lit_, picture_, ids_;
 };

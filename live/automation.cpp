@@ -1,0 +1,62 @@
+#include "live/automation.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+
+Automation::Automation(const std::string& file) : stream_(file, std::ios::trunc) {
+  if (!stream_) throw InputError("--automation: '" + file + "' cannot be written");
+}
+
+void Automation::write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  const Settings& s = view.in_effect;
+  Json line = {{"frame", frame.frame},
+               {"window", {frame.width, frame.height}},
+               {"step", view.stats.step},
+               {"playing", workspace.playing},
+               {"edited", view.edited},
+               {"bodies", view.stats.bodies},
+               {"blocks", s.shape.blocks},
+               {"threads", s.shape.threads},
+               {"variant", std::string(name_of(variant_names, s.variant))},
+               {"seed", s.seed},
+               {"time_step", s.time_step},
+               {"restitution", s.restitution},
+               {"precision", std::string(name_of(precision_names, s.precision))},
+               {"broad_phase", s.broad_phase},
+               {"layers",
+                {{"spheres", workspace.layers.spheres},
+                 {"boxes", workspace.layers.boxes},
+                 {"contacts", workspace.layers.contacts},
+                 {"grid", workspace.layers.grid},
+                 {"walls", workspace.layers.walls},
+                 {"first_level", workspace.layers.first_level},
+                 {"last_level", workspace.layers.last_level},
+                 {"color", static_cast<int>(workspace.layers.color)}}},
+               {"drawn", {{"spheres", frame.spheres}, {"boxes", frame.boxes}, {"contacts", frame.contacts}}},
+               {"camera", frame.camera},
+               {"orthographic", view.orthographic},
+               {"ui_ms", frame.ui_ms},
+               {"frames_per_second", view.frames_per_second},
+               {"picture", frame.picture},
+               {"wants_mouse", frame.wants_mouse},
+               {"help", workspace.help},
+               {"light", workspace.theme == Theme::light},
+               {"notice", workspace.notice}};
+  line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
+  line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
+  line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
+  Json widgets = Json::object();
+  for (const auto& [name, rect] : workspace.widgets)
+    widgets[name] = {rect.x, rect.y, rect.width, rect.height};
+  line["widgets"] = widgets;
+  stream_ << line.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,159 @@
+#include "live/live_world.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "sim_cuda/scene/box_collider.h"
+
+namespace collidoscope {
+namespace {
+
+Settings settings_of(const Scene& scene, const RunOptions& options, std::int64_t bodies) {
+  Settings s;
+  s.bodies = bodies;
+  if (scene.generators.size() == 1) {
+    const BoxCollider& generator = scene.generators[0];
+    s.bodies = generator.count;
+    s.radius_max = generator.radius_max;
+    s.seed = generator.seed;
+    s.variant = generator.variant;
+  }
+  s.time_step = scene.physics.time_step;
+  s.restitution = scene.materials[0].restitution;
+  s.precision = scene.physics.precision;
+  s.executor = options.executor;
+  s.shape = options.shape;
+  s.broad_phase = options.broad_phase;
+  return s;
+}
+
+bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->min == b->min && a->max == b->max;
+}
+
+bool physics_differ(const Settings& a, const Settings& b) {
+  return a.time_step != b.time_step || a.restitution != b.restitution || a.precision != b.precision ||
+         a.bodies != b.bodies;
+}
+
+}  // namespace
+
+void set_scene(const Settings& wish, Scene& scene) {
+  if (scene.generators.size() == 1) {
+    BoxCollider& generator = scene.generators[0];
+    generator.count = wish.bodies;
+    generator.radius_max = wish.radius_max;
+    generator.seed = wish.seed;
+    generator.variant = wish.variant;
+  }
+  if (wish.time_step != scene.physics.time_step) {
+    scene.physics.time_step = wish.time_step;
+    scene.physics.steps_per_second.reset();
+  }
+  scene.materials[0].restitution = wish.restitution;
+  scene.physics.precision = wish.precision;
+}
+
+void set_options(const Settings& wish, RunOptions& options) {
+  options.executor = wish.executor;
+  options.shape = wish.shape;
+  options.broad_phase = wish.broad_phase;
+}
+
+LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
+    : world_(std::make_unique<World>(scene, options)) {}
+
+Settings LiveWorld::settings() const {
+  return settings_of(world_->scene(), world_->options(), static_cast<std::int64_t>(world_->initial().size()));
+}
+
+void LiveWorld::replace(std::unique_ptr<World> world) {
+  world_ = std::move(world);
+  ++generation_;
+  stats_known_ = hash_known_ = false;
+}
+
+std::string LiveWorld::apply(const Settings& wish) {
+  Settings now = settings();
+  if (wish == now) return "";
+  Settings with_shape = now;
+  with_shape.shape = wish.shape;
+  if (wish == with_shape) {
+    world_->set_launch_shape(wish.shape);
+    return "";
+  }
+  const auto start = std::chrono::steady_clock::now();
+  Scene scene = world_->scene();
+  RunOptions options = world_->options();
+  set_scene(wish, scene);
+  set_options(wish, options);
+  auto next = std::make_unique<World>(scene, options);
+  const bool new_box = !same_box(world_->initial().box, next->initial().box);
+  const bool new_bodies =
+      wish.radius_max != now.radius_max || wish.seed != now.seed || wish.variant != now.variant;
+  // Where spheres start apart, each place depends on all the others.
+  const bool new_places = wish.bodies != now.bodies && scene.generators[0].spawn == Spawn::apart;
+  std::string said;
+  if (new_box || new_bodies || new_places) {
+    history_.clear();
+    edited_ = false;
+    if (new_box && !new_bodies)
+      said = fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
+                         next->initial().box->max.x() - next->initial().box->min.x());
+    else if (world_->steps() > 0)
+      said = "restarted: these are other bodies";
+  } else {
+    next->adopt(*world_);
+    if (physics_differ(wish, now) && world_->steps() > 0) edited_ = true;
+  }
+  replace(std::move(next));
+  change_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return said;
+}
+
+void LiveWorld::restart() {
+  replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options())));
+  history_.clear();
+  edited_ = false;
+}
+
+void LiveWorld::step(bool measured) {
+  world_->step();
+  stats_known_ = hash_known_ = false;
+  HistoryStep entry;
+  entry.step = world_->steps();
+  // Worlds time even-numbered steps plain and odd-numbered ones stage by stage, counted from 0.
+  const bool instrumented = world_->steps() % 2 == 0;
+  const RunTimes times = world_->latest_times();
+  if (!instrumented && times.steps_timed > 0) entry.plain_ms = times.step_last_ms;
+  if (measured) {
+    entry.stats = stats();
+    entry.measured = true;
+  }
+  for (std::int64_t level : level_sizes()) entry.nodes += level;
+  entry.allocated_bytes = world_->allocated_bytes();
+  history_.add(std::move(entry), instrumented ? times.stages : std::vector<StageTime>{});
+}
+
+const StepStats& LiveWorld::stats() {
+  if (!stats_known_) stats_ = world_->measure();
+  stats_known_ = true;
+  return stats_;
+}
+
+std::vector<std::int64_t> LiveWorld::level_sizes() {
+  std::vector<std::int64_t> sizes;
+  for (int level = 0; level < world_->tree_level_count(); ++level)
+    sizes.push_back(world_->publish_counts(level, level).boxes);
+  return sizes;
+}
+
+std::uint64_t LiveWorld::state_hash() {
+  if (!hash_known_) hash_ = world_->state_hash();
+  hash_known_ = true;
+  return hash_;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,66 @@
+#pragma once
+// A World whose settings can be changed while it runs, with the history of its last steps. Owns both. Lives
+// as long as the program; the World inside is made anew where a setting asks for it.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "sim_cuda/history.h"
+#include "sim_cuda/world.h"
+#include "ui/workspace.h"
+
+namespace collidoscope {
+
+class LiveWorld {
+ public:
+  /// Throws as World does.
+  LiveWorld(const Scene& scene, const RunOptions& options);
+
+  World& world() { return *world_; }
+  const World& world() const { return *world_; }
+  const History& history() const { return history_; }
+  /// Settings in effect.
+  Settings settings() const;
+  /// N, radius, seed and variant can be changed.
+  bool generated() const { return world_->scene().generators.size() == 1; }
+  /// Whether a physical setting was changed since state 0.
+  bool edited() const { return edited_; }
+  /// Changes whenever world() is another one: whoever keeps what belongs to it asks this.
+  int generation() const { return generation_; }
+
+  /// Brings settings() to `wish`. (B, T) change in place; what the result does not depend on, time step,
+  /// restitution, precision and N go to a new World that adopts this one; what changes the box, the radii or
+  /// the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
+  /// MachineError, and changes nothing then.
+  std::string apply(const Settings& wish);
+  /// Back to state 0, with the settings in effect.
+  void restart();
+
+  /// One step, added to the history; measured, too, if `measured`.
+  void step(bool measured);
+  /// Of the current state, measured at most once for each.
+  const StepStats& stats();
+  /// Boxes of each level of the tree, from the root.
+  std::vector<std::int64_t> level_sizes();
+  std::uint64_t state_hash();
+  /// s of the clock that the last change of the World took.
+  double last_change_seconds() const { return change_seconds_; }
+
+ private:
+  void replace(std::unique_ptr<World> world);
+
+  std::unique_ptr<World> world_;
+  History history_;
+  bool edited_ = false, stats_known_ = false, hash_known_ = false;
+  StepStats stats_;
+  std::uint64_t hash_ = 0;
+  int generation_ = 0;
+  double change_seconds_ = 0;
+};
+
+/// The scene and the options that such settings ask for.
+void set_scene(const Settings& wish, Scene& scene);
+void set_options(const Settings& wish, RunOptions& options);
+
+}  // namespace collidoscope

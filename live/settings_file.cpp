@@ -1,0 +1,80 @@
+#include "live/settings_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Switch {
+  const char* name;
+  bool& value;
+};
+
+std::vector<Switch> switches(ShownLayers& layers, Folds& folds) {
+  return {{"spheres", layers.spheres},  {"boxes", layers.boxes},    {"contacts", layers.contacts},
+          {"grid", layers.grid},        {"walls", layers.walls},    {"left", folds.left},
+          {"right", folds.right},       {"bottom", folds.bottom},   {"run", folds.run},
+          {"settings", folds.settings}, {"layers", folds.layers},   {"camera", folds.camera},
+          {"timing", folds.timing},     {"numbers", folds.numbers}, {"inspector", folds.inspector}};
+}
+
+}  // namespace
+
+std::string settings_path() {
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  if (config != nullptr && config[0] == '/') return std::string(config) + "/collidoscope/settings.json";
+  const char* home = std::getenv("HOME");
+  return home != nullptr && home[0] != 0 ? std::string(home) + "/.config/collidoscope/settings.json" : "";
+}
+
+std::string settings_text(const Workspace& workspace) {
+  ShownLayers layers = workspace.layers;
+  Folds folds = workspace.folds;
+  Json document = {{"format", "collidoscope-settings"},
+                   {"version", 1},
+                   {"theme", workspace.theme == Theme::light ? "light" : "dark"},
+                   {"font_scale", workspace.font_scale},
+                   {"speed", workspace.speed},
+                   {"first_level", layers.first_level},
+                   {"last_level", layers.last_level},
+                   {"color", static_cast<int>(layers.color)},
+                   {"show_path", workspace.show_path}};
+  for (const Switch& one : switches(layers, folds)) document["shown"][one.name] = one.value;
+  return document.dump(2) + '\n';
+}
+
+std::string read_settings(const std::string& text, Workspace& workspace) {
+  const Json document = Json::parse(text, nullptr, false);
+  if (!document.is_object() || document.value("format", Json()) != "collidoscope-settings")
+    return "not a settings file of Collidoscope; it is ignored, and written anew at the end";
+  const auto number = [&](const char* name, double low, double high, auto& value) {
+    const auto found = document.find(name);
+    if (found == document.end() || !found->is_number()) return;
+    const double given = found->get<double>();
+    if (given >= low && given <= high) value = static_cast<std::remove_reference_t<decltype(value)>>(given);
+  };
+  if (document.value("theme", Json()) == "light") workspace.theme = Theme::light;
+  number("font_scale", 0.6, 3, workspace.font_scale);
+  number("speed", 0, 2, workspace.speed);
+  int first = 0, last = 63, color = 0;
+  number("first_level", 0, 63, first);
+  number("last_level", 0, 63, last);
+  number("color", 0, static_cast<int>(BodyColor::order), color);
+  workspace.layers.first_level = std::min(first, last);
+  workspace.layers.last_level = std::max(first, last);
+  workspace.layers.color = static_cast<BodyColor>(color);
+  if (document.value("show_path", Json()).is_boolean())
+    workspace.show_path = document["show_path"].get<bool>();
+  const Json shown = document.value("shown", Json::object());
+  if (shown.is_object())
+    for (const Switch& one : switches(workspace.layers, workspace.folds))
+      if (shown.contains(one.name) && shown[one.name].is_boolean()) one.value = shown[one.name].get<bool>();
+  return "";
+}
+
+}  // namespace collidoscope

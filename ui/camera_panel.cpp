@@ -1,0 +1,56 @@
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+
+void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "camera", "View", workspace.folds.camera)) return end_panel();
+  struct Button {
+    const char *name, *label, *help;
+    CameraWish wish;
+  };
+  static constexpr std::array<Button, 5> buttons{
+      {{"camera.all", "All", "F: see the whole scene", CameraWish::frame_all},
+       {"camera.front", "Front", "1", CameraWish::front},
+       {"camera.side", "Side", "3", CameraWish::side},
+       {"camera.top", "Top", "7", CameraWish::top},
+       {"camera.ortho", "Ortho", "5: without perspective", CameraWish::orthographic}}};
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  const float width = (ImGui::GetContentRegionAvail().x - 4 * gap) / 5;
+  for (const Button& button : buttons) {
+    const bool on = button.wish == CameraWish::orthographic && view.orthographic;
+    if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+    if (ImGui::Button(button.label, {width, 0})) workspace.camera_wish = button.wish;
+    if (on) ImGui::PopStyleColor();
+    track(workspace, button.name);
+    explain(button.help);
+    if (&button != &buttons.back()) ImGui::SameLine();
+  }
+  bool light = workspace.theme == Theme::light;
+  if (ImGui::Checkbox("light", &light)) workspace.theme = light ? Theme::light : Theme::dark;
+  track(workspace, "view.light");
+  ImGui::SameLine();
+  ImGui::TextUnformatted("text");
+  for (const auto& [name, label, factor] :
+       {std::tuple{"view.smaller", "−", 1 / 1.1f}, std::tuple{"view.larger", "+", 1.1f}}) {
+    ImGui::SameLine();
+    if (ImGui::Button(label)) workspace.font_scale = std::clamp(workspace.font_scale * factor, 0.6f, 3.0f);
+    track(workspace, name);
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Picture")) workspace.screenshot_wish = true;
+  track(workspace, "view.picture");
+  explain("P: the window as a PNG, in captures/");
+  ImGui::SameLine();
+  if (ImGui::Button("Keys")) workspace.help = !workspace.help;
+  track(workspace, "view.help");
+  explain("F1");
+  end_panel();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,218 @@
+#include "ui/plot.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace collidoscope {
+namespace {
+
+struct Area {
+  ImVec2 at;
+  float width, height;
+  bool hovered;
+  ImDrawList* list;
+};
+
+Area begin(const char* id, float width, float height) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::InvisibleButton(id, {std::max(width, 1.0f), std::max(height, 1.0f)});
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.55f), 3);
+  return {at, width, height, ImGui::IsItemHovered(), list};
+}
+
+// 1, 2 or 5 times a power of ten, not below the value.
+double round_axis(double value) {
+  if (!(value > 0) || !std::isfinite(value)) return 1;
+  const double unit = std::pow(10, std::floor(std::log10(value)));
+  for (double factor : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0})
+    if (value <= factor * unit * (1 + 1e-9)) return factor * unit;
+  return 10 * unit;
+}
+
+void tooltip_line(const std::string& name, ImU32 color, const std::string& value) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float size = ImGui::GetFontSize();
+  ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 0.25f * size},
+                                            {at.x + 0.55f * size, at.y + 0.8f * size}, color, 2);
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + size);
+  ImGui::TextUnformatted((name + "  " + value).c_str());
+}
+
+}  // namespace
+
+void plot_lines(const char* id, float width, float height, const PlotFrame& frame,
+                const std::vector<PlotLine>& lines) {
+  const Area area = begin(id, width, height);
+  const float line_height = ImGui::GetTextLineHeight(), pad = 0.35f * line_height;
+  double least = frame.from_zero ? 0 : 1e300, most = frame.from_zero ? 0 : -1e300;
+  std::size_t count = 0;
+  for (const PlotLine& line : lines) {
+    count = std::max(count, line.values.size());
+    for (float v : line.values)
+      if (std::isfinite(v)) {
+        least = std::min(least, static_cast<double>(v));
+        most = std::max(most, static_cast<double>(v));
+      }
+  }
+  const bool any = least <= most;
+  if (!any) least = 0, most = 1;
+  if (frame.from_zero && least >= 0) {
+    most = round_axis(most);
+  } else {
+    const double room = std::max(0.08 * (most - least), 1e-6 * std::max(std::abs(most), 1e-12));
+    least -= room;
+    most += room;
+  }
+  const float top = area.at.y + 1.6f * line_height, bottom = area.at.y + height - pad;
+  const auto y_of = [&](double v) {
+    return bottom - static_cast<float>((v - least) / (most - least)) * (bottom - top);
+  };
+  const auto x_of = [&](std::size_t i) {
+    return area.at.x + pad +
+           (width - 2 * pad) * (count > 1 ? static_cast<float>(i) / static_cast<float>(count - 1) : 0.5f);
+  };
+  area.list->PushClipRect(area.at, {area.at.x + width, area.at.y + height}, true);
+  const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled),
+              grid = ImGui::GetColorU32(ImGuiCol_TextDisabled, 0.22f);
+  for (float share : {0.0f, 0.5f, 1.0f}) {
+    const float y = bottom + share * (top - bottom);
+    area.list->AddLine({area.at.x + pad, y}, {area.at.x + width - pad, y}, grid);
+  }
+  area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
+                     frame.title.c_str());
+  if (any) {
+    const std::string most_text = frame.number(most);
+    area.list->AddText(
+        {area.at.x + width - pad - ImGui::CalcTextSize(most_text.c_str()).x, area.at.y + 0.15f * line_height},
+        faint, most_text.c_str());
+  }
+  float key = area.at.x + pad + ImGui::CalcTextSize(frame.title.c_str()).x + line_height;
+  for (const PlotLine& line : lines) {
+    std::vector<ImVec2> run;
+    const auto flush = [&] {
+      if (run.size() > 1)
+        area.list->AddPolyline(run.data(), static_cast<int>(run.size()), line.color, 0,
+                               std::max(1.0f, line_height / 10));
+      run.clear();
+    };
+    for (std::size_t i = 0; i < line.values.size(); ++i) {
+      if (!std::isfinite(line.values[i])) {
+        flush();
+        continue;
+      }
+      run.emplace_back(x_of(i), y_of(static_cast<double>(line.values[i])));
+    }
+    flush();
+    if (lines.size() > 1) {
+      area.list->AddText({key, area.at.y + 0.15f * line_height}, line.color, line.name.c_str());
+      key += ImGui::CalcTextSize(line.name.c_str()).x + 0.7f * line_height;
+    }
+  }
+  if (area.hovered && count > 0) {
+    const float share = (ImGui::GetIO().MousePos.x - area.at.x - pad) / std::max(width - 2 * pad, 1.0f);
+    const auto i = static_cast<std::size_t>(
+        std::clamp(std::round(share * static_cast<float>(count - 1)), 0.0f, static_cast<float>(count - 1)));
+    area.list->AddLine({x_of(i), top}, {x_of(i), bottom}, faint);
+    ImGui::BeginTooltip();
+    ImGui::TextUnformatted(fmt::format("state {}", frame.first_step + static_cast<std::int64_t>(i)).c_str());
+    for (const PlotLine& line : lines)
+      if (i < line.values.size() && std::isfinite(line.values[i]))
+        tooltip_line(line.name, line.color, frame.number(static_cast<double>(line.values[i])));
+    ImGui::EndTooltip();
+  }
+  area.list->PopClipRect();
+}
+
+int plot_stacked(const char* id, float width, float height, const StackedBars& bars) {
+  const Area area = begin(id, width, height);
+  const float line_height = ImGui::GetTextLineHeight(), pad = 0.35f * line_height;
+  const std::size_t count = bars.parts.size();
+  std::vector<float> tops;
+  for (const auto& parts : bars.parts) {
+    float sum = 0;
+    for (float part : parts) sum += std::max(part, 0.0f);
+    if (!parts.empty()) tops.push_back(sum);
+  }
+  for (float v : bars.line)
+    if (std::isfinite(v)) tops.push_back(v);
+  // One slow step (a page fault, another program) must not flatten all others: the axis holds 97 % of them.
+  float most = 0;
+  if (!tops.empty()) {
+    std::sort(tops.begin(), tops.end());
+    const float usual = tops[static_cast<std::size_t>(0.97 * static_cast<double>(tops.size() - 1))];
+    most = std::min(tops.back(), 1.6f * usual);
+  }
+  const float axis = static_cast<float>(round_axis(static_cast<double>(most)));
+  const float top = area.at.y + 1.5f * line_height, bottom = area.at.y + height - pad;
+  const auto y_of = [&](float v) { return bottom - std::min(v / axis, 1.12f) * (bottom - top); };
+  const float bar = (width - 2 * pad) / static_cast<float>(std::max<std::size_t>(count, 1));
+  area.list->PushClipRect(area.at, {area.at.x + width, area.at.y + height}, true);
+  int under = -1;
+  std::size_t hovered_bar = count;
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (area.hovered && count > 0)
+    hovered_bar = static_cast<std::size_t>(
+        std::clamp((mouse.x - area.at.x - pad) / bar, 0.0f, static_cast<float>(count - 1)));
+  // A plain step lies between two that were timed stage by stage: the tooltip takes a neighbour.
+  if (hovered_bar < count && bars.parts[hovered_bar].empty() && hovered_bar > 0) --hovered_bar;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (bars.parts[i].empty()) continue;
+    const float from = area.at.x + pad + bar * static_cast<float>(i);
+    // A bar also covers the place of the plain step after it.
+    const bool wide = i + 1 < count && bars.parts[i + 1].empty();
+    const float to = from + bar * (wide ? 2 : 1);
+    float sum = 0;
+    for (std::size_t k = 0; k < bars.parts[i].size(); ++k) {
+      const float part = std::max(bars.parts[i][k], 0.0f);
+      if (part == 0) continue;
+      const float low = y_of(sum), high = y_of(sum + part);
+      sum += part;
+      ImU32 color = bars.colors[k];
+      if (bars.highlighted >= 0 && static_cast<int>(k) != bars.highlighted)
+        color = (color & 0x00ffffffu) | 0x48000000u;
+      area.list->AddRectFilled({from, high}, {to, low}, color);
+      if (i == hovered_bar && mouse.y <= low && mouse.y > high) under = static_cast<int>(k);
+    }
+  }
+  std::vector<ImVec2> run;
+  for (std::size_t i = 0; i < bars.line.size(); ++i)
+    if (std::isfinite(bars.line[i]))
+      run.emplace_back(area.at.x + pad + bar * (static_cast<float>(i) + 0.5f), y_of(bars.line[i]));
+  if (run.size() > 1)
+    area.list->AddPolyline(run.data(), static_cast<int>(run.size()), ImGui::GetColorU32(ImGuiCol_Text), 0,
+                           std::max(1.0f, line_height / 11));
+  const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  for (const StackedBars::Mark& mark : bars.marks) {
+    if (mark.value > axis) continue;
+    const float y = y_of(mark.value);
+    area.list->AddLine({area.at.x + pad, y}, {area.at.x + width - pad, y},
+                       ImGui::GetColorU32(ImGuiCol_Text, 0.5f));
+    area.list->AddText({area.at.x + width - pad - ImGui::CalcTextSize(mark.label.c_str()).x, y - line_height},
+                       faint, mark.label.c_str());
+  }
+  area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
+                     "stages, ms (line: whole step)");
+  if (!tops.empty()) {
+    const std::string text = fmt::format("{:g} ms", axis);
+    area.list->AddText(
+        {area.at.x + width - pad - ImGui::CalcTextSize(text.c_str()).x, area.at.y + 0.15f * line_height},
+        faint, text.c_str());
+  }
+  area.list->PopClipRect();
+  if (hovered_bar < count && !bars.parts[hovered_bar].empty()) {
+    ImGui::BeginTooltip();
+    ImGui::TextUnformatted(
+        fmt::format("state {}", bars.first_step + static_cast<std::int64_t>(hovered_bar)).c_str());
+    for (std::size_t k = bars.parts[hovered_bar].size(); k-- > 0;)
+      if (bars.parts[hovered_bar][k] >= 0)
+        tooltip_line(bars.names[k], bars.colors[k], fmt::format("{:.3f} ms", bars.parts[hovered_bar][k]));
+    ImGui::EndTooltip();
+  }
+  return under;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <array>
+#include <cmath>
+
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+
+void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (begin_panel(workspace, "run", "Run", workspace.folds.run)) {
+    ImGui::TextUnformatted(view.scene.c_str());
+    if (view.edited) {
+      ImGui::SameLine();
+      ImGui::TextColored({0.95f, 0.66f, 0.22f, 1}, "edited");
+      explain("A physical setting was changed since state 0: this run is not the one that its flags name.");
+    }
+    const float gap = ImGui::GetStyle().ItemSpacing.x;
+    const float third = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
+    if (ImGui::Button(workspace.playing ? "Pause" : "Play", {third, 0}))
+      workspace.playing = !workspace.playing;
+    track(workspace, "run.play");
+    explain("Space");
+    ImGui::SameLine();
+    if (ImGui::Button("Step", {third, 0})) {
+      workspace.playing = false;
+      ++workspace.step_wishes;
+    }
+    track(workspace, "run.step");
+    explain("S: one step, then pause");
+    ImGui::SameLine();
+    if (ImGui::Button("Restart", {third, 0})) workspace.restart_wish = true;
+    track(workspace, "run.restart");
+    explain("R: back to state 0, with these settings");
+
+    static constexpr std::array<std::pair<double, const char*>, 6> speeds{{{0.1, "0.1 ×"},
+                                                                           {0.25, "0.25 ×"},
+                                                                           {0.5, "0.5 ×"},
+                                                                           {1, "1 × real time"},
+                                                                           {2, "2 ×"},
+                                                                           {0, "a step a frame"}}};
+    const char* chosen = "";
+    for (const auto& [speed, name] : speeds)
+      if (speed == workspace.speed) chosen = name;
+    row_label("speed", "What is wished for; never more than one step in a drawn frame");
+    if (ImGui::BeginCombo("##speed", chosen)) {
+      for (const auto& [speed, name] : speeds)
+        if (ImGui::Selectable(name, speed == workspace.speed)) workspace.speed = speed;
+      ImGui::EndCombo();
+    }
+    track(workspace, "run.speed");
+    row_text("state", grouped_number(view.stats.step));
+    row_text("time", fmt::format("{:.3f} s", view.time));
+    row_text("real time",
+             view.with_times
+                 ? fmt::format("{:.2f} × · {:.0f} frames/s", view.real_time_factor, view.frames_per_second)
+                 : "–",
+             "Simulated seconds in a second of the clock, over the last second");
+  }
+  end_panel();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/names.h"
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+// A number that can be typed, and a logarithmic slider of the same. 0 is "auto" where `automatic`.
+template <class Number>
+void log_row(Workspace& workspace, const char* name, const char* label, ImGuiDataType type, Number& value,
+             Number low, Number high, Number limit, bool automatic, const char* help) {
+  ImGui::PushID(name);
+  const float size = ImGui::GetFontSize();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(label);
+  explain(help);
+  ImGui::SameLine(size * 2);
+  const bool is_auto = automatic && value == 0;
+  const float button = automatic ? ImGui::CalcTextSize("auto").x + 2 * ImGui::GetStyle().FramePadding.x : 0;
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  const float input = size * 5.4f;
+  ImGui::SetNextItemWidth(
+      std::max(ImGui::GetContentRegionAvail().x - input - gap - (automatic ? button + gap : 0), size));
+  Number shown = std::clamp(is_auto ? low : value, low, high);
+  if (ImGui::SliderScalar(
+          "##slider", type, &shown, &low, &high, is_auto ? "auto" : "",
+          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat))
+    value = shown;
+  workspace.adjusting |= ImGui::IsItemActive();
+  track(workspace, (std::string(name) + ".slider").c_str());
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(input);
+  Number typed = value;
+  if (ImGui::InputScalar("##value", type, &typed, nullptr, nullptr, nullptr,
+                         ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll))
+    value = std::clamp(typed, automatic ? Number{0} : low, limit);
+  track(workspace, name);
+  if (automatic) {
+    ImGui::SameLine();
+    if (is_auto) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+    if (ImGui::Button("auto", {button, 0})) value = is_auto ? Number{256} : Number{0};
+    if (is_auto) ImGui::PopStyleColor();
+    track(workspace, (std::string(name) + ".auto").c_str());
+  }
+  ImGui::PopID();
+}
+
+template <class Choice, std::size_t count>
+void choice_row(Workspace& workspace, const char* name, const char* label,
+                const std::array<std::pair<Choice, const char*>, count>& choices, Choice& value,
+                const char* help) {
+  row_label(label, help);
+  const char* chosen = "?";
+  for (const auto& [choice, text] : choices)
+    if (choice == value) chosen = text;
+  ImGui::PushID(name);
+  if (ImGui::BeginCombo("##choice", chosen)) {
+    for (const auto& [choice, text] : choices) {
+      if (ImGui::Selectable(text, choice == value)) value = choice;
+      track(workspace, (std::string(name) + "." + text).c_str());
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PopID();
+  track(workspace, name);
+}
+
+void draw_generator(Workspace& workspace, const WorkspaceView& view) {
+  Settings& s = workspace.settings;
+  if (!view.generated) {
+    row_text("N", grouped_number(s.bodies),
+             "This scene lists its bodies; N turns where a scene has one generator");
+    return;
+  }
+  log_row<std::int64_t>(
+      workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, 2'000'000, limits::max_bodies, false,
+      "Bodies. Those that stay keep their state, unless the box goes with N (scaled, equal): "
+      "then the run starts again");
+}
+
+void draw_shape(Workspace& workspace, const WorkspaceView& view) {
+  Settings& s = workspace.settings;
+  log_row<int>(workspace, "settings.blocks", "B", ImGuiDataType_S32, s.shape.blocks, 1, 65536, 2147483647,
+               true, "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage");
+  log_row<int>(workspace, "settings.threads", "T", ImGuiDataType_S32, s.shape.threads, 1, 1024, 1024, true,
+               "Threads of a block, 1 to 1024");
+  const LaunchShape& shape = view.in_effect.shape;
+  if (shape.blocks > 0 && shape.threads > 0)
+    faint_text(fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
+                           grouped_number(std::int64_t{shape.blocks} * shape.threads),
+                           view.executor == "CPU" ? "lanes" : "threads"));
+  else
+    faint_text(view.executor == "CPU" ? "auto: chunks of 512 items" : "auto: by occupancy, stage by stage");
+  explain(
+      "A stage marked * in the timing table ignores (B, T) in part: a library launches it. Nothing here "
+      "changes the result.");
+}
+
+}  // namespace
+
+void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "settings", "N · B · T", workspace.folds.settings)) return end_panel();
+  Settings& s = workspace.settings;
+  draw_generator(workspace, view);
+  draw_shape(workspace, view);
+
+  std::array<std::pair<ExecutorKind, const char*>, 3> executors{
+      {{ExecutorKind::automatic, "auto"}, {ExecutorKind::cpu, "cpu"}, {ExecutorKind::cuda, "cuda"}}};
+  choice_row(workspace, "settings.executor", "executor", executors, s.executor,
+             view.cuda ? "What runs the stages; never changes the result"
+                       : "What runs the stages; CUDA is not available here");
+  row_label("broad phase", "How pairs are found; never changes the result");
+  if (ImGui::BeginCombo("##broad_phase", s.broad_phase.c_str())) {
+    for (const std::string& name : view.broad_phases) {
+      if (ImGui::Selectable(name.c_str(), name == s.broad_phase)) s.broad_phase = name;
+      track(workspace, ("settings.broad_phase." + name).c_str());
+    }
+    ImGui::EndCombo();
+  }
+  track(workspace, "settings.broad_phase");
+
+  ImGui::Spacing();
+  faint_text("These change the result");
+  row_label("rate", "Steps in a second of simulated time");
+  double rate = 1 / s.time_step;
+  ImGui::InputDouble("##rate", &rate, 0, 0, "%.6g Hz", ImGuiInputTextFlags_AutoSelectAll);
+  if (ImGui::IsItemDeactivatedAfterEdit() && rate > 0)
+    s.time_step = 1 / std::clamp(rate, 1 / limits::max_time_step, 1 / limits::min_time_step);
+  track(workspace, "settings.rate");
+  row_label("restitution", "Of the material \"default\": 0 keeps nothing of a bounce, 1 all of it");
+  float restitution = static_cast<float>(s.restitution);
+  // The scene's 0.8 is not a float's: only what was moved is written back.
+  if (ImGui::SliderFloat("##restitution", &restitution, 0, 1, "%.2f", ImGuiSliderFlags_AlwaysClamp))
+    s.restitution = static_cast<double>(restitution);
+  workspace.adjusting |= ImGui::IsItemActive();
+  track(workspace, "settings.restitution");
+  static constexpr std::array<std::pair<Precision, const char*>, 2> precisions{
+      {{Precision::f32, "f32"}, {Precision::f64, "f64"}}};
+  choice_row(workspace, "settings.precision", "precision", precisions, s.precision,
+             "Of everything that is simulated");
+
+  if (view.generated) {
+    ImGui::Spacing();
+    faint_text("These start the run again");
+    static constexpr std::array<std::pair<Variant, const char*>, 3> variants{
+        {{Variant::paper, "paper"}, {Variant::scaled, "scaled"}, {Variant::equal, "equal"}}};
+    choice_row(workspace, "settings.variant", "variant", variants, s.variant,
+               "paper: the box stays 100 m wide, pairs grow as N². scaled: the box grows, 30 % full, pairs "
+               "grow as N. "
+               "equal: as scaled, with one radius");
+    row_label("radius ≤", "Of the generated spheres");
+    ImGui::InputDouble("##radius", &s.radius_max, 0, 0, "%.4g m",
+                       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+    if (!(s.radius_max >= 1e-3)) s.radius_max = 1e-3;
+    track(workspace, "settings.radius");
+    row_label("seed", "Of all that is random at the start");
+    ImGui::InputScalar("##seed", ImGuiDataType_U64, &s.seed, nullptr, nullptr, nullptr,
+                       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+    track(workspace, "settings.seed");
+  }
+  end_panel();
+}
+
+}  // namespace collidoscope

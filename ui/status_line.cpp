@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+
+void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
+  struct Fold {
+    const char *name, *label;
+    bool& open;
+  };
+  const Fold folds[] = {{"fold.left", "controls", workspace.folds.left},
+                        {"fold.bottom", "graphs", workspace.folds.bottom},
+                        {"fold.right", "details", workspace.folds.right}};
+  for (const Fold& fold : folds) {
+    const bool on = fold.open;
+    if (!on) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    if (ImGui::SmallButton(fold.label)) fold.open = !fold.open;
+    if (!on) ImGui::PopStyleColor();
+    track(workspace, fold.name);
+    explain(on ? "folds these panels away" : "unfolds these panels");
+    ImGui::SameLine();
+  }
+  const std::string text =
+      fmt::format(" {} on {} · drawn by {}{} · display path: {}", view.executor, view.device, view.renderer,
+                  view.software ? " (a software renderer)" : "", view.display_path);
+  faint_text(text);
+}
+
+void draw_error_bar(Workspace& workspace) {
+  if (workspace.errors.empty()) return;
+  const ScreenRect& at = workspace.scene_view;
+  const float margin = ImGui::GetFontSize();
+  ImGui::SetNextWindowPos({at.x + margin, at.y + margin});
+  ImGui::SetNextWindowSize({std::max(at.width - 2 * margin, 100.0f), 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.48f, 0.12f, 0.10f, 0.97f));
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 1, 1, 1));
+  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.7f, 0.28f, 0.25f, 1));
+  ImGui::Begin("error", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(workspace.errors.front().c_str());
+  ImGui::PopTextWrapPos();
+  const bool dismissed = ImGui::Button("Dismiss");
+  track(workspace, "error.dismiss");
+  if (workspace.errors.size() > 1) {
+    ImGui::SameLine();
+    ImGui::TextUnformatted(fmt::format("and {} more", workspace.errors.size() - 1).c_str());
+  }
+  ImGui::End();
+  ImGui::PopStyleColor(3);
+  if (dismissed) workspace.errors.erase(workspace.errors.begin());
+}
+
+void draw_help(Workspace& workspace) {
+  if (!workspace.help) return;
+  static constexpr const char* keys[][2] = {{"Space", "play, pause"},
+                                            {"S", "one step"},
+                                            {"R", "restart"},
+                                            {"drag", "turn about the target"},
+                                            {"right drag", "pan"},
+                                            {"wheel", "zoom to the pointer"},
+                                            {"W A S D Q E, right button held", "fly"},
+                                            {"F", "see the selection, else everything"},
+                                            {"Shift F", "see everything"},
+                                            {"1  3  7", "from the front, side, top"},
+                                            {"5", "with or without perspective"},
+                                            {"click", "select a body; nothing: deselect"},
+                                            {"Escape", "deselect"},
+                                            {"P", "picture of the window, in captures/"},
+                                            {"Tab", "fold all panels away, and back"},
+                                            {"F1", "these keys"}};
+  const ScreenRect& at = workspace.scene_view;
+  ImGui::SetNextWindowPos({at.x + 0.5f * at.width, at.y + 0.5f * at.height}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::Begin("Keys", &workspace.help,
+               ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove);
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const auto& [key, action] : keys) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(key);
+      ImGui::TableNextColumn();
+      faint_text(action);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::End();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+void number_cell(const std::string& text) {
+  ImGui::TableNextColumn();
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text.c_str()).x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  ImGui::TextUnformatted(text.c_str());
+}
+
+void time_cells(const TimeSummary& times, bool shown) {
+  for (double ms : {times.now, times.median, times.p95})
+    number_cell(shown && times.samples > 0 ? short_time(ms) : "–");
+}
+
+}  // namespace
+
+void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "timing", "Timing", workspace.folds.timing)) return end_panel();
+  const History& history = *view.history;
+  const auto window = static_cast<std::size_t>(std::max(workspace.window, 1));
+  const TimeSummary sum = history.summarize_sum(window), plain = history.summarize_plain(window);
+  const bool light = workspace.theme == Theme::light;
+  const int highlighted = workspace.hovered_stage;
+  int hovered = -1;
+  if (ImGui::BeginTable("stages", 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_PadOuterX)) {
+    ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthStretch);
+    for (const char* column : {"now", "median", "p95", "share", "runs"}) ImGui::TableSetupColumn(column);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    faint_text("ms");
+    for (const char* column : {"now", "median", "p95", "share", "runs"}) {
+      ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+      number_cell(column);
+      ImGui::PopStyleColor();
+    }
+    for (std::size_t k = 0; k < history.stages().size(); ++k) {
+      const History::Stage& stage = history.stages()[k];
+      const TimeSummary times = history.summarize_stage(k, window);
+      if (times.samples == 0) continue;  // of another broad phase or executor
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      const float size = ImGui::GetFontSize();
+      ImGui::GetWindowDrawList()->AddRectFilled(
+          {at.x, at.y + 0.25f * size}, {at.x + 0.55f * size, at.y + 0.8f * size}, stage_color(k, light), 2);
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + size);
+      ImGui::Selectable((stage.name + (stage.own_shape ? " *" : "")).c_str(),
+                        highlighted == static_cast<int>(k), ImGuiSelectableFlags_SpanAllColumns);
+      if (ImGui::IsItemHovered()) hovered = static_cast<int>(k);
+      track(workspace, ("timing." + stage.name).c_str());
+      if (stage.own_shape) explain("Own shape: a library launches part of this stage, and ignores (B, T)");
+      time_cells(times, view.with_times);
+      number_cell(view.with_times && sum.median > 0 ? fmt::format("{:.0f} %", 100 * times.median / sum.median)
+                                                    : "–");
+      number_cell(std::to_string(stage.launches));
+    }
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted("sum of stages");
+    explain("Of steps with a clock around every stage: more than a whole step takes");
+    time_cells(sum, view.with_times);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted("whole step");
+    explain("Of plain steps, without a clock inside: every other step");
+    time_cells(plain, view.with_times);
+    ImGui::EndTable();
+  }
+  if (hovered >= 0) workspace.hovered_stage = hovered;
+  const bool any_own = std::ranges::any_of(history.stages(), &History::Stage::own_shape);
+  faint_text(
+      fmt::format("last {} steps{}", std::min(window, history.size()), any_own ? " · * own shape" : ""));
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  ImGui::SameLine(ImGui::GetContentRegionAvail().x - 2 * ImGui::CalcTextSize("JSON").x - 3 * gap - gap);
+  if (ImGui::SmallButton("CSV")) workspace.csv_wish = true;
+  track(workspace, "timing.csv");
+  explain("Writes these steps to captures/, one row each");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("JSON")) workspace.json_wish = true;
+  track(workspace, "timing.json");
+  end_panel();
+}
+
+}  // namespace collidoscope

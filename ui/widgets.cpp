@@ -1,0 +1,114 @@
+#include "ui/widgets.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <array>
+#include <cmath>
+
+namespace collidoscope {
+
+void track(Workspace& workspace, const char* name, const ScreenRect& rect) {
+  workspace.widgets.emplace_back(name, rect);
+}
+
+void track(Workspace& workspace, const char* name) {
+  if (!ImGui::IsItemVisible()) return;
+  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  track(workspace, name, {from.x, from.y, to.x - from.x, to.y - from.y});
+}
+
+bool begin_panel(Workspace& workspace, const char* name, const char* title, bool& open) {
+  ImGui::PushID(name);
+  ImGui::SetNextItemOpen(open);
+  open = ImGui::CollapsingHeader(title);
+  track(workspace, (std::string("panel.") + name).c_str());
+  if (open) ImGui::Spacing();
+  return open;
+}
+
+void end_panel() {
+  ImGui::Spacing();
+  ImGui::PopID();
+}
+
+void row_label(const char* label, const char* help) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(label);
+  if (help != nullptr) explain(help);
+  const float column = ImGui::GetFontSize() * 6.6f;
+  ImGui::SameLine(column);
+  ImGui::SetNextItemWidth(-1);
+}
+
+void row_text(const char* label, const std::string& value, const char* help) {
+  faint_text(label);
+  if (help != nullptr) explain(help);
+  ImGui::SameLine(ImGui::GetFontSize() * 6.6f);
+  ImGui::TextUnformatted(value.c_str());
+}
+
+void explain(const char* text) {
+  if (!ImGui::IsItemHovered()) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
+  ImGui::TextUnformatted(text);
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+void faint_text(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopStyleColor();
+}
+
+std::string grouped_number(std::int64_t number) {
+  std::string digits = fmt::format("{}", number);
+  const std::size_t first = number < 0 ? 1 : 0;
+  for (std::size_t i = digits.size(); i > first + 3;) digits.insert(i -= 3, ",");
+  return digits;
+}
+
+std::string short_time(double ms) {
+  if (!std::isfinite(ms)) return "–";
+  return ms < 9.995   ? fmt::format("{:.3f}", ms)
+         : ms < 99.95 ? fmt::format("{:.2f}", ms)
+                      : fmt::format("{:.1f}", ms);
+}
+
+std::string with_prefix(double value, const char* unit) {
+  static constexpr struct {
+    double scale;
+    const char* prefix;
+  } prefixes[] = {{1e12, "T"}, {1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "µ"}};
+  if (value == 0) return fmt::format("0 {}", unit);
+  if (!std::isfinite(value)) return fmt::format("{} {}", value, unit);
+  for (const auto& p : prefixes)
+    if (std::abs(value) >= p.scale && std::abs(value) < 1e15) {
+      // A prefix is read with the whole unit: kkg m/s is not one.
+      if (unit[0] == 'k') return fmt::format("{:.4g} {}", value, unit);
+      return fmt::format("{:.4g} {}{}", value / p.scale, p.prefix, unit);
+    }
+  return fmt::format("{:.3e} {}", value, unit);
+}
+
+std::string bytes_text(std::int64_t bytes) {
+  const double size = static_cast<double>(bytes);
+  if (bytes < 1 << 20) return fmt::format("{:.1f} KiB", size / 1024);
+  if (bytes < std::int64_t{1} << 30) return fmt::format("{:.1f} MiB", size / (1 << 20));
+  return fmt::format("{:.2f} GiB", size / (1 << 30));
+}
+
+std::uint32_t stage_color(std::size_t stage, bool light) {
+  // Neighbours in the stack differ in hue and in lightness.
+  static constexpr std::array<std::uint32_t, 12> dark_theme{
+      0xffe8a14fu, 0xff4fb3f5u, 0xff7ac36au, 0xff5a6ee8u, 0xffd184c0u, 0xffc9c04eu,
+      0xff6f93c4u, 0xff53d6e4u, 0xffb58af0u, 0xff8fd3a9u, 0xffa6a6a6u, 0xff7fa0ffu};
+  static constexpr std::array<std::uint32_t, 12> light_theme{
+      0xffb86f1eu, 0xff1f86d0u, 0xff4a9238u, 0xff3a48c4u, 0xff9a4e8cu, 0xff948a1cu,
+      0xff46658fu, 0xff1f9fb0u, 0xff8054c4u, 0xff55946cu, 0xff707070u, 0xff4a6cd8u};
+  return light ? light_theme[stage % light_theme.size()] : dark_theme[stage % dark_theme.size()];
+}
+
+}  // namespace collidoscope

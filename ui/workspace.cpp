@@ -1,0 +1,122 @@
+#include "ui/workspace.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/panels.h"
+#include "ui/theme.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+struct Layout {
+  ScreenRect left, right, bottom, status, scene;
+};
+
+Layout lay_out(const Workspace& workspace, float width, float height, float font_size) {
+  const float left = workspace.folds.left ? std::round(std::min(font_size * 21.5f, 0.45f * width)) : 0;
+  const float right = workspace.folds.right ? std::round(std::min(font_size * 26, 0.5f * width)) : 0;
+  const float status = std::round(font_size * 1.9f);
+  const float bottom = workspace.folds.bottom ? std::round(std::min(font_size * 12.5f, 0.4f * height)) : 0;
+  Layout layout;
+  const float body = std::max(height - status, 1.0f);
+  layout.left = {0, 0, left, body};
+  layout.right = {width - right, 0, right, body};
+  const float middle = std::max(width - left - right, 1.0f);
+  layout.bottom = {left, body - bottom, middle, bottom};
+  layout.status = {0, body, width, status};
+  layout.scene = {left, 0, middle, std::max(body - bottom, 1.0f)};
+  return layout;
+}
+
+template <class Draw>
+void window(const char* name, const ScreenRect& rect, bool scrolls, Draw draw) {
+  ImGui::SetNextWindowPos({rect.x, rect.y});
+  ImGui::SetNextWindowSize({rect.width, rect.height});
+  ImGuiWindowFlags flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                           ImGuiWindowFlags_NoBringToFrontOnFocus;
+  if (!scrolls) flags |= ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+  ImGui::Begin(name, nullptr, flags);
+  draw();
+  ImGui::End();
+}
+
+// Over the 3D view, under all panels.
+void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const ScreenRect& at = workspace.scene_view;
+  list->PushClipRect({at.x, at.y}, {at.x + at.width, at.y + at.height});
+  if (view.outline.size() > 2) {
+    std::vector<ImVec2> points;
+    for (const auto& [x, y] : view.outline) points.emplace_back(x, y);
+    const float size = ImGui::GetFontSize() / 14;
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), IM_COL32(0, 0, 0, 160),
+                      ImDrawFlags_Closed, 4 * size);
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), IM_COL32(255, 214, 92, 255),
+                      ImDrawFlags_Closed, 2 * size);
+  }
+  const auto line = [&](const std::string& text, float y, ImU32 color) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    const float pad = ImGui::GetFontSize() * 0.5f;
+    const ImVec2 from{at.x + 0.5f * (at.width - size.x), y};
+    list->AddRectFilled({from.x - pad, from.y - 0.5f * pad},
+                        {from.x + size.x + pad, from.y + size.y + 0.5f * pad}, IM_COL32(16, 18, 22, 190),
+                        pad * 0.6f);
+    list->AddText(from, color, text.c_str());
+  };
+  const float step = ImGui::GetFontSize() * 2;
+  float y = at.y + at.height - step;
+  if (workspace.hint) {
+    line("Space plays and pauses · S steps · drag turns · wheel zooms · click selects · F1 keys", y,
+         IM_COL32(235, 238, 242, 255));
+    y -= step;
+  }
+  if (!workspace.notice.empty()) line(workspace.notice, y, IM_COL32(255, 214, 92, 255));
+  list->PopClipRect();
+}
+
+}  // namespace
+
+ScreenRect scene_view_rect(const Workspace& workspace, float width, float height, float font_size) {
+  return lay_out(workspace, width, height, font_size).scene;
+}
+
+float workspace_font_size(int width, int height, float font_scale) {
+  const float fit = std::min(static_cast<float>(width) / 1280.0f, static_cast<float>(height) / 720.0f);
+  return std::round(std::clamp(13.0f * std::sqrt(std::max(fit, 1.0f)) * font_scale, 8.0f, 64.0f));
+}
+
+void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
+  apply_theme(workspace.theme, ImGui::GetFontSize());
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  workspace.widgets.clear();
+  workspace.adjusting = false;
+  const Layout layout = lay_out(workspace, screen.x, screen.y, ImGui::GetFontSize());
+  workspace.scene_view = layout.scene;
+  track(workspace, "scene", layout.scene);
+  draw_on_scene(workspace, view);
+  const Folds folds = workspace.folds;  // what the status line changes acts from the next frame on
+  if (folds.left)
+    window("controls", layout.left, true, [&] {
+      draw_run_panel(workspace, view);
+      draw_settings_panel(workspace, view);
+      draw_layers_panel(workspace, view);
+      draw_camera_panel(workspace, view);
+    });
+  if (folds.right)
+    window("details", layout.right, true, [&] {
+      draw_timing_panel(workspace, view);
+      draw_numbers_panel(workspace, view);
+      draw_inspector_panel(workspace, view);
+    });
+  if (folds.bottom) window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
+  window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
+  draw_error_bar(workspace);
+  draw_help(workspace);
+}
+
+}  // namespace collidoscope

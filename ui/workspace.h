@@ -1,0 +1,139 @@
+#pragma once
+// The workspace: plain data for all that panels show and change, and one function that draws them. The caller
+// (the viewer, or a capture) owns a Workspace, reads the wishes that panels left in it, and fills a
+// WorkspaceView from what it runs. No GL, no CUDA, no window.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim_cuda/body_report.h"
+#include "sim_cuda/history.h"
+#include "sim_cuda/publish.h"
+#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+/// What panels can change of a run. What changes the result and what only changes how it runs stand together,
+/// as they do on the screen.
+struct Settings {
+  std::int64_t bodies = 0;  ///< N; acts where the scene has one generator, as the next three do
+  double radius_max = 5;    ///< m
+  std::uint64_t seed = 1;
+  Variant variant = Variant::paper;
+  double time_step = 1.0 / 30;  ///< s
+  double restitution = 0.8;     ///< of the material "default"
+  Precision precision = Precision::f32;
+  ExecutorKind executor = ExecutorKind::automatic;
+  LaunchShape shape;  ///< (B, T); zeros are "auto"
+  std::string broad_phase;
+
+  friend bool operator==(const Settings&, const Settings&) = default;
+};
+
+/// What the 3D view shows.
+struct ShownLayers {
+  bool spheres = true, boxes = false, contacts = false, grid = true, walls = true;
+  int first_level = 0, last_level = 63;  ///< of the hierarchy, inclusive; 0 is the root
+  BodyColor color = BodyColor::speed;
+
+  friend bool operator==(const ShownLayers&, const ShownLayers&) = default;
+};
+
+enum class CameraWish { none, frame_all, frame_selection, front, side, top, orthographic };
+enum class Theme { dark, light };
+
+/// Which panels are unfolded.
+struct Folds {
+  bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
+  bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
+       inspector = true;
+
+  friend bool operator==(const Folds&, const Folds&) = default;
+};
+
+/// A part of the screen, in pixels from its top left corner.
+struct ScreenRect {
+  float x = 0, y = 0, width = 0, height = 0;
+};
+
+struct Workspace {
+  Settings settings;       ///< as wished for; the owner takes them over, or puts back what is in effect
+  bool adjusting = false;  ///< a slider of `settings` is held
+  ShownLayers layers;
+
+  bool playing = true;
+  double speed = 1;  ///< simulated seconds wished for in each second; 0: a step in every drawn frame
+  // Wishes, cleared by the owner once they are met.
+  int step_wishes = 0;
+  bool restart_wish = false, screenshot_wish = false, csv_wish = false, json_wish = false;
+  CameraWish camera_wish = CameraWish::none;
+
+  std::optional<std::uint32_t> selection;  ///< id of a body
+  bool follow = false;                     ///< the camera goes with it
+  bool show_path = true;                   ///< its boxes in the tree are drawn
+
+  int window = 240;        ///< steps that graphs and tables speak of
+  int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
+  bool help = false, hint = true;
+  Theme theme = Theme::dark;
+  float font_scale = 1;
+  Folds folds;
+
+  std::vector<std::string> errors;  ///< each until it is dismissed
+  std::string notice;               ///< said once, of the last change
+
+  /// Of the last draw: where the 3D view is, and each widget by its name, if it can be seen.
+  ScreenRect scene_view;
+  std::vector<std::pair<std::string, ScreenRect>> widgets;
+};
+
+/// What a run looks like at the moment. Pointers are the caller's, for the time of the draw.
+struct WorkspaceView {
+  std::string scene;
+  bool generated = false;  ///< N, radius, seed and variant can be changed
+  Settings in_effect;
+  bool edited = false;                    ///< a physical setting was changed since state 0
+  std::string executor, device;           ///< "CPU" or "CUDA", and its name
+  std::string renderer, display_path;     ///< what draws, and how the data get there
+  bool software = false;                  ///< the renderer draws on the CPU
+  bool cuda = false;                      ///< can be chosen
+  std::vector<std::string> broad_phases;  ///< names, the default first
+  std::vector<std::string> effects;
+
+  StepStats stats;
+  double time = 0;              ///< s of simulated time
+  double real_time_factor = 0;  ///< simulated seconds in a second
+  double frames_per_second = 0;
+  std::int64_t allocated_bytes = 0;
+  std::vector<std::int64_t> level_sizes;  ///< boxes of each level of the tree, from the root
+  const History* history = nullptr;
+
+  std::vector<std::uint32_t> level_colors;  ///< 0xAABBGGRR, repeating
+  std::vector<std::uint32_t> map_colors;    ///< of bodies, from least to greatest; empty: no legend
+  std::string legend_title, legend_unit;
+  double legend_min = 0, legend_max = 1;
+  bool legend_goes_on = false;
+
+  const BodyReport* selected = nullptr;
+  /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
+  std::vector<std::pair<float, float>> outline;
+  bool orthographic = false;
+
+  bool with_times = true;  ///< false: times are drawn as a dash, so that pictures repeat
+};
+
+/// Draws everything but the 3D view, for which it leaves Workspace::scene_view, between ImGui::NewFrame() and
+/// Render().
+void draw_workspace(Workspace& workspace, const WorkspaceView& view);
+
+/// Where the 3D view will be on a screen of this size.
+ScreenRect scene_view_rect(const Workspace& workspace, float width, float height, float font_size);
+
+/// Pixels of the panels' font on a screen of this size.
+float workspace_font_size(int width, int height, float font_scale);
+
+}  // namespace collidoscope

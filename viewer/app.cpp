@@ -1,0 +1,183 @@
+#include "viewer/app.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "live/fill_view.h"
+#include "live/settings_file.h"
+#include "live/whole_file.h"
+#include "sim_cuda/core/error.h"
+#include "viewer/app_guard.h"
+#include "viewer/render/gl/errors.h"
+
+namespace collidoscope {
+namespace {
+
+void say_on_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
+
+/// What was remembered, and over it what the command line says.
+Workspace first_workspace(const Options& options) {
+  Workspace workspace;
+  const std::string file = settings_path();
+  if (!options.view.reset_ui && !file.empty()) {
+    std::ifstream stream(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const std::string fault = text.empty() ? "" : read_settings(text, workspace);
+    if (!fault.empty()) say_on_stderr(file + ": " + fault);
+  }
+  const FrameLayers& asked = options.capture.layers;
+  if (!(asked == CaptureRequest{}.layers)) {
+    workspace.layers = {asked.spheres, asked.boxes,       asked.contacts,   asked.grid,
+                        asked.walls,   asked.first_level, asked.last_level, asked.color};
+  }
+  return workspace;
+}
+
+}  // namespace
+
+App::App(const Scene& scene, const Options& options)
+    : options_(options),
+      live_(scene, options.run),
+      window_(options.capture.width, options.capture.height, "Collidoscope · " + scene.name),
+      gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
+      input_(window_),
+      picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
+      scene_(options.capture.display_path, say_on_stderr),
+      workspace_(first_workspace(options)),
+      renderer_name_(gl::renderer_name()),
+      software_(gl::is_software_renderer()),
+      cuda_(cuda_available()) {
+  workspace_.settings = live_.settings();
+  if (!options.view.automation.empty()) automation_.emplace(options.view.automation);
+  if (!live_.world().initial().meshes.empty()) say("mesh bodies collide as their bounding spheres for now");
+}
+
+void App::run() {
+  Clock::time_point last = Clock::now();
+  while (!window_.closing()) {
+    // Paused and untouched, the window need not be drawn sixty times a second.
+    const bool idle = !workspace_.playing && !automation_ && window_.events().empty() && buttons_.empty();
+    window_.poll(idle ? 0.05 : 0);
+    const Clock::time_point now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - last).count();
+    last = now;
+    if (window_.width() == 0 || window_.height() == 0) {  // minimised: nothing is drawn, nothing is stepped
+      window_.poll(0.1);
+      continue;
+    }
+    frame(std::min(seconds, 0.25));
+  }
+  const std::string file = settings_path();
+  if (file.empty()) return;
+  try {
+    write_whole_file(file, settings_text(workspace_));
+  } catch (const MachineError& error) {
+    say_on_stderr(error.what());
+  }
+}
+
+void App::frame(double seconds) {
+  const int width = window_.width(), height = window_.height();
+  gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale * window_.content_scale()));
+  const std::vector<InputEvent> events = input_.feed();
+  gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
+  for (const InputEvent& event : events) guarded([&] { handle(event); });
+  fly_on(seconds);
+  meet_wishes(seconds);
+
+  const float font_size = ImGui::GetFontSize();
+  const ScreenRect rect =
+      scene_view_rect(workspace_, static_cast<float>(width), static_cast<float>(height), font_size);
+  WorkspaceView view;
+  guarded([&] {
+    picture_.resize(width, height);
+    scene_.draw(live_, workspace_, std::max(static_cast<int>(rect.width), 1),
+                std::max(static_cast<int>(rect.height), 1));
+    picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y));
+  });
+  guarded([&] { fill(view); });
+  if (view.history == nullptr) view.history = &live_.history();
+
+  const Clock::time_point before = Clock::now();
+  draw_workspace(workspace_, view);
+  double ui_ms = std::chrono::duration<double, std::milli>(Clock::now() - before).count();
+  guarded([&] { gui_.end(picture_.target()); });
+  guarded([&] {
+    if (workspace_.screenshot_wish) save_picture();
+    workspace_.screenshot_wish = false;
+    picture_.present();
+  });
+  window_.swap();
+  ++frame_;
+  write_automation(view, ui_ms);
+}
+
+void App::fill(WorkspaceView& view) {
+  fill_view(live_, view);
+  view.renderer = renderer_name_;
+  view.software = software_;
+  view.display_path = scene_.display_path();
+  view.cuda = cuda_;
+  const Legend& legend = scene_.legend();
+  view.map_colors = legend.colors;
+  view.legend_title = legend.title;
+  view.legend_unit = legend.unit;
+  view.legend_min = legend.min;
+  view.legend_max = legend.max;
+  view.legend_goes_on = legend.goes_on;
+  view.level_colors = level_legend();
+  view.orthographic = scene_.camera().orthographic;
+  if (scene_.selected()) view.selected = &*scene_.selected();
+  const ScreenRect rect = scene_view_rect(workspace_, static_cast<float>(window_.width()),
+                                          static_cast<float>(window_.height()), ImGui::GetFontSize());
+  for (const auto& [x, y] : scene_.outline())
+    view.outline.emplace_back(static_cast<float>(x) + rect.x, static_cast<float>(y) + rect.y);
+
+  const Clock::time_point now = Clock::now();
+  moments_.push_back({now, simulated_});
+  while (moments_.size() > 2 && now - moments_.front().when > std::chrono::seconds(1)) moments_.pop_front();
+  const double span = std::chrono::duration<double>(now - moments_.front().when).count();
+  if (span > 0) {
+    view.frames_per_second = static_cast<double>(moments_.size() - 1) / span;
+    view.real_time_factor = (simulated_ - moments_.front().simulated) / span;
+  }
+}
+
+void App::write_automation(const WorkspaceView& view, double ui_ms) {
+  if (!automation_) return;
+  Automation::Frame frame;
+  frame.frame = frame_;
+  frame.width = picture_.width();
+  frame.height = picture_.height();
+  guarded([&] {
+    if (!workspace_.playing) frame.state_hash = live_.state_hash();
+  });
+  const OrbitCamera& camera = scene_.camera();
+  for (int axis = 0; axis < 3; ++axis) frame.camera[axis] = camera.target[axis];
+  frame.camera[3] = camera.azimuth;
+  frame.camera[4] = camera.elevation;
+  frame.camera[5] = camera.distance;
+  frame.ui_ms = ui_ms;
+  frame.picture = picture_file_;
+  frame.wants_mouse = ImGui::GetIO().WantCaptureMouse;
+  const PublishCounts& drawn = scene_.renderer().instances().counts;
+  frame.spheres = drawn.bodies;
+  frame.boxes = drawn.boxes;
+  frame.contacts = drawn.contacts;
+  automation_->write(frame, workspace_, view);
+}
+
+void App::report_error(const std::string& line) {
+  workspace_.playing = false;
+  // A fault of every frame is one fault.
+  if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
+  say_on_stderr(line);
+  workspace_.errors.push_back(line);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,82 @@
+#pragma once
+// The desktop program: one window on one LiveWorld. Owns everything; lives as long as main() runs.
+
+#include <chrono>
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "headless/options.h"
+#include "live/automation.h"
+#include "live/live_world.h"
+#include "ui/workspace.h"
+#include "viewer/gui_input.h"
+#include "viewer/render/gui_pass.h"
+#include "viewer/render/window_frame.h"
+#include "viewer/scene_view.h"
+#include "viewer/window.h"
+
+namespace collidoscope {
+
+class App {
+ public:
+  /// Throws InputError and MachineError where there is nothing to show, or nowhere to show it.
+  App(const Scene& scene, const Options& options);
+  /// Until the window is closed. Remembers the workspace.
+  void run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void frame(double seconds);
+  /// Does it; an error goes to the window, and pauses.
+  template <class Action>
+  void guarded(Action action);
+  void report_error(const std::string& line);
+
+  // Hands (app_input.cpp).
+  void handle(const InputEvent& event);
+  void handle_key(const InputEvent& event);
+  void handle_button(const InputEvent& event);
+  void handle_move(const InputEvent& event);
+  void fly_on(double seconds);
+
+  // What panels wish for (app_wishes.cpp).
+  void meet_wishes(double seconds);
+  void apply_settings();
+  void advance(double seconds);
+  void say(const std::string& notice);
+  void export_history(bool csv);
+  void save_picture();
+
+  void fill(WorkspaceView& view);
+  void write_automation(const WorkspaceView& view, double ui_ms);
+
+  Options options_;
+  LiveWorld live_;
+  Window window_;
+  GuiPass gui_;
+  GuiInput input_;
+  WindowFrame picture_;
+  SceneView scene_;
+  Workspace workspace_;
+  std::optional<Automation> automation_;
+  std::string renderer_name_, picture_file_;
+  bool software_ = false, cuda_ = false;
+
+  std::int64_t frame_ = 0;
+  double due_ = 0;  ///< steps that the speed asks for
+  Clock::time_point notice_since_;
+  struct Moment {
+    Clock::time_point when;
+    double simulated;  ///< s, summed over all runs
+  };
+  std::deque<Moment> moments_;  ///< of the frames of the last second
+  double simulated_ = 0;
+
+  std::set<int> buttons_, keys_;  ///< held, and begun over the 3D view
+  double mouse_x_ = 0, mouse_y_ = 0, moved_ = 0;
+};
+
+}  // namespace collidoscope

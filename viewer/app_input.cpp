@@ -1,0 +1,153 @@
+// What mouse and keys do to the camera, the run and the selection, where ImGui does not want them.
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <cmath>
+
+#include "viewer/app.h"
+#include "viewer/camera_control.h"
+
+namespace collidoscope {
+
+void App::handle(const InputEvent& event) {
+  switch (event.kind) {
+    case InputEvent::Kind::key:
+      handle_key(event);
+      break;
+    case InputEvent::Kind::button:
+      handle_button(event);
+      break;
+    case InputEvent::Kind::move:
+      handle_move(event);
+      break;
+    case InputEvent::Kind::wheel: {
+      if (ImGui::GetIO().WantCaptureMouse) break;
+      const ScreenRect& at = workspace_.scene_view;
+      const double size = scene_.scene_size();
+      zoom(scene_.camera(), event.y, mouse_x_ - static_cast<double>(at.x),
+           mouse_y_ - static_cast<double>(at.y), static_cast<double>(at.width),
+           static_cast<double>(at.height), 1e-5 * size, 30 * size);
+      scene_.camera_was_moved();
+      workspace_.hint = false;
+      break;
+    }
+    case InputEvent::Kind::focus:
+      if (!event.down) keys_.clear();
+      break;
+    case InputEvent::Kind::character:
+      break;
+  }
+}
+
+void App::handle_key(const InputEvent& event) {
+  if (!event.down) {
+    keys_.erase(event.code);
+    return;
+  }
+  if (ImGui::GetIO().WantCaptureKeyboard || ImGui::GetIO().WantTextInput) return;
+  keys_.insert(event.code);
+  const bool flying = buttons_.contains(GLFW_MOUSE_BUTTON_RIGHT);
+  const bool again = event.repeat;
+  workspace_.hint = false;
+  switch (event.code) {
+    case GLFW_KEY_SPACE:
+      if (!again) workspace_.playing = !workspace_.playing;
+      break;
+    case GLFW_KEY_S:
+      if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
+      workspace_.playing = false;
+      ++workspace_.step_wishes;
+      break;
+    case GLFW_KEY_R:
+      workspace_.restart_wish = !again;
+      break;
+    case GLFW_KEY_F:
+      workspace_.camera_wish =
+          event.modifiers & GLFW_MOD_SHIFT ? CameraWish::frame_all : CameraWish::frame_selection;
+      break;
+    case GLFW_KEY_1:
+    case GLFW_KEY_KP_1:
+      workspace_.camera_wish = CameraWish::front;
+      break;
+    case GLFW_KEY_3:
+    case GLFW_KEY_KP_3:
+      workspace_.camera_wish = CameraWish::side;
+      break;
+    case GLFW_KEY_7:
+    case GLFW_KEY_KP_7:
+      workspace_.camera_wish = CameraWish::top;
+      break;
+    case GLFW_KEY_5:
+    case GLFW_KEY_KP_5:
+      if (!again) workspace_.camera_wish = CameraWish::orthographic;
+      break;
+    case GLFW_KEY_P:
+      workspace_.screenshot_wish = !again;
+      break;
+    case GLFW_KEY_F1:
+      if (!again) workspace_.help = !workspace_.help;
+      break;
+    case GLFW_KEY_ESCAPE:
+      workspace_.help = false;
+      workspace_.selection.reset();
+      workspace_.follow = false;
+      break;
+    case GLFW_KEY_TAB: {
+      Folds& folds = workspace_.folds;
+      if (!again) folds.left = folds.right = folds.bottom = !(folds.left || folds.right || folds.bottom);
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+void App::handle_button(const InputEvent& event) {
+  if (event.down) {
+    if (ImGui::GetIO().WantCaptureMouse) return;
+    buttons_.insert(event.code);
+    moved_ = 0;
+    workspace_.hint = false;
+    return;
+  }
+  const bool was_ours = buttons_.erase(event.code) > 0;
+  constexpr double click = 4;  // pixels that a hand moves while it clicks
+  if (!was_ours || event.code != GLFW_MOUSE_BUTTON_LEFT || moved_ > click) return;
+  const ScreenRect& at = workspace_.scene_view;
+  const auto body = scene_.pick(static_cast<int>(mouse_x_ - static_cast<double>(at.x)),
+                                static_cast<int>(mouse_y_ - static_cast<double>(at.y)));
+  workspace_.selection = body;
+  if (!body) workspace_.follow = false;
+}
+
+void App::handle_move(const InputEvent& event) {
+  const double dx = event.x - mouse_x_, dy = event.y - mouse_y_;
+  mouse_x_ = event.x;
+  mouse_y_ = event.y;
+  if (buttons_.empty()) return;
+  moved_ += std::hypot(dx, dy);
+  scene_.camera_was_moved();
+  const double height = static_cast<double>(workspace_.scene_view.height);
+  if (buttons_.contains(GLFW_MOUSE_BUTTON_LEFT))
+    orbit(scene_.camera(), dx, dy, height);
+  else if (keys_.contains(GLFW_KEY_W) || keys_.contains(GLFW_KEY_S) || keys_.contains(GLFW_KEY_A) ||
+           keys_.contains(GLFW_KEY_D))
+    look(scene_.camera(), dx, dy, height);
+  else
+    pan(scene_.camera(), dx, dy, height);
+}
+
+void App::fly_on(double seconds) {
+  if (!buttons_.contains(GLFW_MOUSE_BUTTON_RIGHT)) return;
+  const auto axis = [&](int more, int less) {
+    return (keys_.contains(more) ? 1.0 : 0.0) - (keys_.contains(less) ? 1.0 : 0.0);
+  };
+  const Vector3d direction(axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q),
+                           axis(GLFW_KEY_W, GLFW_KEY_S));
+  if (direction.isZero()) return;
+  scene_.camera_was_moved();
+  fly(scene_.camera(), direction * (0.25 * scene_.scene_size() * seconds));
+}
+
+}  // namespace collidoscope

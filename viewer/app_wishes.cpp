@@ -1,0 +1,103 @@
+// What panels and keys asked for since the last frame.
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "live/whole_file.h"
+#include "viewer/app_guard.h"
+#include "viewer/render/image.h"
+
+namespace collidoscope {
+namespace {
+
+/// captures/<stem>.<ending>, or with a number where that is taken: nothing is overwritten.
+std::string free_name(const std::string& stem, const std::string& ending) {
+  namespace fs = std::filesystem;
+  std::string file = fmt::format("captures/{}.{}", stem, ending);
+  for (int k = 2; fs::exists(file); ++k) file = fmt::format("captures/{}_{}.{}", stem, k, ending);
+  return file;
+}
+
+}  // namespace
+
+void App::say(const std::string& notice) {
+  workspace_.notice = notice;
+  notice_since_ = Clock::now();
+}
+
+void App::meet_wishes(double seconds) {
+  if (!workspace_.notice.empty() && Clock::now() - notice_since_ > std::chrono::seconds(5))
+    workspace_.notice.clear();
+  if (std::exchange(workspace_.csv_wish, false)) guarded([&] { export_history(true); });
+  if (std::exchange(workspace_.json_wish, false)) guarded([&] { export_history(false); });
+  guarded([&] { scene_.meet_wish(std::exchange(workspace_.camera_wish, CameraWish::none)); });
+  guarded([&] { apply_settings(); });
+  if (std::exchange(workspace_.restart_wish, false))
+    guarded([&] {
+      live_.restart();
+      due_ = 0;
+    });
+  if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
+    workspace_.selection.reset();
+  guarded([&] { advance(seconds); });
+}
+
+void App::apply_settings() {
+  const Settings now = live_.settings();
+  if (workspace_.settings == now) return;
+  // Where a new World takes long, it waits until the slider is let go.
+  Settings shape_alone = now;
+  shape_alone.shape = workspace_.settings.shape;
+  constexpr double at_once = 0.05;
+  const bool cheap = workspace_.settings == shape_alone || live_.last_change_seconds() < at_once;
+  if (workspace_.adjusting && !cheap) return;
+  try {
+    const std::string said = live_.apply(workspace_.settings);
+    if (!said.empty()) say(said);
+  } catch (...) {
+    workspace_.settings = live_.settings();
+    throw;
+  }
+  workspace_.settings = live_.settings();
+}
+
+void App::advance(double seconds) {
+  const double time_step = live_.world().scene().physics.time_step;
+  bool step = false;
+  if (workspace_.step_wishes > 0) {
+    --workspace_.step_wishes;
+    step = true;
+  } else if (workspace_.playing) {
+    due_ = workspace_.speed > 0 ? due_ + seconds * workspace_.speed / time_step : 1;
+    step = due_ >= 1;
+    // What the machine cannot keep up with is not made up for later.
+    due_ = step ? std::min(due_ - 1, 1.0) : due_;
+  }
+  if (!step) return;
+  live_.step(true);
+  simulated_ += time_step;
+  const auto& pause_at = options_.view.pause_at;
+  if (pause_at && live_.world().steps() == *pause_at) workspace_.playing = false;
+}
+
+void App::export_history(bool csv) {
+  const auto window = static_cast<std::size_t>(std::max(workspace_.window, 1));
+  const std::string file =
+      free_name(fmt::format("history_{:06}", live_.world().steps()), csv ? "csv" : "json");
+  write_whole_file(file, csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
+  say("wrote " + file);
+}
+
+void App::save_picture() {
+  const std::string file = free_name(fmt::format("window_{:06}", live_.world().steps()), "png");
+  std::filesystem::create_directories("captures");
+  write_png(picture_.read(), file);
+  picture_file_ = file;
+  say("wrote " + file);
+}
+
+}  // namespace collidoscope

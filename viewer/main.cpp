@@ -1,0 +1,42 @@
+// collidoscope: the window. The exit status is 0, 2 for bad input, 3 where the machine lacks something.
+
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "headless/command_line.h"
+#include "sim_cuda/core/error.h"
+#include "viewer/app.h"
+
+namespace collidoscope {
+namespace {
+
+int guarded_main(const std::vector<std::string>& arguments) {
+  try {
+    const CommandLine line = parse_viewer_line(arguments);
+    if (!line.text.empty()) {
+      std::puts(line.text.c_str());
+      return 0;
+    }
+    App(load_scene(line), line.options).run();
+    return 0;
+  } catch (const InputError& error) {
+    constexpr std::size_t most = 20;
+    const std::vector<std::string>& faults = error.lines();
+    for (std::size_t i = 0; i < faults.size() && i < most; ++i)
+      std::fprintf(stderr, "%s\n", faults[i].c_str());
+    if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  return 3;
+}
+
+}  // namespace
+}  // namespace collidoscope
+
+int main(int argc, char** argv) {
+  return collidoscope::guarded_main(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
+}

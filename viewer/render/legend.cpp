@@ -1,0 +1,34 @@
+#include "viewer/render/legend.h"
+
+#include "viewer/render/colors.h"
+
+namespace collidoscope {
+namespace {
+
+std::uint32_t packed(const Rgb& color) {
+  const auto byte = [](float value) { return static_cast<std::uint32_t>(value * 255 + 0.5f); };
+  return 0xff000000u | byte(color.b) << 16 | byte(color.g) << 8 | byte(color.r);
+}
+
+}  // namespace
+
+Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats) {
+  Legend legend;
+  if (color == BodyColor::id) return legend;  // neighbours in number differ; there is no scale
+  const ColorMeaning meaning = color_meaning(color);
+  legend.title = meaning.title;
+  legend.unit = meaning.unit;
+  legend.min = range.min;
+  legend.max = range.max;
+  legend.goes_on = color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
+  for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
+  return legend;
+}
+
+std::vector<std::uint32_t> level_legend() {
+  std::vector<std::uint32_t> colors;
+  for (int level = 0; level < 8; ++level) colors.push_back(packed(level_color(level)));
+  return colors;
+}
+
+}  // namespace collidoscope

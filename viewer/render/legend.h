@@ -1,0 +1,26 @@
+#pragma once
+// What the colours of a picture mean, for whoever draws a legend. Plain data, colours as 0xAABBGGRR.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/publish.h"
+#include "sim_cuda/step_stats.h"
+#include "viewer/render/frame_uniforms.h"
+
+namespace collidoscope {
+
+struct Legend {
+  std::string title, unit;  ///< no title: nothing to explain
+  double min = 0, max = 1;
+  bool goes_on = false;               ///< larger values are drawn as the greatest
+  std::vector<std::uint32_t> colors;  ///< from least to greatest
+};
+
+/// Of bodies coloured by `color` over `range` at the state of `stats`.
+Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats);
+/// Colours of the hierarchy's levels, which repeat after the last.
+std::vector<std::uint32_t> level_legend();
+
+}  // namespace collidoscope

@@ -1,0 +1,48 @@
+#include "viewer/render/window_frame.h"
+
+#include <algorithm>
+
+#include "viewer/render/gl/errors.h"
+
+namespace collidoscope {
+
+WindowFrame::WindowFrame(int width, int height) : target_("window", width, height, {GL_RGBA8}, 0) {}
+
+void WindowFrame::resize(int width, int height) {
+  if (width == this->width() && height == this->height()) return;
+  target_ = gl::Target("window", width, height, {GL_RGBA8}, 0);
+}
+
+void WindowFrame::place(const Renderer& renderer, int x, int y) const {
+  glDisable(GL_SCISSOR_TEST);
+  const int bottom = height() - y - renderer.height();
+  glBlitNamedFramebuffer(renderer.picture().framebuffer(), target_.framebuffer(), 0, 0, renderer.width(),
+                         renderer.height(), x, bottom, x + renderer.width(), bottom + renderer.height(),
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl::check("to put the 3D view in its place");
+}
+
+Image WindowFrame::read() const {
+  Image image{width(), height(), {}};
+  const std::size_t row = static_cast<std::size_t>(width()) * 4;
+  image.rgba.resize(row * static_cast<std::size_t>(height()));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureImage(target_.color(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
+                    image.rgba.data());
+  gl::check("to read the window back");
+  const auto begin = image.rgba.begin();
+  for (int y = 0; y < height() / 2; ++y)  // OpenGL's rows start at the bottom
+    std::swap_ranges(begin + static_cast<std::ptrdiff_t>(row) * y,
+                     begin + static_cast<std::ptrdiff_t>(row) * (y + 1),
+                     begin + static_cast<std::ptrdiff_t>(row) * (height() - 1 - y));
+  return image;
+}
+
+void WindowFrame::present() const {
+  glDisable(GL_SCISSOR_TEST);
+  glBlitNamedFramebuffer(target_.framebuffer(), 0, 0, 0, width(), height(), 0, 0, width(), height(),
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl::check("to show the window");
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,139 @@
+#include "viewer/scene_view.h"
+
+#include "viewer/camera_control.h"
+#include "viewer/render/gl/errors.h"
+#include "viewer/render/value_range.h"
+
+namespace collidoscope {
+namespace {
+
+FrameLayers frame_layers(const ShownLayers& shown) {
+  FrameLayers layers;
+  layers.spheres = shown.spheres;
+  layers.boxes = shown.boxes;
+  layers.contacts = shown.contacts;
+  layers.grid = shown.grid;
+  layers.walls = shown.walls;
+  layers.overlay = false;
+  layers.first_level = shown.first_level;
+  layers.last_level = shown.last_level;
+  layers.color = shown.color;
+  return layers;
+}
+
+bool same_bounds(const Bounds& a, const Bounds& b) { return a.min == b.min && a.max == b.max; }
+
+}  // namespace
+
+SceneView::SceneView(DisplayPath wish, DisplayLink::Say say) : wish_(wish), say_(std::move(say)) {}
+
+void SceneView::follow_world(LiveWorld& live) {
+  if (generation_ == live.generation()) return;
+  World& world = live.world();
+  const Bounds before = renderer_->scene().bounds;
+  renderer_->set_scene(frame_scene(world.scene(), world.initial()));
+  link_.emplace(world, wish_, say_);
+  path_name_ = display_path_name(link_->path());
+  generation_ = live.generation();
+  scene_wish_ = world.scene().camera;
+  // In another box the same direction shows all of it.
+  if (camera_set_ && !same_bounds(before, renderer_->scene().bounds))
+    camera_ = frame_all(renderer_->scene().bounds, aspect(), camera_);
+}
+
+void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
+  if (!workspace.selection || *workspace.selection >= live.world().initial().size()) {
+    selected_.reset();
+    renderer_->set_marks({});
+    return;
+  }
+  const bool same = selected_ && selected_->id == *workspace.selection;
+  const Vector3d before = same ? selected_->X : Vector3d(0, 0, 0);
+  live.stats();  // finds the contacts and boxes of this state
+  selected_ = live.world().inspect(*workspace.selection);
+  if (workspace.follow) camera_.target = same ? camera_.target + selected_->X - before : selected_->X;
+  std::vector<BoxInstance> marks;
+  if (workspace.show_path)
+    for (std::size_t i = selected_->path.size(); i-- > 0;) {  // from the root: upper levels are drawn on top
+      const TreeLevels::Box& box = selected_->path[i];
+      BoxInstance mark{};
+      for (int axis = 0; axis < 3; ++axis) {
+        mark.min[axis] = box.min[axis];
+        mark.max[axis] = box.max[axis];
+      }
+      mark.level = static_cast<float>(selected_->path.size() - 1 - i);
+      marks.push_back(mark);
+    }
+  renderer_->set_marks(marks);
+}
+
+void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int height) {
+  // A software renderer draws one sample a pixel: four would cost four times the frame.
+  if (!renderer_) renderer_.emplace(width, height, gl::is_software_renderer() ? 1 : 2);
+  const bool resized = renderer_->width() != width || renderer_->height() != height;
+  renderer_->resize(width, height);
+  follow_world(live);
+  if (!camera_set_ || (resized && !camera_moved_)) {
+    const bool orthographic = camera_.orthographic;
+    camera_ = scene_camera(scene_wish_, renderer_->scene().bounds, aspect());
+    camera_.orthographic = orthographic;
+    camera_set_ = true;
+  }
+  follow_selection(live, workspace);
+  const FrameLayers layers = frame_layers(workspace.layers);
+  const Published wanted{live.generation(), live.world().steps(), workspace.layers};
+  if (!(wanted == published_)) {
+    const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
+    link_->publish(live.world(), layers, renderer_->instances());
+    path_name_ = display_path_name(link_->path());
+    range_ = value_range(live.world(), layers.color, stats);
+    legend_ = layers.spheres ? body_legend(layers.color, range_, stats) : Legend{};
+    published_ = wanted;
+  }
+  renderer_->draw(camera_, layers, range_);
+}
+
+void SceneView::meet_wish(CameraWish wish) {
+  if (wish == CameraWish::none || !renderer_) return;
+  camera_moved_ = true;
+  const Bounds& all = renderer_->scene().bounds;
+  switch (wish) {
+    case CameraWish::none:
+      break;
+    case CameraWish::frame_selection:
+      if (selected_) {
+        const Vector3d room = Vector3d(1, 1, 1) * (4 * selected_->radius);
+        camera_ = frame_all({selected_->X - room, selected_->X + room}, aspect(), camera_);
+        break;
+      }
+      [[fallthrough]];
+    case CameraWish::frame_all:
+      camera_ = frame_all(all, aspect(), camera_);
+      break;
+    case CameraWish::front:
+      look_along(camera_, AxisView::front);
+      break;
+    case CameraWish::side:
+      look_along(camera_, AxisView::side);
+      break;
+    case CameraWish::top:
+      look_along(camera_, AxisView::top);
+      break;
+    case CameraWish::orthographic:
+      camera_.orthographic = !camera_.orthographic;
+      break;
+  }
+}
+
+std::optional<std::uint32_t> SceneView::pick(int x, int y) {
+  if (!renderer_ || renderer_->instances().counts.bodies == 0) return std::nullopt;
+  const std::uint32_t id = renderer_->pick(camera_, {}, x, y);
+  return id > 0 ? std::optional(id - 1) : std::nullopt;
+}
+
+std::vector<std::pair<double, double>> SceneView::outline() const {
+  if (!selected_) return {};
+  return sphere_outline(camera_, selected_->X, selected_->radius, renderer_->width(), renderer_->height());
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,68 @@
+#pragma once
+// The 3D view: draws a LiveWorld where the layout has room for it, and answers what is under the pointer.
+// Owns the renderer, the display path and the camera; needs the GL context that was current when it was made.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "live/live_world.h"
+#include "ui/workspace.h"
+#include "viewer/render/interop/display_link.h"
+#include "viewer/render/legend.h"
+#include "viewer/render/renderer.h"
+
+namespace collidoscope {
+
+class SceneView {
+ public:
+  /// `wish`: the display path; `say` gets a line for each step down.
+  SceneView(DisplayPath wish, DisplayLink::Say say);
+
+  /// Brings camera and buffers to what is to be drawn, and draws it, in `width` x `height` pixels.
+  void draw(LiveWorld& live, const Workspace& workspace, int width, int height);
+
+  Renderer& renderer() { return *renderer_; }
+  OrbitCamera& camera() { return camera_; }
+  /// From now on the camera is somebody's choice: a new window size keeps it.
+  void camera_was_moved() { camera_moved_ = true; }
+  void meet_wish(CameraWish wish);
+  /// The body at a pixel of the view.
+  std::optional<std::uint32_t> pick(int x, int y);
+
+  const std::string& display_path() const { return path_name_; }
+  const Legend& legend() const { return legend_; }
+  const std::optional<BodyReport>& selected() const { return selected_; }
+  /// Metres: of the scene's bounds.
+  double scene_size() const { return renderer_ ? renderer_->scene().bounds.diagonal() : 1; }
+  /// The selected body's outline in pixels of the view.
+  std::vector<std::pair<double, double>> outline() const;
+
+ private:
+  void follow_world(LiveWorld& live);
+  void follow_selection(LiveWorld& live, const Workspace& workspace);
+  double aspect() const { return static_cast<double>(renderer_->width()) / renderer_->height(); }
+
+  DisplayPath wish_;
+  DisplayLink::Say say_;
+  std::optional<Renderer> renderer_;
+  std::optional<DisplayLink> link_;
+  std::string path_name_ = "none";
+  OrbitCamera camera_;
+  bool camera_moved_ = false, camera_set_ = false;
+  int generation_ = -1;
+  Camera scene_wish_;
+
+  // What the buffers hold: they are filled anew only when it changes.
+  struct Published {
+    int generation = -1;
+    std::int64_t step = -1;
+    ShownLayers layers;
+    friend bool operator==(const Published&, const Published&) = default;
+  } published_;
+  ValueRange range_;
+  Legend legend_;
+  std::optional<BodyReport> selected_;
+};
+
+}  // namespace collidoscope
