@@ -30,6 +30,17 @@ TEST(FrameScene, ALevelObstacleIsTheFloor) {
   EXPECT_EQ(scene.bounds.min.z(), -4);
 }
 
+TEST(FrameScene, TheBoundsReachDownToWhereBodiesLand) {
+  Scene slope;
+  slope.obstacles = {{.normal = Vector3d(1, 0, 1).normalized(), .offset = 0}};
+  const FrameScene scene = frame_scene(slope, three_bodies());
+  EXPECT_NEAR(scene.bounds.min.z(), -10, 1e-12);  // under the body at x = 10
+  EXPECT_EQ(scene.bounds.max, Vector3d(12, 23, 8));
+  ASSERT_EQ(scene.planes.size(), 1u);
+  slope.physics.gravity = {0, 0, 0};
+  EXPECT_EQ(frame_scene(slope, three_bodies()).bounds.min.z(), 2);
+}
+
 TEST(FrameScene, MeshesCutTheBodiesIntoRuns) {
   InitialBodies bodies = three_bodies();
   bodies.mesh = {1, 0, 0};

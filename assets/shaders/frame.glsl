@@ -10,7 +10,6 @@ layout(std140, binding = 0) uniform Frame {
   vec4 lens;             // half extents of the picture at distance 1 (orthographic: in m), 1 if perspective, near
   vec4 key;              // towards the key light, world; w: width of the shadow map, m
   vec4 values;           // least value, 1 / (greatest - least), 1 if coloured by id, drawn pixels per picture pixel
-  vec4 ground;           // centre x, y, height z, radius at which the floor has faded; radius 0: none
   vec4 scale;            // reach of ambient occlusion m, grid spacing m, unused, unused
   vec4 level_colors[8];  // of the hierarchy's levels, repeating
 };

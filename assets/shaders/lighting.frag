@@ -53,7 +53,7 @@ void main() {
     } else {
       float shown = clamp((albedo.a - 0.25) * 2.0, 0.0, 1.0);
       vec3 base = mix(vec3(0.085, 0.092, 0.105), vec3(0.34, 0.37, 0.42), albedo.r);
-      vec3 light = vec3(0.46) * open + vec3(0.72, 0.70, 0.66) * lit;
+      vec3 light = vec3(0.46) * open + vec3(0.72, 0.70, 0.66) * lit * min(1.3 * max(facing, 0.0), 1.0);
       color = mix(behind, base * light, shown);
     }
   }

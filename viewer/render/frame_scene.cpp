@@ -28,11 +28,25 @@ Bounds bounds_of(const InitialBodies& bodies) {
   return bounds;
 }
 
+// Where a body would come down: the first plane under `from` along gravity. `from` itself where there is
+// none.
+Vector3d landing(const Scene& scene, const Vector3d& from) {
+  if (!(scene.physics.gravity.norm() > 0)) return from;
+  const Vector3d down = scene.physics.gravity.normalized();
+  double fall = 1e300;
+  for (const Plane& plane : scene.obstacles) {
+    const double approach = -plane.normal.dot(down);
+    if (approach > 1e-6) fall = std::min(fall, (plane.normal.dot(from) - plane.offset) / approach);
+  }
+  return fall > 0 && fall < 1e300 ? Vector3d(from + fall * down) : from;
+}
+
 }  // namespace
 
 FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
   FrameScene result;
   result.box = bodies.box;
+  result.planes = scene.obstacles;
   result.bounds = bodies.box ? Bounds{bodies.box->min, bodies.box->max} : bounds_of(bodies);
   result.floor = result.bounds.min.z();
   if (!bodies.box) {
@@ -44,6 +58,18 @@ FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
       found = true;
     }
     result.bounds.min.z() = std::min(result.bounds.min.z(), result.floor);
+    // Slopes let bodies fall out of the bounds of state 0: they reach down to where the bodies land.
+    Bounds lower = result.bounds;
+    const auto reach = [&](const Vector3d& from) {
+      const Vector3d place = landing(scene, from);
+      lower.min = lower.min.cwiseMin(place);
+      lower.max = lower.max.cwiseMax(place);
+    };
+    if (!scene.obstacles.empty() && bodies.size() > 0) {
+      for (const Vector3d& position : bodies.position) reach(position);
+      reach(result.bounds.center());
+    }
+    result.bounds = lower;
   }
   const Vector3d size = result.bounds.max - result.bounds.min;
   result.grid_spacing = round_spacing(std::max(size.x(), size.y()));

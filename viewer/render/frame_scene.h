@@ -18,11 +18,12 @@ struct FrameScene {
     std::int64_t first = 0, count = 0;
   };
 
-  Bounds bounds;             ///< of the box, else of the bodies at state 0
-  std::optional<Box> box;    ///< whose edges are the walls
-  double floor = 0;          ///< m, height of the grid
-  double grid_spacing = 10;  ///< m, a round number
-  double body_size = 1;      ///< m, mean radius
+  Bounds bounds;  ///< of the box, else of the bodies at state 0 and of where they meet the planes below them
+  std::optional<Box> box;     ///< whose edges are the walls
+  std::vector<Plane> planes;  ///< the obstacles
+  double floor = 0;           ///< m, height of the grid
+  double grid_spacing = 10;   ///< m, a round number
+  double body_size = 1;       ///< m, mean radius
   std::vector<Mesh> meshes;
   std::vector<Run> runs;
 };

@@ -40,8 +40,6 @@ FrameUniforms camera_uniforms(const OrbitCamera& camera, const FrameScene& scene
   store(result.lens, 1 / projection(0, 0), 1 / projection(1, 1), camera.orthographic ? 0 : 1, near);
   store(result.key, key_direction.x(), key_direction.y(), key_direction.z(), 1);
   store(result.values, 0, 1, 0, scale);
-  const Vector3d center = scene.bounds.center(), size = scene.bounds.max - scene.bounds.min;
-  store(result.ground, center.x(), center.y(), scene.floor, 1.5 * std::max(size.x(), size.y()));
   store(result.scale,
         std::clamp(3.2 * scene.body_size, 0.004 * scene.bounds.diagonal(), scene.bounds.diagonal()),
         scene.grid_spacing, 0, 0);

@@ -10,10 +10,10 @@ namespace collidoscope {
 /// std140: every member is a multiple of 16 bytes.
 struct FrameUniforms {
   float view[16], projection[16], inverse_view[16], light_clip[16];
-  float pixels[4], lens[4], key[4], values[4], ground[4], scale[4];
+  float pixels[4], lens[4], key[4], values[4], scale[4];
   float level_colors[8][4];
 };
-static_assert(sizeof(FrameUniforms) == 4 * 64 + 6 * 16 + 8 * 16);
+static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + 8 * 16);
 
 /// The range of BodyInstance::value that the colour map spans.
 struct ValueRange {

@@ -34,7 +34,6 @@ void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
 
 Renderer::Renderer(int width, int height, int supersampling)
     : supersampling_(supersampling),
-      floor_("floor.vert", "floor.frag"),
       resolve_("fullscreen.vert", "resolve.frag"),
       nothing_{},
       colors_(color_map_texture()) {
@@ -55,6 +54,7 @@ void Renderer::resize(int width, int height) {
 void Renderer::set_scene(const FrameScene& scene) {
   scene_ = scene;
   bodies_.set_scene(scene);
+  planes_.set_scene(scene);
   if (!scene.box) return;
   BoxInstance walls{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -100,12 +100,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   glDepthFunc(GL_GREATER);
   glDisable(GL_BLEND);
   if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::surface, colors_.get());
-  // Seen from below, the floor would hide everything.
-  if (layers.grid && camera.eye().z() > scene_.floor) {
-    floor_.use();
-    nothing_.bind(0, 0);
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-  }
+  if (layers.grid) planes_.draw_surfaces();
   gl::check("to draw the surfaces");
 
   light_.draw(*surface_, *lit_);
@@ -113,6 +108,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   // Lines are tested against the depth of the surfaces, on top of the lit picture.
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   lit_->bind();
+  if (layers.grid) planes_.draw_veils();
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
   if (layers.boxes)
     lines_.draw_boxes(instances_.boxes, instances_.counts.boxes, layers.first_level, layers.last_level);

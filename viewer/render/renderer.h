@@ -14,6 +14,7 @@
 #include "viewer/render/image.h"
 #include "viewer/render/light_pass.h"
 #include "viewer/render/line_pass.h"
+#include "viewer/render/plane_pass.h"
 
 namespace collidoscope {
 
@@ -62,7 +63,8 @@ class Renderer {
   BodyPass bodies_;
   LinePass lines_;
   LightPass light_;
-  gl::Program floor_, resolve_;
+  PlanePass planes_;
+  gl::Program resolve_;
   gl::VertexLayout nothing_;
   gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"}, marks_{"marks"};
   std::int64_t mark_count_ = 0;
