@@ -48,6 +48,10 @@ class Writer {
   void right(float x, float y, const std::string& text, ImU32 color = plain) const {
     at(x - width(text), y, text, color);
   }
+  void bar(const ImVec2& from, const ImVec2& to, ImU32 color) const {
+    cover(from, {to.x - from.x, to.y - from.y});
+    list_->AddRectFilled(from, to, color);
+  }
   /// A dark plate behind what was written since begin_plate(), so that it can be read over anything.
   void begin_plate() {
     list_->ChannelsSplit(2);
@@ -155,7 +159,7 @@ void draw_keys(const Writer& write, const OverlayText& text, float right, float 
     write.at(x, y, name, plain);
     right = x - size * 0.5f;
     if (mark) {
-      write.list()->AddRectFilled({right - size * 0.9f, y + size * 0.52f}, {right, y + size * 0.74f}, color);
+      write.bar({right - size * 0.9f, y + size * 0.52f}, {right, y + size * 0.74f}, color);
       right -= size * 1.5f;
     } else {
       right -= size * 1.0f;
