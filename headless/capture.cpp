@@ -9,8 +9,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "headless/egl_context.h"
+#include "headless/panel_picture.h"
 #include "headless/progress.h"
 #include "sim_cuda/core/error.h"
 #include "ui/overlay.h"
@@ -147,14 +149,26 @@ int run_capture(const CaptureRequest& request, World& world) {
 
   // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
   const std::int64_t pixels = static_cast<std::int64_t>(request.width) * request.height;
-  Renderer renderer(request.width, request.height, pixels <= 16'000'000 ? 2 : 1);
+  int width = request.width, height = request.height;  // of the 3D view
+  if (request.layers.ui) {
+    const ScreenRect rect = PanelPicture::scene_rect(width, height);
+    width = static_cast<int>(rect.width);
+    height = static_cast<int>(rect.height);
+  }
+  Renderer renderer(width, height, pixels <= 16'000'000 ? 2 : 1);
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
   DisplayLink link(world, request.display_path, say);
-  GuiPass gui(overlay_font_size(request.width, request.height));
+  GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)
+                                : overlay_font_size(request.width, request.height));
   say(fmt::format("drawn by {}{}, OpenGL {}; display path: {}", context.renderer(),
                   context.software() ? " (a software renderer)" : "", context.version(),
                   display_path_name(link.path())));
-  const double aspect = static_cast<double>(request.width) / request.height;
+  std::optional<PanelPicture> panels;
+  if (request.layers.ui) {
+    panels.emplace(world, request.layers, request.width, request.height, request.timings);
+    panels->set_renderer(context.renderer(), context.software(), display_path_name(link.path()));
+  }
+  const double aspect = static_cast<double>(width) / height;
   const OrbitCamera camera = scene_camera(world.scene().camera, renderer.scene().bounds, aspect);
 
   const std::int64_t total = request.states.empty() ? 0 : request.states.back();
@@ -162,6 +176,7 @@ int run_capture(const CaptureRequest& request, World& world) {
   for (std::int64_t state : request.states) {
     while (world.steps() < state) {
       world.step();
+      if (panels) panels->record(world);
       progress.update(world.steps());
     }
     const StepStats stats = world.measure();
@@ -172,7 +187,10 @@ int run_capture(const CaptureRequest& request, World& world) {
     const ValueRange values = value_range(world, request.layers.color, stats);
     renderer.draw(camera, request.layers, values);
     const PublishCounts drawn = renderer.instances().counts;
-    if (request.layers.overlay) {
+    Image picture;
+    if (panels) {
+      picture = panels->draw(gui, world, stats, renderer, values);
+    } else if (request.layers.overlay) {
       gui.begin(request.width, request.height);
       draw_overlay(overlay_text(world, request, renderer, drawn, stats, values),
                    static_cast<float>(request.width), static_cast<float>(request.height));
@@ -181,7 +199,7 @@ int run_capture(const CaptureRequest& request, World& world) {
     const std::string file = (std::filesystem::path(request.out) /
                               fmt::format("{}_{:04}.png", file_stem(world.scene().name), state))
                                  .string();
-    write_png(renderer.read_picture(), file);
+    write_png(panels ? picture : renderer.read_picture(), file);
     fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  contacts {}\n", file, request.width, request.height,
                state, drawn.bodies, drawn.boxes, drawn.contacts);
     std::fflush(stdout);

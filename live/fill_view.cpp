@@ -2,23 +2,21 @@
 
 namespace collidoscope {
 
-void fill_view(LiveWorld& live, WorkspaceView& view) {
-  World& world = live.world();
+void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view) {
   view.scene = world.scene().name;
-  view.generated = live.generated();
-  view.in_effect = live.settings();
-  view.edited = live.edited();
+  view.generated = world.scene().generators.size() == 1;
+  view.in_effect = settings_of(world);
   view.executor = world.on_gpu() ? "CUDA" : "CPU";
   view.device = world.device_name();
   view.broad_phases = broad_phase_names();
   view.effects.clear();
   for (const EffectName& effect : effect_names)
     if (world.effects().*(effect.flag)) view.effects.emplace_back(effect.name);
-  view.stats = live.stats();
+  view.stats = stats;
   view.time = static_cast<double>(world.steps()) * world.scene().physics.time_step;
   view.allocated_bytes = world.allocated_bytes();
-  view.level_sizes = live.level_sizes();
-  view.history = &live.history();
+  view.level_sizes = level_sizes(world);
+  view.history = &history;
 }
 
 }  // namespace collidoscope

@@ -1,15 +1,13 @@
 #pragma once
-// Fills what panels show of a run. Free functions.
-
-#include <string>
+// Fills what panels show of a run. A free function.
 
 #include "live/live_world.h"
 #include "ui/workspace.h"
 
 namespace collidoscope {
 
-/// Everything that a LiveWorld knows of itself; what draws, colours and clocks are the caller's to add.
-/// `view.history` points into `live`.
-void fill_view(LiveWorld& live, WorkspaceView& view);
+/// Everything that a World knows of itself; what draws, colours, clocks and `edited` are the caller's to add.
+/// `stats`: of the current state. `view.history` points to `history`.
+void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view);
 
 }  // namespace collidoscope

@@ -9,9 +9,23 @@
 namespace collidoscope {
 namespace {
 
-Settings settings_of(const Scene& scene, const RunOptions& options, std::int64_t bodies) {
+bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->min == b->min && a->max == b->max;
+}
+
+bool physics_differ(const Settings& a, const Settings& b) {
+  return a.time_step != b.time_step || a.restitution != b.restitution || a.precision != b.precision ||
+         a.bodies != b.bodies;
+}
+
+}  // namespace
+
+Settings settings_of(const World& world) {
+  const Scene& scene = world.scene();
+  const RunOptions& options = world.options();
   Settings s;
-  s.bodies = bodies;
+  s.bodies = static_cast<std::int64_t>(world.initial().size());
   if (scene.generators.size() == 1) {
     const BoxCollider& generator = scene.generators[0];
     s.bodies = generator.count;
@@ -27,18 +41,6 @@ Settings settings_of(const Scene& scene, const RunOptions& options, std::int64_t
   s.broad_phase = options.broad_phase;
   return s;
 }
-
-bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
-  if (!a || !b) return a.has_value() == b.has_value();
-  return a->min == b->min && a->max == b->max;
-}
-
-bool physics_differ(const Settings& a, const Settings& b) {
-  return a.time_step != b.time_step || a.restitution != b.restitution || a.precision != b.precision ||
-         a.bodies != b.bodies;
-}
-
-}  // namespace
 
 void set_scene(const Settings& wish, Scene& scene) {
   if (scene.generators.size() == 1) {
@@ -62,12 +64,31 @@ void set_options(const Settings& wish, RunOptions& options) {
   options.broad_phase = wish.broad_phase;
 }
 
+std::vector<std::int64_t> level_sizes(World& world) {
+  std::vector<std::int64_t> sizes;
+  for (int level = 0; level < world.tree_level_count(); ++level)
+    sizes.push_back(world.publish_counts(level, level).boxes);
+  return sizes;
+}
+
+void record_step(World& world, const StepStats* measured, History& history) {
+  HistoryStep entry;
+  entry.step = world.steps();
+  // Worlds time even-numbered steps plain and odd-numbered ones stage by stage, counted from 0.
+  const bool instrumented = world.steps() % 2 == 0;
+  const RunTimes times = world.latest_times();
+  if (!instrumented && times.steps_timed > 0) entry.plain_ms = times.step_last_ms;
+  if (measured != nullptr) {
+    entry.stats = *measured;
+    entry.measured = true;
+  }
+  for (std::int64_t level : level_sizes(world)) entry.nodes += level;
+  entry.allocated_bytes = world.allocated_bytes();
+  history.add(std::move(entry), instrumented ? times.stages : std::vector<StageTime>{});
+}
+
 LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
     : world_(std::make_unique<World>(scene, options)) {}
-
-Settings LiveWorld::settings() const {
-  return settings_of(world_->scene(), world_->options(), static_cast<std::int64_t>(world_->initial().size()));
-}
 
 void LiveWorld::replace(std::unique_ptr<World> world) {
   world_ = std::move(world);
@@ -122,32 +143,13 @@ void LiveWorld::restart() {
 void LiveWorld::step(bool measured) {
   world_->step();
   stats_known_ = hash_known_ = false;
-  HistoryStep entry;
-  entry.step = world_->steps();
-  // Worlds time even-numbered steps plain and odd-numbered ones stage by stage, counted from 0.
-  const bool instrumented = world_->steps() % 2 == 0;
-  const RunTimes times = world_->latest_times();
-  if (!instrumented && times.steps_timed > 0) entry.plain_ms = times.step_last_ms;
-  if (measured) {
-    entry.stats = stats();
-    entry.measured = true;
-  }
-  for (std::int64_t level : level_sizes()) entry.nodes += level;
-  entry.allocated_bytes = world_->allocated_bytes();
-  history_.add(std::move(entry), instrumented ? times.stages : std::vector<StageTime>{});
+  record_step(*world_, measured ? &stats() : nullptr, history_);
 }
 
 const StepStats& LiveWorld::stats() {
   if (!stats_known_) stats_ = world_->measure();
   stats_known_ = true;
   return stats_;
-}
-
-std::vector<std::int64_t> LiveWorld::level_sizes() {
-  std::vector<std::int64_t> sizes;
-  for (int level = 0; level < world_->tree_level_count(); ++level)
-    sizes.push_back(world_->publish_counts(level, level).boxes);
-  return sizes;
 }
 
 std::uint64_t LiveWorld::state_hash() {

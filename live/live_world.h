@@ -5,12 +5,16 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim_cuda/history.h"
 #include "sim_cuda/world.h"
 #include "ui/workspace.h"
 
 namespace collidoscope {
+
+/// What is in effect in a World.
+Settings settings_of(const World& world);
 
 class LiveWorld {
  public:
@@ -21,7 +25,7 @@ class LiveWorld {
   const World& world() const { return *world_; }
   const History& history() const { return history_; }
   /// Settings in effect.
-  Settings settings() const;
+  Settings settings() const { return settings_of(*world_); }
   /// N, radius, seed and variant can be changed.
   bool generated() const { return world_->scene().generators.size() == 1; }
   /// Whether a physical setting was changed since state 0.
@@ -41,8 +45,6 @@ class LiveWorld {
   void step(bool measured);
   /// Of the current state, measured at most once for each.
   const StepStats& stats();
-  /// Boxes of each level of the tree, from the root.
-  std::vector<std::int64_t> level_sizes();
   std::uint64_t state_hash();
   /// s of the clock that the last change of the World took.
   double last_change_seconds() const { return change_seconds_; }
@@ -58,6 +60,11 @@ class LiveWorld {
   int generation_ = 0;
   double change_seconds_ = 0;
 };
+
+/// Boxes of each level of its tree, from the root.
+std::vector<std::int64_t> level_sizes(World& world);
+/// Adds the step that the World just made. `measured`: its stats at the state that it led to, or null.
+void record_step(World& world, const StepStats* measured, History& history);
 
 /// The scene and the options that such settings ask for.
 void set_scene(const Settings& wish, Scene& scene);

@@ -37,7 +37,8 @@ TEST(FrameLayers, EveryFaultHasItsLine) {
   for (const char* wrong :
        {"bvh:", "bvh:-3", "bvh:3-", "bvh:a-b", "bvh:2-64", "bvh:1-2-3", "bvh: 2", "bvh:99999999999"})
     EXPECT_THAT(faults(wrong), testing::ElementsAre(HasSubstr("not a range of levels"))) << wrong;
-  EXPECT_THAT(faults("ui"), testing::ElementsAre(HasSubstr("the panels arrive with the viewer")));
+  EXPECT_TRUE(parse_layers("spheres,ui").ui);
+  EXPECT_FALSE(parse_layers("spheres").ui);
   EXPECT_THAT(faults("bvh:1,bvh:2"), testing::ElementsAre(HasSubstr("a second range")));
   EXPECT_THAT(faults(""), testing::ElementsAre(HasSubstr("'': unknown layer")));
   EXPECT_THAT(faults("spheres,"), testing::SizeIs(1));

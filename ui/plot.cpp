@@ -67,7 +67,8 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
     least -= room;
     most += room;
   }
-  const float top = area.at.y + 1.6f * line_height, bottom = area.at.y + height - pad;
+  const float top = area.at.y + (lines.size() > 1 ? 2.5f : 1.5f) * line_height,
+              bottom = area.at.y + height - pad;
   const auto y_of = [&](double v) {
     return bottom - static_cast<float>((v - least) / (most - least)) * (bottom - top);
   };
@@ -90,7 +91,7 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
         {area.at.x + width - pad - ImGui::CalcTextSize(most_text.c_str()).x, area.at.y + 0.15f * line_height},
         faint, most_text.c_str());
   }
-  float key = area.at.x + pad + ImGui::CalcTextSize(frame.title.c_str()).x + line_height;
+  float key = area.at.x + pad;
   for (const PlotLine& line : lines) {
     std::vector<ImVec2> run;
     const auto flush = [&] {
@@ -108,7 +109,7 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
     }
     flush();
     if (lines.size() > 1) {
-      area.list->AddText({key, area.at.y + 0.15f * line_height}, line.color, line.name.c_str());
+      area.list->AddText({key, area.at.y + 1.15f * line_height}, line.color, line.name.c_str());
       key += ImGui::CalcTextSize(line.name.c_str()).x + 0.7f * line_height;
     }
   }

@@ -79,8 +79,10 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
              "This scene lists its bodies; N turns where a scene has one generator");
     return;
   }
+  // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
+  const std::int64_t highest = s.variant == Variant::paper ? 20'000 : 2'000'000;
   log_row<std::int64_t>(
-      workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, 2'000'000, limits::max_bodies, false,
+      workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, highest, limits::max_bodies, false,
       "Bodies. Those that stay keep their state, unless the box goes with N (scaled, equal): "
       "then the run starts again");
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,8 +15,13 @@ void track(Workspace& workspace, const char* name, const ScreenRect& rect) {
 
 void track(Workspace& workspace, const char* name) {
   if (!ImGui::IsItemVisible()) return;
+  // What scrolled out of its window cannot be clicked.
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 low = list->GetClipRectMin(), high = list->GetClipRectMax();
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
-  track(workspace, name, {from.x, from.y, to.x - from.x, to.y - from.y});
+  const float x = std::max(from.x, low.x), y = std::max(from.y, low.y);
+  const float width = std::min(to.x, high.x) - x, height = std::min(to.y, high.y) - y;
+  if (width > 0 && height > 0) track(workspace, name, {x, y, width, height});
 }
 
 bool begin_panel(Workspace& workspace, const char* name, const char* title, bool& open) {

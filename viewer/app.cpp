@@ -57,9 +57,9 @@ App::App(const Scene& scene, const Options& options)
   if (!live_.world().initial().meshes.empty()) say("mesh bodies collide as their bounding spheres for now");
 }
 
-void App::run() {
+void App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
-  while (!window_.closing()) {
+  while (!window_.closing() && !ended()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
     const bool idle = !workspace_.playing && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);
@@ -118,7 +118,8 @@ void App::frame(double seconds) {
 }
 
 void App::fill(WorkspaceView& view) {
-  fill_view(live_, view);
+  fill_view(live_.world(), live_.stats(), live_.history(), view);
+  view.edited = live_.edited();
   view.renderer = renderer_name_;
   view.software = software_;
   view.display_path = scene_.display_path();

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -23,8 +24,8 @@ class App {
  public:
   /// Throws InputError and MachineError where there is nothing to show, or nowhere to show it.
   App(const Scene& scene, const Options& options);
-  /// Until the window is closed. Remembers the workspace.
-  void run();
+  /// Until the window is closed, or `ended` says so. Remembers the workspace.
+  void run(const std::function<bool()>& ended);
 
  private:
   using Clock = std::chrono::steady_clock;

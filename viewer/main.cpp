@@ -1,5 +1,6 @@
 // collidoscope: the window. The exit status is 0, 2 for bad input, 3 where the machine lacks something.
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -12,6 +13,8 @@
 namespace collidoscope {
 namespace {
 
+volatile std::sig_atomic_t interrupted = 0;
+
 int guarded_main(const std::vector<std::string>& arguments) {
   try {
     const CommandLine line = parse_viewer_line(arguments);
@@ -19,7 +22,7 @@ int guarded_main(const std::vector<std::string>& arguments) {
       std::puts(line.text.c_str());
       return 0;
     }
-    App(load_scene(line), line.options).run();
+    App(load_scene(line), line.options).run([] { return interrupted != 0; });
     return 0;
   } catch (const InputError& error) {
     constexpr std::size_t most = 20;
@@ -38,5 +41,7 @@ int guarded_main(const std::vector<std::string>& arguments) {
 }  // namespace collidoscope
 
 int main(int argc, char** argv) {
+  // Ctrl+C closes the window as its button does: what is remembered is written.
+  for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { collidoscope::interrupted = 1; });
   return collidoscope::guarded_main(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
 }

@@ -54,12 +54,11 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
             where + ": '" + name +
             "': not a range of levels; bvh, bvh:A or bvh:A-B with 0 <= A <= B <= 63, such as bvh:2-5");
     } else if (name == "ui") {
-      faults.push_back(where +
-                       ": 'ui': the panels arrive with the viewer; leave it out, text comes with 'overlay'");
+      layers.ui = true;
     } else {
       faults.push_back(
           where + ": '" + name +
-          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, grid, walls, overlay, no-grid, "
+          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, grid, walls, overlay, no-grid, "
           "no-walls, no-overlay");
     }
   }

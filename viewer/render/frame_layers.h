@@ -16,12 +16,13 @@ struct FrameLayers {
   bool grid = true;     ///< the floor, with a line every round number of metres
   bool walls = true;    ///< the edges of the scene's box
   bool overlay = true;  ///< text: scene, state, counts, stage times, legend
+  bool ui = false;      ///< the viewer's panels around the picture, in the overlay's place
   BodyColor color = BodyColor::speed;
 
   friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
 };
 
-/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, grid, walls,
+/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, ui, grid, walls,
 /// overlay, and no-grid, no-walls, no-overlay: those three are the setting and are drawn unless switched off.
 /// Throws InputError, one line per fault, each beginning with `where` (the flag's name).
 FrameLayers parse_layers(const std::string& text, const std::string& where = "--layers");

@@ -1,0 +1,60 @@
+#include "headless/panel_picture.h"
+
+#include "live/fill_view.h"
+#include "viewer/render/legend.h"
+
+namespace collidoscope {
+
+PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings)
+    : frame_(width, height) {
+  workspace_.settings = settings_of(world);
+  workspace_.layers = {layers.spheres, layers.boxes,       layers.contacts,   layers.grid,
+                       layers.walls,   layers.first_level, layers.last_level, layers.color};
+  workspace_.playing = false;
+  workspace_.hint = false;
+  view_.with_times = timings;
+  view_.cuda = world.on_gpu();
+}
+
+ScreenRect PanelPicture::scene_rect(int width, int height) {
+  return scene_view_rect(Workspace{}, static_cast<float>(width), static_cast<float>(height),
+                         workspace_font_size(width, height, 1));
+}
+
+void PanelPicture::set_renderer(const std::string& renderer, bool software, const std::string& display_path) {
+  view_.renderer = renderer;
+  view_.software = software;
+  view_.display_path = display_path;
+}
+
+void PanelPicture::record(World& world) {
+  const StepStats stats = world.measure();
+  record_step(world, &stats, history_);
+}
+
+Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
+                         const ValueRange& range) {
+  fill_view(world, stats, history_, view_);
+  const Legend legend = body_legend(workspace_.layers.color, range, stats);
+  if (workspace_.layers.spheres) view_.map_colors = legend.colors;
+  view_.legend_title = legend.title;
+  view_.legend_unit = legend.unit;
+  view_.legend_min = legend.min;
+  view_.legend_max = legend.max;
+  view_.legend_goes_on = legend.goes_on;
+  view_.level_colors = level_legend();
+  // Pictures without times are the same on every machine.
+  if (!view_.with_times) view_.device = "this machine";
+  const ScreenRect rect = scene_rect(frame_.width(), frame_.height());
+  frame_.place(renderer, static_cast<int>(rect.x), static_cast<int>(rect.y));
+  // ImGui lays out what sizes itself over its first frames.
+  for (int round = 0; round < 3; ++round) {
+    gui.begin(frame_.width(), frame_.height());
+    draw_workspace(workspace_, view_);
+    if (round == 2) frame_.place(renderer, static_cast<int>(rect.x), static_cast<int>(rect.y));
+    gui.end(frame_.target());
+  }
+  return frame_.read();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,43 @@
+#pragma once
+// Pictures of the viewer's panels, without a viewer: the same workspace, drawn by the same function, around
+// the same 3D view. Owns the workspace and the window's framebuffer; needs ImGui's context and the GL context
+// that were current when it was made.
+
+#include <string>
+
+#include "live/live_world.h"
+#include "ui/workspace.h"
+#include "viewer/render/frame_layers.h"
+#include "viewer/render/frame_uniforms.h"
+#include "viewer/render/gui_pass.h"
+#include "viewer/render/image.h"
+#include "viewer/render/renderer.h"
+#include "viewer/render/window_frame.h"
+
+namespace collidoscope {
+
+class PanelPicture {
+ public:
+  /// `timings`: times as measured, else dashes, so that pictures repeat.
+  PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings);
+
+  /// What the panels leave for the 3D view on a picture of this size.
+  static ScreenRect scene_rect(int width, int height);
+
+  Workspace& workspace() { return workspace_; }
+  /// What draws, as the status line says it.
+  void set_renderer(const std::string& renderer, bool software, const std::string& display_path);
+  /// After each step: graphs show it.
+  void record(World& world);
+  /// The 3D view must have been drawn by `renderer`, in the size of scene_rect().
+  Image draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
+             const ValueRange& range);
+
+ private:
+  Workspace workspace_;
+  WorkspaceView view_;
+  History history_;
+  WindowFrame frame_;
+};
+
+}  // namespace collidoscope

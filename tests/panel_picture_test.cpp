@@ -1,0 +1,159 @@
+// The workspace as a picture: the panels that the viewer draws, by the same function, against goldens.
+
+#include "headless/panel_picture.h"
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "tests/gl_fixture.h"
+#include "tests/golden.h"
+#include "viewer/render/interop/display_link.h"
+#include "viewer/render/value_range.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int width = 1280, height = 720;
+
+Scene small_box(std::int64_t bodies) {
+  Scene scene;
+  scene.name = "Box Collider";
+  scene.box = Box{};
+  BoxCollider generator;
+  generator.count = bodies;
+  scene.generators.push_back(generator);
+  return scene;
+}
+
+RunOptions on_cpu() {
+  RunOptions options;
+  options.executor = ExecutorKind::cpu;
+  return options;
+}
+
+/// A world at state 40, and its panels.
+struct Desk {
+  explicit Desk(
+      const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4})
+      : layers(shown), world(small_box(300), on_cpu()), panels(world, shown, width, height, false) {
+    for (int k = 0; k < 40; ++k) {
+      world.step();
+      panels.record(world);
+    }
+    panels.set_renderer("a renderer", true, "CPU + upload");
+  }
+
+  Image draw() {
+    const ScreenRect rect = PanelPicture::scene_rect(width, height);
+    Renderer renderer(static_cast<int>(rect.width), static_cast<int>(rect.height));
+    renderer.set_scene(frame_scene(world.scene(), world.initial()));
+    const StepStats stats = world.measure();
+    DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
+    link.publish(world, layers, renderer.instances());
+    const ValueRange range = value_range(world, layers.color, stats);
+    const double aspect = static_cast<double>(rect.width) / static_cast<double>(rect.height);
+    renderer.draw(scene_camera({}, renderer.scene().bounds, aspect), layers, range);
+    GuiPass gui(workspace_font_size(width, height, 1));
+    return panels.draw(gui, world, stats, renderer, range);
+  }
+
+  FrameLayers layers;
+  World world;
+  PanelPicture panels;
+};
+
+TEST(PanelPicture, Dark) {
+  test_context();
+  EXPECT_EQ(check_golden("workspace_dark", Desk().draw()), "");
+}
+
+TEST(PanelPicture, Light) {
+  test_context();
+  Desk desk({.spheres = true, .contacts = true, .color = BodyColor::radius});
+  desk.panels.workspace().theme = Theme::light;
+  EXPECT_EQ(check_golden("workspace_light", desk.draw()), "");
+}
+
+TEST(PanelPicture, RepeatsItself) {
+  test_context();
+  Desk desk, other;
+  EXPECT_EQ(desk.draw(), other.draw());
+}
+
+TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
+  test_context();
+  Desk desk;
+  desk.draw();
+  std::set<std::string> names;
+  for (const auto& [name, rect] : desk.panels.workspace().widgets) {
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_TRUE(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= width && rect.y + rect.height <= height)
+        << name;
+    EXPECT_TRUE(rect.width > 0 && rect.height > 0) << name;
+  }
+  for (const char* name :
+       {"run.play", "run.step", "settings.bodies", "settings.blocks.slider", "settings.threads.auto",
+        "layers.spheres", "layers.levels", "timing.csv", "graph.energy", "fold.left", "scene"})
+    EXPECT_TRUE(names.contains(name)) << name;
+}
+
+TEST(PanelPicture, TheLayoutFitsAnyWindow) {
+  for (const auto& [w, h] : {std::pair{320, 240}, {640, 480}, {1280, 720}, {1920, 1080}, {3840, 2160}}) {
+    const ScreenRect rect = PanelPicture::scene_rect(w, h);
+    EXPECT_GE(rect.x, 0);
+    EXPECT_GE(rect.width, 1);
+    EXPECT_GE(rect.height, 1);
+    EXPECT_LE(rect.x + rect.width, static_cast<float>(w));
+    EXPECT_LE(rect.height, static_cast<float>(h));
+    EXPECT_TRUE(w < 1280 || rect.width > 0.4f * static_cast<float>(w));
+  }
+}
+
+// The panels' own cost: what they hand to OpenGL, not its rasterising. The fastest of many is what the code
+// takes; the rest is other programs.
+TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+  GTEST_SKIP() << "of an optimised build";
+#endif
+  test_context();
+  GuiPass gui(14);
+  WorkspaceView view;
+  Workspace workspace;
+  History history;
+  std::vector<StageTime> stages;
+  for (const char* name :
+       {"bounds", "keys", "sort", "build", "pairs", "contacts", "colour", "solve", "walls", "move"}) {
+    stages.emplace_back();
+    stages.back().name = name;
+    stages.back().last_ms = 0.5;
+  }
+  for (int k = 0; k < 3600; ++k) {
+    HistoryStep step;
+    step.step = k;
+    step.measured = true;
+    step.plain_ms = k % 2 == 0 ? 3.0 : -1.0;
+    history.add(step, k % 2 == 1 ? stages : std::vector<StageTime>{});
+  }
+  view.history = &history;
+  view.level_sizes.assign(18, 1000);
+  view.level_colors.assign(8, 0xff00ff00u);
+  view.map_colors.assign(256, 0xff00ffffu);
+  double fastest = 1e9;
+  for (int round = 0; round < 40; ++round) {
+    gui.begin(width, height);
+    const auto start = std::chrono::steady_clock::now();
+    draw_workspace(workspace, view);
+    ImGui::Render();
+    fastest = std::min(
+        fastest, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  }
+  EXPECT_LT(fastest, 2.0);
+  RecordProperty("ui_ms", std::to_string(fastest));
+}
+
+}  // namespace
+}  // namespace collidoscope

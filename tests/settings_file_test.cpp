@@ -1,0 +1,74 @@
+// What is remembered of panels from one time to the next.
+
+#include "live/settings_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "live/whole_file.h"
+#include "sim_cuda/core/error.h"
+#include "tests/test_files.h"
+
+namespace collidoscope {
+namespace {
+
+TEST(SettingsFile, ComesBackAsItWas) {
+  Workspace before;
+  before.theme = Theme::light;
+  before.font_scale = 1.25f;
+  before.speed = 0.25;
+  before.layers.boxes = true;
+  before.layers.grid = false;
+  before.layers.first_level = 2;
+  before.layers.last_level = 5;
+  before.layers.color = BodyColor::contacts;
+  before.folds.right = false;
+  before.folds.camera = false;
+  Workspace after;
+  EXPECT_EQ(read_settings(settings_text(before), after), "");
+  EXPECT_EQ(after.layers, before.layers);
+  EXPECT_EQ(after.folds, before.folds);
+  EXPECT_EQ(after.theme, before.theme);
+  EXPECT_EQ(after.font_scale, before.font_scale);
+  EXPECT_EQ(after.speed, before.speed);
+}
+
+TEST(SettingsFile, NonsenseIsLeftOut) {
+  for (const char* text : {"", "{", "[]", "{}", R"({"format": 3})", "\xff\xfe"}) {
+    Workspace workspace;
+    EXPECT_THAT(read_settings(text, workspace), testing::HasSubstr("ignored")) << text;
+    EXPECT_EQ(workspace.layers, ShownLayers{});
+  }
+  Workspace workspace;
+  EXPECT_EQ(
+      read_settings(R"({"format": "collidoscope-settings", "font_scale": 1e9, "speed": "fast", "color": 77,
+      "first_level": -3, "last_level": 9.5, "shown": {"spheres": 1, "grid": false, "none": true}})",
+                    workspace),
+      "");
+  EXPECT_EQ(workspace.font_scale, 1);
+  EXPECT_EQ(workspace.speed, 1);
+  EXPECT_EQ(workspace.layers.color, BodyColor::speed);
+  EXPECT_EQ(workspace.layers.first_level, 0);
+  EXPECT_EQ(workspace.layers.last_level, 9);
+  EXPECT_TRUE(workspace.layers.spheres);
+  EXPECT_FALSE(workspace.layers.grid);
+}
+
+TEST(WholeFile, IsWrittenOrAsItWas) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "a/b/c.json").string();
+  write_whole_file(file, "one");
+  write_whole_file(file, "two");
+  std::ifstream stream(file);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "two");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "a/b"), {}), 1);
+  EXPECT_THROW(write_whole_file(file + "/below", "x"), MachineError);
+}
+
+}  // namespace
+}  // namespace collidoscope

@@ -1,0 +1,240 @@
+// The viewer, driven through its window by real mouse and key events.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+
+#include "sim_cuda/core/assets.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/world.h"
+#include "tests/window_driver.h"
+#include "viewer/render/image.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::json;
+
+/// What the headless program computes: the hash of the Box Collider after that many steps.
+std::string expected_hash(std::int64_t steps, std::int64_t bodies) {
+  Scene scene = read_scene(asset("scenes/box_collider.json").string());
+  scene.generators[0].count = bodies;
+  World world(scene, RunOptions{});
+  world.step(static_cast<int>(steps));
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(world.state_hash()));
+  return text;
+}
+
+class Viewer : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string lack = window_tests_lack();
+    if (!lack.empty()) GTEST_SKIP() << lack;
+  }
+
+  /// A picture of the window, by the key P.
+  static Image picture(WindowDriver& window) {
+    const std::string before = window.frame()["picture"];
+    window.key("p");
+    EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["picture"] != before; }));
+    return read_png(window.file(window.frame()["picture"]));
+  }
+
+  /// Share of the 3D view's pixels that differ.
+  static double difference(const Image& a, const Image& b, const Json& frame) {
+    EXPECT_EQ(a.rgba.size(), b.rgba.size());
+    const Json& rect = frame["widgets"]["scene"];
+    const int x0 = rect[0].get<int>(), y0 = rect[1].get<int>(), w = rect[2].get<int>(),
+              h = rect[3].get<int>();
+    int changed = 0;
+    for (int y = y0; y < y0 + h - 60; ++y)  // notices stand at the bottom
+      for (int x = x0; x < x0 + w; ++x) {
+        const std::size_t at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(a.width) +
+                                    static_cast<std::size_t>(x));
+        changed += std::abs(a.rgba[at] - b.rgba[at]) + std::abs(a.rgba[at + 1] - b.rgba[at + 1]) > 12;
+      }
+    return static_cast<double>(changed) / (static_cast<double>(w) * (h - 60));
+  }
+};
+
+TEST_F(Viewer, ObeysMouseAndKeys) {
+  WindowDriver window({"box_collider", "--bodies", "300", "--size", "1280x720"});
+  const auto value = [&](const char* name) { return window.frame()[name]; };
+
+  // Opens playing; pauses, steps.
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == true && f["step"] >= 2; }));
+  window.click_at(640, 300);
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
+  const std::int64_t paused_at = value("step");
+  window.next_frame();
+  EXPECT_EQ(value("step"), paused_at);
+  window.click("run.step");
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == paused_at + 2; }));
+  EXPECT_EQ(value("state_hash"), expected_hash(paused_at + 2, 300));
+  window.key("Escape");
+
+  // Every layer, seen in the picture and in what is drawn.
+  window.move(640, 20);  // no tooltip on the picture
+  const Image plain = picture(window);
+  for (const char* layer : {"boxes", "contacts", "spheres", "grid", "walls"}) {
+    const bool was = window.frame()["layers"][layer];
+    window.click(std::string("layers.") + layer);
+    ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["layers"][layer] == !was; })) << layer;
+    window.move(640, 20);
+    const Image other = picture(window);
+    EXPECT_GT(difference(plain, other, window.frame()), 0.0005) << layer;
+    const std::string name = layer;
+    EXPECT_TRUE(name != "boxes" || value("drawn")["boxes"] > 300);
+    EXPECT_TRUE(name != "contacts" || value("drawn")["contacts"] > 0);
+    EXPECT_TRUE(name != "spheres" || value("drawn")["spheres"] == 0);
+    window.click(std::string("layers.") + layer);
+    ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["layers"][layer] == was; })) << layer;
+  }
+  window.move(640, 20);
+  EXPECT_LT(difference(plain, picture(window), window.frame()), 0.0005) << "all as before";
+
+  // (B, T): typed, and by the slider; nothing of it reaches the state.
+  window.type_into("settings.blocks", "7");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["blocks"] == 7; }));
+  const Json slider = window.frame()["widgets"]["settings.threads.slider"];
+  const int x = slider[0].get<int>(), y = slider[1].get<int>() + slider[3].get<int>() / 2,
+            w = slider[2].get<int>();
+  window.drag(x + 5, y, x + w / 2, y);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["threads"] > 1 && f["threads"] < 1024; }));
+  window.move(640, 20);
+  for (int k = 0; k < 3; ++k) window.key("s");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == paused_at + 5; }));
+  EXPECT_EQ(value("state_hash"), expected_hash(paused_at + 5, 300));
+  EXPECT_EQ(value("edited"), false);
+
+  // The camera: turned, pulled nearer, pushed aside, along an axis, without perspective.
+  const auto camera = [&](int i) {
+    return window.frame()["camera"][static_cast<std::size_t>(i)].get<double>();
+  };
+  const double azimuth = camera(3), distance = camera(5), target = camera(0);
+  window.drag(640, 300, 740, 330);
+  EXPECT_GT(std::abs(camera(3) - azimuth), 0.05);
+  window.hands({"mousemove", "640", "250", "click", "4"});
+  window.next_frame();
+  EXPECT_LT(camera(5), 0.95 * distance);
+  window.drag(640, 300, 720, 300, 3);
+  EXPECT_GT(std::abs(camera(0) - target), 0.5);
+  window.key("7");
+  EXPECT_NEAR(camera(4), 1.5708, 1e-3);
+  window.key("5");
+  EXPECT_EQ(value("orthographic"), true);
+  window.key("5");
+  window.key("1");
+  window.key("f");
+  EXPECT_NEAR(camera(4), 0, 1e-9);
+  EXPECT_TRUE(value("selection").is_null());
+
+  // A click selects what is under it; the inspector says so, and is closed.
+  for (int k = 0; k < 12 && window.frame()["selection"].is_null(); ++k)
+    window.click_at(560 + 14 * k, 420 - 6 * k);
+  ASSERT_FALSE(value("selection").is_null());
+  EXPECT_TRUE(window.sees("inspector.close"));
+  window.key("f");
+  EXPECT_LT(camera(5), distance);
+  window.key("shift+f");
+  window.click("inspector.close");
+  EXPECT_TRUE(window.wait_for([](const Json& f) { return f["selection"].is_null(); }));
+
+  // A new N keeps the others' state, and is a physical change; a restart is a run of its own.
+  window.type_into("settings.bodies", "500");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 500; }));
+  EXPECT_EQ(value("step"), paused_at + 5);
+  EXPECT_EQ(value("edited"), true);
+  window.move(640, 20);
+  window.key("r");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 0; }));
+  EXPECT_EQ(value("edited"), false);
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 1; }));
+  EXPECT_EQ(value("state_hash"), expected_hash(1, 500));
+
+  // An error shows, and the program lives on with what it had.
+  if (!cuda_available()) {
+    window.click("settings.executor");
+    window.click("settings.executor.cuda");
+    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_string(); }));
+    window.click("error.dismiss");
+    EXPECT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_null(); }));
+    window.key("s");
+    EXPECT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 2; }));
+  }
+
+  // Another size, and panels folded away.
+  window.resize(1000, 760);
+  const Image resized = picture(window);
+  EXPECT_EQ(resized.width, 1000);
+  EXPECT_EQ(resized.height, 760);
+  window.click("fold.right");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("panel.timing"); }));
+  window.click("fold.right");
+  window.click("timing.csv");
+  EXPECT_TRUE(window.wait_for(
+      [](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote captures/history_"); }));
+  window.click("view.light");
+  EXPECT_TRUE(window.wait_for([](const Json& f) { return f["light"] == true; }));
+
+  EXPECT_EQ(window.end(), 0);
+  EXPECT_TRUE(std::filesystem::exists(window.file("config/collidoscope/settings.json")));
+  EXPECT_EQ(window.errors().find("OpenGL refused"), std::string::npos) << window.errors();
+}
+
+// COLLIDOSCOPE_WALK_SECONDS=300 makes it long, COLLIDOSCOPE_WALK_SEED another walk.
+TEST_F(Viewer, SurvivesARandomWalk) {
+  const auto from_environment = [](const char* name, int otherwise) {
+    const char* text = std::getenv(name);
+    return text ? std::atoi(text) : otherwise;
+  };
+  const int seconds = from_environment("COLLIDOSCOPE_WALK_SECONDS", 12);
+  std::mt19937 random(static_cast<unsigned>(from_environment("COLLIDOSCOPE_WALK_SEED", 1)));
+  const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  WindowDriver window({"box_collider", "--bodies", "200", "--size", "1100x720"});
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  static constexpr const char* keys[] = {"space", "s", "r",      "f",  "1",   "3",
+                                         "5",     "7", "Escape", "F1", "Tab", "shift+f"};
+  std::string trail;
+  while (std::chrono::steady_clock::now() < end && window.running()) {
+    const Json& widgets = window.frame()["widgets"];
+    std::vector<std::string> names;
+    for (const auto& [name, rect] : widgets.items()) names.push_back(name);
+    const std::size_t what = pick(10);
+    if (what < 6 && !names.empty()) {
+      const std::string name = names[pick(names.size())];
+      const Json& rect = widgets[name];
+      const auto within = [&](std::size_t axis) {
+        return static_cast<int>(rect[axis].get<double>() +
+                                static_cast<double>(pick(1000)) / 1000 * rect[axis + 2].get<double>());
+      };
+      const int x = within(0), y = within(1);
+      trail += name + " ";
+      if (pick(4) == 0)
+        window.drag(x, y, within(0), within(1), pick(3) == 0 ? 3 : 1);
+      else
+        window.click_at(x, y);
+    } else if (what < 9) {
+      const char* key = keys[pick(std::size(keys))];
+      trail += std::string(key) + " ";
+      window.key(key);
+    } else {
+      trail += "wheel ";
+      window.hands({"mousemove", std::to_string(300 + pick(500)), std::to_string(pick(700)), "click",
+                    pick(2) ? "4" : "5"});
+    }
+  }
+  ASSERT_TRUE(window.running()) << "after " << trail << "\n" << window.errors();
+  EXPECT_EQ(window.end(), 0) << trail;
+  EXPECT_EQ(window.errors().find("OpenGL refused"), std::string::npos) << window.errors();
+}
+
+}  // namespace
+}  // namespace collidoscope
