@@ -29,7 +29,7 @@ void draw_state(const BodyReport& body) {
   row_text("ω  rad/s", vector_text(body.w), "Angular velocity");
   row_text("L  kg m²/s", small_vector_text(body.L), "Angular momentum about the centre of mass");
   const Vector3d inertia = body.inverse_inertia.diagonal();
-  row_text("I⁻¹", small_vector_text(inertia),
+  row_text("1/I", small_vector_text(inertia),
            "Inverse inertia tensor, its diagonal in world axes, 1/(kg m²)");
   row_text("F  N", small_vector_text(body.F), "What the next step applies: the weight");
   row_text("T  N m", small_vector_text(body.T), "Torque that the next step applies");

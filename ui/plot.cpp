@@ -149,7 +149,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   }
   const float axis = static_cast<float>(round_axis(static_cast<double>(most)));
   const float top = area.at.y + 1.5f * line_height, bottom = area.at.y + height - pad;
-  const auto y_of = [&](float v) { return bottom - std::min(v / axis, 1.12f) * (bottom - top); };
+  const auto y_of = [&](float v) { return bottom - std::min(v / axis, 1.03f) * (bottom - top); };
   const float bar = (width - 2 * pad) / static_cast<float>(std::max<std::size_t>(count, 1));
   area.list->PushClipRect(area.at, {area.at.x + width, area.at.y + height}, true);
   int under = -1;
@@ -187,8 +187,17 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
     area.list->AddPolyline(run.data(), static_cast<int>(run.size()), ImGui::GetColorU32(ImGuiCol_Text), 0,
                            std::max(1.0f, line_height / 11));
   const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  bool beyond = false;
   for (const StackedBars::Mark& mark : bars.marks) {
-    if (mark.value > axis) continue;
+    if (mark.value > axis) {
+      // The nearest of the marks that lie higher: how much room there is.
+      const std::string text = fmt::format("↑ {}: {:.1f} ms", mark.label, mark.value);
+      const float x = area.at.x + 0.5f * (width - ImGui::CalcTextSize(text.c_str()).x) + 3 * line_height;
+      if (!beyond && !tops.empty())
+        area.list->AddText({x, area.at.y + 0.15f * line_height}, faint, text.c_str());
+      beyond = true;
+      continue;
+    }
     const float y = y_of(mark.value);
     area.list->AddLine({area.at.x + pad, y}, {area.at.x + width - pad, y},
                        ImGui::GetColorU32(ImGuiCol_Text, 0.5f));
@@ -196,7 +205,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
                        faint, mark.label.c_str());
   }
   area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
-                     "stages, ms (line: whole step)");
+                     "stages (line: step)");
   if (!tops.empty()) {
     const std::string text = fmt::format("{:g} ms", axis);
     area.list->AddText(

@@ -68,8 +68,10 @@ void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
 }
 
 void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int height) {
-  // A software renderer draws one sample a pixel: four would cost four times the frame.
-  if (!renderer_) renderer_.emplace(width, height, gl::is_software_renderer() ? 1 : 2);
+  // On the CPU a frame of full quality takes too long to play: one sample a pixel, and simpler light.
+  const bool software = gl::is_software_renderer();
+  if (!renderer_)
+    renderer_.emplace(width, height, software ? 1 : 2, software ? Quality::quick : Quality::full);
   const bool resized = renderer_->width() != width || renderer_->height() != height;
   renderer_->resize(width, height);
   follow_world(live);

@@ -4,12 +4,14 @@
 
 namespace collidoscope {
 
-LightPass::LightPass()
-    : occlusion_("fullscreen.vert", "occlusion.frag"),
+LightPass::LightPass(Quality quality)
+    : quality_(quality),
+      occlusion_("fullscreen.vert", "occlusion.frag"),
       blur_("fullscreen.vert", "occlusion_blur.frag"),
-      lighting_("fullscreen.vert", "lighting.frag"),
+      lighting_("fullscreen.vert", "lighting.frag", quality == Quality::quick ? "#define QUICK\n" : ""),
       nothing_{},
-      shadow_("shadow map", shadow_size, shadow_size, {}, GL_DEPTH_COMPONENT32F) {
+      shadow_("shadow map", quality == Quality::quick ? 1024 : 2048, quality == Quality::quick ? 1024 : 2048,
+              {}, GL_DEPTH_COMPONENT32F) {
   const GLuint map = shadow_.depth();
   glTextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed
@@ -43,17 +45,22 @@ void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
   glDepthMask(GL_FALSE);
   nothing_.bind(0, 0);
 
-  rough_->bind();
-  occlusion_.use();
-  glBindTextureUnit(0, surface.depth());
-  glBindTextureUnit(1, surface.color(1));
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (quality_ == Quality::quick) {
+    const float all_open[4] = {1, 1, 1, 1};
+    glClearNamedFramebufferfv(smooth_->framebuffer(), GL_COLOR, 0, all_open);
+  } else {
+    rough_->bind();
+    occlusion_.use();
+    glBindTextureUnit(0, surface.depth());
+    glBindTextureUnit(1, surface.color(1));
+    glDrawArrays(GL_TRIANGLES, 0, 3);
 
-  smooth_->bind();
-  blur_.use();
-  glBindTextureUnit(0, rough_->color());
-  glBindTextureUnit(1, surface.depth());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+    smooth_->bind();
+    blur_.use();
+    glBindTextureUnit(0, rough_->color());
+    glBindTextureUnit(1, surface.depth());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
 
   lit.bind();
   lighting_.use();

@@ -10,9 +10,13 @@
 
 namespace collidoscope {
 
+/// `quick` leaves out ambient occlusion and takes harder, coarser shadows: for renderers that draw on the
+/// CPU, while somebody waits for the next frame.
+enum class Quality { full, quick };
+
 class LightPass {
  public:
-  LightPass();
+  explicit LightPass(Quality quality);
   /// The picture's size in pixels; `scale` x `scale` pixels are drawn for each.
   void resize(int width, int height);
   /// Binds the light's uniforms, and leaves them bound.
@@ -21,9 +25,11 @@ class LightPass {
   /// From `surface` (albedo, normal, depth) into `lit`.
   void draw(const gl::Target& surface, const gl::Target& lit) const;
 
-  static constexpr int shadow_size = 2048;
+  /// Pixels of a side of the shadow map.
+  int shadow_size() const { return shadow_.width(); }
 
  private:
+  Quality quality_;
   gl::Program occlusion_, blur_, lighting_;
   gl::VertexLayout nothing_;
   gl::Target shadow_;

@@ -32,8 +32,9 @@ void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
 
 }  // namespace
 
-Renderer::Renderer(int width, int height, int supersampling)
+Renderer::Renderer(int width, int height, int supersampling, Quality quality)
     : supersampling_(supersampling),
+      light_(quality),
       resolve_("fullscreen.vert", "resolve.frag"),
       nothing_{},
       colors_(color_map_texture()) {
@@ -76,7 +77,7 @@ void Renderer::bind_uniforms(const gl::Buffer& buffer) const {
 void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values) {
   FrameUniforms uniforms =
       camera_uniforms(camera, scene_, surface_->width(), surface_->height(), supersampling_);
-  const FrameUniforms light = light_uniforms(scene_, LightPass::shadow_size);
+  const FrameUniforms light = light_uniforms(scene_, light_.shadow_size());
   set_light(uniforms, light);
   set_values(uniforms, values, layers.color == BodyColor::id);
   camera_uniforms_.upload(&uniforms, sizeof uniforms);

@@ -27,7 +27,7 @@ struct IdLayers {
 class Renderer {
  public:
   /// Picture size in pixels. `supersampling`: 1 to 4; that many pixels squared are drawn for each.
-  Renderer(int width, int height, int supersampling = 2);
+  Renderer(int width, int height, int supersampling = 2, Quality quality = Quality::full);
 
   void set_scene(const FrameScene& scene);
   const FrameScene& scene() const { return scene_; }
