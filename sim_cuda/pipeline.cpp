@@ -9,10 +9,9 @@
 #include "sim_cuda/dynamics/bounds.h"
 #include "sim_cuda/dynamics/measure.h"
 #include "sim_cuda/dynamics/move.h"
-#include "sim_cuda/dynamics/state_hash.h"
-#include "sim_cuda/inspect_stages.h"
+#include "sim_cuda/inspect.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
-#include "sim_cuda/publish_stages.h"
+#include "sim_cuda/pack.h"
 #include "sim_cuda/solver/impulse.h"
 #include "sim_cuda/solver/walls.h"
 
@@ -60,7 +59,7 @@ class TypedPipeline final : public Pipeline {
     pairs_.reserve(body_count_, capacity.pairs);
     contacts_.reserve(body_count_, capacity.contacts);
     solver_.reserve(body_count_, capacity.contacts);
-    depths_.resize_discarding(reduce_scratch_size(capacity.contacts));
+    measurer_.reserve(body_count_, capacity.contacts);
   }
   Capacity capacity() const override { return {pairs_.capacity(), contacts_.capacity()}; }
 
@@ -68,16 +67,32 @@ class TypedPipeline final : public Pipeline {
   void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
   BroadPhase& broad_phase() override { return *broad_phase_; }
 
-  void measure(StepStats& stats) override;
-  std::uint64_t state_hash() override;
+  void measure(StepStats& stats) override {
+    measurer_.measure(
+        {state_.view(), body_count_, state_.ledger.data(), planes_.data(), plane_count_,
+         gravity_.template cast<double>(), box_, contacts_.view(), control_.data(), contacts_.capacity()},
+        stats);
+  }
+  std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
-  void publish(const PublishTarget& target) override;
+  void publish(const PublishTarget& target) override {
+    pack<Real>(
+        executor_, target,
+        {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), broad_phase_->tree()},
+        publish_counts_);
+  }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }
   void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) override;
-  BodyReport inspect(std::uint32_t id) override;
+  BodyReport inspect(std::uint32_t id) override {
+    return collidoscope::inspect<Real>(executor_,
+                                       {state_.view(), body_count_, gravity_.template cast<double>(),
+                                        contacts_.view(), contact_count(), broad_phase_->tree()},
+                                       id);
+  }
 
  private:
+  Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
   SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
   SolverBodies<Real> solver_bodies() const {
     return {state_.position.data(), state_.velocity.data(), state_.inverse_mass.data(), state_.radius.data()};
@@ -125,9 +140,7 @@ class TypedPipeline final : public Pipeline {
   ContactList<Real> contacts_;
   ImpulseSolver<Real> solver_;
   Buffer<StepControl> control_;
-  Buffer<BodySums> sums_;  // scratch of measure()
-  Buffer<Depth> depths_;
-  Buffer<HashSum> hashes_;
+  Measurer<Real> measurer_;
   Buffer<std::uint32_t> publish_counts_;
 };
 
@@ -185,9 +198,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       contacts_(executor),
       solver_(executor),
       control_(executor, "step control"),
-      sums_(executor, "sums"),
-      depths_(executor, "depths"),
-      hashes_(executor, "hashes"),
+      measurer_(executor),
       publish_counts_(executor, "contacts per body to draw") {
   const std::size_t n = initial.size();
   state_.position.upload(narrowed<Real>(initial.position));
@@ -236,57 +247,6 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
     extent_.resize_discarding(reduce_scratch_size(body_count_));
   broad_phase_->reserve(body_count_);
   control_.upload({StepControl{}});
-  sums_.resize_discarding(reduce_scratch_size(body_count_));
-  hashes_.resize_discarding(reduce_scratch_size(body_count_));
-}
-
-template <class Real>
-void TypedPipeline<Real>::measure(StepStats& stats) {
-  if (body_count_ == 0) return;
-  const MeasureBody<Real> load{state_.view(),
-                               state_.ledger.data(),
-                               planes_.data(),
-                               plane_count_,
-                               gravity_.template cast<double>(),
-                               box_ ? box_->min.z() : 0.0,
-                               box_.has_value(),
-                               box_ ? box_->min : Vector3d(0, 0, 0),
-                               box_ ? box_->max : Vector3d(0, 0, 0)};
-  const BodySums* total = reduce<BodySums>(executor_, "measure", body_count_, load, sums_.data());
-  BodySums sums;
-  executor_.copy_to_host(&sums, total, sizeof sums);
-  double depth = sums.max_depth;
-  if (contacts_.capacity() > 0) {
-    const Depth* deepest = reduce<Depth>(
-        executor_, "measure", contacts_.capacity(),
-        MeasureDepth<Real>{contacts_.view().bodies, control_.data(), spheres()}, depths_.data());
-    Depth d;
-    executor_.copy_to_host(&d, deepest, sizeof d);
-    depth = max_of(depth, d.value);
-  }
-  stats.kinetic_energy = sums.kinetic;
-  stats.potential_energy = sums.potential;
-  stats.push_work = sums.push_work;
-  for (int k = 0; k < 3; ++k) {
-    stats.momentum[k] = sums.momentum[k];
-    stats.angular_momentum[k] = sums.angular_momentum[k];
-    stats.wall_impulse_vector[k] = sums.wall_vector[k];
-  }
-  stats.wall_impulse = sums.wall_impulse;
-  stats.max_penetration = depth;
-  stats.max_speed = std::sqrt(sums.max_speed_squared);
-  stats.non_finite = sums.non_finite;
-  stats.escaped = sums.escaped;
-}
-
-template <class Real>
-std::uint64_t TypedPipeline<Real>::state_hash() {
-  if (body_count_ == 0) return 0;
-  const HashSum* total =
-      reduce<HashSum>(executor_, "hash", body_count_, HashBody<Real>{state_.view()}, hashes_.data());
-  HashSum hash;
-  executor_.copy_to_host(&hash, total, sizeof hash);
-  return hash.value;
 }
 
 template <class Real>
@@ -325,17 +285,6 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TypedPipeline<Real>::pairs(
 }
 
 template <class Real>
-void TypedPipeline<Real>::publish(const PublishTarget& target) {
-  publish_boxes(executor_, target, broad_phase_->tree());
-  publish_contacts<Real>(executor_, target, contacts_.view(), spheres(), control_.data());
-  if (target.bodies == nullptr) return;
-  if (target.body_color == BodyColor::contacts)
-    publish_counts_.resize_discarding(static_cast<std::size_t>(body_count_));
-  publish_bodies<Real>(executor_, target, state_.view(), mesh_.data(), contacts_.view(), contacts_.capacity(),
-                       control_.data(), broad_phase_->tree(), publish_counts_.data(), body_count_);
-}
-
-template <class Real>
 void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) {
   const std::size_t n = states.position.size();
   const auto write = [&](const auto& buffer, const auto& values) {
@@ -350,61 +299,6 @@ void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector
     write(state_.angular_velocity, narrowed<Real>(states.angular_velocity));
   }
   if (plane_count_ > 0 && ledgers.size() >= n) write(state_.ledger, ledgers);
-}
-
-template <class Real>
-BodyReport TypedPipeline<Real>::inspect(std::uint32_t id) {
-  const auto read = [&](const auto* array, std::size_t index) {
-    std::remove_cv_t<std::remove_reference_t<decltype(*array)>> value;
-    executor_.copy_to_host(&value, array + index, sizeof value);
-    return value;
-  };
-  const BodyView<Real> bodies = state_.view();
-  BodyReport report;
-  report.id = id;
-  report.mass = static_cast<double>(read(bodies.mass, id));
-  report.radius = static_cast<double>(read(bodies.radius, id));
-  report.X = read(bodies.position, id).template cast<double>();
-  report.v = read(bodies.velocity, id).template cast<double>();
-  report.P = report.mass * report.v;
-  report.F = report.mass * gravity_.template cast<double>();
-  Vector3d inertia = Vector3d::Constant(0.4 * report.mass * report.radius * report.radius);
-  if (effects_.rotation) {
-    report.q = read(bodies.orientation, id).template cast<double>();
-    report.w = read(bodies.angular_velocity, id).template cast<double>();
-    inertia = read(bodies.inertia, id).template cast<double>();
-  }
-  const Matrix3d r = report.q.toRotationMatrix();
-  report.inverse_inertia = r * inertia.cwiseInverse().asDiagonal() * r.transpose();
-  report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
-
-  constexpr std::uint32_t capacity = 1024;
-  Buffer<std::uint32_t> found(executor_, "contacts of a body");  // {number, leaf, ids...}
-  found.resize_discarding(capacity + 2);
-  found.fill_zero();
-  executor_.run("inspect", Count(&control_.data()->contacts, contacts_.capacity()),
-                FindContacts{contacts_.view().bodies, id, found.data(), found.data() + 2, capacity});
-  const TreeView tree = broad_phase_->tree();
-  if (tree.levels > 0) executor_.run("inspect", body_count_, FindLeaf{tree.leaf_body, id, found.data() + 1});
-  const std::vector<std::uint32_t> list = found.download();
-  report.contact_count = list[0];
-  std::vector<std::uint32_t> others(list.begin() + 2, list.begin() + 2 + min_of(list[0], capacity));
-  std::sort(others.begin(), others.end());
-  for (const std::uint32_t other : others) {
-    const Separation<double> s =
-        separate<double>(report.X, report.radius, read(bodies.position, other).template cast<double>(),
-                         static_cast<double>(read(bodies.radius, other)));
-    report.contacts.push_back({other, s.normal, -s.gap});
-  }
-  if (tree.levels > 0) {
-    report.leaf = list[1];
-    for (int level = 0; level < tree.levels; ++level) {
-      const Aabb box = read(tree.nodes, tree.first[level] + (list[1] >> level));
-      report.path.push_back(
-          {{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}});
-    }
-  }
-  return report;
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
-#pragma once
-// The stages that pack what is drawn (publish.h) from the buffers of a world. Included by pipeline.cpp alone.
+#include "sim_cuda/pack.h"
+
+#include <cmath>
 
 #include "sim_cuda/core/atomics.h"
-#include "sim_cuda/dynamics/body_state.h"
-#include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
-#include "sim_cuda/publish.h"
 
 namespace collidoscope {
+
+namespace {
 
 template <class Real>
 struct PackBodies {
@@ -96,10 +96,7 @@ struct PackContacts {
   }
 };
 
-#if !SIM_CUDA || defined(__CUDACC__)
-
-inline void publish_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree) {
-  if (target.boxes == nullptr) return;
+void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree) {
   BoxInstance* out = target.boxes;
   for (int depth = target.first_level; depth <= target.last_level && depth < tree.levels; ++depth) {
     const int level = tree.levels - 1 - depth;
@@ -109,30 +106,29 @@ inline void publish_boxes(Executor& executor, const PublishTarget& target, const
   }
 }
 
-template <class Real>
-void publish_contacts(Executor& executor, const PublishTarget& target, const ContactView<Real>& contacts,
-                      const SphereView<Real>& spheres, const StepControl* control) {
-  if (target.contacts == nullptr) return;
-  executor.run("publish", Count(&control->contacts, target.contact_capacity),
-               PackContacts<Real>{contacts, spheres, target.contacts});
-}
+}  // namespace
 
 template <class Real>
-void publish_bodies(Executor& executor, const PublishTarget& target, const BodyView<Real>& bodies,
-                    const std::uint32_t* mesh, const ContactView<Real>& contacts,
-                    std::int64_t contact_capacity, const StepControl* control, const TreeView& tree,
-                    std::uint32_t* counts, std::int64_t body_count) {
+void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
+          Buffer<std::uint32_t>& counts) {
+  const auto& [bodies, body_count, mesh, contacts, contact_count, tree] = source;
+  if (target.boxes != nullptr) pack_boxes(executor, target, tree);
+  if (target.contacts != nullptr)
+    executor.run("publish", contact_count,
+                 PackContacts<Real>{contacts, {bodies.position, bodies.radius}, target.contacts});
+  if (target.bodies == nullptr) return;
   executor.run("publish", body_count, PackBodies<Real>{bodies, mesh, target.body_color, target.bodies});
   if (target.body_color == BodyColor::contacts) {
-    executor.fill(counts, 0, static_cast<std::size_t>(body_count) * sizeof *counts);
-    executor.run("publish", Count(&control->contacts, contact_capacity),
-                 CountOfContacts{contacts.bodies, counts});
-    executor.run("publish", body_count, ColorByContacts{counts, target.bodies});
+    counts.resize_discarding(static_cast<std::size_t>(body_count));
+    counts.fill_zero();
+    executor.run("publish", contact_count, CountOfContacts{contacts.bodies, counts.data()});
+    executor.run("publish", body_count, ColorByContacts{counts.data(), target.bodies});
   }
   if (target.body_color == BodyColor::order && tree.levels > 0)
     executor.run("publish", body_count, ColorByOrder{tree.leaf_body, target.bodies});
 }
 
-#endif
+template void pack(Executor&, const PublishTarget&, const PackSource<float>&, Buffer<std::uint32_t>&);
+template void pack(Executor&, const PublishTarget&, const PackSource<double>&, Buffer<std::uint32_t>&);
 
 }  // namespace collidoscope

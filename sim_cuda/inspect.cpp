@@ -1,0 +1,97 @@
+#include "sim_cuda/inspect.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/narrow_phase/sphere_sphere.h"
+
+namespace collidoscope {
+
+namespace {
+
+struct FindLeaf {
+  const std::uint32_t* leaf_body;
+  std::uint32_t body;
+  std::uint32_t* leaf;
+  SIM_HD void operator()(int k) const {
+    if (leaf_body[k] == body) *leaf = static_cast<std::uint32_t>(k);
+  }
+};
+
+/// The contacts of one body, in any order; `count` goes beyond the capacity where there are more.
+struct FindContacts {
+  const Pair* contacts;
+  std::uint32_t body;
+  std::uint32_t *count, *found;
+  std::uint32_t capacity;
+  SIM_HD void operator()(int contact) const {
+    const auto [a, b] = contacts[contact];
+    if (a != body && b != body) return;
+    const std::uint32_t place = atomic_add(count, 1);
+    if (place < capacity) found[place] = a == body ? b : a;
+  }
+};
+
+}  // namespace
+
+template <class Real>
+BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::uint32_t id) {
+  const auto read = [&](const auto* array, std::size_t index) {
+    std::remove_cv_t<std::remove_reference_t<decltype(*array)>> value;
+    executor.copy_to_host(&value, array + index, sizeof value);
+    return value;
+  };
+  const BodyView<Real>& bodies = source.bodies;
+  BodyReport report;
+  report.id = id;
+  report.mass = static_cast<double>(read(bodies.mass, id));
+  report.radius = static_cast<double>(read(bodies.radius, id));
+  report.X = read(bodies.position, id).template cast<double>();
+  report.v = read(bodies.velocity, id).template cast<double>();
+  report.P = report.mass * report.v;
+  report.F = report.mass * source.gravity;
+  Vector3d inertia = Vector3d::Constant(0.4 * report.mass * report.radius * report.radius);
+  if (bodies.orientation != nullptr) {
+    report.q = read(bodies.orientation, id).template cast<double>();
+    report.w = read(bodies.angular_velocity, id).template cast<double>();
+    inertia = read(bodies.inertia, id).template cast<double>();
+  }
+  const Matrix3d r = report.q.toRotationMatrix();
+  report.inverse_inertia = r * inertia.cwiseInverse().asDiagonal() * r.transpose();
+  report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
+
+  constexpr std::uint32_t capacity = 1024;
+  Buffer<std::uint32_t> found(executor, "contacts of a body");  // {number, leaf, ids...}
+  found.resize_discarding(capacity + 2);
+  found.fill_zero();
+  executor.run("inspect", source.contact_count,
+               FindContacts{source.contacts.bodies, id, found.data(), found.data() + 2, capacity});
+  const TreeView& tree = source.tree;
+  if (tree.levels > 0)
+    executor.run("inspect", source.body_count, FindLeaf{tree.leaf_body, id, found.data() + 1});
+  const std::vector<std::uint32_t> list = found.download();
+  report.contact_count = list[0];
+  std::vector<std::uint32_t> others(list.begin() + 2, list.begin() + 2 + min_of(list[0], capacity));
+  std::sort(others.begin(), others.end());
+  for (const std::uint32_t other : others) {
+    const Separation<double> s =
+        separate<double>(report.X, report.radius, read(bodies.position, other).template cast<double>(),
+                         static_cast<double>(read(bodies.radius, other)));
+    report.contacts.push_back({other, s.normal, -s.gap});
+  }
+  if (tree.levels > 0) {
+    report.leaf = list[1];
+    for (int level = 0; level < tree.levels; ++level) {
+      const Aabb box = read(tree.nodes, tree.first[level] + (list[1] >> level));
+      report.path.push_back(
+          {{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}});
+    }
+  }
+  return report;
+}
+
+template BodyReport inspect(Executor&, const InspectSource<float>&, std::uint32_t);
+template BodyReport inspect(Executor&, const InspectSource<double>&, std::uint32_t);
+
+}  // namespace collidoscope
