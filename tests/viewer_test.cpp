@@ -36,6 +36,18 @@ class Viewer : public testing::Test {
     if (!lack.empty()) GTEST_SKIP() << lack;
   }
 
+  /// Closes the window; "" if all went well, else what went wrong. In a sanitized build libubsan.so itself
+  /// loses 112 bytes at the end, which the leak sanitizer reports: those alone are excused.
+  static std::string close(WindowDriver& window) {
+    const int status = window.end();
+    const std::string said = window.errors();
+    const bool excused =
+        said.find("SUMMARY: AddressSanitizer: 112 byte(s) leaked in 2 allocation(s)") != said.npos;
+    const bool clean = said.find("OpenGL refused") == said.npos && said.find("runtime error") == said.npos;
+    if (clean && (status == 0 || (status == 1 && excused))) return "";
+    return "status " + std::to_string(status) + "\n" + said;
+  }
+
   /// A picture of the window, by the key P.
   static Image picture(WindowDriver& window) {
     const std::string before = window.frame()["picture"];
@@ -184,9 +196,8 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   window.click("view.light");
   EXPECT_TRUE(window.wait_for([](const Json& f) { return f["light"] == true; }));
 
-  EXPECT_EQ(window.end(), 0);
+  EXPECT_EQ(close(window), "");
   EXPECT_TRUE(std::filesystem::exists(window.file("config/collidoscope/settings.json")));
-  EXPECT_EQ(window.errors().find("OpenGL refused"), std::string::npos) << window.errors();
 }
 
 // COLLIDOSCOPE_WALK_SECONDS=300 makes it long, COLLIDOSCOPE_WALK_SEED another walk.
@@ -232,8 +243,7 @@ TEST_F(Viewer, SurvivesARandomWalk) {
     }
   }
   ASSERT_TRUE(window.running()) << "after " << trail << "\n" << window.errors();
-  EXPECT_EQ(window.end(), 0) << trail;
-  EXPECT_EQ(window.errors().find("OpenGL refused"), std::string::npos) << window.errors();
+  EXPECT_EQ(close(window), "") << trail;
 }
 
 }  // namespace

@@ -140,12 +140,13 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   }
   for (float v : bars.line)
     if (std::isfinite(v)) tops.push_back(v);
-  // One slow step (a page fault, another program) must not flatten all others: the axis holds 97 % of them.
+  // One slow step (a page fault, another program) must not flatten all others: the axis fits nine in ten of
+  // them.
   float most = 0;
   if (!tops.empty()) {
     std::sort(tops.begin(), tops.end());
-    const float usual = tops[static_cast<std::size_t>(0.97 * static_cast<double>(tops.size() - 1))];
-    most = std::min(tops.back(), 1.6f * usual);
+    const float usual = tops[static_cast<std::size_t>(0.9 * static_cast<double>(tops.size() - 1))];
+    most = std::min(tops.back(), 1.5f * usual);
   }
   const float axis = static_cast<float>(round_axis(static_cast<double>(most)));
   const float top = area.at.y + 1.5f * line_height, bottom = area.at.y + height - pad;
