@@ -1,5 +1,6 @@
 // The viewer, driven through its window by real mouse and key events.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/world.h"
+#include "tests/run_program.h"
 #include "tests/window_driver.h"
 #include "viewer/render/image.h"
 
@@ -72,6 +74,23 @@ class Viewer : public testing::Test {
     return static_cast<double>(changed) / (static_cast<double>(w) * (h - 60));
   }
 };
+
+TEST(ViewerCommandLine, SpeaksBeforeItNeedsAWindow) {
+  const std::filesystem::path program = program_folder() / "collidoscope";
+  if (!std::filesystem::exists(program)) GTEST_SKIP() << "the viewer was not built";
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  const Outcome help = run_program(program, {"--help"});
+  EXPECT_EQ(help.status, 0) << help.err;
+  EXPECT_THAT(help.out, testing::HasSubstr("--automation FILE"));
+  const Outcome wrong = run_program(program, {"--nope", "--json", "x", "one", "two"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, testing::HasSubstr("--nope: unknown flag"));
+  EXPECT_THAT(wrong.err, testing::HasSubstr("two: one argument too many"));
+  const Outcome blind = run_program(program, {"--bodies", "10"});
+  EXPECT_EQ(blind.status, 3);
+  EXPECT_THAT(blind.err, testing::HasSubstr("no window"));
+}
 
 TEST_F(Viewer, ObeysMouseAndKeys) {
   WindowDriver window({"box_collider", "--bodies", "300", "--size", "1280x720"});
