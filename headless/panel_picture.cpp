@@ -1,6 +1,6 @@
 #include "headless/panel_picture.h"
 
-#include "live/fill_view.h"
+#include "viewer/live/fill_view.h"
 #include "viewer/render/legend.h"
 
 namespace collidoscope {

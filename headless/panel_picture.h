@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "live/live_world.h"
 #include "ui/workspace.h"
+#include "viewer/live/live_world.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/frame_uniforms.h"
 #include "viewer/render/gui_pass.h"

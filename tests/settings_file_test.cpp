@@ -1,6 +1,6 @@
 // What is remembered of panels from one time to the next.
 
-#include "live/settings_file.h"
+#include "viewer/live/settings_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "live/whole_file.h"
 #include "sim_cuda/core/error.h"
 #include "tests/test_files.h"
+#include "viewer/live/whole_file.h"
 
 namespace collidoscope {
 namespace {

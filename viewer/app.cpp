@@ -8,11 +8,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "live/fill_view.h"
-#include "live/settings_file.h"
-#include "live/whole_file.h"
 #include "sim_cuda/core/error.h"
 #include "viewer/app_guard.h"
+#include "viewer/live/fill_view.h"
+#include "viewer/live/settings_file.h"
+#include "viewer/live/whole_file.h"
 #include "viewer/render/gl/errors.h"
 
 namespace collidoscope {

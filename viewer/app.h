@@ -9,10 +9,10 @@
 #include <string>
 
 #include "headless/options.h"
-#include "live/automation.h"
-#include "live/live_world.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
+#include "viewer/live/automation.h"
+#include "viewer/live/live_world.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"
 #include "viewer/scene_view.h"

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "live/whole_file.h"
 #include "viewer/app_guard.h"
+#include "viewer/live/whole_file.h"
 #include "viewer/render/image.h"
 
 namespace collidoscope {

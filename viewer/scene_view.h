@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "live/live_world.h"
 #include "ui/workspace.h"
+#include "viewer/live/live_world.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"

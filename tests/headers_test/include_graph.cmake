@@ -1,5 +1,5 @@
 # cmake -DROOT=<repository> -P include_graph.cmake: fails, and lists every offence, unless all includes point
-# the way that the design allows: sim_cuda <- viewer/render <- viewer, headless; ui sees plain data alone.
+# the way that the design allows: sim_cuda <- viewer/render, viewer/live <- viewer, headless; ui sees plain data alone.
 cmake_minimum_required(VERSION 3.25)
 
 set(plain_data "sim_cuda/(run_options|step_stats|publish|history|body_report)[.]h|sim_cuda/scene/(scene|effects|limits|names)[.]h"
@@ -9,21 +9,21 @@ set(windows "GLFW/|X11/")
 set(drawing "${windows}|GL/|epoxy/|EGL/|KHR/|imgui|stb_|png")
 
 # Folder, what it may include of the project, what it may not include of the system; the first folder fits.
-set(folders viewer/render viewer ui live sim_cuda headless tests)
+set(folders viewer/render viewer/live viewer ui sim_cuda headless tests)
 set(viewer/render_may "^(sim_cuda|viewer/render)/")
 set(viewer/render_not "^(${windows})")
 # The viewer reads the flags that the headless program reads; nothing else of headless/.
-set(viewer_may "^(sim_cuda|viewer|ui|live)/|^headless/(command_line|options)[.]h$")
+set(viewer_may "^(sim_cuda|viewer|ui)/|^headless/(command_line|options)[.]h$")
 set(viewer_not "^(cuda|nlohmann/|CLI/)")
 set(ui_may "^(ui/|(${plain_data})$)")
 set(ui_not "^(cuda|${windows}|GL/|epoxy/|EGL/|cub/)")
-set(live_may "^(sim_cuda|ui|live)/")
-set(live_not "^(${drawing}|CLI/)")
+set(viewer/live_may "^(sim_cuda|ui|viewer/live)/")
+set(viewer/live_not "^(${drawing}|CLI/)")
 set(sim_cuda_may "^sim_cuda/")
 set(sim_cuda_not "^(${drawing}|CLI/)")
-set(headless_may "^(sim_cuda|viewer/render|ui|live|headless)/")
+set(headless_may "^(sim_cuda|viewer/render|viewer/live|ui|headless)/")
 set(headless_not "^(${windows})")
-set(tests_may "^(sim_cuda|viewer|ui|live|headless|tests)/")
+set(tests_may "^(sim_cuda|viewer|ui|headless|tests)/")
 set(tests_not "^$")
 
 set(offences "")
@@ -31,7 +31,7 @@ set(seen 0)
 foreach(folder IN LISTS folders)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.cpp)
   foreach(file IN LISTS files)
-    if(folder STREQUAL "viewer" AND file MATCHES "^viewer/render/")
+    if(folder STREQUAL "viewer" AND file MATCHES "^viewer/(render|live)/")
       continue()
     endif()
     math(EXPR seen "${seen} + 1")
@@ -42,7 +42,7 @@ foreach(folder IN LISTS folders)
     foreach(line IN LISTS lines)
       if(line MATCHES "include[ \t]*\"([^\"]+)\"")
         set(header ${CMAKE_MATCH_1})
-        if(NOT header MATCHES "^(sim_cuda|viewer|ui|live|headless|tests)/")
+        if(NOT header MATCHES "^(sim_cuda|viewer|ui|headless|tests)/")
           list(APPEND offences "${file}: \"${header}\" is not rooted at the repository")
         elseif(NOT header MATCHES "${${folder}_may}")
           list(APPEND offences "${file}: may not include \"${header}\"")

@@ -1,4 +1,4 @@
-#include "live/whole_file.h"
+#include "viewer/live/whole_file.h"
 
 #include <unistd.h>
 

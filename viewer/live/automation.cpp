@@ -1,4 +1,4 @@
-#include "live/automation.h"
+#include "viewer/live/automation.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "live/fill_view.h"
+#include "viewer/live/fill_view.h"
 
 namespace collidoscope {
 

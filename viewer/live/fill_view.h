@@ -1,8 +1,8 @@
 #pragma once
 // Fills what panels show of a run. A free function.
 
-#include "live/live_world.h"
 #include "ui/workspace.h"
+#include "viewer/live/live_world.h"
 
 namespace collidoscope {
 

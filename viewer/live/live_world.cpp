@@ -1,4 +1,4 @@
-#include "live/live_world.h"
+#include "viewer/live/live_world.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "live/settings_file.h"
+#include "viewer/live/settings_file.h"
 
 #include <algorithm>
 #include <cmath>
