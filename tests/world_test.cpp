@@ -1,5 +1,6 @@
 #include "sim_cuda/world.h"
 
+#include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 
@@ -52,6 +53,8 @@ TEST_P(Worlds, ANewLaunchShapeActsAtTheNextStep) {
     EXPECT_EQ(world.launch_shape(), shape);
     world.step(3);
   }
+  EXPECT_THROW(world.set_launch_shape({1, 1025}), InputError);
+  EXPECT_EQ(world.launch_shape(), (LaunchShape{2, 1024}));
   plain.step(12);
   EXPECT_EQ(world.state_hash(), plain.state_hash());
 }

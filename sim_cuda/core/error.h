@@ -27,7 +27,7 @@ class InputError : public std::runtime_error {
   std::vector<std::string> lines_;
 };
 
-/// The machine lacks something: a GPU, memory, a display, a writable folder. The line says what was asked of
+/// The machine lacks something: a GPU, memory, a display. The line says what was asked of
 /// it and what it answered. The programs exit with status 3.
 class MachineError : public std::runtime_error {
  public:

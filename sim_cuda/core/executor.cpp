@@ -67,6 +67,7 @@ Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_thr
     throw MachineError("--executor cuda: no CUDA device can be used: " + why);
   if (!on_device_) {
     device_name_ = cpu_name();
+    set_shape(options.shape);
     return;
   }
 #if SIM_CUDA
@@ -93,6 +94,10 @@ Executor::~Executor() {
 }
 
 void Executor::set_shape(LaunchShape shape) {
+  if (shape.blocks < 0 || shape.threads < 0 || shape.threads > 1024)
+    throw InputError("a launch of " + std::to_string(shape.blocks) + " blocks of " +
+                     std::to_string(shape.threads) +
+                     " threads: blocks are 1 or more, threads 1 to 1024, 0 is auto");
 #if SIM_CUDA
   if (on_device_ && (shape.threads > max_threads_ || shape.blocks > max_blocks_))
     throw MachineError("asked " + device_name_ + " for " + std::to_string(shape.blocks) + " blocks of " +

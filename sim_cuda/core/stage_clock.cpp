@@ -14,6 +14,15 @@ double quantile(std::vector<float> samples, double q) {
   return (1 - t) * samples[low] + t * samples[high];
 }
 
+void TimeSamples::add(float milliseconds) {
+  last_ = milliseconds;
+  if (recent_.size() < capacity)
+    recent_.push_back(milliseconds);
+  else
+    recent_[static_cast<std::size_t>(count_) % capacity] = milliseconds;
+  ++count_;
+}
+
 StageClock::Entry& StageClock::entry(const char* name) {
   for (Entry& e : entries_)
     if (e.name == name) return e;
@@ -24,7 +33,7 @@ StageClock::Entry& StageClock::entry(const char* name) {
 
 void StageClock::commit_step() {
   for (Entry& e : entries_) {
-    e.samples_ms.push_back(e.step_ms);
+    e.samples_ms.add(e.step_ms);
     e.step_ms = 0;
   }
 }
@@ -44,23 +53,23 @@ void StageClock::clear_samples() {
 
 RunTimes StageClock::times() const {
   RunTimes times;
-  times.steps_timed = static_cast<int>(plain_ms_.size());
-  times.step_median_ms = quantile(plain_ms_, 0.5);
-  times.step_p95_ms = quantile(plain_ms_, 0.95);
-  times.step_last_ms = plain_ms_.empty() ? 0.0 : plain_ms_.back();
+  times.steps_timed = static_cast<int>(plain_ms_.count());
+  times.step_median_ms = quantile(plain_ms_.recent(), 0.5);
+  times.step_p95_ms = quantile(plain_ms_.recent(), 0.95);
+  times.step_last_ms = plain_ms_.last();
   for (const Entry& e : entries_)
-    times.stages.push_back({e.name, quantile(e.samples_ms, 0.5), quantile(e.samples_ms, 0.95),
-                            e.samples_ms.empty() ? 0.0 : e.samples_ms.back(), e.launches, e.own_shape});
+    times.stages.push_back({e.name, quantile(e.samples_ms.recent(), 0.5),
+                            quantile(e.samples_ms.recent(), 0.95), e.samples_ms.last(), e.launches,
+                            e.own_shape});
   return times;
 }
 
 RunTimes StageClock::latest() const {
   RunTimes times;
-  times.steps_timed = static_cast<int>(plain_ms_.size());
-  times.step_last_ms = plain_ms_.empty() ? 0.0 : plain_ms_.back();
+  times.steps_timed = static_cast<int>(plain_ms_.count());
+  times.step_last_ms = plain_ms_.last();
   for (const Entry& e : entries_)
-    times.stages.push_back(
-        {e.name, 0, 0, e.samples_ms.empty() ? 0.0 : e.samples_ms.back(), e.launches, e.own_shape});
+    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.own_shape});
   return times;
 }
 

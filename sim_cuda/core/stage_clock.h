@@ -4,6 +4,7 @@
 // stand in the step's graph and are read after it has run (executor.cpp records them).
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,14 +12,30 @@
 
 namespace collidoscope {
 
+/// The most recent samples of a time, so that a run of any length keeps a bounded memory of itself.
+class TimeSamples {
+ public:
+  static constexpr std::size_t capacity = 8192;
+  void add(float milliseconds);
+  void clear() { *this = {}; }
+  std::int64_t count() const { return count_; }                 ///< all that were added, forgotten ones too
+  float last() const { return last_; }                          ///< 0 before the first
+  const std::vector<float>& recent() const { return recent_; }  ///< in no particular order
+
+ private:
+  std::vector<float> recent_;
+  std::int64_t count_ = 0;
+  float last_ = 0;
+};
+
 class StageClock {
  public:
   struct Entry {
     std::string name;
     int launches = 0;
     bool own_shape = false;
-    std::vector<float> samples_ms;  ///< one per measured step
-    float step_ms = 0;              ///< of the step in progress
+    TimeSamples samples_ms;  ///< one per measured step
+    float step_ms = 0;       ///< of the step in progress
   };
 
   /// The entry of that name, made at the end of the list at its first use.
@@ -33,7 +50,7 @@ class StageClock {
   /// Forgets the step in progress: it will be done again.
   void discard_step();
   /// A plain step of that many milliseconds.
-  void add_plain_step(double milliseconds) { plain_ms_.push_back(static_cast<float>(milliseconds)); }
+  void add_plain_step(double milliseconds) { plain_ms_.add(static_cast<float>(milliseconds)); }
   void clear_launches();
   /// Forgets all samples, keeps the names.
   void clear_samples();
@@ -44,7 +61,7 @@ class StageClock {
 
  private:
   std::vector<Entry> entries_;
-  std::vector<float> plain_ms_;
+  TimeSamples plain_ms_;
 };
 
 /// The q-quantile (0 to 1) by linear interpolation between order statistics; 0 of nothing.
