@@ -172,16 +172,6 @@ void Executor::copy_to_host(void* host_destination, const void* source, std::siz
   std::memcpy(host_destination, source, bytes);
 }
 
-void Executor::copy_within(void* destination, const void* source, std::size_t bytes) {
-  if (bytes == 0) return;
-#if SIM_CUDA
-  if (on_device_)
-    return check(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToDevice, stream_),
-                 "copy " + std::to_string(bytes) + " bytes on the device");
-#endif
-  std::memcpy(destination, source, bytes);
-}
-
 void Executor::fill(void* destination, int byte, std::size_t bytes) {
   if (bytes == 0) return;
 #if SIM_CUDA

@@ -68,7 +68,6 @@ class Executor {
   // enqueued.
   void copy_to_executor(void* destination, const void* host_source, std::size_t bytes);
   void copy_to_host(void* host_destination, const void* source, std::size_t bytes);
-  void copy_within(void* destination, const void* source, std::size_t bytes);  ///< only enqueued
   void fill(void* destination, int byte, std::size_t bytes);
   void synchronize();
 

@@ -46,11 +46,6 @@ void StageClock::clear_launches() {
   for (Entry& e : entries_) e.launches = 0;
 }
 
-void StageClock::clear_samples() {
-  for (Entry& e : entries_) e.samples_ms.clear();
-  plain_ms_.clear();
-}
-
 RunTimes StageClock::times() const {
   RunTimes times;
   times.steps_timed = static_cast<int>(plain_ms_.count());

@@ -17,7 +17,6 @@ class TimeSamples {
  public:
   static constexpr std::size_t capacity = 8192;
   void add(float milliseconds);
-  void clear() { *this = {}; }
   std::int64_t count() const { return count_; }                 ///< all that were added, forgotten ones too
   float last() const { return last_; }                          ///< 0 before the first
   const std::vector<float>& recent() const { return recent_; }  ///< in no particular order
@@ -52,8 +51,6 @@ class StageClock {
   /// A plain step of that many milliseconds.
   void add_plain_step(double milliseconds) { plain_ms_.add(static_cast<float>(milliseconds)); }
   void clear_launches();
-  /// Forgets all samples, keeps the names.
-  void clear_samples();
 
   RunTimes times() const;
   /// The newest samples alone, without medians: cheap however long the run.
