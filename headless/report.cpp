@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sim_cuda/launch_json.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 
@@ -174,7 +175,8 @@ std::string to_json(const RunReport& report) {
                               {"median_ms", stage.median_ms},
                               {"p95_ms", stage.p95_ms},
                               {"launches", stage.launches},
-                              {"own_shape", stage.own_shape}});
+                              {"own_shape", stage.own_shape},
+                              {"launch", launch_json(stage.launch)}});
   json["step_median_ms"] = time_json(report.times.step_median_ms, report.times.steps_timed);
   json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);
   json["wall_seconds"] = report.wall_seconds ? Json(*report.wall_seconds) : Json(nullptr);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/launch_json.h"
 
 namespace collidoscope {
 
@@ -15,9 +16,10 @@ void History::add(HistoryStep step, const std::vector<StageTime>& stages) {
   for (const StageTime& time : stages) {
     const auto known = std::ranges::find(stages_, time.name, &Stage::name);
     const auto place = static_cast<std::size_t>(known - stages_.begin());
-    if (known == stages_.end()) stages_.push_back({time.name, 0, false});
+    if (known == stages_.end()) stages_.emplace_back().name = time.name;
     stages_[place].launches = time.launches;
     stages_[place].own_shape = time.own_shape;
+    stages_[place].launch = time.launch;
     if (step.stage_ms.size() <= place) step.stage_ms.resize(place + 1, -1.0f);
     step.stage_ms[place] = static_cast<float>(time.last_ms);
   }
@@ -33,6 +35,14 @@ void History::clear() {
   steps_.clear();
   stages_.clear();
   first_ = 0;
+}
+
+bool History::current(std::size_t stage) const {
+  for (std::size_t i = size(); i-- > 0;) {
+    const std::vector<float>& times = (*this)[i].stage_ms;
+    if (!times.empty()) return stage < times.size() && times[stage] >= 0;
+  }
+  return false;
 }
 
 template <class Value>
@@ -111,7 +121,10 @@ std::string history_json(const History& history, std::size_t window) {
   document["stages"] = Json::array();
   for (std::size_t k = 0; k < history.stages().size(); ++k) {
     const History::Stage& stage = history.stages()[k];
-    Json entry = {{"name", stage.name}, {"launches", stage.launches}, {"own_shape", stage.own_shape}};
+    Json entry = {{"name", stage.name},
+                  {"launches", stage.launches},
+                  {"own_shape", stage.own_shape},
+                  {"launch", launch_json(stage.launch)}};
     entry.update(summary(history.summarize_stage(k, window)));
     document["stages"].push_back(entry);
   }

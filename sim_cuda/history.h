@@ -41,6 +41,7 @@ class History {
     std::string name;
     int launches = 0;        ///< per step
     bool own_shape = false;  ///< part of it ignores (B, T)
+    StageLaunch launch{};    ///< of the newest step that was timed stage by stage
   };
 
   explicit History(std::size_t capacity = 3600) : capacity_(capacity > 0 ? capacity : 1) {}
@@ -55,6 +56,9 @@ class History {
   /// 0 is the oldest that is kept.
   const HistoryStep& operator[](std::size_t i) const { return steps_[(first_ + i) % steps_.size()]; }
   const std::vector<Stage>& stages() const { return stages_; }
+
+  /// Whether the newest step that was timed stage by stage has that stage: broad phases differ in theirs.
+  bool current(std::size_t stage) const;
 
   /// Over the newest `window` steps that have that time.
   TimeSummary summarize_stage(std::size_t stage, std::size_t window) const;
@@ -73,7 +77,8 @@ class History {
 /// The newest `window` steps: a line of names, then a row for each step; empty fields for what was not
 /// measured.
 std::string history_csv(const History& history, std::size_t window);
-/// The same as one JSON object: "stages" (name, launches, own_shape, median_ms, p95_ms), "step" and "steps".
+/// The same as one JSON object: "stages" (name, launches, own_shape, launch, median_ms, p95_ms), "step" and
+/// "steps".
 std::string history_json(const History& history, std::size_t window);
 
 }  // namespace collidoscope

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/stage_launch.h"
+
 namespace collidoscope {
 
 /// Sums over all bodies at one state, and counts of the last step.
@@ -34,6 +36,7 @@ struct StageTime {
   double median_ms = 0, p95_ms = 0, last_ms = 0;
   int launches = 0;        ///< kernels per step (CPU: parallel loops)
   bool own_shape = false;  ///< part of it runs in a library that ignores (B, T)
+  StageLaunch launch{};    ///< what the rest of it was launched as
 };
 
 /// Times of the whole step come from plain steps, times of stages from instrumented ones; they are never

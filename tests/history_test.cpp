@@ -74,6 +74,20 @@ TEST(History, StagesThatComeLateAreNotMixedUp) {
   EXPECT_EQ(history.summarize_stage(0, 10).samples, 1);
 }
 
+TEST(History, KnowsTheNewestLaunchOfEachStage) {
+  History history;
+  StageTime a = stage("a", 1), b = stage("b", 2);
+  a.launch.blocks = 8;
+  history.add({}, {a, b});
+  a.launch.blocks = 16;
+  history.add({}, {a});
+  history.add({}, {});
+  EXPECT_EQ(history.stages()[0].launch.blocks, 16);
+  EXPECT_TRUE(history.current(0));
+  EXPECT_FALSE(history.current(1)) << "the newest step has none such";
+  EXPECT_FALSE(History().current(0));
+}
+
 TEST(History, CsvHasAFieldForEachColumn) {
   std::istringstream text(history_csv(filled(50, 9), 4));
   std::string line;

@@ -32,6 +32,7 @@ Scene small_box(std::int64_t bodies) {
 RunOptions on_cpu() {
   RunOptions options;
   options.executor = ExecutorKind::cpu;
+  options.cpu_threads = 2;  // the panels say it
   return options;
 }
 

@@ -33,8 +33,13 @@ RunReport example() {
       .step_median_ms = 1.5,
       .step_p95_ms = 2,
       .steps_timed = 20,
-      .stages = {{.name = "bounds", .median_ms = 0.25, .p95_ms = 0.5, .launches = 1},
-                 {.name = "sort", .median_ms = 0.75, .p95_ms = 1, .launches = 7, .own_shape = true}}};
+      .stages = {
+          {.name = "bounds",
+           .median_ms = 0.25,
+           .p95_ms = 0.5,
+           .launches = 1,
+           .launch = {.items = 1000, .blocks = 2, .threads = 2, .chunk = 512, .limit = LaunchLimit::threads}},
+          {.name = "sort", .median_ms = 0.75, .p95_ms = 1, .launches = 7, .own_shape = true}}};
   report.state_hash = 0xabc;
   report.wall_seconds = 0.5;
   return report;
@@ -49,6 +54,28 @@ TEST(Report, JsonKeepsEveryBitOfANumber) {
   EXPECT_EQ(read["seed"].get<std::uint64_t>(), 18446744073709551615u);
   EXPECT_EQ(read["state_hash"], "0000000000000abc");
   EXPECT_THAT(to_json(report), testing::HasSubstr("\"kinetic\": 0.1,"));
+}
+
+TEST(Report, JsonSaysWhatStagesWereLaunchedAs) {
+  RunReport report = example();
+  json read = json::parse(to_json(report));
+  const json bounds = read["stages"][0]["launch"];
+  EXPECT_EQ(bounds["items"], 1000);
+  EXPECT_EQ(bounds["chunk"], 512);
+  EXPECT_EQ(bounds["limit"], "threads");
+  EXPECT_TRUE(bounds["occupancy"].is_null()) << "of a GPU alone";
+  EXPECT_TRUE(read["stages"][1]["launch"].is_null());
+  report.times.stages[1].launch = {.items = 10,
+                                   .blocks = 1,
+                                   .threads = 256,
+                                   .resident_blocks = 8,
+                                   .multiprocessors = 132,
+                                   .occupancy = 1,
+                                   .limit = LaunchLimit::items};
+  read = json::parse(to_json(report));
+  EXPECT_EQ(read["stages"][1]["launch"]["limit"], "too few items");
+  EXPECT_EQ(read["stages"][1]["launch"]["occupancy"], 1.0);
+  EXPECT_TRUE(read["stages"][1]["launch"]["chunk"].is_null());
 }
 
 TEST(Report, WhatIsNotFiniteIsNull) {

@@ -120,5 +120,51 @@ TEST_P(Worlds, StageTimesNameThePipelineInOrder) {
   EXPECT_GT(times.step_median_ms, 0);
 }
 
+TEST_P(Worlds, StagesSayWhatTheyWereLaunchedAs) {
+  RunOptions o = options();
+  o.cpu_threads = 2;
+  const auto launch_of = [](World& world, const std::string& name) {
+    for (const StageTime& stage : world.times().stages)
+      if (stage.name == name) return stage.launch;
+    return StageLaunch{};
+  };
+  World world(box_collider(2000), o);
+  EXPECT_EQ(launch_of(world, "bounds").threads, 0) << "nothing was launched yet";
+  world.step(2);
+  const StageLaunch bounds = launch_of(world, "bounds");
+  EXPECT_EQ(bounds.items, 2000);
+  EXPECT_EQ(launch_of(world, "sort").threads, 0) << "a library's own shape";
+  EXPECT_EQ(launch_of(world, "build").items, 2000) << "the leaves: the largest of its kernels";
+  if (GetParam() == ExecutorKind::cuda) {
+    EXPECT_EQ(bounds.threads, 256);
+    EXPECT_EQ(bounds.blocks, 8);
+    EXPECT_EQ(bounds.chunk, 0);
+    EXPECT_EQ(bounds.limit, LaunchLimit::items);
+    EXPECT_GT(bounds.registers, 0);
+    EXPECT_LE(bounds.registers, 64) << "or no block of 1,024 threads could be launched";
+    EXPECT_GT(bounds.multiprocessors, 0);
+    EXPECT_GT(bounds.occupancy, 0);
+    EXPECT_LE(bounds.occupancy, 1);
+  } else {
+    EXPECT_EQ(bounds.blocks, 4);
+    EXPECT_EQ(bounds.chunk, 512);
+    EXPECT_EQ(bounds.threads, 2);
+    EXPECT_EQ(bounds.limit, LaunchLimit::threads);
+    EXPECT_EQ(bounds.multiprocessors, 0);
+  }
+  world.set_launch_shape({3, 64});
+  world.step(2);
+  const StageLaunch asked = launch_of(world, "bounds");
+  if (GetParam() == ExecutorKind::cuda) {
+    EXPECT_EQ(asked.blocks, 3);
+    EXPECT_EQ(asked.threads, 64);
+    EXPECT_EQ(asked.limit, LaunchLimit::shape);
+  } else {
+    EXPECT_EQ(asked.blocks, 192) << "lanes";
+    EXPECT_EQ(asked.chunk, 11);
+    EXPECT_EQ(asked.threads, 2);
+  }
+}
+
 }  // namespace
 }  // namespace collidoscope

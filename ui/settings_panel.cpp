@@ -6,23 +6,26 @@
 
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
+#include "ui/launch_text.h"
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
 namespace collidoscope {
 namespace {
 
-// A number that can be typed, and a logarithmic slider of the same. 0 is "auto" where `automatic`.
+// A number that can be typed, and a logarithmic slider of the same. 0 is "auto" where `chosen` says what that
+// has come to, or nothing.
 template <class Number>
 void log_row(Workspace& workspace, const char* name, const char* label, ImGuiDataType type, Number& value,
-             Number low, Number high, Number limit, bool automatic, const char* help) {
+             Number low, Number high, Number limit, const std::string* chosen, const char* help) {
   ImGui::PushID(name);
   const float size = ImGui::GetFontSize();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(label);
   explain(help);
   ImGui::SameLine(size * 2);
-  const bool is_auto = automatic && value == 0;
+  const bool automatic = chosen != nullptr, is_auto = automatic && value == 0;
+  const std::string text = is_auto ? (chosen->empty() ? "auto" : *chosen) : "";
   const float button = automatic ? ImGui::CalcTextSize("auto").x + 2 * ImGui::GetStyle().FramePadding.x : 0;
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   const float input = size * 5.4f;
@@ -30,7 +33,7 @@ void log_row(Workspace& workspace, const char* name, const char* label, ImGuiDat
       std::max(ImGui::GetContentRegionAvail().x - input - gap - (automatic ? button + gap : 0), size));
   Number shown = std::clamp(is_auto ? low : value, low, high);
   if (ImGui::SliderScalar(
-          "##slider", type, &shown, &low, &high, is_auto ? "auto" : "",
+          "##slider", type, &shown, &low, &high, text.c_str(),
           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat))
     value = shown;
   workspace.adjusting |= ImGui::IsItemActive();
@@ -82,27 +85,31 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
   // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
   const std::int64_t highest = s.variant == Variant::paper ? 20'000 : 2'000'000;
   log_row<std::int64_t>(
-      workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, highest, limits::max_bodies, false,
+      workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, highest, limits::max_bodies, nullptr,
       "Bodies. Those that stay keep their state, unless the box goes with N (scaled, equal): "
       "then the run starts again");
 }
 
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
+  const LaunchRange chosen = launch_range(*view.history);
   log_row<int>(workspace, "settings.blocks", "B", ImGuiDataType_S32, s.shape.blocks, 1, 65536, 2147483647,
-               true, "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage");
-  log_row<int>(workspace, "settings.threads", "T", ImGuiDataType_S32, s.shape.threads, 1, 1024, 1024, true,
-               "Threads of a block, 1 to 1024");
+               &chosen.blocks,
+               "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage");
+  log_row<int>(workspace, "settings.threads", "T", ImGuiDataType_S32, s.shape.threads, 1, 1024, 1024,
+               &chosen.threads, "Threads of a block, 1 to 1024");
   const LaunchShape& shape = view.in_effect.shape;
+  std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
-    faint_text(fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
-                           grouped_number(std::int64_t{shape.blocks} * shape.threads),
-                           view.executor == "CPU" ? "lanes" : "threads"));
-  else
-    faint_text(view.executor == "CPU" ? "auto: chunks of 512 items" : "auto: by occupancy, stage by stage");
-  explain(
-      "A stage marked * in the timing table ignores (B, T) in part: a library launches it. Nothing here "
-      "changes the result.");
+    lines.insert(lines.begin(), fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
+                                            grouped_number(std::int64_t{shape.blocks} * shape.threads),
+                                            view.executor == "CPU" ? "lanes" : "threads"));
+  for (const std::string& line : lines) {
+    faint_text(line);
+    explain(
+        "Over all stages of the last step; the timing table explains each. A stage marked * there ignores "
+        "(B, T) in part: a library launches it. Nothing here changes the result.");
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ui/launch_text.h"
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
@@ -57,7 +58,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
                         highlighted == static_cast<int>(k), ImGuiSelectableFlags_SpanAllColumns);
       if (ImGui::IsItemHovered()) hovered = static_cast<int>(k);
       track(workspace, ("timing." + stage.name).c_str());
-      if (stage.own_shape) explain("Own shape: a library launches part of this stage, and ignores (B, T)");
+      explain(launch_text(stage).c_str());
       time_cells(times, view.with_times);
       number_cell(view.with_times && sum.median > 0 ? fmt::format("{:.0f} %", 100 * times.median / sum.median)
                                                     : "–");

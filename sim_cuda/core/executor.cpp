@@ -82,6 +82,10 @@ Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_thr
   device_name_ = properties.name;
   max_threads_ = properties.maxThreadsPerBlock;
   max_blocks_ = properties.maxGridSize[0];
+  multiprocessors_ = properties.multiProcessorCount;
+  limits_ = {properties.maxThreadsPerMultiProcessor, properties.maxBlocksPerMultiProcessor,
+             static_cast<int>(properties.sharedMemPerMultiprocessor),
+             static_cast<int>(properties.reservedSharedMemPerBlock)};
   check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create a stream");
   set_shape(options.shape);
 #endif
@@ -240,8 +244,63 @@ void Executor::end_stage() {
 }
 
 void Executor::count_launches(int launches) {
-  if (counting_ && !on_device_ && stage_ != nullptr) clock_.entry(stage_).launches += launches;
+  if (counting_ && !on_device_ && stage_ != nullptr) clock_.at(stage_entry_).launches += launches;
 }
+
+void Executor::count_loop(std::int64_t items, std::int64_t lanes) {
+  if (!counting_ || stage_ == nullptr) return;
+  count_launches(1);
+  StageLaunch launch;
+  launch.items = items;
+  launch.chunk = lanes > 0 ? (items + lanes - 1) / lanes : cpu_chunk;
+  launch.blocks = lanes > 0 ? lanes : (items + cpu_chunk - 1) / cpu_chunk;
+  launch.threads = static_cast<int>(std::clamp<std::int64_t>(launch.blocks, 1, team_.threads()));
+  launch.limit =
+      launch_limit(launch.blocks, lanes > 0 ? items : launch.blocks, team_.threads(), LaunchLimit::threads);
+  clock_.add_launch(stage_entry_, launch);
+}
+
+#if SIM_CUDA
+const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads, const char* name) {
+  const auto known = fits_.find({kernel, threads});
+  if (known != fits_.end()) return known->second;
+  const std::string doing = std::string("work out the occupancy of stage ") + name;
+  cudaFuncAttributes attributes{};
+  check(cudaFuncGetAttributes(&attributes, kernel), doing);
+  const auto resident = [&](int block) {
+    int blocks = 0;
+    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, block, 0), doing);
+    return blocks;
+  };
+  int best = threads, most = 0;
+  for (int block = 256; threads == 0 && block >= 32; block -= 32)
+    if (const int at_once = resident(block) * block; at_once > most) {
+      most = at_once;
+      best = block;
+    }
+  KernelFit fit{};
+  fit.threads = best;
+  fit.registers = attributes.numRegs;
+  fit.shared_bytes = static_cast<int>(attributes.sharedSizeBytes);
+  fit.resident_blocks = resident(best);
+  fit.occupancy = static_cast<double>(fit.resident_blocks * 32 * ((best + 31) / 32)) / limits_.threads;
+  fit.limit = residency_limit(limits_, best, fit.shared_bytes, fit.resident_blocks);
+  return fits_.emplace(std::pair{kernel, threads}, fit).first->second;
+}
+
+LaunchShape Executor::choose_shape(const void* kernel, const char* name, std::int64_t items) {
+  const KernelFit& fit = kernel_fit(kernel, options_.shape.threads, name);
+  const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
+  const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;
+  LaunchShape shape{options_.shape.blocks, fit.threads};
+  if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min(needed, resident));
+  if (recording_ != nullptr)
+    clock_.add_launch(stage_entry_, {items, shape.blocks, shape.threads, 0, fit.resident_blocks,
+                                     multiprocessors_, fit.registers, fit.shared_bytes, fit.occupancy,
+                                     launch_limit(shape.blocks, needed, resident, fit.limit)});
+  return shape;
+}
+#endif
 
 StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()> enqueue)
     : executor_(executor), instrumented_(instrumented), enqueue_(std::move(enqueue)) {
@@ -251,6 +310,7 @@ StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()
   check(cudaStreamBeginCapture(executor_.stream_, cudaStreamCaptureModeThreadLocal), "record a step");
   executor_.recording_ = this;
   executor_.counting_ = !instrumented;
+  executor_.clock_.clear_shapes();
   if (!instrumented) executor_.clock_.clear_launches();
   cudaGraph_t graph = nullptr;
   try {
@@ -296,6 +356,7 @@ void StepGraph::launch() {
 #endif
   executor_.end_stage();
   executor_.clock_.clear_launches();
+  executor_.clock_.clear_shapes();
   executor_.counting_ = true;
   executor_.timing_ = instrumented_;
   enqueue_();

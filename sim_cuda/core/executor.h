@@ -11,10 +11,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim_cuda/core/host_device.h"
+#include "sim_cuda/core/occupancy.h"
 #include "sim_cuda/core/parallel_for.h"
 #include "sim_cuda/core/stage_clock.h"
 #include "sim_cuda/run_options.h"
@@ -97,8 +100,12 @@ class Executor {
  private:
   friend class StepGraph;
 
+  /// On the CPU, "auto": items that a thread takes at a time, about.
+  static constexpr std::int64_t cpu_chunk = 512;
   template <class Stage>
   void run_on_cpu(std::int64_t count, const Stage& stage);
+  /// One more parallel loop of the stage in progress: `lanes` of them share the items; 0: chunks.
+  void count_loop(std::int64_t items, std::int64_t lanes);
 #if defined(__CUDACC__)
   template <class Stage>
   void launch(const char* name, const Count& count, const Stage& stage);
@@ -119,6 +126,20 @@ class Executor {
   bool counting_ = false;  ///< count launches per stage
   std::chrono::steady_clock::time_point stage_start_;
 #if SIM_CUDA
+  /// What the device says of a kernel in blocks of so many threads.
+  struct KernelFit {
+    int threads, registers, shared_bytes, resident_blocks;
+    double occupancy;
+    LaunchLimit limit;
+  };
+  /// `threads` 0: the number, 256 at most, of which most run at once. Each kernel is asked about once.
+  const KernelFit& kernel_fit(const void* kernel, int threads, const char* name);
+  /// (B, T) for so many items, with "auto" decided; notes it, if a step is being recorded.
+  LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items);
+  std::map<std::pair<const void*, int>, KernelFit> fits_;
+  MultiprocessorLimits limits_;
+  int multiprocessors_ = 0;
+
   int max_threads_ = 1024, max_blocks_ = 2147483647;
   cudaStream_t stream_ = nullptr;
   class StepGraph* recording_ = nullptr;
@@ -169,7 +190,6 @@ inline std::int64_t shuffle_multiplier(std::int64_t n) {
 
 template <class Stage>
 void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
-  count_launches(1);
   struct Context {
     const Stage& stage;
     std::int64_t count, lanes;
@@ -178,9 +198,9 @@ void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
             options_.lane_order};
   const bool automatic = options_.shape.blocks == 0 || options_.shape.threads == 0;
   if (automatic && context.order == LaneOrder::contiguous) {
-    constexpr std::int64_t grain = 512;
+    count_loop(count, 0);
     return team_.parallel_for(
-        count, grain,
+        count, cpu_chunk,
         [](void* c, std::int64_t begin, std::int64_t end) {
           const Stage& s = static_cast<const Context*>(c)->stage;
           for (std::int64_t i = begin; i < end; ++i) s(static_cast<int>(i));
@@ -189,6 +209,7 @@ void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
   }
   if (automatic) context.lanes = 64;
   if (context.lanes > count) context.lanes = count;
+  count_loop(count, context.lanes);
   team_.parallel_for(
       context.lanes, 1,
       [](void* c, std::int64_t begin, std::int64_t end) {
@@ -225,24 +246,7 @@ __global__ void __launch_bounds__(1024) run_stage(const Count count, const Stage
 
 template <class Stage>
 void Executor::launch(const char* name, const Count& count, const Stage& stage) {
-  LaunchShape shape = options_.shape;
-  if (shape.blocks == 0 || shape.threads == 0) {
-    int blocks = 0, threads = 0;
-    check(cudaOccupancyMaxPotentialBlockSize(&blocks, &threads, run_stage<Stage>, 0, shape.threads),
-          std::string("work out the occupancy of stage ") + name);
-    if (shape.threads == 0) shape.threads = threads < 256 ? threads : 256;
-    if (shape.blocks == 0) {
-      int per_multiprocessor = 0, multiprocessors = 0;
-      check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&per_multiprocessor, run_stage<Stage>,
-                                                          shape.threads, 0),
-            std::string("work out the occupancy of stage ") + name);
-      check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, options_.gpu),
-            "count multiprocessors");
-      const std::int64_t needed = (count.bound + shape.threads - 1) / shape.threads;
-      const std::int64_t resident = static_cast<std::int64_t>(per_multiprocessor) * multiprocessors;
-      shape.blocks = static_cast<int>(needed < resident ? needed : resident);
-    }
-  }
+  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(&run_stage<Stage>), name, count.bound);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
   check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
                                    " blocks of " + std::to_string(shape.threads) + " threads");

@@ -14,8 +14,8 @@ class ThreadTeam {
   ~ThreadTeam();
   int threads() const;
 
-  /// Calls body(context, begin, end) on disjoint ranges that cover [0, count), each at least `grain` long but
-  /// the last; returns when all have returned. Must not be nested.
+  /// Calls body(context, begin, end) on disjoint ranges that cover [0, count), about `grain` long or longer;
+  /// returns when all have returned. Must not be nested.
   void parallel_for(std::int64_t count, std::int64_t grain,
                     void (*body)(void* context, std::int64_t begin, std::int64_t end), void* context);
 

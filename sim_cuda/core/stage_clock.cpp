@@ -46,6 +46,15 @@ void StageClock::clear_launches() {
   for (Entry& e : entries_) e.launches = 0;
 }
 
+void StageClock::add_launch(std::size_t index, const StageLaunch& launch) {
+  StageLaunch& kept = entries_[index].launch;
+  if (kept.threads == 0 || launch.items > kept.items) kept = launch;
+}
+
+void StageClock::clear_shapes() {
+  for (Entry& e : entries_) e.launch = {};
+}
+
 RunTimes StageClock::times() const {
   RunTimes times;
   times.steps_timed = static_cast<int>(plain_ms_.count());
@@ -55,7 +64,7 @@ RunTimes StageClock::times() const {
   for (const Entry& e : entries_)
     times.stages.push_back({e.name, quantile(e.samples_ms.recent(), 0.5),
                             quantile(e.samples_ms.recent(), 0.95), e.samples_ms.last(), e.launches,
-                            e.own_shape});
+                            e.own_shape, e.launch});
   return times;
 }
 
@@ -64,7 +73,7 @@ RunTimes StageClock::latest() const {
   times.steps_timed = static_cast<int>(plain_ms_.count());
   times.step_last_ms = plain_ms_.last();
   for (const Entry& e : entries_)
-    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.own_shape});
+    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.own_shape, e.launch});
   return times;
 }
 

@@ -33,6 +33,7 @@ class StageClock {
     std::string name;
     int launches = 0;
     bool own_shape = false;
+    StageLaunch launch;      ///< of its kernel with the most items
     TimeSamples samples_ms;  ///< one per measured step
     float step_ms = 0;       ///< of the step in progress
   };
@@ -43,6 +44,7 @@ class StageClock {
   void add(std::size_t index, double milliseconds) {
     entries_[index].step_ms += static_cast<float>(milliseconds);
   }
+  Entry& at(std::size_t index) { return entries_[index]; }
   std::size_t index(const Entry& e) const { return static_cast<std::size_t>(&e - entries_.data()); }
   /// Ends the step in progress: its sums become a sample of each stage.
   void commit_step();
@@ -50,7 +52,10 @@ class StageClock {
   void discard_step();
   /// A plain step of that many milliseconds.
   void add_plain_step(double milliseconds) { plain_ms_.add(static_cast<float>(milliseconds)); }
-  void clear_launches();
+  /// One more kernel of a stage. The launch that is kept is the one with the most items.
+  void add_launch(std::size_t index, const StageLaunch& launch);
+  void clear_launches();  ///< the counts
+  void clear_shapes();    ///< what add_launch() was told
 
   RunTimes times() const;
   /// The newest samples alone, without medians: cheap however long the run.
