@@ -275,12 +275,12 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TypedPipeline<Real>::pairs(
   std::vector<std::pair<std::uint32_t, std::uint32_t>> list;
   if (body_count_ == 0) return list;
   const auto n = static_cast<std::size_t>(body_count_);
-  std::vector<std::uint64_t> offset(n + 1);
+  std::vector<std::uint32_t> offset(n + 1);
   std::vector<std::uint32_t> second(control().pairs);
   executor_.copy_to_host(offset.data(), pairs_.view().offset, offset.size() * sizeof offset[0]);
   executor_.copy_to_host(second.data(), pairs_.view().second, second.size() * sizeof second[0]);
   for (std::uint32_t a = 0; a < n; ++a)
-    for (std::uint64_t k = offset[a]; k < offset[a + 1]; ++k) list.emplace_back(a, second[k]);
+    for (std::uint32_t k = offset[a]; k < offset[a + 1]; ++k) list.emplace_back(a, second[k]);
   return list;
 }
 

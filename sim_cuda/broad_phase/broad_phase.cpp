@@ -13,6 +13,7 @@ struct Method {
 constexpr Method methods[] = {
     {"bvh_bottom_up", make_bvh_bottom_up},
     {"brute_force", make_brute_force},
+    {"lbvh_ropes", make_lbvh_ropes},
 };
 }  // namespace
 

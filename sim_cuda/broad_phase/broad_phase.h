@@ -51,5 +51,6 @@ std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& 
 // One factory per method, defined in the method's own file.
 std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor);
+std::unique_ptr<BroadPhase> make_lbvh_ropes(Executor& executor);
 
 }  // namespace collidoscope

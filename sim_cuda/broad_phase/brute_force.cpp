@@ -14,8 +14,10 @@ struct TestAll {
   SIM_HD void operator()(int item) const {
     const auto body = static_cast<std::uint32_t>(item);
     const Aabb box = boxes[body];
+    PairBatch batch(sink, body);
     for (std::uint32_t other = body + 1; other < bodies; ++other)
-      if (overlap(box, boxes[other])) sink.add(body, other);
+      if (overlap(box, boxes[other])) batch.add(other);
+    batch.finish();
   }
 };
 

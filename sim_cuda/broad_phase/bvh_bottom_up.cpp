@@ -4,32 +4,21 @@
 // descends from the root with a stack in local memory (its 3.2.4).
 
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/morton.h"
+#include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
-#include "sim_cuda/core/buffer.h"
-#include "sim_cuda/core/sort.h"
 
 namespace collidoscope {
 
 namespace {
 
-template <class Key>
-struct MakeKeys {
+struct MakeLeaf {
   const Aabb* boxes;
-  const Aabb* extent;
-  Key* keys;
-  std::uint32_t* ids;
-  SIM_HD void operator()(int body) const {
-    keys[body] = morton_key<Key>(boxes[body], *extent);
-    ids[body] = static_cast<std::uint32_t>(body);
-  }
-};
-
-struct GatherLeaves {
-  const Aabb* boxes;
-  const std::uint32_t* leaf_body;
   Aabb* leaves;
-  SIM_HD void operator()(int leaf) const { leaves[leaf] = boxes[leaf_body[leaf]]; }
+  std::uint32_t* leaf_body;
+  SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const {
+    leaves[place] = boxes[body];
+    leaf_body[place] = body;
+  }
 };
 
 struct MergeLevel {
@@ -50,7 +39,7 @@ struct Descend {
   SIM_HD void operator()(int leaf) const {
     const auto slot = static_cast<std::uint32_t>(leaf);
     const Aabb box = tree.nodes[slot];
-    const std::uint32_t body = tree.leaf_body[slot];
+    PairBatch batch(sink, tree.leaf_body[slot]);
     // An entry is (level, node in level), of a node that overlaps. A node pops before its two children push,
     // so the stack never holds more than one entry per level, plus one.
     constexpr int level_shift = 27;
@@ -66,11 +55,12 @@ struct Descend {
         const std::uint32_t last_leaf = ((child + 1) << level) - 1;
         if (last_leaf <= slot || !overlap(box, tree.nodes[tree.first[level] + child])) continue;
         if (level == 0)
-          sink.add(body, tree.leaf_body[child]);
+          batch.add(tree.leaf_body[child]);
         else
           stack[depth++] = level << level_shift | child;
       }
     }
+    batch.finish();
   }
 };
 
@@ -79,21 +69,14 @@ class BvhBottomUp final : public BroadPhase {
  public:
   explicit BvhBottomUp(Executor& executor)
       : executor_(executor),
-        keys_(executor, "Morton keys"),
-        sorted_keys_(executor, "sorted Morton keys"),
-        ids_(executor, "ids to sort"),
+        order_(executor),
         leaf_body_(executor, "leaf bodies"),
-        nodes_(executor, "tree nodes"),
-        temporary_(executor, "sort workspace") {}
+        nodes_(executor, "tree nodes") {}
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;
-    const auto count = static_cast<std::size_t>(bodies);
-    keys_.resize_discarding(count);
-    sorted_keys_.resize_discarding(count);
-    ids_.resize_discarding(count);
-    leaf_body_.resize_discarding(count);
-    temporary_.resize_discarding(sort_temporary_bytes<Key>(executor_, bodies, key_bits));
+    order_.reserve(bodies);
+    leaf_body_.resize_discarding(static_cast<std::size_t>(bodies));
     tree_ = {};
     std::uint32_t total = 0;
     for (auto size = static_cast<std::uint32_t>(bodies); size > 0; size = (size + 1) / 2) {
@@ -108,10 +91,7 @@ class BvhBottomUp final : public BroadPhase {
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {
-    executor_.run("keys", bodies_, MakeKeys<Key>{boxes, extent, keys_.data(), ids_.data()});
-    sort_by_key(executor_, "sort", bodies_, key_bits, keys_.data(), sorted_keys_.data(), ids_.data(),
-                leaf_body_.data(), temporary_.data(), temporary_.bytes());
-    executor_.run("build", bodies_, GatherLeaves{boxes, leaf_body_.data(), nodes_.data()});
+    order_.sort(boxes, extent, MakeLeaf{boxes, nodes_.data(), leaf_body_.data()});
     for (int level = 1; level < tree_.levels; ++level)
       executor_.run("build", tree_.size[level],
                     MergeLevel{nodes_.data() + tree_.first[level - 1], tree_.size[level - 1],
@@ -122,13 +102,11 @@ class BvhBottomUp final : public BroadPhase {
   TreeView tree() const override { return tree_; }
 
  private:
-  static constexpr int key_bits = sizeof(Key) == 4 ? 30 : 63;
   Executor& executor_;
   std::int64_t bodies_ = 0;
-  Buffer<Key> keys_, sorted_keys_;
-  Buffer<std::uint32_t> ids_, leaf_body_;
+  MortonOrder<Key> order_;
+  Buffer<std::uint32_t> leaf_body_;
   Buffer<Aabb> nodes_;
-  Buffer<std::byte> temporary_;
   TreeView tree_;
 };
 

@@ -1,7 +1,5 @@
 #include "sim_cuda/broad_phase/pair_list.h"
 
-#include "sim_cuda/broad_phase/pair_sink.h"
-#include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/segment_sort.h"
 
@@ -9,43 +7,52 @@ namespace collidoscope {
 
 namespace {
 
-struct AcceptPairs {
+/// Of the bodies first .. last - 1: a write to a list that outgrows the cache costs a sector each, to a part
+/// of it that fits far less.
+struct PlacePairs {
+  const FoundPair* found;
+  std::uint32_t first, last;
+  const std::uint32_t* offset;
+  std::uint32_t* second;
+  std::uint64_t capacity;
+  SIM_HD void operator()(int k) const {
+    const auto [pair, rank] = found[k];
+    if (pair.a < first || pair.a >= last) return;
+    const std::uint64_t place = std::uint64_t{offset[pair.a]} + rank;
+    if (place < capacity) second[place] = pair.b;  // offsets mean nothing after an overflow
+  }
+};
+
+/// The item after the last body accepts the list, or says what it would take.
+struct SortPairs {
+  const std::uint32_t* offset;
+  std::uint32_t* second;
   const std::uint64_t* total;
   std::uint64_t capacity;
+  int bodies;
   StepControl* control;
-  SIM_HD void operator()(int) const {
-    control->pairs_needed = *total;
-    if (*total > capacity) control->overflow = 1;
-    control->pairs = control->overflow ? 0 : static_cast<std::uint32_t>(*total);
-  }
-};
-
-struct PlacePairs {
-  const Pair* found;
-  const std::uint64_t* offset;
-  std::uint32_t *count, *second;
-  SIM_HD void operator()(int k) const {
-    const Pair pair = found[k];
-    second[offset[pair.a] + atomic_add(&count[pair.a], ~std::uint32_t{0}) - 1] = pair.b;  // counts down to 0
-  }
-};
-
-struct SortPairs {
-  const std::uint64_t* offset;
-  std::uint32_t* second;
-  const StepControl* control;
   SIM_HD void operator()(int body) const {
-    if (control->overflow) return;
-    sort_segment(second + offset[body], static_cast<std::int64_t>(offset[body + 1] - offset[body]));
+    if (body == bodies) {
+      control->pairs_needed = *total;
+      if (*total > capacity) control->overflow = 1;
+      control->pairs = control->overflow ? 0 : static_cast<std::uint32_t>(*total);
+    } else if (*total <= capacity) {
+      sort_segment(second + offset[body], offset[body + 1] - offset[body]);
+    }
   }
 };
+
+/// In how many parts of the bodies pairs are placed: as many as leave each about half of a large cache.
+std::uint32_t placing_rounds(std::size_t list_bytes) {
+  constexpr std::size_t part = 40 << 20;
+  return static_cast<std::uint32_t>(list_bytes / part) + 1;
+}
 
 }  // namespace
 
 PairList::PairList(Executor& executor)
     : executor_(executor),
       found_(executor, "pairs found"),
-      total_(executor, "number of pairs"),
       count_(executor, "pairs per body"),
       offset_(executor, "pair offsets"),
       second_(executor, "pairs"),
@@ -53,25 +60,29 @@ PairList::PairList(Executor& executor)
 
 void PairList::reserve(std::int64_t bodies, std::int64_t capacity) {
   bodies_ = bodies;
-  count_.resize_discarding(static_cast<std::size_t>(bodies) + 1);
+  count_.resize_discarding(static_cast<std::size_t>(bodies) + 3);
   offset_.resize_discarding(static_cast<std::size_t>(bodies) + 1);
   found_.resize_discarding(static_cast<std::size_t>(capacity));
   second_.resize_discarding(static_cast<std::size_t>(capacity));
-  total_.resize_discarding(1);
   temporary_.resize_discarding(scan_temporary_bytes(executor_, bodies));
 }
 
 void PairList::find(BroadPhase& method, StepControl* control) {
+  auto* total = reinterpret_cast<std::uint64_t*>(count_.data());
+  std::uint32_t* count = count_.data() + 2;
   executor_.begin_stage("pairs");
-  total_.fill_zero();
   count_.fill_zero();
-  method.find_pairs({found_.data(), found_.size(), total_.data(), count_.data()});
-  executor_.run("pairs", 1, AcceptPairs{total_.data(), found_.size(), control});
-  exclusive_scan(executor_, "pairs", bodies_, count_.data(), offset_.data(), temporary_.data(),
-                 temporary_.bytes());
-  executor_.run("pairs", Count(&control->pairs, capacity()),
-                PlacePairs{found_.data(), offset_.data(), count_.data(), second_.data()});
-  executor_.run("pairs", bodies_, SortPairs{offset_.data(), second_.data(), control});
+  method.find_pairs({found_.data(), found_.size(), total, count});
+  exclusive_scan(executor_, "pairs", bodies_, count, offset_.data(), temporary_.data(), temporary_.bytes());
+  const std::uint32_t rounds = placing_rounds(second_.bytes());
+  const auto part = [&](std::uint32_t round) { return static_cast<std::uint32_t>(bodies_ * round / rounds); };
+  for (std::uint32_t round = 0; round < rounds; ++round)
+    executor_.run("pairs", Count(count_.data(), capacity()),  // the total's lower half: all of it, if it fits
+                  PlacePairs{found_.data(), part(round), part(round + 1), offset_.data(), second_.data(),
+                             second_.size()});
+  executor_.run(
+      "pairs", bodies_ + 1,
+      SortPairs{offset_.data(), second_.data(), total, second_.size(), static_cast<int>(bodies_), control});
 }
 
 }  // namespace collidoscope

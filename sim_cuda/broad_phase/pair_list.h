@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/pair_sink.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 
@@ -14,7 +14,7 @@ namespace collidoscope {
 /// The list in the executor's memory: pairs of body a are (a, second[k]) for k in offset[a] .. offset[a+1]-1,
 /// ascending.
 struct PairView {
-  const std::uint64_t* offset;  ///< bodies + 1
+  const std::uint32_t* offset;  ///< bodies + 1
   const std::uint32_t* second;
 };
 
@@ -33,10 +33,9 @@ class PairList {
  private:
   Executor& executor_;
   std::int64_t bodies_ = 0;
-  Buffer<Pair> found_;           ///< in order of arrival
-  Buffer<std::uint64_t> total_;  ///< one
-  Buffer<std::uint32_t> count_;
-  Buffer<std::uint64_t> offset_;
+  Buffer<FoundPair> found_;      ///< in order of arrival
+  Buffer<std::uint32_t> count_;  ///< {their number, in 64 bits, then of each body}: cleared together
+  Buffer<std::uint32_t> offset_;
   Buffer<std::uint32_t> second_;
   Buffer<std::byte> temporary_;
 };

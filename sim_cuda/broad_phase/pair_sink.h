@@ -10,19 +10,47 @@
 
 namespace collidoscope {
 
+struct FoundPair {
+  Pair pair;
+  std::uint32_t rank;  ///< how many pairs of pair.a were found before it
+};
+
 struct PairSink {
-  Pair* found;  ///< room for `capacity`
+  FoundPair* found;  ///< room for `capacity`
   std::uint64_t capacity;
   std::uint64_t* total;  ///< pairs found, those beyond the capacity too: what it takes is always known
   std::uint32_t* count;  ///< per body: pairs in which it is the smaller id
 
-  /// Each overlapping pair once, in either order; x != y.
-  SIM_HD void add(std::uint32_t x, std::uint32_t y) const {
+  /// Each overlapping pair once, in either order; x != y. Where one query may find several, PairBatch costs
+  /// less: all that add() meet at one counter.
+  SIM_HD void add(std::uint32_t x, std::uint32_t y) const { put(atomic_take(total, 1), x, y); }
+
+  SIM_HD void put(std::uint64_t place, std::uint32_t x, std::uint32_t y) const {
     const Pair pair = x < y ? Pair{x, y} : Pair{y, x};
-    const std::uint64_t place = atomic_next(total);
-    if (place < capacity) found[place] = pair;
-    atomic_add(&count[pair.a], 1);
+    const std::uint32_t rank = atomic_add(&count[pair.a], 1);
+    if (place < capacity) found[place] = {pair, rank};
   }
+};
+
+/// What one body's query finds, handed to the sink a few at a time. finish() when the query is done.
+class PairBatch {
+ public:
+  SIM_HD PairBatch(const PairSink& sink, std::uint32_t body) : sink_(sink), body_(body) {}
+  SIM_HD void add(std::uint32_t other) {
+    if (held_ == room) finish();
+    other_[held_++] = other;
+  }
+  SIM_HD void finish() {
+    if (held_ == 0) return;
+    const std::uint64_t first = atomic_take(sink_.total, held_);
+    for (std::uint32_t k = 0; k < held_; ++k) sink_.put(first + k, body_, other_[k]);
+    held_ = 0;
+  }
+
+ private:
+  static constexpr std::uint32_t room = 8;  // more than most queries find: one visit to the counter for each
+  const PairSink& sink_;
+  std::uint32_t body_, held_ = 0, other_[room];
 };
 
 }  // namespace collidoscope

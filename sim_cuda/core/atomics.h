@@ -8,6 +8,7 @@
 
 #if defined(__CUDACC__)
 #include <cooperative_groups.h>
+#include <cuda/atomic>
 #endif
 
 namespace collidoscope {
@@ -21,17 +22,34 @@ SIM_HD inline std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t valu
 #endif
 }
 
-/// Takes the next number of a counter that many take from at once: on a GPU, the threads of a warp that
-/// arrive together share one atomic.
-SIM_HD inline std::uint64_t atomic_next(std::uint64_t* counter) {
+/// Takes `numbers` numbers, 0 to 15, of a counter that many take from at once, and returns the first: on a
+/// GPU, the threads of a warp that arrive together share one atomic.
+SIM_HD inline std::uint64_t atomic_take(std::uint64_t* counter, std::uint32_t numbers) {
 #if defined(__CUDA_ARCH__)
   const auto group = cooperative_groups::coalesced_threads();
+  const std::uint32_t below = (1u << group.thread_rank()) - 1;
+  std::uint32_t before = 0, all = 0;
+  for (int bit = 0; bit < 4; ++bit) {  // sums by the bits of the numbers, one ballot each
+    const std::uint32_t set = group.ballot(numbers >> bit & 1);
+    before += static_cast<std::uint32_t>(__popc(set & below)) << bit;
+    all += static_cast<std::uint32_t>(__popc(set)) << bit;
+  }
   unsigned long long first = 0;
-  if (group.thread_rank() == 0)
-    first = atomicAdd(reinterpret_cast<unsigned long long*>(counter), group.size());
-  return group.shfl(first, 0) + group.thread_rank();
+  if (group.thread_rank() == 0) first = atomicAdd(reinterpret_cast<unsigned long long*>(counter), all);
+  return group.shfl(first, 0) + before;
 #else
-  return std::atomic_ref<std::uint64_t>(*counter).fetch_add(1, std::memory_order_relaxed);
+  return std::atomic_ref<std::uint64_t>(*counter).fetch_add(numbers, std::memory_order_relaxed);
+#endif
+}
+
+/// Puts a value and returns the one before; what others wrote before they put theirs is seen after it, and
+/// what this thread wrote is seen by who gets its value.
+SIM_HD inline std::uint32_t atomic_swap(std::uint32_t* target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>(*target).exchange(
+      value, cuda::memory_order_acq_rel);
+#else
+  return std::atomic_ref<std::uint32_t>(*target).exchange(value, std::memory_order_acq_rel);
 #endif
 }
 
@@ -56,6 +74,24 @@ SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
   return *reinterpret_cast<const volatile std::uint32_t*>(source);
 #else
   return std::atomic_ref<std::uint32_t>(*const_cast<std::uint32_t*>(source)).load(std::memory_order_relaxed);
+#endif
+}
+
+/// A load of what another thread wrote before an atomic_swap() that this thread has seen: past the GPU's
+/// first cache, which may hold what stood there before.
+template <class T>
+SIM_HD T load_fresh(const T* source) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(T) % sizeof(uint4) == 0 && alignof(T) % alignof(uint4) == 0);
+  union {
+    uint4 words[sizeof(T) / sizeof(uint4)];
+    T value;
+  } copy;
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(uint4); ++k)
+    copy.words[k] = __ldcg(reinterpret_cast<const uint4*>(source) + k);
+  return copy.value;
+#else
+  return *source;
 #endif
 }
 

@@ -13,26 +13,26 @@ std::size_t scan_temporary_bytes([[maybe_unused]] Executor& executor, [[maybe_un
   if (executor.on_device())
     check(
         cub::DeviceScan::ExclusiveScan(nullptr, bytes, static_cast<const std::uint32_t*>(nullptr),
-                                       static_cast<std::uint64_t*>(nullptr), cuda::std::plus<std::uint64_t>{},
-                                       std::uint64_t{0}, static_cast<int>(count + 1)),
+                                       static_cast<std::uint32_t*>(nullptr), cuda::std::plus<std::uint32_t>{},
+                                       std::uint32_t{0}, static_cast<int>(count + 1)),
         "size a scan");
 #endif
   return bytes;
 }
 
 void exclusive_scan(Executor& executor, const char* stage, std::int64_t count, const std::uint32_t* counts,
-                    std::uint64_t* offsets, [[maybe_unused]] void* temporary,
+                    std::uint32_t* offsets, [[maybe_unused]] void* temporary,
                     [[maybe_unused]] std::size_t temporary_bytes) {
   executor.begin_stage(stage, true);
 #if defined(__CUDACC__)
   if (executor.on_device())
     return check(cub::DeviceScan::ExclusiveScan(temporary, temporary_bytes, counts, offsets,
-                                                cuda::std::plus<std::uint64_t>{}, std::uint64_t{0},
+                                                cuda::std::plus<std::uint32_t>{}, std::uint32_t{0},
                                                 static_cast<int>(count + 1), executor.stream()),
                  "scan " + std::to_string(count) + " counts");
 #endif
   executor.count_launches(1);
-  std::uint64_t sum = 0;
+  std::uint32_t sum = 0;
   for (std::int64_t i = 0; i < count; ++i) {
     offsets[i] = sum;
     sum += counts[i];

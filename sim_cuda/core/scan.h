@@ -12,9 +12,9 @@ namespace collidoscope {
 std::size_t scan_temporary_bytes(Executor& executor, std::int64_t count);
 
 /// offsets[i] = counts[0] + ... + counts[i-1] for i in 0 .. count, so offsets[count] is the total. `counts`
-/// has count + 1 readable elements, the last of which does not matter; `offsets` has count + 1. Sums are
-/// 64-bit: they cannot overflow.
+/// has count + 1 readable elements, the last of which does not matter; `offsets` has count + 1. Sums wrap at
+/// 2^32: where the total may be larger, the caller knows it by other means (pair_sink.h).
 void exclusive_scan(Executor& executor, const char* stage, std::int64_t count, const std::uint32_t* counts,
-                    std::uint64_t* offsets, void* temporary, std::size_t temporary_bytes);
+                    std::uint32_t* offsets, void* temporary, std::size_t temporary_bytes);
 
 }  // namespace collidoscope

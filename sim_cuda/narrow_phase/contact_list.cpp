@@ -18,7 +18,7 @@ struct CountContacts {
     const Vector3<Real> x = spheres.position[body];
     const Real r = spheres.radius[body];
     std::uint32_t touching = 0;
-    for (std::uint64_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
+    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
       const std::uint32_t other = pairs.second[k];
       touching += spheres_touch<Real>(x, r, spheres.position[other], spheres.radius[other]);
     }
@@ -27,7 +27,7 @@ struct CountContacts {
 };
 
 struct AcceptContacts {
-  const std::uint64_t* total;
+  const std::uint32_t* total;
   std::uint64_t capacity;
   StepControl* control;
   SIM_HD void operator()(int) const {
@@ -37,7 +37,7 @@ struct AcceptContacts {
     if (*total > capacity)
       control->overflow = 1;
     else
-      control->contacts = static_cast<std::uint32_t>(*total);
+      control->contacts = *total;
   }
 };
 
@@ -45,7 +45,7 @@ template <class Real>
 struct WriteContacts {
   PairView pairs;
   SphereView<Real> spheres;
-  const std::uint64_t* offset;
+  const std::uint32_t* offset;
   const StepControl* control;
   Pair* bodies_of;
   Vector3<Real>* normal;
@@ -53,8 +53,8 @@ struct WriteContacts {
     if (control->overflow || offset[body] == offset[body + 1]) return;
     const Vector3<Real> x = spheres.position[body];
     const Real r = spheres.radius[body];
-    std::uint64_t at = offset[body];
-    for (std::uint64_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
+    std::uint32_t at = offset[body];
+    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
       const std::uint32_t other = pairs.second[k];
       const Vector3<Real> y = spheres.position[other];
       const Real s = spheres.radius[other];

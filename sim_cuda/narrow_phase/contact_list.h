@@ -39,7 +39,7 @@ class ContactList {
   Executor& executor_;
   std::int64_t bodies_ = 0;
   Buffer<std::uint32_t> count_;
-  Buffer<std::uint64_t> offset_;
+  Buffer<std::uint32_t> offset_;
   Buffer<Pair> bodies_of_;
   Buffer<Vector3<Real>> normal_;
   Buffer<std::byte> temporary_;
