@@ -31,6 +31,7 @@ struct BodyReport {
     std::uint32_t other;
     Vector3d normal;     ///< unit, from this body to the other
     double penetration;  ///< m
+    double impulse;      ///< N s, normal, of the last step; 0 where it is not recorded
   };
   std::vector<Contact> contacts;   ///< of the last step or detect(), by the other's id; the first 1,024
   std::int64_t contact_count = 0;  ///< all of them

@@ -20,16 +20,23 @@ struct FindLeaf {
 };
 
 /// The contacts of one body, in any order; `count` goes beyond the capacity where there are more.
+struct Found {
+  std::uint32_t other;
+  double impulse;  ///< N s
+};
+template <class Real>
 struct FindContacts {
   const Pair* contacts;
+  ImpulseView<Real> impulses;
   std::uint32_t body;
-  std::uint32_t *count, *found;
+  std::uint32_t* count;
+  Found* found;
   std::uint32_t capacity;
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts[contact];
     if (a != body && b != body) return;
     const std::uint32_t place = atomic_add(count, 1);
-    if (place < capacity) found[place] = a == body ? b : a;
+    if (place < capacity) found[place] = {a == body ? b : a, static_cast<double>(impulses.of(a, b))};
   }
 };
 
@@ -62,28 +69,31 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
   report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
 
   constexpr std::uint32_t capacity = 1024;
-  Buffer<std::uint32_t> found(executor, "contacts of a body");  // {number, leaf, ids...}
-  found.resize_discarding(capacity + 2);
-  found.fill_zero();
-  executor.run("inspect", source.contact_count,
-               FindContacts{source.contacts.bodies, id, found.data(), found.data() + 2, capacity});
+  Buffer<Found> found(executor, "contacts of a body");
+  Buffer<std::uint32_t> counts(executor, "contacts of a body");  // {contacts, leaf}
+  found.resize_discarding(capacity);
+  counts.resize_discarding(2);
+  counts.fill_zero();
+  executor.run(
+      "inspect", source.contact_count,
+      FindContacts<Real>{source.contacts.bodies, source.impulses, id, counts.data(), found.data(), capacity});
   const TreeView& tree = source.tree;
   if (tree.levels > 0)
-    executor.run("inspect", source.body_count, FindLeaf{tree.leaf_body, id, found.data() + 1});
-  const std::vector<std::uint32_t> list = found.download();
-  report.contact_count = list[0];
-  std::vector<std::uint32_t> others(list.begin() + 2, list.begin() + 2 + min_of(list[0], capacity));
-  std::sort(others.begin(), others.end());
-  for (const std::uint32_t other : others) {
+    executor.run("inspect", source.body_count, FindLeaf{tree.leaf_body, id, counts.data() + 1});
+  const std::vector<std::uint32_t> count = counts.download();
+  report.contact_count = count[0];
+  std::vector<Found> touching = found.download(min_of(count[0], capacity));
+  std::ranges::sort(touching, {}, &Found::other);
+  for (const auto& [other, impulse] : touching) {
     const Separation<double> s =
         separate<double>(report.X, report.radius, read(bodies.position, other).template cast<double>(),
                          static_cast<double>(read(bodies.radius, other)));
-    report.contacts.push_back({other, s.normal, -s.gap});
+    report.contacts.push_back({other, s.normal, -s.gap, impulse});
   }
   if (tree.levels > 0) {
-    report.leaf = list[1];
+    report.leaf = count[1];
     for (int level = 0; level < tree.levels; ++level) {
-      const Aabb box = read(tree.nodes, tree.first[level] + (list[1] >> level));
+      const Aabb box = read(tree.nodes, tree.first[level] + (count[1] >> level));
       report.path.push_back(
           {{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}});
     }

@@ -75,6 +75,7 @@ template <class Real>
 struct PackContacts {
   ContactView<Real> contacts;
   SphereView<Real> spheres;
+  ImpulseView<Real> impulses;
   ContactInstance* out;
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts.bodies[contact];
@@ -89,6 +90,7 @@ struct PackContacts {
       record.normal[k] = static_cast<float>(now.normal[k]);
     }
     record.penetration = static_cast<float>(-now.gap);
+    record.impulse = static_cast<float>(impulses.of(a, b));
     record.a = a;
     record.b = b;
     record.radius = static_cast<float>(min_of(r_a, r_b));
@@ -111,11 +113,11 @@ void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView&
 template <class Real>
 void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
           Buffer<std::uint32_t>& counts) {
-  const auto& [bodies, body_count, mesh, contacts, contact_count, tree] = source;
+  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree] = source;
   if (target.boxes != nullptr) pack_boxes(executor, target, tree);
   if (target.contacts != nullptr)
     executor.run("publish", contact_count,
-                 PackContacts<Real>{contacts, {bodies.position, bodies.radius}, target.contacts});
+                 PackContacts<Real>{contacts, {bodies.position, bodies.radius}, impulses, target.contacts});
   if (target.bodies == nullptr) return;
   executor.run("publish", body_count, PackBodies<Real>{bodies, mesh, target.body_color, target.bodies});
   if (target.body_color == BodyColor::contacts) {

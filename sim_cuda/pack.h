@@ -6,6 +6,7 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/publish.h"
+#include "sim_cuda/solver/contact_impulses.h"
 
 namespace collidoscope {
 
@@ -17,6 +18,7 @@ struct PackSource {
   const std::uint32_t* mesh;  ///< null: all are spheres
   ContactView<Real> contacts;
   Count contact_count;
+  ImpulseView<Real> impulses;  ///< of the last step
   TreeView tree;
 };
 

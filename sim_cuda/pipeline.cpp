@@ -38,7 +38,8 @@ class TypedPipeline final : public Pipeline {
 
   void run() override {
     detect();
-    solver_.solve(contacts_.view(), solver_bodies(), restitution_, iterations_, control_.data());
+    solver_.solve(contacts_.view(), solver_bodies(), restitution_, iterations_, impulses_.data(),
+                  control_.data());
     if (plane_count_ > 0) executor_.run("walls", body_count_, walls());
     move();
     executor_.run("move", 1, Commit{control_.data()});
@@ -60,35 +61,41 @@ class TypedPipeline final : public Pipeline {
     contacts_.reserve(body_count_, capacity.contacts);
     solver_.reserve(body_count_, capacity.contacts);
     measurer_.reserve(body_count_, capacity.contacts);
+    impulses_.reserve(capacity.contacts);
   }
   Capacity capacity() const override { return {pairs_.capacity(), contacts_.capacity()}; }
+
+  void record_impulses(bool on) override { impulses_.enable(on); }
+  void keep_impulses() override { impulses_.keep(contacts_.view().bodies, control_.data()); }
+  std::vector<ContactImpulse> impulses() override;
 
   StepControl control() override { return control_.download()[0]; }
   void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
   BroadPhase& broad_phase() override { return *broad_phase_; }
 
   void measure(StepStats& stats) override {
-    measurer_.measure(
-        {state_.view(), body_count_, state_.ledger.data(), planes_.data(), plane_count_,
-         gravity_.template cast<double>(), box_, contacts_.view(), control_.data(), contacts_.capacity()},
-        stats);
+    measurer_.measure({state_.view(), body_count_, state_.ledger.data(), planes_.data(), plane_count_,
+                       gravity_.template cast<double>(), box_, contacts_.view(), control_.data(),
+                       contacts_.capacity(), impulses_.view()},
+                      stats);
   }
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
   void publish(const PublishTarget& target) override {
-    pack<Real>(
-        executor_, target,
-        {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), broad_phase_->tree()},
-        publish_counts_);
+    pack<Real>(executor_, target,
+               {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(),
+                broad_phase_->tree()},
+               publish_counts_);
   }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }
   void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) override;
   BodyReport inspect(std::uint32_t id) override {
-    return collidoscope::inspect<Real>(executor_,
-                                       {state_.view(), body_count_, gravity_.template cast<double>(),
-                                        contacts_.view(), contact_count(), broad_phase_->tree()},
-                                       id);
+    return collidoscope::inspect<Real>(
+        executor_,
+        {state_.view(), body_count_, gravity_.template cast<double>(), contacts_.view(), contact_count(),
+         impulses_.view(), broad_phase_->tree()},
+        id);
   }
 
  private:
@@ -139,6 +146,7 @@ class TypedPipeline final : public Pipeline {
   PairList pairs_;
   ContactList<Real> contacts_;
   ImpulseSolver<Real> solver_;
+  ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
   Measurer<Real> measurer_;
   Buffer<std::uint32_t> publish_counts_;
@@ -197,6 +205,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       pairs_(executor),
       contacts_(executor),
       solver_(executor),
+      impulses_(executor),
       control_(executor, "step control"),
       measurer_(executor),
       publish_counts_(executor, "contacts per body to draw") {
@@ -281,6 +290,22 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TypedPipeline<Real>::pairs(
   executor_.copy_to_host(second.data(), pairs_.view().second, second.size() * sizeof second[0]);
   for (std::uint32_t a = 0; a < n; ++a)
     for (std::uint32_t k = offset[a]; k < offset[a + 1]; ++k) list.emplace_back(a, second[k]);
+  return list;
+}
+
+template <class Real>
+std::vector<ContactImpulse> TypedPipeline<Real>::impulses() {
+  std::vector<ContactImpulse> list;
+  const ImpulseView<Real> view = impulses_.view();
+  if (view.count == nullptr) return list;
+  std::uint32_t count = 0;
+  executor_.copy_to_host(&count, view.count, sizeof count);
+  std::vector<Pair> contacts(count);
+  std::vector<Real> impulse(count);
+  executor_.copy_to_host(contacts.data(), view.contacts, count * sizeof contacts[0]);
+  executor_.copy_to_host(impulse.data(), view.impulse, count * sizeof impulse[0]);
+  for (std::uint32_t k = 0; k < count; ++k)
+    list.push_back({contacts[k].a, contacts[k].b, static_cast<double>(impulse[k])});
   return list;
 }
 

@@ -36,6 +36,12 @@ class Pipeline {
   /// Enqueues bounds to contacts only: nothing moves.
   virtual void detect() = 0;
 
+  /// Outside of runs; what runs have recorded must be recorded again afterwards.
+  virtual void record_impulses(bool on) = 0;
+  /// Puts the impulses of the last run aside, with its contacts: before detect() finds others.
+  virtual void keep_impulses() = 0;
+  virtual std::vector<ContactImpulse> impulses() = 0;  ///< what was kept last
+
   virtual StepControl control() = 0;  ///< read from the device; waits for it
   virtual void clear_overflow() = 0;
   virtual BroadPhase& broad_phase() = 0;

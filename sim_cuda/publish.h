@@ -31,7 +31,7 @@ struct ContactInstance {  // 48 bytes
   float point[3];         ///< m, midway between the two surfaces
   float penetration;      ///< m, > 0 where they overlap
   float normal[3];        ///< unit, from body a to body b
-  float impulse;          ///< N s, normal impulse of the last step; 0 where unknown
+  float impulse;          ///< N s, normal impulse of the last step; 0 where it is not recorded
   std::uint32_t a, b;     ///< ids, a < b
   float radius;           ///< m, of the smaller sphere: sizes the mark
   float padding;

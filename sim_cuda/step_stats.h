@@ -25,6 +25,7 @@ struct StepStats {
   double wall_impulse_vector[3] = {};  ///< N s, what walls and obstacles gave to the bodies, as a vector
   double max_penetration = 0;          ///< m, deepest overlap of two bodies or body and wall at this state
   double max_speed = 0;                ///< m/s
+  double max_impulse = 0;              ///< N s, of a contact in the last step; 0 where it is not recorded
   std::int64_t non_finite = 0;         ///< bodies with a component that is not finite
   std::int64_t escaped = 0;            ///< centres outside the box
   double energy() const { return kinetic_energy + potential_energy; }

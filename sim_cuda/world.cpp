@@ -72,6 +72,11 @@ struct World::Impl {
     return *wanted;
   }
 
+  void keep_impulses() {
+    if (impulses_new) pipeline->keep_impulses();
+    impulses_new = false;
+  }
+
   /// Runs until `target` pipeline runs are committed; false where an overflow stopped it before.
   bool run_plain(std::uint32_t target);
   bool run_instrumented(std::uint32_t target);
@@ -85,6 +90,8 @@ struct World::Impl {
   std::int64_t steps = 0;
   std::uint32_t committed = 0;  // pipeline runs, modulo 2^32
   bool detected = false;        // pairs and contacts are those of the current state
+  bool recording = false;       // steps note the impulses of contacts
+  bool impulses_new = false;    // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
 };
 
@@ -164,7 +171,24 @@ void World::step(int count) {
     w.detected = false;
     while (!(with_events ? w.run_instrumented(target) : w.run_plain(target))) w.grow();
     ++w.steps;
+    w.impulses_new = w.recording;
   }
+}
+
+void World::record_impulses(bool on) {
+  Impl& w = *impl_;
+  if (on == w.recording) return;
+  w.plain.reset();
+  w.instrumented.reset();
+  w.executor.synchronize();
+  w.pipeline->record_impulses(on);
+  w.recording = on;
+  w.impulses_new = false;
+}
+
+std::vector<ContactImpulse> World::impulses() {
+  impl_->keep_impulses();
+  return impl_->pipeline->impulses();
 }
 
 void World::set_launch_shape(LaunchShape shape) {
@@ -191,6 +215,7 @@ void World::adopt(World& other) {
 
 BodyReport World::inspect(std::uint32_t id) {
   if (id >= impl_->initial.size()) throw std::out_of_range("inspect: there is no body " + std::to_string(id));
+  impl_->keep_impulses();
   return impl_->pipeline->inspect(id);
 }
 
@@ -218,6 +243,7 @@ RunTimes World::latest_times() const {
 void World::detect() {
   Impl& w = *impl_;
   if (w.detected) return;
+  w.keep_impulses();
   do w.pipeline->detect();
   while (w.grow());
   w.detected = true;
@@ -280,6 +306,7 @@ void World::publish(const PublishTarget& target) {
       (target.boxes != nullptr && target.box_capacity < counts.boxes) ||
       (target.contacts != nullptr && target.contact_capacity < counts.contacts))
     throw std::logic_error("publish: the target is smaller than publish_counts() says");
+  w.keep_impulses();
   w.pipeline->publish(target);
   w.executor.synchronize();
 }

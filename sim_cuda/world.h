@@ -23,6 +23,12 @@ struct BodyStates {
   std::vector<Quaterniond> orientation;
 };
 
+/// A contact of the last step and what it gave.
+struct ContactImpulse {
+  std::uint32_t a, b;  ///< ids, a < b
+  double impulse;      ///< N s, along the normal, >= 0
+};
+
 class World {
  public:
   /// Throws InputError where the scene is not valid or the options name nothing known, MachineError where the
@@ -71,6 +77,13 @@ class World {
   BodyStates bodies();
   /// All overlapping pairs (i < j), ordered, of the last step or detect().
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs();
+
+  /// Whether steps note the normal impulse of each contact: in publish(), inspect(), measure() and
+  /// impulses(). Off at first, and then it costs nothing; never changes the state.
+  void record_impulses(bool on);
+  /// The contacts of the last step, by a, then b, each with the sum over the iterations; of several substeps,
+  /// the last one. Empty where that step was not recorded.
+  std::vector<ContactImpulse> impulses();
 
   /// Finds boxes, tree, pairs and contacts of the *current* state without moving it, so that what is drawn
   /// fits the bodies. Changes no hash. publish(), pairs() and tree_levels() then speak of the current state.

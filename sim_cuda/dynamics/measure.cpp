@@ -83,7 +83,7 @@ struct MeasureBody {
   }
 };
 
-SIM_HD inline Depth combine(Depth a, Depth b) { return {max_of(a.value, b.value)}; }
+SIM_HD inline Largest combine(Largest a, Largest b) { return {max_of(a.value, b.value)}; }
 
 /// How deep the two bodies of a contact overlap at the current poses.
 template <class Real>
@@ -91,12 +91,21 @@ struct MeasureDepth {
   const Pair* contacts;
   const StepControl* control;
   SphereView<Real> spheres;
-  SIM_HD Depth operator()(std::int64_t contact) const {
+  SIM_HD Largest operator()(std::int64_t contact) const {
     if (contact >= static_cast<std::int64_t>(control->contacts)) return {0};
     const auto [a, b] = contacts[contact];
     const Real gap =
         separate<Real>(spheres.position[a], spheres.radius[a], spheres.position[b], spheres.radius[b]).gap;
     return {max_of(0.0, -static_cast<double>(gap))};
+  }
+};
+
+template <class Real>
+struct MeasureImpulse {
+  ImpulseView<Real> impulses;
+  SIM_HD Largest operator()(std::int64_t contact) const {
+    if (contact >= static_cast<std::int64_t>(*impulses.count)) return {0};
+    return {static_cast<double>(impulses.impulse[contact])};
   }
 };
 
@@ -128,13 +137,13 @@ template <class Real>
 Measurer<Real>::Measurer(Executor& executor)
     : executor_(executor),
       sums_(executor, "sums"),
-      depths_(executor, "depths"),
+      largest_(executor, "extremes"),
       hashes_(executor, "hashes") {}
 
 template <class Real>
 void Measurer<Real>::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   sums_.resize_discarding(reduce_scratch_size(bodies));
-  depths_.resize_discarding(reduce_scratch_size(contact_capacity));
+  largest_.resize_discarding(reduce_scratch_size(contact_capacity));
   hashes_.resize_discarding(reduce_scratch_size(bodies));
 }
 
@@ -154,14 +163,18 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
   BodySums sums;
   executor_.copy_to_host(&sums, reduce<BodySums>(executor_, "measure", source.body_count, load, sums_.data()),
                          sizeof sums);
-  Depth depth{0};
-  if (source.contact_capacity > 0) {
-    const MeasureDepth<Real> depths{
-        source.contacts.bodies, source.control, {source.bodies.position, source.bodies.radius}};
-    executor_.copy_to_host(
-        &depth, reduce<Depth>(executor_, "measure", source.contact_capacity, depths, depths_.data()),
-        sizeof depth);
-  }
+  const auto largest = [&](const auto& load_contact) {
+    Largest result{0};
+    if (source.contact_capacity > 0)
+      executor_.copy_to_host(
+          &result,
+          reduce<Largest>(executor_, "measure", source.contact_capacity, load_contact, largest_.data()),
+          sizeof result);
+    return result.value;
+  };
+  const double depth = largest(MeasureDepth<Real>{
+      source.contacts.bodies, source.control, {source.bodies.position, source.bodies.radius}});
+  stats.max_impulse = source.impulses.count ? largest(MeasureImpulse<Real>{source.impulses}) : 0;
   stats.kinetic_energy = sums.kinetic;
   stats.potential_energy = sums.potential;
   stats.push_work = sums.push_work;
@@ -171,7 +184,7 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
     stats.wall_impulse_vector[k] = sums.wall_vector[k];
   }
   stats.wall_impulse = sums.wall_impulse;
-  stats.max_penetration = max_of(sums.max_depth, depth.value);
+  stats.max_penetration = max_of(sums.max_depth, depth);
   stats.max_speed = std::sqrt(sums.max_speed_squared);
   stats.non_finite = sums.non_finite;
   stats.escaped = sums.escaped;

@@ -9,6 +9,7 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/walls.h"
 #include "sim_cuda/step_stats.h"
 
@@ -24,8 +25,8 @@ struct BodySums {
   double max_depth;                     ///< m, into walls
   std::int64_t non_finite, escaped;
 };
-struct Depth {
-  double value;  ///< m
+struct Largest {
+  double value;
 };
 struct HashSum {
   std::uint64_t value;
@@ -44,6 +45,7 @@ struct MeasureSource {
   ContactView<Real> contacts;  ///< of the current state
   const StepControl* control;
   std::int64_t contact_capacity;
+  ImpulseView<Real> impulses;  ///< of the last step
 };
 
 /// Owns the scratch of the sums; one per world. Both calls wait for the device.
@@ -62,7 +64,7 @@ class Measurer {
  private:
   Executor& executor_;
   Buffer<BodySums> sums_;
-  Buffer<Depth> depths_;
+  Buffer<Largest> largest_;
   Buffer<HashSum> hashes_;
 };
 

@@ -9,13 +9,14 @@ namespace collidoscope {
 namespace {
 
 /// The contacts of one colour: no two share a body.
-template <class Real, bool push>
+template <class Real, bool push, bool record>
 struct ResolveColour {
   ContactView<Real> contacts;
   SolverBodies<Real> bodies;
   Restitution<Real> restitution;
   const std::uint32_t* order;
   const std::uint32_t* begin;
+  ImpulseSum<Real, record> impulses;
 
   SIM_HD void operator()(int item) const {
     const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
@@ -29,6 +30,7 @@ struct ResolveColour {
       const Real impulse = (1 + e) * approach / (w_a + w_b);
       bodies.velocity[a] = v_a - impulse * w_a * normal;
       bodies.velocity[b] = v_b + impulse * w_b * normal;
+      impulses.add(contact, impulse);
     }
     if constexpr (push) {
       const Vector3<Real> x_a = bodies.position[a], x_b = bodies.position[b];
@@ -41,6 +43,12 @@ struct ResolveColour {
       bodies.position[b] = x_b + share * w_b * now.normal;
     }
   }
+};
+
+template <class Real>
+struct ClearImpulses {
+  Real* impulse;
+  SIM_HD void operator()(int contact) const { impulse[contact] = 0; }
 };
 
 // ---- the mass-split set (Tonge, Benevolenski, Voroshilov 2012) ----
@@ -105,13 +113,14 @@ struct SortSplit {
   }
 };
 
-template <class Real, bool push>
+template <class Real, bool push, bool record>
 struct ResolveSplit {
   ContactView<Real> contacts;
   SolverBodies<Real> bodies;
   Restitution<Real> restitution;
   const std::uint32_t *order, *begin, *count;
   Real *impulse, *shift;
+  ImpulseSum<Real, record> impulses;
 
   SIM_HD void operator()(int item) const {
     const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
@@ -121,6 +130,7 @@ struct ResolveSplit {
     const Real approach = -(bodies.velocity[b] - bodies.velocity[a]).dot(contacts.normal[contact]);
     const Real e = restitution.between(restitution.of_body(a), restitution.of_body(b), approach);
     impulse[contact] = approach > 0 ? (1 + e) * approach / w : Real(0);
+    impulses.add(contact, impulse[contact]);
     if constexpr (push) {
       const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
       const Real gap = separate<Real>(bodies.position[a], r_a, bodies.position[b], r_b).gap;
@@ -184,10 +194,26 @@ void ImpulseSolver<Real>::reserve(std::int64_t bodies, std::int64_t contact_capa
 
 template <class Real>
 void ImpulseSolver<Real>::solve(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-                                const Restitution<Real>& restitution, int iterations, StepControl* control) {
+                                const Restitution<Real>& restitution, int iterations, Real* impulses,
+                                StepControl* control) {
   colouring_.colour(contacts.bodies, control);
-  const ColourView colours = colouring_.view();
+  list_split(contacts, control);
+  if (impulses != nullptr)
+    executor_.run("solve", Count(&control->contacts, contact_capacity_), ClearImpulses<Real>{impulses});
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const bool push = iteration + 1 == iterations;
+    if (impulses != nullptr)
+      push ? sweep<true, true>(contacts, bodies, restitution, {impulses}, control)
+           : sweep<false, true>(contacts, bodies, restitution, {impulses}, control);
+    else
+      push ? sweep<true, false>(contacts, bodies, restitution, {}, control)
+           : sweep<false, false>(contacts, bodies, restitution, {}, control);
+  }
+}
 
+template <class Real>
+void ImpulseSolver<Real>::list_split(const ContactView<Real>& contacts, StepControl* control) {
+  const ColourView colours = colouring_.view();
   const std::uint32_t* split_begin = colours.begin + Colouring::colours;
   const Count split_contacts(&control->split_contacts, contact_capacity_);
   const Count split_bodies(split_items_.data(), bodies_);
@@ -202,48 +228,27 @@ void ImpulseSolver<Real>::solve(const ContactView<Real>& contacts, const SolverB
                           split_filled_.data(), split_entry_.data()});
   executor_.run("solve", split_bodies,
                 SortSplit{split_count_.data(), split_begin_.data(), split_entry_.data()});
-
-  // Contacts of one colour share no body, so there are at most half as many as bodies.
-  const std::int64_t colour_capacity = contact_capacity_ < bodies_ / 2 ? contact_capacity_ : bodies_ / 2;
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    const bool push = iteration + 1 == iterations;
-    for (int c = 0; c < Colouring::colours; ++c) {
-      const Count count(colours.count + c, colour_capacity);
-      if (push)
-        executor_.run(
-            "solve", count,
-            ResolveColour<Real, true>{contacts, bodies, restitution, colours.order, colours.begin + c});
-      else
-        executor_.run(
-            "solve", count,
-            ResolveColour<Real, false>{contacts, bodies, restitution, colours.order, colours.begin + c});
-    }
-    solve_split(contacts, bodies, restitution, push, control);
-  }
 }
 
 template <class Real>
-void ImpulseSolver<Real>::solve_split(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-                                      const Restitution<Real>& restitution, bool push,
-                                      const StepControl* control) {
+template <bool push, bool record>
+void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
+                                const Restitution<Real>& restitution,
+                                const ImpulseSum<Real, record>& impulses, const StepControl* control) {
   const ColourView colours = colouring_.view();
-  const std::uint32_t* begin = colours.begin + Colouring::colours;
-  const Count split_contacts(&control->split_contacts, contact_capacity_);
-  const Count split_bodies(split_items_.data(), bodies_);
-  const auto sweep = [&]<bool with_push>(std::bool_constant<with_push>) {
-    executor_.run(
-        "solve", split_contacts,
-        ResolveSplit<Real, with_push>{contacts, bodies, restitution, colours.order, begin,
-                                      split_count_.data(), split_impulse_.data(), split_push_.data()});
-    executor_.run(
-        "solve", split_bodies,
-        ApplySplit<Real, with_push>{contacts, bodies, split_count_.data(), split_begin_.data(),
-                                    split_entry_.data(), split_impulse_.data(), split_push_.data()});
-  };
-  if (push)
-    sweep(std::true_type{});
-  else
-    sweep(std::false_type{});
+  // Contacts of one colour share no body, so there are at most half as many as bodies.
+  const std::int64_t colour_capacity = contact_capacity_ < bodies_ / 2 ? contact_capacity_ : bodies_ / 2;
+  for (int c = 0; c < Colouring::colours; ++c)
+    executor_.run("solve", Count(colours.count + c, colour_capacity),
+                  ResolveColour<Real, push, record>{contacts, bodies, restitution, colours.order,
+                                                    colours.begin + c, impulses});
+  executor_.run("solve", Count(&control->split_contacts, contact_capacity_),
+                ResolveSplit<Real, push, record>{contacts, bodies, restitution, colours.order,
+                                                 colours.begin + Colouring::colours, split_count_.data(),
+                                                 split_impulse_.data(), split_push_.data(), impulses});
+  executor_.run("solve", Count(split_items_.data(), bodies_),
+                ApplySplit<Real, push>{contacts, bodies, split_count_.data(), split_begin_.data(),
+                                       split_entry_.data(), split_impulse_.data(), split_push_.data()});
 }
 
 template class ImpulseSolver<float>;

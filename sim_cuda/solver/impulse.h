@@ -14,6 +14,7 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/solver/colouring.h"
+#include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/restitution.h"
 
 namespace collidoscope {
@@ -47,13 +48,16 @@ class ImpulseSolver {
   explicit ImpulseSolver(Executor& executor);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
   /// Changes velocities, and positions by the push. `iterations` sweeps over all colours; the push is made in
-  /// the last.
+  /// the last. `impulses`, unless null: receives what each contact gave over all sweeps, N s.
   void solve(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-             const Restitution<Real>& restitution, int iterations, StepControl* control);
+             const Restitution<Real>& restitution, int iterations, Real* impulses, StepControl* control);
 
  private:
-  void solve_split(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-                   const Restitution<Real>& restitution, bool push, const StepControl* control);
+  void list_split(const ContactView<Real>& contacts, StepControl* control);
+  template <bool push, bool record>
+  void sweep(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
+             const Restitution<Real>& restitution, const ImpulseSum<Real, record>& impulses,
+             const StepControl* control);
 
   Executor& executor_;
   Colouring colouring_;
