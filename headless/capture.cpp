@@ -147,15 +147,14 @@ int run_capture(const CaptureRequest& request, World& world) {
   const EglContext context(world.gpu());
   for (const std::string& line : context.steps_down()) say(line);
 
-  // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
-  const std::int64_t pixels = static_cast<std::int64_t>(request.width) * request.height;
   int width = request.width, height = request.height;  // of the 3D view
   if (request.layers.ui) {
     const ScreenRect rect = PanelPicture::scene_rect(width, height);
     width = static_cast<int>(rect.width);
     height = static_cast<int>(rect.height);
   }
-  Renderer renderer(width, height, pixels <= 16'000'000 ? 2 : 1);
+  const std::int64_t pixels = static_cast<std::int64_t>(request.width) * request.height;
+  Renderer renderer(width, height, still_options(request.draw, pixels));
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
   DisplayLink link(world, request.display_path, say);
   GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)

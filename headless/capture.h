@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim_cuda/world.h"
+#include "viewer/render/draw_options.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/interop/display_path.h"
 
@@ -18,6 +19,7 @@ struct CaptureRequest {
   std::string out = "captures";    ///< the folder; made if it is not there
   bool timings = false;            ///< stage times as measured; else drawn as a dash, so that pictures repeat
   DisplayPath display_path = DisplayPath::automatic;
+  DrawWish draw;
 };
 
 /// Each throws InputError with lines that begin with `where`.

@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 
+#include "headless/bench/suites.h"
 #include "headless/flag_value.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
@@ -19,18 +20,25 @@ struct CommandName {
   const char* name;
   Command command;
   const char* operands;
-  std::size_t operand_count;
+  std::size_t least, most;  ///< operands
   const char* help;
 };
-constexpr std::array<CommandName, 3> commands{
-    {{"run", Command::run, "SCENE", 1, "step a scene and report what it cost; no pictures"},
-     {"capture", Command::capture, "SCENE", 1, "step a scene and write pictures of its states"},
-     {"compare", Command::compare, "A.png B.png", 2, "how different two pictures are"}}};
+constexpr std::array<CommandName, 4> commands{
+    {{"run", Command::run, "SCENE", 1, 1, "step a scene and report what it cost; no pictures"},
+     {"capture", Command::capture, "SCENE", 1, 1, "step a scene and write pictures of its states"},
+     {"compare", Command::compare, "A.png B.png", 2, 2, "how different two pictures are"},
+     {"bench", Command::bench, "SUITE [SCENE]", 1, 2, "measure what things cost; a suite of measurements"}}};
 
 constexpr const char* exit_codes =
     "Exit status: 0 done, 1 a check failed, 2 bad input, 3 something that the machine lacks.";
 
-constexpr CommandName viewer{"collidoscope", Command::view, "[SCENE]", 0, "the window"};
+constexpr CommandName viewer{"collidoscope", Command::view, "[SCENE]", 0, 1, "the window"};
+
+std::string suite_names() {
+  std::vector<std::string_view> names;
+  for (const Suite& suite : suites()) names.emplace_back(suite.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
 
 std::string program_help() {
   std::string text = "collidoscope-headless COMMAND ...: Collidoscope without a window.\n\n";
@@ -46,6 +54,10 @@ std::string command_help(const CommandName& command) {
   std::string text = fmt::format("{}{} {} [FLAGS]: {}.\n\n",
                                  command.command == Command::view ? "" : "collidoscope-headless ",
                                  command.name, command.operands, command.help);
+  if (command.command == Command::bench) {
+    for (const Suite& suite : suites()) text += fmt::format("  {:<30}{}\n", suite.name, suite.help);
+    text += '\n';
+  }
   for (const Flag& flag : flags())
     if (flag.commands & bit(command.command))
       text += fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value ? flag.value : ""),
@@ -69,14 +81,25 @@ std::string missing_value(const std::string& words) {
 
 void check_operands(const CommandName& command, const std::vector<std::string>& operands,
                     std::vector<std::string>& faults) {
-  if (operands.size() < command.operand_count)
+  if (command.command == Command::bench && operands.empty())
+    faults.push_back(fmt::format("bench: a suite is missing; there are {}", suite_names()));
+  else if (operands.size() < command.least)
     faults.push_back(fmt::format("{}: {} missing: {} {}", command.name,
-                                 command.operand_count - operands.size() > 1 ? "two files are" : "a file is",
+                                 command.least - operands.size() > 1 ? "two files are" : "a file is",
                                  command.name, command.operands));
-  const std::size_t most = command.command == Command::view ? 1 : command.operand_count;
-  for (std::size_t extra = most; extra < operands.size(); ++extra)
+  for (std::size_t extra = command.most; extra < operands.size(); ++extra)
     faults.push_back(fmt::format("{}: one argument too many; {} takes {}", shown(operands[extra]),
                                  command.name, command.operands));
+}
+
+/// The first operand of bench is its suite, and its scene is the Box Collider unless it says otherwise.
+void take_suite(CommandLine& line, std::vector<std::string>& faults) {
+  if (line.command != Command::bench || line.operands.empty()) return;
+  line.suite = line.operands[0];
+  line.operands.erase(line.operands.begin());
+  if (std::ranges::find(suites(), line.suite, [](const Suite& one) { return one.name; }) == suites().end())
+    faults.push_back(fmt::format("bench: {} is no suite; there are {}", shown(line.suite), suite_names()));
+  if (line.operands.empty()) line.operands.emplace_back("box_collider");
 }
 
 void check_files(const CommandLine& line, std::vector<std::string>& faults) {
@@ -108,6 +131,7 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
 CommandLine parse_arguments(const CommandName& command, const std::vector<std::string>& arguments) {
   CommandLine line;
   line.command = command.command;
+  if (line.command == Command::bench) line.options.capture.height = 720;
 
   CLI::App app;
   app.allow_extras();
@@ -141,6 +165,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
           fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command.name));
   }
   check_operands(command, line.operands, faults);
+  take_suite(line, faults);
   check_files(line, faults);
   if (!faults.empty()) throw InputError(faults);
   return line;
@@ -155,7 +180,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
   if (command == commands.end())
     throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
-                     "; there are run, capture and compare, and --help");
+                     "; there are run, capture, compare and bench, and --help");
   return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()});
 }
 

@@ -10,7 +10,8 @@ namespace collidoscope {
 
 struct CommandLine {
   Command command = Command::run;
-  std::vector<std::string> operands;  ///< of run and capture the scene; of compare two pictures
+  std::string suite;                  ///< of bench; one of suites()
+  std::vector<std::string> operands;  ///< of run, capture and bench the scene; of compare two pictures
   Options options;
   std::string text;  ///< not empty: print this and do nothing else (--help, --version)
 };
@@ -20,7 +21,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments);
 /// The same for the desktop program, which has one command; a scene that is not named is the Box Collider.
 CommandLine parse_viewer_line(const std::vector<std::string>& arguments);
 
-/// The scene of `run`, `capture` and the viewer, with its overrides. Throws InputError.
+/// The scene of `run`, `capture`, `bench` and the viewer, with its overrides. Throws InputError.
 Scene load_scene(const CommandLine& line);
 
 /// The file of a scene that was given as a path or as the bare name of one in assets/scenes. Throws

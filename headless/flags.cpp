@@ -31,8 +31,9 @@ struct Reading {
   std::vector<std::string>& faults;
 };
 
-std::optional<int> read_count(FlagValue& value, std::int64_t min, std::int64_t max) {
-  const auto number = value.whole(min, max);
+std::optional<int> read_count(FlagValue& value, std::int64_t min, std::int64_t max,
+                              std::string_view or_word = "") {
+  const auto number = value.whole(min, max, or_word);
   return number ? std::optional(static_cast<int>(*number)) : std::nullopt;
 }
 
@@ -104,8 +105,9 @@ void collect(std::vector<std::string>& faults, Read read) {
 }
 
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
-constexpr unsigned viewing = bit(Command::view), drawing = capturing | viewing;
-constexpr unsigned stepping = running | drawing, reporting = running | capturing | bit(Command::compare);
+constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench);
+constexpr unsigned drawing = capturing | viewing | benching, stepping = running | drawing;
+constexpr unsigned reporting = running | capturing | benching | bit(Command::compare);
 
 struct Reader {
   Flag flag;
@@ -219,8 +221,30 @@ constexpr Reader readers[] = {
        collect(in.faults,
                [&] { in.options.capture.display_path = parse_display_path(std::string(in.value.text())); });
      }},
+    {{"--quality", "NAME", "full, quick or auto: ambient occlusion and soft shadows, or neither", drawing},
+     [](Reading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.draw.light = parse_quality(std::string(in.value.text())); });
+     }},
+    {{"--supersample", "K", "K x K samples for each pixel of the 3D view, 1 to 4, or auto", drawing},
+     [](Reading& in) {
+       in.options.capture.draw.supersampling.reset();
+       if (in.value.text() != "auto")
+         in.options.capture.draw.supersampling = read_count(in.value, 1, 4, or_auto);
+     }},
+    {{"--sphere-method", "NAME", "auto, quads or compute: what draws spheres; the picture is the same",
+      drawing},
+     [](Reading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.draw.spheres = parse_sphere_method(std::string(in.value.text())); });
+     }},
     {{"--timings", nullptr, "draw stage times too; such pictures differ from run to run", capturing},
      [](Reading& in) { in.options.capture.timings = true; }},
+
+    {{"--frames", "K", "frames to measure [300], after some that warm up", benching},
+     [](Reading& in) {
+       if (const auto n = in.value.whole(1, 1'000'000)) in.options.frames = *n;
+     }},
 
     {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
      [](Reading& in) { in.options.view.reset_ui = true; }},

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "headless/bench/suites.h"
 #include "headless/command_line.h"
 #include "headless/compare.h"
 #include "headless/run.h"
@@ -36,6 +37,8 @@ int perform(const CommandLine& line) {
       return capture_command(line);
     case Command::compare:
       return run_compare(line.operands[0], line.operands[1], line.options.json == "-");
+    case Command::bench:
+      return bench_command(line);
     case Command::view:
       break;  // no word of the command line means it
   }

@@ -16,7 +16,7 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, capture, compare, view };
+enum class Command { run, capture, compare, bench, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
@@ -53,6 +53,7 @@ struct Options {
   std::string energy_trace;   ///<
   CaptureRequest capture;
   ViewRequest view;
+  std::int64_t frames = 300;  ///< of `bench frames`
 };
 
 /// A flag of the command line, for --help and for the parser.

@@ -32,9 +32,9 @@ void PanelPicture::record(World& world) {
   record_step(world, &stats, history_);
 }
 
-Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
-                         const ValueRange& range) {
-  fill_view(world, stats, history_, view_);
+void PanelPicture::fill(World& world, const StepStats& stats, const History& history,
+                        const ValueRange& range) {
+  fill_view(world, stats, history, view_);
   const Legend legend = body_legend(workspace_.layers.color, range, stats);
   if (workspace_.layers.spheres) view_.map_colors = legend.colors;
   view_.legend_title = legend.title;
@@ -45,14 +45,27 @@ Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, con
   view_.level_colors = level_legend();
   // Pictures without times are the same on every machine.
   if (!view_.with_times) view_.device = "this machine";
+}
+
+void PanelPicture::build(GuiPass& gui) {
+  gui.begin(frame_.width(), frame_.height());
+  draw_workspace(workspace_, view_);
+  gui.build();
+}
+
+void PanelPicture::rasterise(GuiPass& gui, const Renderer& renderer) {
   const ScreenRect rect = scene_rect(frame_.width(), frame_.height());
   frame_.place(renderer, static_cast<int>(rect.x), static_cast<int>(rect.y));
+  gui.rasterise(frame_.target());
+}
+
+Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
+                         const ValueRange& range) {
+  fill(world, stats, history_, range);
   // ImGui lays out what sizes itself over its first frames.
   for (int round = 0; round < 3; ++round) {
-    gui.begin(frame_.width(), frame_.height());
-    draw_workspace(workspace_, view_);
-    if (round == 2) frame_.place(renderer, static_cast<int>(rect.x), static_cast<int>(rect.y));
-    gui.end(frame_.target());
+    build(gui);
+    rasterise(gui, renderer);
   }
   return frame_.read();
 }

@@ -33,6 +33,13 @@ class PanelPicture {
   Image draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
              const ValueRange& range);
 
+  /// A frame of it in parts, for those who time them. What the panels show of a state; `history` must stay.
+  void fill(World& world, const StepStats& stats, const History& history, const ValueRange& range);
+  /// The CPU lists what is to be drawn,
+  void build(GuiPass& gui);
+  /// and OpenGL draws it, around the picture of `renderer`.
+  void rasterise(GuiPass& gui, const Renderer& renderer);
+
  private:
   Workspace workspace_;
   WorkspaceView view_;

@@ -10,6 +10,14 @@
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
+
+std::string grouped(std::int64_t number) {
+  std::string digits = fmt::to_string(number);
+  const std::size_t first = digits.starts_with('-') ? 1 : 0;
+  for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, ",");
+  return digits;
+}
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -20,13 +28,6 @@ Json vector_json(const double (&v)[3]) { return Json::array({v[0], v[1], v[2]});
 
 /// A time that was not measured is null, not 0.
 Json time_json(double ms, int steps_timed) { return steps_timed > 0 ? Json(ms) : Json(nullptr); }
-
-std::string grouped(std::int64_t number) {  // 1,234,567
-  std::string digits = fmt::to_string(number);
-  const std::size_t first = digits.starts_with('-') ? 1 : 0;
-  for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, ",");
-  return digits;
-}
 
 std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
 
@@ -133,7 +134,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
   return report;
 }
 
-std::string to_json(const RunReport& report) {
+nlohmann::ordered_json json_of(const RunReport& report) {
   const StepStats& last = report.final;
   Json json;
   json["scene"] = report.scene;
@@ -181,11 +182,16 @@ std::string to_json(const RunReport& report) {
   json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);
   json["wall_seconds"] = report.wall_seconds ? Json(*report.wall_seconds) : Json(nullptr);
   json["allocated_bytes"] = report.allocated_bytes;
-  // A name may hold any bytes of a scene file: what is not UTF-8 is replaced rather than refused this late.
+  return json;
+}
+
+std::string json_text(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string to_text(const RunReport& report) {
+std::string to_json(const RunReport& report) { return json_text(json_of(report)); }
+
+std::string title_text(const RunReport& report) {
   const double rate = 1 / report.time_step;
   const std::string step = std::abs(rate - std::round(rate)) < 1e-9 * rate && rate > 1.5
                                ? fmt::format("1/{:.0f} s", rate)
@@ -194,10 +200,15 @@ std::string to_text(const RunReport& report) {
       fmt::format("{}: {} bodies{}{}; state {}, steps of {}", report.scene, grouped(report.final.bodies),
                   report.variant.empty() ? "" : ", ", report.variant, grouped(report.final.step), step);
   if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
-  text += fmt::format("\non {} ({}), B {}, T {}\n{}, {}, {}, effects {}\n\n", report.executor, report.device,
-                      count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
-                      report.broad_phase, report.solver, report.precision,
-                      report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
+  return text +
+         fmt::format("\non {} ({}), B {}, T {}\n{}, {}, {}, effects {}\n", report.executor, report.device,
+                     count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
+                     report.broad_phase, report.solver, report.precision,
+                     report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
+}
+
+std::string to_text(const RunReport& report) {
+  std::string text = title_text(report) + "\n";
   if (!report.times.stages.empty()) text += stage_table(report.times) + "\n";
   return text + numbers_text(report);
 }

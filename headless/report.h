@@ -3,6 +3,7 @@
 // people. Plain data, SI units.
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,9 +35,17 @@ struct RunReport {
 /// `initial`: World::measure() at the state that the run started from.
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds);
 
-/// One object, the fields as the README lists them; what is not finite is null. Ends in a newline.
+/// One object, the fields as the README lists them; what is not finite is null.
+nlohmann::ordered_json json_of(const RunReport& report);
+/// Its text. A name may hold any bytes of a scene file: what is not UTF-8 is replaced. Ends in a newline.
+std::string json_text(const nlohmann::ordered_json& json);
 std::string to_json(const RunReport& report);
 /// For a terminal of 80 columns. Ends in a newline.
 std::string to_text(const RunReport& report);
+/// Its first lines: what ran on what.
+std::string title_text(const RunReport& report);
+
+/// 1,234,567.
+std::string grouped(std::int64_t number);
 
 }  // namespace collidoscope

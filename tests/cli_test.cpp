@@ -151,6 +151,28 @@ INSTANTIATE_TEST_SUITE_P(
                  "--blocks: 2147483648 is not a whole number from 1 to 2147483647, or auto"},
         BadInput{"NoSuchDevice", "", run_with({"--executor", "cuda", "--gpu", "1023"}), 3,
                  "--executor cuda: .*CUDA.*|--gpu 1023: this machine has GPUs .*"},
+        BadInput{"NoSuite", "", {"bench"}, 2, "bench: a suite is missing; there are .*frames.*"},
+        BadInput{"UnknownSuite", "", {"bench", "fames"}, 2, "bench: fames is no suite; there are .*frames.*"},
+        BadInput{"NoFrames",
+                 "",
+                 {"bench", "frames", "--frames", "0"},
+                 2,
+                 "--frames: 0 is not a whole number from 1 to 1000000"},
+        BadInput{"UnknownQuality",
+                 "",
+                 {"bench", "frames", "--quality", "best"},
+                 2,
+                 "--quality: 'best': .*auto, full, quick"},
+        BadInput{"TooManySamples",
+                 "",
+                 {"bench", "frames", "--supersample", "5"},
+                 2,
+                 "--supersample: 5 is not a whole number from 1 to 4, or auto"},
+        BadInput{"BenchOfTwoScenes",
+                 "",
+                 {"bench", "frames", "one_body", "empty"},
+                 2,
+                 "empty: one argument too many; bench takes SUITE .SCENE."},
         BadInput{"UnknownVariant", "", run_with({"--variant", "papr"}), 2,
                  "--variant: .*paper, scaled or equal.*"},
         BadInput{"UnknownBroadPhase", "", run_with({"--broad-phase", "magic"}), 2,
@@ -228,8 +250,11 @@ TEST(Cli, TwentyFaultsArePrintedAndTheRestCounted) {
 }
 
 TEST(Cli, HelpAndVersionAreResults) {
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--help"}, {"run", "--help"}, {"capture", "--help"}, {"--version"}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--help"},
+                                                    {"run", "--help"},
+                                                    {"capture", "--help"},
+                                                    {"bench", "--help"},
+                                                    {"--version"}}) {
     const Outcome outcome = run_headless(arguments);
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.out, HasSubstr("collidoscope-headless"));

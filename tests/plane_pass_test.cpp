@@ -38,7 +38,7 @@ struct Valley {
   }
   Image draw(bool spheres, bool planes) const {
     test_context();
-    Renderer renderer(width, height, 1);
+    Renderer renderer(width, height, {.supersampling = 1});
     renderer.set_scene(frame);
     renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
     renderer.draw(camera, {.spheres = spheres, .grid = planes, .overlay = false}, {0, 1});

@@ -47,7 +47,7 @@ App::App(const Scene& scene, const Options& options)
       gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
-      scene_(options.capture.display_path, say_on_stderr),
+      scene_(options.capture.display_path, options.capture.draw, say_on_stderr),
       workspace_(first_workspace(options)),
       renderer_name_(gl::renderer_name()),
       software_(gl::is_software_renderer()),

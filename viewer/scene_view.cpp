@@ -25,7 +25,8 @@ bool same_bounds(const Bounds& a, const Bounds& b) { return a.min == b.min && a.
 
 }  // namespace
 
-SceneView::SceneView(DisplayPath wish, DisplayLink::Say say) : wish_(wish), say_(std::move(say)) {}
+SceneView::SceneView(DisplayPath wish, const DrawWish& draw, DisplayLink::Say say)
+    : wish_(wish), draw_wish_(draw), say_(std::move(say)) {}
 
 void SceneView::follow_world(LiveWorld& live) {
   if (generation_ == live.generation()) return;
@@ -68,10 +69,10 @@ void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
 }
 
 void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int height) {
-  // On the CPU a frame of full quality takes too long to play: one sample a pixel, and simpler light.
-  const bool software = gl::is_software_renderer();
-  if (!renderer_)
-    renderer_.emplace(width, height, software ? 1 : 2, software ? Quality::quick : Quality::full);
+  const auto bodies = static_cast<std::int64_t>(live.world().initial().size());
+  const DrawOptions options = live_options(draw_wish_, gl::is_software_renderer(), bodies);
+  if (!renderer_) renderer_.emplace(width, height, options);
+  renderer_->set_options(options);
   const bool resized = renderer_->width() != width || renderer_->height() != height;
   renderer_->resize(width, height);
   follow_world(live);

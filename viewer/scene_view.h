@@ -17,7 +17,7 @@ namespace collidoscope {
 class SceneView {
  public:
   /// `wish`: the display path; `say` gets a line for each step down.
-  SceneView(DisplayPath wish, DisplayLink::Say say);
+  SceneView(DisplayPath wish, const DrawWish& draw, DisplayLink::Say say);
 
   /// Brings camera and buffers to what is to be drawn, and draws it, in `width` x `height` pixels.
   void draw(LiveWorld& live, const Workspace& workspace, int width, int height);
@@ -44,6 +44,7 @@ class SceneView {
   double aspect() const { return static_cast<double>(renderer_->width()) / renderer_->height(); }
 
   DisplayPath wish_;
+  DrawWish draw_wish_;
   DisplayLink::Say say_;
   std::optional<Renderer> renderer_;
   std::optional<DisplayLink> link_;

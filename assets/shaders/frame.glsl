@@ -36,6 +36,31 @@ float hit_sphere(Ray ray, vec3 center, float radius) {
   return hit > lens.w ? hit : -1.0;
 }
 
+// A sphere as it is drawn, in view space. In the pixel that holds its centre it is at least `least` in radius, which
+// covers the middle of that pixel: none falls between the samples. Of a sphere that is larger anyway nothing changes.
+struct Sphere {
+  vec3 center;
+  float radius, least;
+  ivec2 own;  // that pixel
+};
+
+Sphere sphere_shown(vec3 center, float radius, bool at_least_a_pixel) {
+  float distance = lens.z > 0.5 ? -center.z : 1.0;
+  float pixel = 2.0 * lens.y * pixels.w * distance;  // m
+  if (!at_least_a_pixel || distance <= 0.0 || radius >= 0.75 * pixel) return Sphere(center, radius, radius, ivec2(-1));
+  return Sphere(center, radius, 0.75 * pixel, ivec2(floor(center.xy / pixel + 0.5 * pixels.xy)));
+}
+
+// The point of it that the middle of a pixel shows, and the normal there; false where it shows none.
+bool sphere_at(Sphere s, vec2 pixel, out vec3 point, out vec3 normal) {
+  Ray ray = ray_through(pixel);
+  float radius = ivec2(pixel) == s.own ? s.least : s.radius;
+  float hit = hit_sphere(ray, s.center, radius);
+  point = ray.origin + hit * ray.direction;
+  normal = (point - s.center) / radius;
+  return hit >= 0.0;
+}
+
 float depth_of(vec3 view_point) {
   vec4 clip = projection * vec4(view_point, 1.0);
   return clip.z / clip.w;

@@ -1,6 +1,5 @@
 // Ray-casts the sphere: exact outline, depth and normal. Compiled thrice: SURFACE, IDS, SHADOW.
-flat in vec3 center;
-flat in float radius;
+flat in Sphere sphere;
 flat in vec3 albedo;
 flat in uint body;
 
@@ -13,15 +12,12 @@ layout(location = 0) out uint out_id;
 #endif
 
 void main() {
-  Ray ray = ray_through(gl_FragCoord.xy);
-  float distance = hit_sphere(ray, center, radius);
-  if (distance < 0.0) discard;
-  vec3 point = ray.origin + distance * ray.direction;
+  vec3 point, normal;
+  if (!sphere_at(sphere, gl_FragCoord.xy, point, normal)) discard;
   gl_FragDepth = depth_of(point);
 #if defined(SURFACE)
-  vec3 normal = mat3(inverse_view) * ((point - center) / radius);
   out_albedo = vec4(albedo, 1.0);
-  out_normal = vec4(normal * 0.5 + 0.5, 1.0);
+  out_normal = vec4(mat3(inverse_view) * normal * 0.5 + 0.5, 1.0);
 #elif defined(IDS)
   out_id = body + 1u;
 #endif

@@ -5,14 +5,18 @@ layout(location = 3) in uint id;
 
 layout(binding = 0) uniform sampler2D colors;
 
-flat out vec3 center;
-flat out float radius;
+flat out Sphere sphere;
 flat out vec3 albedo;
 flat out uint body;
 
 void main() {
-  center = (view * vec4(center_radius.xyz, 1.0)).xyz;
-  radius = center_radius.w;
+  vec3 center = (view * vec4(center_radius.xyz, 1.0)).xyz;
+#if defined(SHADOW)
+  sphere = sphere_shown(center, center_radius.w, false);
+#else
+  sphere = sphere_shown(center, center_radius.w, true);
+#endif
+  float radius = sphere.least;
   body = id;
   albedo = body_color(colors, value, id);
 

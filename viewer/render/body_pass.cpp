@@ -39,6 +39,7 @@ BodyPass::BodyPass()
 
 void BodyPass::set_scene(const FrameScene& scene) {
   runs_ = scene.runs;
+  any_spheres_ = std::ranges::any_of(runs_, [](const FrameScene::Run& run) { return run.mesh == 0; });
   ranges_.clear();
   std::vector<MeshVertex> vertices;
   for (const Mesh& mesh : scene.meshes) {
@@ -55,26 +56,33 @@ void BodyPass::set_scene(const FrameScene& scene) {
   vertices_.upload(vertices.data(), vertices.size() * sizeof(MeshVertex));
 }
 
-void BodyPass::draw(const InstanceBuffers& instances, Output output, GLuint colors) const {
+void BodyPass::draw(const InstanceBuffers& instances, Output output, GLuint colors, const gl::Target& target,
+                    bool compute) {
+  if (compute && !sphere_compute_) sphere_compute_.emplace();
+  compute = compute && output != Output::ids && any_spheres_ && instances.counts.bodies > 0 &&
+            sphere_compute_->fits(instances.counts.bodies);
+  if (compute) sphere_compute_->draw(instances, output == Output::shadow, colors, target);
   glBindTextureUnit(0, colors);
-  const std::size_t variant = static_cast<std::size_t>(output);
-  for (const FrameScene::Run& run : runs_) {
-    const std::int64_t count = std::min(run.count, instances.counts.bodies - run.first);
-    if (count <= 0) continue;
-    const auto first = static_cast<GLuint>(run.first);
-    if (run.mesh == 0) {
-      spheres_[variant].use();
-      sphere_layout_.bind(instances.bodies.get(), sizeof(BodyInstance));
-      glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count), first);
-    } else {
-      const Range& range = ranges_.at(run.mesh - 1);
-      meshes_[variant].use();
-      mesh_layout_.bind(instances.bodies.get(), sizeof(BodyInstance), vertices_.get(), sizeof(MeshVertex));
-      glDrawArraysInstancedBaseInstance(GL_TRIANGLES, range.first, range.count, static_cast<GLsizei>(count),
-                                        first);
-    }
-  }
+  for (const FrameScene::Run& run : runs_)
+    if (run.mesh != 0 || !compute) draw_run(instances, static_cast<std::size_t>(output), run);
   gl::check("to draw " + std::to_string(instances.counts.bodies) + " bodies");
+}
+
+void BodyPass::draw_run(const InstanceBuffers& instances, std::size_t output,
+                        const FrameScene::Run& run) const {
+  const auto count = static_cast<GLsizei>(std::min(run.count, instances.counts.bodies - run.first));
+  if (count <= 0) return;
+  const auto first = static_cast<GLuint>(run.first);
+  if (run.mesh == 0) {
+    spheres_[output].use();
+    sphere_layout_.bind(instances.bodies.get(), sizeof(BodyInstance));
+    glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, count, first);
+    return;
+  }
+  const Range& range = ranges_.at(run.mesh - 1);
+  meshes_[output].use();
+  mesh_layout_.bind(instances.bodies.get(), sizeof(BodyInstance), vertices_.get(), sizeof(MeshVertex));
+  glDrawArraysInstancedBaseInstance(GL_TRIANGLES, range.first, range.count, count, first);
 }
 
 }  // namespace collidoscope

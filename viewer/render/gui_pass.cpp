@@ -62,7 +62,13 @@ void GuiPass::begin(int width, int height, float step) {
 }
 
 void GuiPass::end(const gl::Target& picture) {
-  ImGui::Render();
+  build();
+  rasterise(picture);
+}
+
+void GuiPass::build() { ImGui::Render(); }
+
+void GuiPass::rasterise(const gl::Target& picture) {
   picture.bind();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   gl::check("to draw text and panels");

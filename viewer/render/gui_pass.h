@@ -20,6 +20,9 @@ class GuiPass {
   /// Between the two, ImGui may be called. `step`: s, told to ImGui as the time since the last frame.
   void begin(int width, int height, float step = 1.0f / 60);
   void end(const gl::Target& picture);
+  /// The two halves of end(), for those who time them: the CPU lists triangles, and OpenGL draws them.
+  void build();
+  void rasterise(const gl::Target& picture);
 
  private:
   void load_fonts();

@@ -25,18 +25,16 @@ void LightPass::resize(int width, int height) {
   smooth_.emplace("smooth occlusion", width, height, std::vector<GLenum>{GL_R16F}, 0);
 }
 
-void LightPass::draw_shadows(const gl::Buffer& light_uniforms, const BodyPass& bodies,
-                             const InstanceBuffers& instances, bool any_bodies, GLuint colors) const {
+const gl::Target& LightPass::begin_shadows() const {
   shadow_.bind();
   glDepthMask(GL_TRUE);
   const float farthest = 0;
   glClearNamedFramebufferfv(shadow_.framebuffer(), GL_DEPTH, 0, &farthest);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, light_uniforms.get());
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
-  if (any_bodies) bodies.draw(instances, BodyPass::Output::shadow, colors);
-  gl::check("to draw the shadow map");
+  gl::check("to clear the shadow map");
+  return shadow_;
 }
 
 void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {

@@ -4,24 +4,20 @@
 
 #include <optional>
 
-#include "viewer/render/body_pass.h"
-#include "viewer/render/frame_uniforms.h"
+#include "viewer/render/draw_options.h"
+#include "viewer/render/gl/program.h"
 #include "viewer/render/gl/target.h"
+#include "viewer/render/gl/vertex_layout.h"
 
 namespace collidoscope {
-
-/// `quick` leaves out ambient occlusion and takes harder, coarser shadows: for renderers that draw on the
-/// CPU, while somebody waits for the next frame.
-enum class Quality { full, quick };
 
 class LightPass {
  public:
   explicit LightPass(Quality quality);
   /// The picture's size in pixels; `scale` x `scale` pixels are drawn for each.
   void resize(int width, int height);
-  /// Binds the light's uniforms, and leaves them bound.
-  void draw_shadows(const gl::Buffer& light_uniforms, const BodyPass& bodies,
-                    const InstanceBuffers& instances, bool any_bodies, GLuint colors) const;
+  /// Where the light's depth goes: cleared and bound, with the state that bodies are drawn in.
+  const gl::Target& begin_shadows() const;
   /// From `surface` (albedo, normal, depth) into `lit`.
   void draw(const gl::Target& surface, const gl::Target& lit) const;
 

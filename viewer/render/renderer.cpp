@@ -32,24 +32,40 @@ void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
 
 }  // namespace
 
-Renderer::Renderer(int width, int height, int supersampling, Quality quality)
-    : supersampling_(supersampling),
-      light_(quality),
+Renderer::Renderer(int width, int height, DrawOptions options)
+    : options_(options),
+      software_(gl::is_software_renderer()),
       resolve_("fullscreen.vert", "resolve.frag"),
       nothing_{},
       colors_(color_map_texture()) {
+  light_.emplace(options.light);
   resize(width, height);
 }
 
 void Renderer::resize(int width, int height) {
   if (picture_ && picture_->width() == width && picture_->height() == height) return;
-  const int w = width * supersampling_, h = height * supersampling_;
+  const int w = width * options_.supersampling, h = height * options_.supersampling;
   surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
   // The lit picture has a depth attachment of its own only because a texture cannot be read while bound.
   lit_.emplace("lit picture", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
   picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
   ids_.reset();
-  light_.resize(width, height);
+  light_->resize(width, height);
+}
+
+void Renderer::set_options(const DrawOptions& options) {
+  if (options == options_) return;
+  const int w = width(), h = height();
+  if (options.light != options_.light) light_.emplace(options.light);
+  options_ = options;
+  picture_.reset();
+  resize(w, h);
+}
+
+bool Renderer::computes_spheres() const {
+  if (options_.spheres != SphereMethod::automatic) return options_.spheres == SphereMethod::compute;
+  constexpr std::int64_t many = 50'000;
+  return !software_ && instances_.counts.bodies >= many;
 }
 
 void Renderer::set_scene(const FrameScene& scene) {
@@ -74,10 +90,15 @@ void Renderer::bind_uniforms(const gl::Buffer& buffer) const {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, buffer.get());
 }
 
-void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values) {
+void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values,
+                    gl::PassClock* clock) {
+  const auto mark = [&](const char* pass) {
+    if (clock) clock->mark(pass);
+  };
+  if (clock) clock->begin();
   FrameUniforms uniforms =
-      camera_uniforms(camera, scene_, surface_->width(), surface_->height(), supersampling_);
-  const FrameUniforms light = light_uniforms(scene_, light_.shadow_size());
+      camera_uniforms(camera, scene_, surface_->width(), surface_->height(), options_.supersampling);
+  const FrameUniforms light = light_uniforms(scene_, light_->shadow_size());
   set_light(uniforms, light);
   set_values(uniforms, values, layers.color == BodyColor::id);
   camera_uniforms_.upload(&uniforms, sizeof uniforms);
@@ -88,7 +109,11 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 
-  light_.draw_shadows(light_uniforms_, bodies_, instances_, layers.spheres, colors_.get());
+  const bool compute = computes_spheres();
+  bind_uniforms(light_uniforms_);
+  const gl::Target& shadows = light_->begin_shadows();
+  if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::shadow, colors_.get(), shadows, compute);
+  mark("shadows");
 
   bind_uniforms(camera_uniforms_);
   surface_->bind();
@@ -100,20 +125,26 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDisable(GL_BLEND);
-  if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::surface, colors_.get());
+  if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::surface, colors_.get(), *surface_, compute);
+  mark("bodies");
   if (layers.grid) planes_.draw_surfaces();
   gl::check("to draw the surfaces");
+  mark("planes");
 
-  light_.draw(*surface_, *lit_);
+  light_->draw(*surface_, *lit_);
+  mark("light");
 
   // Lines are tested against the depth of the surfaces, on top of the lit picture.
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   lit_->bind();
   if (layers.grid) planes_.draw_veils();
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
+  mark("veils and walls");
   if (layers.boxes)
     lines_.draw_boxes(instances_.boxes, instances_.counts.boxes, layers.first_level, layers.last_level);
+  mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
+  mark("contacts");
   if (mark_count_ > 0) lines_.draw_boxes(marks_, mark_count_, 0, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, 0, 0);
 
@@ -125,6 +156,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   glBindTextureUnit(0, lit_->color());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   gl::check("to draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
+  mark("resolve");
 }
 
 Image Renderer::read_picture() const {
@@ -136,6 +168,11 @@ Image Renderer::read_picture() const {
   gl::check("to read the picture back");
   flip_rows(image.rgba, static_cast<std::size_t>(width()) * 4, height());
   return image;
+}
+
+void Renderer::finish() {
+  glFinish();
+  gl::check("to finish drawing");
 }
 
 void Renderer::draw_id_target(const OrbitCamera& camera, const IdLayers& layers) {
@@ -155,7 +192,7 @@ void Renderer::draw_id_target(const OrbitCamera& camera, const IdLayers& layers)
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDisable(GL_BLEND);
-  if (layers.bodies) bodies_.draw(instances_, BodyPass::Output::ids, colors_.get());
+  if (layers.bodies) bodies_.draw(instances_, BodyPass::Output::ids, colors_.get(), *ids_, false);
   if (layers.boxes) lines_.draw_box_ids(instances_.boxes, instances_.counts.boxes);
 }
 

@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "viewer/render/body_pass.h"
+#include "viewer/render/draw_options.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/frame_uniforms.h"
+#include "viewer/render/gl/pass_clock.h"
 #include "viewer/render/image.h"
 #include "viewer/render/light_pass.h"
 #include "viewer/render/line_pass.h"
@@ -26,12 +28,17 @@ struct IdLayers {
 
 class Renderer {
  public:
-  /// Picture size in pixels. `supersampling`: 1 to 4; that many pixels squared are drawn for each.
-  Renderer(int width, int height, int supersampling = 2, Quality quality = Quality::full);
+  /// Picture size in pixels.
+  Renderer(int width, int height, DrawOptions options = {});
 
   void set_scene(const FrameScene& scene);
   const FrameScene& scene() const { return scene_; }
   void resize(int width, int height);
+  /// From the next frame on.
+  void set_options(const DrawOptions& options);
+  const DrawOptions& options() const { return options_; }
+  /// Whether the spheres of such a state are drawn by compute, as `options` and the machine decide.
+  bool computes_spheres() const;
   int width() const { return picture_->width(); }
   int height() const { return picture_->height(); }
 
@@ -42,8 +49,12 @@ class Renderer {
   /// are those of their levels.
   void set_marks(std::span<const BoxInstance> boxes);
 
-  void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values);
+  /// `clock`: told of each pass, if somebody measures.
+  void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values,
+            gl::PassClock* clock = nullptr);
   Image read_picture() const;
+  /// Until the GPU has drawn all that it was asked for, by anybody.
+  static void finish();
   /// The framebuffer that holds the picture: text and panels are drawn on top of it.
   const gl::Target& picture() const { return *picture_; }
 
@@ -57,12 +68,13 @@ class Renderer {
   void draw_id_target(const OrbitCamera& camera, const IdLayers& layers);
   void bind_uniforms(const gl::Buffer& buffer) const;
 
-  int supersampling_;
+  DrawOptions options_;
+  bool software_;  // the CPU draws
   FrameScene scene_;
   InstanceBuffers instances_;
   BodyPass bodies_;
   LinePass lines_;
-  LightPass light_;
+  std::optional<LightPass> light_;
   PlanePass planes_;
   gl::Program resolve_;
   gl::VertexLayout nothing_;

@@ -44,12 +44,20 @@ ShaderHandle compile(GLenum stage, const std::string& file, const std::string& d
 
 Program::Program(const std::string& vertex_file, const std::string& fragment_file,
                  const std::string& definitions)
-    : name_(vertex_file + " + " + fragment_file) {
-  const ShaderHandle vertex = compile(GL_VERTEX_SHADER, vertex_file, definitions);
-  const ShaderHandle fragment = compile(GL_FRAGMENT_SHADER, fragment_file, definitions);
+    : Program({{GL_VERTEX_SHADER, vertex_file}, {GL_FRAGMENT_SHADER, fragment_file}}, definitions) {}
+
+Program Program::compute(const std::string& file, const std::string& definitions) {
+  return Program({{GL_COMPUTE_SHADER, file}}, definitions);
+}
+
+Program::Program(const std::vector<Stage>& stages, const std::string& definitions) {
+  std::vector<ShaderHandle> shaders;
+  for (const Stage& stage : stages) {
+    name_ += (name_.empty() ? "" : " + ") + stage.file;
+    shaders.push_back(compile(stage.kind, stage.file, definitions));
+  }
   program_ = ProgramHandle(glCreateProgram());
-  glAttachShader(program_.get(), vertex.get());
-  glAttachShader(program_.get(), fragment.get());
+  for (const ShaderHandle& shader : shaders) glAttachShader(program_.get(), shader.get());
   glLinkProgram(program_.get());
   GLint ok = 0;
   glGetProgramiv(program_.get(), GL_LINK_STATUS, &ok);
@@ -61,8 +69,7 @@ Program::Program(const std::string& vertex_file, const std::string& fragment_fil
     forget_errors();
     throw MachineError("shaders " + name_ + " do not link: " + log);
   }
-  glDetachShader(program_.get(), vertex.get());
-  glDetachShader(program_.get(), fragment.get());
+  for (const ShaderHandle& shader : shaders) glDetachShader(program_.get(), shader.get());
   check("the program " + name_);
 }
 

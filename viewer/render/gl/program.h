@@ -3,7 +3,7 @@
 // file; there is no include mechanism. Owns the program.
 
 #include <string>
-#include <string_view>
+#include <vector>
 
 #include "viewer/render/gl/handle.h"
 
@@ -15,6 +15,8 @@ class Program {
   /// Throws MachineError with the driver's words, files by name.
   Program(const std::string& vertex_file, const std::string& fragment_file,
           const std::string& definitions = "");
+  /// The same of one file, a compute shader.
+  static Program compute(const std::string& file, const std::string& definitions = "");
 
   void use() const { glUseProgram(program_.get()); }
   /// Uniforms by name; one that the program does not use is a MachineError, since it is a slip of the pen.
@@ -23,6 +25,11 @@ class Program {
   void set(const char* name, float x, float y, float z, float w) const;
 
  private:
+  struct Stage {
+    GLenum kind;
+    std::string file;
+  };
+  Program(const std::vector<Stage>& stages, const std::string& definitions);
   GLint location(const char* name) const;
 
   std::string name_;

@@ -1,0 +1,128 @@
+// Spheres smaller than a pixel: none is lost, none is larger than a pixel, and their colour is that of a
+// sphere.
+
+#include "viewer/render/body_pass.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/gl_fixture.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int width = 480, height = 360;
+constexpr double picture_pixel = 100.0 / height;  // m
+
+/// Seen straight from above and without perspective, 100 m high: a metre is 3.6 pixels everywhere.
+OrbitCamera plan_view() {
+  OrbitCamera camera;
+  camera.orthographic = true;
+  camera.field_of_view = 1;
+  camera.distance = 50 / std::tan(0.5);
+  camera.target = {50, 50, 50};
+  camera.elevation = std::numbers::pi / 2;
+  camera.azimuth = -std::numbers::pi / 2;
+  return camera;
+}
+
+/// 20 x 20 spheres of one radius, in pixels of the picture, about 4 m apart, each at a place of its own
+/// within a pixel.
+TestBodies lattice(double radius_px) {
+  TestBodies bodies;
+  bodies.scene.box = Box{};
+  bodies.initial.box = Box{};
+  TestRandom random(3);
+  const double radius = radius_px * picture_pixel;
+  for (int i = 0; i < 400; ++i) {
+    const Vector3d center(12 + 4 * (i % 20) + random(), 12 + 4 * (i / 20) + random(), 50);
+    bodies.initial.position.push_back(center);
+    bodies.initial.radius.push_back(radius);
+    bodies.instances.push_back(sphere_instance(center, radius, 0.7, static_cast<std::uint32_t>(i)));
+  }
+  return bodies;
+}
+
+struct Plan {
+  explicit Plan(double radius_px, DrawOptions options = {.supersampling = 1})
+      : bodies(lattice(radius_px)), renderer(width, height, options) {
+    renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
+    renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
+  }
+  Image draw(bool spheres) {
+    renderer.draw(plan_view(), {.spheres = spheres, .grid = false, .walls = false}, {0, 1});
+    return renderer.read_picture();
+  }
+
+  TestBodies bodies;
+  Renderer renderer;
+};
+
+TEST(BodyPass, NoSphereIsTooSmallToBeSeenAndPicked) {
+  test_context();
+  for (double radius_px : {0.001, 0.1, 0.45, 0.6, 0.74}) {
+    Plan plan(radius_px);
+    const Image with = plan.draw(true), without = plan.draw(false);
+    const std::vector<std::uint32_t> ids = plan.renderer.draw_ids(plan_view(), {});
+    for (std::size_t i = 0; i < 400; ++i) {
+      const Vector3d& at = plan.bodies.initial.position[i];
+      const auto x = static_cast<std::size_t>((at.x() - 50) / picture_pixel + width / 2.0);
+      const auto y = static_cast<std::size_t>((50 - at.y()) / picture_pixel + height / 2.0);
+      const std::size_t pixel = y * width + x;
+      ASSERT_EQ(ids[pixel], i + 1) << radius_px;
+      ASSERT_EQ(plan.renderer.pick(plan_view(), {}, static_cast<int>(x), static_cast<int>(y)), i + 1);
+      int brighter = 0;
+      for (std::size_t k = 0; k < 3; ++k) brighter += with.rgba[4 * pixel + k] - without.rgba[4 * pixel + k];
+      ASSERT_GT(brighter, 60) << radius_px << " " << i;
+    }
+  }
+}
+
+TEST(BodyPass, SmallSpheresCoverWhatTheyShould) {
+  test_context();
+  for (double radius_px : {0.001, 0.25, 0.5, 0.75, 1.0, 1.5}) {
+    Plan plan(radius_px);
+    int covered = 0;
+    for (std::uint32_t id : plan.renderer.draw_ids(plan_view(), {})) covered += id > 0;
+    const double area = 400 * std::numbers::pi * radius_px * radius_px;
+    if (radius_px <= 0.5)  // within their own pixel: one each
+      EXPECT_EQ(covered, 400) << radius_px;
+    else
+      EXPECT_NEAR(covered, area, 0.05 * area) << radius_px;
+  }
+}
+
+/// The mean colour of what the spheres changed, weighed by how much of each pixel they cover.
+struct Light {
+  double rgb[3] = {};
+};
+Light light_of(Plan& plan) {
+  const Image with = plan.draw(true);
+  const std::vector<std::uint32_t> ids = plan.renderer.draw_ids(plan_view(), {});
+  Light light;
+  double count = 0;
+  for (std::size_t pixel = 0; pixel < ids.size(); ++pixel) {
+    if (ids[pixel] == 0) continue;
+    ++count;
+    for (std::size_t k = 0; k < 3; ++k) light.rgb[k] += with.rgba[4 * pixel + k];
+  }
+  for (double& channel : light.rgb) channel /= count;
+  return light;
+}
+
+TEST(BodyPass, APointHasTheColourOfASphere) {
+  test_context();
+  // Six pixels in radius they are spheres beyond doubt; as points each takes one place of its surface, and
+  // together they take all. Without occlusion, which is nothing that a point has.
+  Plan spheres(6, {.supersampling = 1, .light = Quality::quick});
+  const Light expected = light_of(spheres);
+  for (double radius_px : {0.05, 0.3, 0.6, 1.0}) {
+    Plan points(radius_px, {.supersampling = 1, .light = Quality::quick});
+    const Light found = light_of(points);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(found.rgb[k], expected.rgb[k], 0.1 * 255) << radius_px;
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope

@@ -1,0 +1,36 @@
+#include "viewer/render/draw_options.h"
+
+#include <gtest/gtest.h>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+TEST(DrawOptions, ALiveViewTakesWhatItCanAfford) {
+  EXPECT_EQ(live_options({}, false, 2000), DrawOptions{});
+  EXPECT_EQ(live_options({}, false, most_supersampled).supersampling, 2);
+  EXPECT_EQ(live_options({}, false, most_supersampled + 1), (DrawOptions{.supersampling = 1}));
+  EXPECT_EQ(live_options({}, true, 2000), (DrawOptions{.supersampling = 1, .light = Quality::quick}));
+}
+
+TEST(DrawOptions, WhatIsAskedForIsDone) {
+  const DrawWish wish{.supersampling = 3, .light = Quality::full, .spheres = SphereMethod::quads};
+  const DrawOptions asked{3, Quality::full, SphereMethod::quads};
+  EXPECT_EQ(live_options(wish, true, 10'000'000), asked);
+  EXPECT_EQ(still_options(wish, 1'000'000'000), asked);
+  EXPECT_EQ(still_options({}, 1280 * 720), DrawOptions{});
+  EXPECT_EQ(still_options({}, 100'000'000).supersampling, 1);
+}
+
+TEST(DrawOptions, NamesAreReadOrRefused) {
+  EXPECT_EQ(parse_quality("auto"), std::nullopt);
+  EXPECT_EQ(parse_quality("full"), Quality::full);
+  EXPECT_EQ(parse_quality(quality_name(Quality::quick)), Quality::quick);
+  EXPECT_EQ(parse_sphere_method("compute"), SphereMethod::compute);
+  EXPECT_THROW(parse_quality("best"), InputError);
+  EXPECT_THROW(parse_sphere_method(""), InputError);
+}
+
+}  // namespace
+}  // namespace collidoscope

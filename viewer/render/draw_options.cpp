@@ -1,0 +1,35 @@
+#include "viewer/render/draw_options.h"
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+
+DrawOptions still_options(const DrawWish& wish, std::int64_t pixels) {
+  // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
+  constexpr std::int64_t most_pixels = 16'000'000;
+  return {wish.supersampling.value_or(pixels <= most_pixels ? 2 : 1), wish.light.value_or(Quality::full),
+          wish.spheres};
+}
+
+DrawOptions live_options(const DrawWish& wish, bool software, std::int64_t bodies) {
+  return {wish.supersampling.value_or(software || bodies > most_supersampled ? 1 : 2),
+          wish.light.value_or(software ? Quality::quick : Quality::full), wish.spheres};
+}
+
+const char* quality_name(Quality quality) { return quality == Quality::full ? "full" : "quick"; }
+
+std::optional<Quality> parse_quality(const std::string& text, const std::string& where) {
+  if (text == "auto") return std::nullopt;
+  if (text == "full") return Quality::full;
+  if (text == "quick") return Quality::quick;
+  throw InputError(where + ": '" + text + "': unknown quality; one of auto, full, quick");
+}
+
+SphereMethod parse_sphere_method(const std::string& text, const std::string& where) {
+  if (text == "auto") return SphereMethod::automatic;
+  if (text == "quads") return SphereMethod::quads;
+  if (text == "compute") return SphereMethod::compute;
+  throw InputError(where + ": '" + text + "': unknown way to draw spheres; one of auto, quads, compute");
+}
+
+}  // namespace collidoscope
