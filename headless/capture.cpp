@@ -89,6 +89,8 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
     text.boxes_drawn = drawn.boxes;
   }
   text.contacts_shown = layers.contacts;
+  text.contact_colors = contact_legend();
+  text.max_impulse = values.max_impulse;
   if (layers.grid) text.grid_spacing = renderer.scene().grid_spacing;
   return text;
 }
@@ -170,6 +172,7 @@ int run_capture(const CaptureRequest& request, World& world) {
   const double aspect = static_cast<double>(width) / height;
   const OrbitCamera camera = scene_camera(world.scene().camera, renderer.scene().bounds, aspect);
 
+  world.record_impulses(request.layers.contacts);
   const std::int64_t total = request.states.empty() ? 0 : request.states.back();
   Progress progress("capture", total);
   for (std::int64_t state : request.states) {

@@ -43,6 +43,8 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
   view_.legend_max = legend.max;
   view_.legend_goes_on = legend.goes_on;
   view_.level_colors = level_legend();
+  view_.contact_colors = contact_legend();
+  view_.max_impulse = range.max_impulse;
   // Pictures without times are the same on every machine.
   if (!view_.with_times) view_.device = "this machine";
 }

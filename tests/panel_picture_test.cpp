@@ -41,6 +41,7 @@ struct Desk {
   explicit Desk(
       const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4})
       : layers(shown), world(small_box(300), on_cpu()), panels(world, shown, width, height, false) {
+    world.record_impulses(shown.contacts);
     for (int k = 0; k < 40; ++k) {
       world.step();
       panels.record(world);
@@ -98,7 +99,7 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
   }
   for (const char* name :
        {"run.play", "run.step", "settings.bodies", "settings.blocks.slider", "settings.threads.auto",
-        "layers.spheres", "layers.levels", "timing.csv", "graph.energy", "fold.left", "scene"})
+        "layers.spheres", "layers.levels", "timing.csv", "graph.energy", "graph.momentum", "fold.left", "scene"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 

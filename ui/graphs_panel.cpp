@@ -38,6 +38,7 @@ int draw_stages(Workspace& workspace, const WorkspaceView& view, std::size_t fir
   bars.marks = {{1000.0f / 60, "60 Hz"}, {1000.0f / 30, "30 Hz"}};
   bars.highlighted = workspace.hovered_stage;
   if (first < history.size()) bars.first_step = history[first].step;
+  if (!view.with_times) bars.note = "left out: times differ from run to run";
   const int under = plot_stacked("stages", width, height, bars);
   track(workspace, "graph.stages");
   return under;
@@ -51,18 +52,23 @@ void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view) {
   const std::size_t first =
       history.size() - std::min(static_cast<std::size_t>(std::max(workspace.window, 1)), history.size());
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const float gap = ImGui::GetStyle().ItemSpacing.x;
-  const float height = room.y, wide = std::round(0.42f * (room.x - 2 * gap)),
-              narrow = std::round(0.29f * (room.x - 2 * gap));
+  const float gap = std::round(ImGui::GetStyle().ItemSpacing.x);
+  const float wide = std::round(0.44f * (room.x - gap)), narrow = room.x - gap - wide;
 
-  const int under = draw_stages(workspace, view, first, wide, height);
+  const int under = draw_stages(workspace, view, first, wide, room.y);
   // Whoever is pointed at, here or in the table; kept for the next frame's table and graph.
   workspace.hovered_stage = under;
 
+  // Over time, one below the other, so that what happened at once stands in one place.
+  const float space = std::round(0.6f * ImGui::GetStyle().ItemSpacing.y);
+  const float height = std::floor((room.y - 2 * space) / 3);
   const std::int64_t first_step = first < history.size() ? history[first].step : 0;
+  const ImU32 text = ImGui::GetColorU32(ImGuiCol_Text);
+  ImGui::SameLine(0, gap);
+  ImGui::BeginGroup();
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {gap, space});
   PlotFrame counts{"counts", [](double v) { return grouped_number(static_cast<std::int64_t>(v)); },
                    first_step, true};
-  ImGui::SameLine();
   plot_lines("counts", narrow, height, counts,
              {{"pairs", stage_color(1, light),
                over_time(history, first, [](const HistoryStep& s) { return s.stats.pairs; })},
@@ -72,15 +78,30 @@ void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view) {
                over_time(history, first, [](const HistoryStep& s) { return s.nodes; })}});
   track(workspace, "graph.counts");
   PlotFrame energy{"energy", [](double v) { return with_prefix(v, "J"); }, first_step, true};
-  ImGui::SameLine();
-  plot_lines("energy", narrow, height, energy,
-             {{"total", ImGui::GetColorU32(ImGuiCol_Text),
-               over_time(history, first, [](const HistoryStep& s) { return s.stats.energy(); })},
-              {"kinetic", stage_color(0, light),
-               over_time(history, first, [](const HistoryStep& s) { return s.stats.kinetic_energy; })},
-              {"potential", stage_color(4, light),
-               over_time(history, first, [](const HistoryStep& s) { return s.stats.potential_energy; })}});
+  plot_lines(
+      "energy", narrow, height, energy,
+      {{"total", text, over_time(history, first, [](const HistoryStep& s) { return s.stats.energy(); })},
+       {"kinetic", stage_color(0, light),
+        over_time(history, first, [](const HistoryStep& s) { return s.stats.kinetic_energy; })},
+       {"potential", stage_color(4, light),
+        over_time(history, first, [](const HistoryStep& s) { return s.stats.potential_energy; })}});
   track(workspace, "graph.energy");
+  PlotFrame momentum{"momentum", [](double v) { return fmt::format("{:.3g} kg m/s", v); }, first_step, true};
+  const auto component = [&](std::size_t axis) {
+    return over_time(history, first, [axis](const HistoryStep& s) { return s.stats.momentum[axis]; });
+  };
+  plot_lines("momentum", narrow, height, momentum,
+             {{"|p|", text,
+               over_time(history, first,
+                         [](const HistoryStep& s) {
+                           return std::hypot(s.stats.momentum[0], s.stats.momentum[1], s.stats.momentum[2]);
+                         })},
+              {"x", stage_color(3, light), component(0)},
+              {"y", stage_color(2, light), component(1)},
+              {"z", stage_color(0, light), component(2)}});
+  track(workspace, "graph.momentum");
+  ImGui::PopStyleVar();
+  ImGui::EndGroup();
 }
 
 }  // namespace collidoscope

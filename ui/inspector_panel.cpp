@@ -36,20 +36,30 @@ void draw_state(const BodyReport& body) {
 }
 
 void draw_contacts(Workspace& workspace, const BodyReport& body) {
-  faint_text(fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"));
+  faint_text(fmt::format("{:>7} contact{} {:>12} {:>12}", body.contact_count,
+                         body.contact_count == 1 ? " " : "s", "overlap", "impulse"));
+  // The strongest first; where no impulses are known, by the other's id.
   constexpr std::size_t most = 6;
-  for (std::size_t i = 0; i < body.contacts.size() && i < most; ++i) {
-    const BodyReport::Contact& c = body.contacts[i];
-    const std::string text = fmt::format("{:>7}  {:8.4f} m  {:5.2f} {:5.2f} {:5.2f}", c.other, c.penetration,
-                                         c.normal.x(), c.normal.y(), c.normal.z());
+  std::vector<const BodyReport::Contact*> order;
+  for (const BodyReport::Contact& contact : body.contacts) order.push_back(&contact);
+  const std::size_t shown = std::min(order.size(), most);
+  std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(shown), {},
+                            [](const BodyReport::Contact* c) { return std::pair(-c->impulse, c->other); });
+  for (std::size_t i = 0; i < shown; ++i) {
+    const BodyReport::Contact& c = *order[i];
+    const std::string text = fmt::format("{:>7} {:>8} {:>12} {:>12}", c.other, "",
+                                         with_prefix(c.penetration, "m"), with_prefix(c.impulse, "N s"));
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Selectable(text.c_str())) workspace.selection = c.other;
     ImGui::PopID();
     track(workspace, ("inspector.contact." + std::to_string(i)).c_str());
-    explain("The other body, how deep the two overlap, and the normal towards it. Click to select it");
+    explain(fmt::format("Body {}: how deep the two overlap, and the normal impulse that the last step gave. "
+                        "The normal towards it is {:.3f} {:.3f} {:.3f}. Click to select it",
+                        c.other, c.normal.x(), c.normal.y(), c.normal.z())
+                .c_str());
   }
-  if (body.contact_count > static_cast<std::int64_t>(most))
-    faint_text(fmt::format("        and {} more", body.contact_count - static_cast<std::int64_t>(most)));
+  if (body.contact_count > static_cast<std::int64_t>(shown))
+    faint_text(fmt::format("        and {} more", body.contact_count - static_cast<std::int64_t>(shown)));
 }
 
 // From the leaf (left) to the root (right): a bar for each box, as wide as its diagonal's share of the

@@ -70,32 +70,45 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view) {
                            : fmt::format("levels {} to {}: {} boxes", first, last, grouped_number(boxes)));
 }
 
-void draw_legend(const WorkspaceView& view) {
-  if (view.map_colors.empty()) return;
+// A bar of colours from least to greatest, with what stands at its ends and in its middle.
+void draw_color_bar(const std::vector<std::uint32_t>& colors, const std::string& low,
+                    const std::string& title, const std::string& high) {
   const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 0.7f;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const std::size_t cells = 64, n = view.map_colors.size();
+  const std::size_t cells = 64, n = colors.size();
   for (std::size_t i = 0; i < cells; ++i) {
     const float from = at.x + width * static_cast<float>(i) / static_cast<float>(cells);
     const float to = at.x + width * static_cast<float>(i + 1) / static_cast<float>(cells);
     list->AddRectFilled({std::floor(from), at.y}, {std::floor(to), at.y + height},
-                        view.map_colors[i * (n - 1) / (cells - 1)]);
+                        colors[i * (n - 1) / (cells - 1)]);
   }
   ImGui::Dummy({width, height});
+  faint_text(low);
+  const float left = ImGui::GetStyle().WindowPadding.x;
+  ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(title.c_str()).x) + left);
+  faint_text(title);
+  ImGui::SameLine(width - ImGui::CalcTextSize(high.c_str()).x + left);
+  faint_text(high);
+}
+
+void draw_legend(const WorkspaceView& view) {
+  if (view.map_colors.empty()) return;
   const auto number = [](double value) {
     return std::abs(value) >= 1e4 ? grouped_number(static_cast<std::int64_t>(value))
                                   : fmt::format("{:.4g}", value);
   };
-  const std::string low = number(view.legend_min),
-                    high = (view.legend_goes_on ? "≥ " : "") + number(view.legend_max);
-  faint_text(low);
-  const std::string title =
-      view.legend_unit.empty() ? view.legend_title : view.legend_title + " · " + view.legend_unit;
-  ImGui::SameLine(0.5f * (width - ImGui::CalcTextSize(title.c_str()).x) + ImGui::GetStyle().WindowPadding.x);
-  faint_text(title);
-  ImGui::SameLine(width - ImGui::CalcTextSize(high.c_str()).x + ImGui::GetStyle().WindowPadding.x);
-  faint_text(high);
+  draw_color_bar(view.map_colors, number(view.legend_min),
+                 view.legend_unit.empty() ? view.legend_title : view.legend_title + " · " + view.legend_unit,
+                 (view.legend_goes_on ? "≥ " : "") + number(view.legend_max));
+}
+
+void draw_contact_legend(const WorkspaceView& view) {
+  if (view.max_impulse > 0 && !view.contact_colors.empty())
+    draw_color_bar(view.contact_colors, "≤ " + with_prefix(view.max_impulse / 1000, "N s"), "impulse",
+                   with_prefix(view.max_impulse, "N s"));
+  else
+    faint_text("impulses: none known of the last step");
 }
 
 }  // namespace
@@ -112,7 +125,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   layer_switch(workspace, "grid", "grid", layers.grid);
   ImGui::SameLine(column);
   layer_switch(workspace, "walls", "walls", layers.walls);
-  draw_level_bar(workspace, view);
+  if (layers.boxes) draw_level_bar(workspace, view);
   static constexpr std::array<std::pair<BodyColor, const char*>, 5> colors{
       {{BodyColor::speed, "speed"},
        {BodyColor::radius, "radius"},
@@ -132,6 +145,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   }
   track(workspace, "layers.color");
   draw_legend(view);
+  if (layers.contacts) draw_contact_legend(view);
   end_panel();
 }
 

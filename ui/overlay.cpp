@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/widgets.h"
+
 namespace collidoscope {
 namespace {
 
@@ -153,24 +155,32 @@ void draw_color_bar(const Writer& write, const OverlayText& text, float x, float
 // From the right margin leftwards: grid, contacts, levels.
 void draw_keys(const Writer& write, const OverlayText& text, float right, float y, float left) {
   const float size = write.size();
-  const auto key = [&](const std::string& name, ImU32 color, bool mark) {
+  const auto key = [&](const std::string& name, const std::vector<PackedColor>& colors) {
     const float x = right - write.width(name);
     if (x - size * 1.6f < left) return;
     write.at(x, y, name, plain);
     right = x - size * 0.5f;
-    if (mark) {
-      write.bar({right - size * 0.9f, y + size * 0.52f}, {right, y + size * 0.74f}, color);
-      right -= size * 1.5f;
-    } else {
+    if (colors.empty()) {
       right -= size * 1.0f;
+      return;
     }
+    const float bar = size * (colors.size() > 1 ? 3.6f : 0.9f), from = right - bar;
+    for (std::size_t i = 0; i < colors.size(); ++i)
+      write.bar(
+          {from + bar * static_cast<float>(i) / static_cast<float>(colors.size()), y + size * 0.52f},
+          {from + bar * static_cast<float>(i + 1) / static_cast<float>(colors.size()), y + size * 0.74f},
+          colors[i]);
+    right = from - size * 0.6f;
   };
-  if (text.grid_spacing > 0) key(fmt::format("grid {:g} m", text.grid_spacing), 0, false);
-  if (text.contacts_shown) key("contacts", contact_color, true);
+  if (text.grid_spacing > 0) key(fmt::format("grid {:g} m", text.grid_spacing), {});
+  if (text.contacts_shown && text.max_impulse > 0)
+    key("contacts, impulse to " + with_prefix(text.max_impulse, "N s"), text.contact_colors);
+  else if (text.contacts_shown)
+    key("contacts", {contact_color});
   for (std::size_t i = text.levels.size(); i-- > 0;)
-    key(std::to_string(text.levels[i].level), text.levels[i].color, true);
+    key(std::to_string(text.levels[i].level), {text.levels[i].color});
   if (!text.levels.empty())
-    key(grouped(text.boxes_drawn) + (text.boxes_drawn == 1 ? " box" : " boxes") + " of level", 0, false);
+    key(grouped(text.boxes_drawn) + (text.boxes_drawn == 1 ? " box" : " boxes") + " of level", {});
 }
 
 }  // namespace

@@ -39,7 +39,9 @@ struct OverlayText {
   std::vector<Level> levels;  ///< of the hierarchy, those drawn
   std::int64_t boxes_drawn = 0;
   bool contacts_shown = false;
-  double grid_spacing = 0;  ///< m; 0: no grid
+  std::vector<PackedColor> contact_colors;  ///< from weak to strong
+  double max_impulse = 0;                   ///< N s, of the last of them; 0: none are known
+  double grid_spacing = 0;                  ///< m; 0: no grid
 };
 
 /// Draws in front of everything, between ImGui::NewFrame() and Render(). Leaves out what does not fit.

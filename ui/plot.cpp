@@ -60,15 +60,26 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
   }
   const bool any = least <= most;
   if (!any) least = 0, most = 1;
-  if (frame.from_zero && least >= 0) {
-    most = round_axis(most);
+  if (frame.from_zero) {
+    most = most > 0 || least == 0 ? round_axis(most) : 0;
+    least = least < 0 ? -round_axis(-least) : 0;
   } else {
     const double room = std::max(0.08 * (most - least), 1e-6 * std::max(std::abs(most), 1e-12));
     least -= room;
     most += room;
   }
-  const float top = area.at.y + (lines.size() > 1 ? 2.5f : 1.5f) * line_height,
-              bottom = area.at.y + height - pad;
+  // One line of text: the title, what the lines are, and the end of the axis. What does not fit is left to
+  // the tooltip.
+  const std::string axis = !any             ? ""
+                           : least == -most ? "±" + frame.number(most)
+                           : least < 0      ? frame.number(least) + " to " + frame.number(most)
+                                            : frame.number(most);
+  const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  float keys = 0;
+  for (const PlotLine& line : lines) keys += width_of(line.name) + 0.7f * line_height;
+  float key = area.at.x + pad + width_of(frame.title) + 0.9f * line_height;
+  const bool keys_fit = lines.size() > 1 && key + keys + width_of(axis) < area.at.x + width - pad;
+  const float top = area.at.y + 1.35f * line_height, bottom = area.at.y + height - pad;
   const auto y_of = [&](double v) {
     return bottom - static_cast<float>((v - least) / (most - least)) * (bottom - top);
   };
@@ -79,19 +90,11 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
   area.list->PushClipRect(area.at, {area.at.x + width, area.at.y + height}, true);
   const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled),
               grid = ImGui::GetColorU32(ImGuiCol_TextDisabled, 0.22f);
-  for (float share : {0.0f, 0.5f, 1.0f}) {
-    const float y = bottom + share * (top - bottom);
-    area.list->AddLine({area.at.x + pad, y}, {area.at.x + width - pad, y}, grid);
-  }
-  area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
-                     frame.title.c_str());
-  if (any) {
-    const std::string most_text = frame.number(most);
-    area.list->AddText(
-        {area.at.x + width - pad - ImGui::CalcTextSize(most_text.c_str()).x, area.at.y + 0.15f * line_height},
-        faint, most_text.c_str());
-  }
-  float key = area.at.x + pad;
+  for (const double value : {least, least < 0 && most > 0 ? 0 : (least + most) / 2, most})
+    area.list->AddLine({area.at.x + pad, y_of(value)}, {area.at.x + width - pad, y_of(value)}, grid);
+  const float text_y = area.at.y + 0.15f * line_height, right = area.at.x + width - pad;
+  area.list->AddText({area.at.x + pad, text_y}, ImGui::GetColorU32(ImGuiCol_Text), frame.title.c_str());
+  area.list->AddText({right - width_of(axis), text_y}, faint, axis.c_str());
   for (const PlotLine& line : lines) {
     std::vector<ImVec2> run;
     const auto flush = [&] {
@@ -108,10 +111,8 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
       run.emplace_back(x_of(i), y_of(static_cast<double>(line.values[i])));
     }
     flush();
-    if (lines.size() > 1) {
-      area.list->AddText({key, area.at.y + 1.15f * line_height}, line.color, line.name.c_str());
-      key += ImGui::CalcTextSize(line.name.c_str()).x + 0.7f * line_height;
-    }
+    if (keys_fit) area.list->AddText({key, text_y}, line.color, line.name.c_str());
+    key += width_of(line.name) + 0.7f * line_height;
   }
   if (area.hovered && count > 0) {
     const float share = (ImGui::GetIO().MousePos.x - area.at.x - pad) / std::max(width - 2 * pad, 1.0f);
@@ -207,6 +208,11 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   }
   area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
                      "stages (line: step)");
+  if (count == 0) {
+    const ImVec2 size = ImGui::CalcTextSize(bars.note.c_str());
+    area.list->AddText({area.at.x + 0.5f * (width - size.x), area.at.y + 0.5f * (height - size.y)}, faint,
+                       bars.note.c_str());
+  }
   if (!tops.empty()) {
     const std::string text = fmt::format("{:g} ms", axis);
     area.list->AddText(

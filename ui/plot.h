@@ -40,6 +40,7 @@ struct StackedBars {
   std::vector<Mark> marks;  ///< lines across, drawn where the axis reaches them
   int highlighted = -1;     ///< this part is bright, the rest is faint
   std::int64_t first_step = 0;
+  std::string note;  ///< in the middle, where there are no bars
 };
 
 /// Returns the part under the pointer, or -1.

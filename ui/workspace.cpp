@@ -20,7 +20,9 @@ Layout lay_out(const Workspace& workspace, float width, float height, float font
   const float left = workspace.folds.left ? std::round(std::min(font_size * 21.5f, 0.45f * width)) : 0;
   const float right = workspace.folds.right ? std::round(std::min(font_size * 26, 0.5f * width)) : 0;
   const float status = std::round(font_size * 1.9f);
-  const float bottom = workspace.folds.bottom ? std::round(std::min(font_size * 12.5f, 0.4f * height)) : 0;
+  const float bottom = workspace.folds.bottom
+                           ? std::round(std::min(std::max(font_size * 13.5f, 0.22f * height), 0.4f * height))
+                           : 0;
   Layout layout;
   const float body = std::max(height - status, 1.0f);
   layout.left = {0, 0, left, body};

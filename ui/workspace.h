@@ -117,6 +117,8 @@ struct WorkspaceView {
   std::string legend_title, legend_unit;
   double legend_min = 0, legend_max = 1;
   bool legend_goes_on = false;
+  std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
+  double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
 
   const BodyReport* selected = nullptr;
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.

@@ -132,6 +132,8 @@ void App::fill(WorkspaceView& view) {
   view.legend_max = legend.max;
   view.legend_goes_on = legend.goes_on;
   view.level_colors = level_legend();
+  view.contact_colors = contact_legend();
+  view.max_impulse = scene_.range().max_impulse;
   view.orthographic = scene_.camera().orthographic;
   if (scene_.selected()) view.selected = &*scene_.selected();
   const ScreenRect rect = scene_view_rect(workspace_, static_cast<float>(window_.width()),

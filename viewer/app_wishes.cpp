@@ -78,6 +78,10 @@ void App::advance(double seconds) {
     due_ = step ? std::min(due_ - 1, 1.0) : due_;
   }
   if (!step) return;
+  // Whoever looks at forces pays for them.
+  const Folds& folds = workspace_.folds;
+  live_.world().record_impulses(workspace_.layers.contacts ||
+                                (workspace_.selection && folds.right && folds.inspector));
   live_.step(true);
   simulated_ += time_step;
   const auto& pause_at = options_.view.pause_at;

@@ -32,6 +32,7 @@ class SceneView {
 
   const std::string& display_path() const { return path_name_; }
   const Legend& legend() const { return legend_; }
+  const ValueRange& range() const { return range_; }
   const std::optional<BodyReport>& selected() const { return selected_; }
   /// Metres: of the scene's bounds.
   double scene_size() const { return renderer_ ? renderer_->scene().bounds.diagonal() : 1; }

@@ -1,4 +1,5 @@
-// A contact: a ring in the tangent plane (corners 0 to 5) and a needle along the normal (6 to 11).
+// A contact: a ring in the tangent plane (corners 0 to 5) and a needle along the normal (6 to 11). The ring's colour
+// and the needle's length and width go with the logarithm of the impulse, over three decades.
 layout(location = 0) in vec4 point_penetration;
 layout(location = 1) in vec4 normal_impulse;
 layout(location = 2) in float size;  // m, radius of the smaller body
@@ -19,7 +20,12 @@ void main() {
   int corner = gl_VertexID % 6;
   across = 0.0;
   in_ring = vec2(0.0);
-  half_width = 0.8 * values.w;
+  // 0 to 1; where impulses are not known, all are alike.
+  float impulse = normal_impulse.w * scale.z;
+  float share = scale.z > 0.0 ? clamp(1.0 + log2(max(impulse, 1e-12)) / log2(1000.0), 0.0, 1.0) : 0.5;
+  vec3 tint = share < 0.5 ? mix(contact_colors[0].rgb, contact_colors[1].rgb, 2.0 * share)
+                                : mix(contact_colors[1].rgb, contact_colors[2].rgb, 2.0 * share - 1.0);
+  half_width = mix(0.5, 1.1, share) * values.w;
   if (gl_VertexID < 6) {
     const int order[6] = int[6](0, 1, 2, 2, 1, 3);
     int i = order[corner];
@@ -28,12 +34,12 @@ void main() {
     vec3 side = normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
     vec3 other = cross(normal, side);
     in_ring = (vec2(i & 1, i >> 1) * 2.0 - 1.0) * reach / radius;
-    color = vec4(1.0, 0.27, 0.24, strength);
+    color = vec4(tint, strength);
     gl_Position = projection * (view * vec4(point + radius * (in_ring.x * side + in_ring.y * other), 1.0));
   } else {
     ring_px = 0.0;
     color = vec4(1.0, 0.94, 0.90, strength);
-    float reach = max(0.7 * size, 6.0 * values.w / metre_px);
+    float reach = max(mix(0.4, 1.0, share) * size, 6.0 * values.w / metre_px);
     gl_Position = line_corner(point - reach * normal, point + reach * normal, half_width, corner, across);
   }
   gl_Position.z *= 1.0004;

@@ -10,8 +10,9 @@ layout(std140, binding = 0) uniform Frame {
   vec4 lens;             // half extents of the picture at distance 1 (orthographic: in m), 1 if perspective, near
   vec4 key;              // towards the key light, world; w: width of the shadow map, m
   vec4 values;           // least value, 1 / (greatest - least), 1 if coloured by id, drawn pixels per picture pixel
-  vec4 scale;            // reach of ambient occlusion m, grid spacing m, unused, unused
+  vec4 scale;            // reach of ambient occlusion m, grid spacing m, 1 / impulse of the strongest contact (0: unknown), unused
   vec4 level_colors[8];  // of the hierarchy's levels, repeating
+  vec4 contact_colors[3];  // weak, middling, strong
 };
 
 struct Ray {

@@ -39,6 +39,14 @@ Rgb level_color(int level) {
   return palette[level & 7];
 }
 
+Rgb contact_color(double strength) {
+  static constexpr Rgb ramp[3] = {{0.52f, 0.12f, 0.26f}, {1.00f, 0.27f, 0.24f}, {1.00f, 0.93f, 0.80f}};
+  const double at = std::clamp(2 * strength, 0.0, 2.0);
+  const Rgb &low = ramp[at < 1 ? 0 : 1], &high = ramp[at < 1 ? 1 : 2];
+  const auto t = static_cast<float>(at < 1 ? at : at - 1);
+  return {low.r + t * (high.r - low.r), low.g + t * (high.g - low.g), low.b + t * (high.b - low.b)};
+}
+
 ColorMeaning color_meaning(BodyColor color) {
   switch (color) {
     case BodyColor::speed:

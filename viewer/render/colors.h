@@ -17,6 +17,10 @@ const std::array<Rgb, 256>& color_map();
 /// The colour of a level of the hierarchy; neighbours are far apart, eight repeat.
 Rgb level_color(int level);
 
+/// The colour of a contact's mark: `strength` 0 (weak) to 1; between three colours, of which 0.5 is the one
+/// of contacts whose impulse is not known.
+Rgb contact_color(double strength);
+
 /// What a body's colour means: the title and unit of the legend.
 struct ColorMeaning {
   const char* title;

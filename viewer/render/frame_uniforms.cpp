@@ -47,6 +47,10 @@ FrameUniforms camera_uniforms(const OrbitCamera& camera, const FrameScene& scene
     const Rgb color = level_color(level);
     store(result.level_colors[level], color.r, color.g, color.b, 1);
   }
+  for (int k = 0; k < 3; ++k) {
+    const Rgb color = contact_color(0.5 * k);
+    store(result.contact_colors[k], color.r, color.g, color.b, 1);
+  }
   return result;
 }
 
@@ -73,6 +77,7 @@ void set_values(FrameUniforms& uniforms, const ValueRange& range, bool by_id) {
   uniforms.values[0] = static_cast<float>(range.min);
   uniforms.values[1] = width > 0 ? static_cast<float>(1 / width) : 0;
   uniforms.values[2] = by_id ? 1 : 0;
+  uniforms.scale[2] = range.max_impulse > 0 ? static_cast<float>(1 / range.max_impulse) : 0;
 }
 
 }  // namespace collidoscope

@@ -11,13 +11,16 @@ namespace collidoscope {
 struct FrameUniforms {
   float view[16], projection[16], inverse_view[16], light_clip[16];
   float pixels[4], lens[4], key[4], values[4], scale[4];
-  float level_colors[8][4];
+  float level_colors[8][4], contact_colors[3][4];
 };
-static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + 8 * 16);
+static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + 11 * 16);
 
 /// The range of BodyInstance::value that the colour map spans.
 struct ValueRange {
   double min = 0, max = 1;
+  /// N s, of a contact drawn as the strongest; the weakest has a thousandth of it. 0: none are known, and all
+  /// contacts look alike.
+  double max_impulse = 0;
 };
 
 /// `width` x `height` pixels are drawn, `scale` x `scale` of them for each pixel of the picture.

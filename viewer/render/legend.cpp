@@ -25,6 +25,12 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   return legend;
 }
 
+std::vector<std::uint32_t> contact_legend() {
+  std::vector<std::uint32_t> colors;
+  for (int k = 0; k < 64; ++k) colors.push_back(packed(contact_color(k / 63.0)));
+  return colors;
+}
+
 std::vector<std::uint32_t> level_legend() {
   std::vector<std::uint32_t> colors;
   for (int level = 0; level < 8; ++level) colors.push_back(packed(level_color(level)));

@@ -20,6 +20,8 @@ struct Legend {
 
 /// Of bodies coloured by `color` over `range` at the state of `stats`.
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats);
+/// Colours of contacts from range.max_impulse / 1000 to range.max_impulse, in even steps of the logarithm.
+std::vector<std::uint32_t> contact_legend();
 /// Colours of the hierarchy's levels, which repeat after the last.
 std::vector<std::uint32_t> level_legend();
 

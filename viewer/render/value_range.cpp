@@ -13,9 +13,7 @@ double round_up(double value) {
   return std::ceil(value / unit - 1e-9) * unit;
 }
 
-}  // namespace
-
-ValueRange value_range(const World& world, BodyColor color, const StepStats& stats) {
+ValueRange color_range(const World& world, BodyColor color, const StepStats& stats) {
   const std::vector<double>& radius = world.initial().radius;
   const double last = static_cast<double>(std::max<std::size_t>(radius.size(), 2) - 1);
   switch (color) {
@@ -36,6 +34,14 @@ ValueRange value_range(const World& world, BodyColor color, const StepStats& sta
       return {0, last};
   }
   return {};
+}
+
+}  // namespace
+
+ValueRange value_range(const World& world, BodyColor color, const StepStats& stats) {
+  ValueRange range = color_range(world, color, stats);
+  if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
+  return range;
 }
 
 }  // namespace collidoscope
