@@ -28,5 +28,12 @@ TEST(Colors, LevelsDifferFromEachOther) {
   }
 }
 
+TEST(Colors, StrongerContactsAreLighter) {
+  for (int k = 1; k <= 64; ++k)
+    EXPECT_GT(luminance(contact_color(k / 64.0)), luminance(contact_color((k - 1) / 64.0))) << k;
+  EXPECT_EQ(contact_color(-1).r, contact_color(0).r);
+  EXPECT_EQ(contact_color(2).g, contact_color(1).g);
+}
+
 }  // namespace
 }  // namespace collidoscope
