@@ -82,7 +82,7 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
     text.legend_colors = std::move(legend.colors);
   }
   if (layers.boxes) {
-    const int last = std::min(layers.last_level, world.tree_level_count() - 1);
+    const int last = std::min(layers.last_level, static_cast<int>(world.tree_level_sizes().size()) - 1);
     const std::vector<std::uint32_t> colors = level_legend();
     for (int level = layers.first_level; level <= last; ++level)
       text.levels.push_back({level, colors[static_cast<std::size_t>(level) % colors.size()]});

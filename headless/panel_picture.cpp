@@ -35,6 +35,7 @@ void PanelPicture::record(World& world) {
 void PanelPicture::fill(World& world, const StepStats& stats, const History& history,
                         const ValueRange& range) {
   fill_view(world, stats, history, view_);
+  view_.level_sizes = world.tree_level_sizes();
   const Legend legend = body_legend(workspace_.layers.color, range, stats);
   if (workspace_.layers.spheres) view_.map_colors = legend.colors;
   view_.legend_title = legend.title;

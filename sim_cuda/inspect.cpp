@@ -10,12 +10,12 @@ namespace collidoscope {
 
 namespace {
 
-struct FindLeaf {
-  const std::uint32_t* leaf_body;
+struct FindBody {
+  const std::uint32_t* ids;
   std::uint32_t body;
-  std::uint32_t* leaf;
+  std::uint32_t* place;
   SIM_HD void operator()(int k) const {
-    if (leaf_body[k] == body) *leaf = static_cast<std::uint32_t>(k);
+    if (ids[k] == body) *place = static_cast<std::uint32_t>(k);
   }
 };
 
@@ -70,16 +70,18 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
 
   constexpr std::uint32_t capacity = 1024;
   Buffer<Found> found(executor, "contacts of a body");
-  Buffer<std::uint32_t> counts(executor, "contacts of a body");  // {contacts, leaf}
+  Buffer<std::uint32_t> counts(executor, "contacts of a body");  // {contacts, place in order, node}
   found.resize_discarding(capacity);
-  counts.resize_discarding(2);
+  counts.resize_discarding(3);
   counts.fill_zero();
   executor.run(
       "inspect", source.contact_count,
       FindContacts<Real>{source.contacts.bodies, source.impulses, id, counts.data(), found.data(), capacity});
   const TreeView& tree = source.tree;
-  if (tree.levels > 0)
-    executor.run("inspect", source.body_count, FindLeaf{tree.leaf_body, id, counts.data() + 1});
+  if (tree.nodes > 0) {
+    executor.run("inspect", source.body_count, FindBody{tree.leaf_body, id, counts.data() + 1});
+    executor.run("inspect", tree.nodes, FindBody{tree.body, id, counts.data() + 2});
+  }
   const std::vector<std::uint32_t> count = counts.download();
   report.contact_count = count[0];
   std::vector<Found> touching = found.download(min_of(count[0], capacity));
@@ -90,12 +92,14 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
                          static_cast<double>(read(bodies.radius, other)));
     report.contacts.push_back({other, s.normal, -s.gap, impulse});
   }
-  if (tree.levels > 0) {
+  if (tree.nodes > 0) {
     report.leaf = count[1];
-    for (int level = 0; level < tree.levels; ++level) {
-      const Aabb box = read(tree.nodes, tree.first[level] + (count[1] >> level));
+    for (std::uint32_t node = count[2], child = ~node; node != child;) {
+      const Aabb box = read(tree.box, node);
       report.path.push_back(
           {{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}});
+      child = node;
+      node = read(tree.parent, node);
     }
   }
   return report;

@@ -57,14 +57,14 @@ struct ColorByOrder {
 };
 
 struct PackBoxes {
-  const Aabb* nodes;
+  const Aabb* boxes;
   float depth;  ///< levels below the root
   BoxInstance* out;
   SIM_HD void operator()(int node) const {
     BoxInstance record{};
     for (int k = 0; k < 3; ++k) {
-      record.min[k] = nodes[node].min[k];
-      record.max[k] = nodes[node].max[k];
+      record.min[k] = boxes[node].min[k];
+      record.max[k] = boxes[node].max[k];
     }
     record.level = record.value = depth;
     out[node] = record;
@@ -100,11 +100,10 @@ struct PackContacts {
 
 void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree) {
   BoxInstance* out = target.boxes;
-  for (int depth = target.first_level; depth <= target.last_level && depth < tree.levels; ++depth) {
-    const int level = tree.levels - 1 - depth;
-    executor.run("publish", tree.size[level],
-                 PackBoxes{tree.nodes + tree.first[level], static_cast<float>(depth), out});
-    out += tree.size[level];
+  for (int level = target.first_level; level <= target.last_level && level < tree.levels(); ++level) {
+    executor.run("publish", tree.level_size(level),
+                 PackBoxes{tree.box + tree.level_begin(level), static_cast<float>(level), out});
+    out += tree.level_size(level);
   }
 }
 
@@ -126,7 +125,7 @@ void pack(Executor& executor, const PublishTarget& target, const PackSource<Real
     executor.run("publish", contact_count, CountOfContacts{contacts.bodies, counts.data()});
     executor.run("publish", body_count, ColorByContacts{counts.data(), target.bodies});
   }
-  if (target.body_color == BodyColor::order && tree.levels > 0)
+  if (target.body_color == BodyColor::order && tree.nodes > 0)
     executor.run("publish", body_count, ColorByOrder{tree.leaf_body, target.bodies});
 }
 

@@ -19,7 +19,7 @@ struct PackSource {
   ContactView<Real> contacts;
   Count contact_count;
   ImpulseView<Real> impulses;  ///< of the last step
-  TreeView tree;
+  TreeView tree;               ///< needed for boxes, and for bodies coloured by their order
 };
 
 /// Only enqueues. `counts` is scratch, sized here where bodies are coloured by their contacts.

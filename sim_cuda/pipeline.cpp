@@ -82,20 +82,19 @@ class TypedPipeline final : public Pipeline {
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
-  void publish(const PublishTarget& target) override {
-    pack<Real>(executor_, target,
-               {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(),
-                broad_phase_->tree()},
-               publish_counts_);
+  void publish(const PublishTarget& target, const TreeView& tree) override {
+    pack<Real>(
+        executor_, target,
+        {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(), tree},
+        publish_counts_);
   }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }
   void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) override;
-  BodyReport inspect(std::uint32_t id) override {
-    return collidoscope::inspect<Real>(
-        executor_,
-        {state_.view(), body_count_, gravity_.template cast<double>(), contacts_.view(), contact_count(),
-         impulses_.view(), broad_phase_->tree()},
-        id);
+  BodyReport inspect(std::uint32_t id, const TreeView& tree) override {
+    return collidoscope::inspect<Real>(executor_,
+                                       {state_.view(), body_count_, gravity_.template cast<double>(),
+                                        contacts_.view(), contact_count(), impulses_.view(), tree},
+                                       id);
   }
 
  private:

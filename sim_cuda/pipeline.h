@@ -52,13 +52,13 @@ class Pipeline {
   virtual std::uint64_t state_hash() = 0;
   virtual BodyStates bodies() = 0;
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
-  virtual void publish(const PublishTarget& target) = 0;
+  virtual void publish(const PublishTarget& target, const TreeView& tree) = 0;
 
   virtual std::vector<WallLedger> ledgers() = 0;  ///< empty where there are no walls
   /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
   /// worlds have walls.
   virtual void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) = 0;
-  virtual BodyReport inspect(std::uint32_t id) = 0;
+  virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 
 /// Uploads the bodies; reserves nothing yet.

@@ -77,6 +77,13 @@ struct World::Impl {
     impulses_new = false;
   }
 
+  /// Of the boxes of the last step or detect(); arranged when somebody asks.
+  const TreeView& arranged_tree() {
+    if (!arranged) tree.arrange(pipeline->broad_phase(), static_cast<std::int64_t>(initial.size()));
+    arranged = true;
+    return tree.view();
+  }
+
   /// Runs until `target` pipeline runs are committed; false where an overflow stopped it before.
   bool run_plain(std::uint32_t target);
   bool run_instrumented(std::uint32_t target);
@@ -89,9 +96,11 @@ struct World::Impl {
   std::unique_ptr<StepGraph> plain, instrumented;
   std::int64_t steps = 0;
   std::uint32_t committed = 0;  // pipeline runs, modulo 2^32
-  bool detected = false;        // pairs and contacts are those of the current state
-  bool recording = false;       // steps note the impulses of contacts
-  bool impulses_new = false;    // they belong to the contacts in the list, and are not kept yet
+  Tree tree{executor};
+  bool arranged = false;      // `tree` is that of the broad phase now
+  bool detected = false;      // pairs and contacts are those of the current state
+  bool recording = false;     // steps note the impulses of contacts
+  bool impulses_new = false;  // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
 };
 
@@ -215,8 +224,8 @@ void World::adopt(World& other) {
 
 BodyReport World::inspect(std::uint32_t id) {
   if (id >= impl_->initial.size()) throw std::out_of_range("inspect: there is no body " + std::to_string(id));
-  impl_->keep_impulses();
-  return impl_->pipeline->inspect(id);
+  detect();
+  return impl_->pipeline->inspect(id, impl_->arranged_tree());
 }
 
 namespace {
@@ -224,7 +233,8 @@ namespace {
 /// Of the stages of a step alone, with the launches of all its substeps.
 RunTimes of_step(RunTimes times, int substeps) {
   std::erase_if(times.stages, [](const StageTime& s) {
-    return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect";
+    return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect" ||
+           s.name == "tree";
   });
   for (StageTime& s : times.stages) s.launches *= substeps;
   return times;
@@ -247,6 +257,7 @@ void World::detect() {
   do w.pipeline->detect();
   while (w.grow());
   w.detected = true;
+  w.arranged = false;
 }
 
 StepStats World::measure() {
@@ -273,16 +284,25 @@ std::uint64_t World::state_hash() { return impl_->pipeline->state_hash(); }
 BodyStates World::bodies() { return impl_->pipeline->bodies(); }
 std::vector<std::pair<std::uint32_t, std::uint32_t>> World::pairs() { return impl_->pipeline->pairs(); }
 
-int World::tree_level_count() { return impl_->pipeline->broad_phase().tree().levels; }
+std::int64_t World::tree_nodes() const { return impl_->pipeline->broad_phase().tree_nodes(); }
+
+std::vector<std::int64_t> World::tree_level_sizes() {
+  detect();
+  const TreeView& tree = impl_->arranged_tree();
+  std::vector<std::int64_t> sizes;
+  for (int level = 0; level < tree.levels(); ++level) sizes.push_back(tree.level_size(level));
+  return sizes;
+}
 
 TreeLevels World::tree_levels() {
-  Impl& w = *impl_;
-  const TreeView tree = w.pipeline->broad_phase().tree();
+  detect();
+  const TreeView& tree = impl_->arranged_tree();
   TreeLevels levels;
-  for (int level = tree.levels - 1; level >= 0; --level) {
+  for (int level = 0; level < tree.levels(); ++level) {
     static_assert(sizeof(TreeLevels::Box) == sizeof(Aabb));
-    std::vector<TreeLevels::Box> boxes(tree.size[level]);
-    w.executor.copy_to_host(boxes.data(), tree.nodes + tree.first[level], boxes.size() * sizeof(Aabb));
+    std::vector<TreeLevels::Box> boxes(tree.level_size(level));
+    impl_->executor.copy_to_host(boxes.data(), tree.box + tree.level_begin(level),
+                                 boxes.size() * sizeof(Aabb));
     levels.levels.push_back(std::move(boxes));
   }
   return levels;
@@ -290,24 +310,29 @@ TreeLevels World::tree_levels() {
 
 PublishCounts World::publish_counts(int first_level, int last_level) {
   Impl& w = *impl_;
-  const TreeView tree = w.pipeline->broad_phase().tree();
   PublishCounts counts;
   counts.bodies = static_cast<std::int64_t>(w.initial.size());
-  for (int depth = std::max(0, first_level); depth <= last_level && depth < tree.levels; ++depth)
-    counts.boxes += tree.size[tree.levels - 1 - depth];
+  if (first_level <= last_level) {
+    const std::vector<std::int64_t> sizes = tree_level_sizes();
+    for (int level = std::max(0, first_level); level <= last_level && level < std::ssize(sizes); ++level)
+      counts.boxes += sizes[static_cast<std::size_t>(level)];
+  }
   counts.contacts = w.pipeline->control().contacts;
   return counts;
 }
 
 void World::publish(const PublishTarget& target) {
   Impl& w = *impl_;
-  const PublishCounts counts = publish_counts(target.first_level, target.last_level);
+  const bool boxes = target.boxes != nullptr;
+  const PublishCounts counts = publish_counts(target.first_level, boxes ? target.last_level : -1);
   if ((target.bodies != nullptr && target.body_capacity < counts.bodies) ||
       (target.boxes != nullptr && target.box_capacity < counts.boxes) ||
       (target.contacts != nullptr && target.contact_capacity < counts.contacts))
     throw std::logic_error("publish: the target is smaller than publish_counts() says");
   w.keep_impulses();
-  w.pipeline->publish(target);
+  const bool by_order = target.bodies != nullptr && target.body_color == BodyColor::order;
+  if (by_order) detect();
+  w.pipeline->publish(target, boxes || by_order ? w.arranged_tree() : TreeView{});
   w.executor.synchronize();
 }
 

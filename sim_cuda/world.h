@@ -62,8 +62,7 @@ class World {
   /// for bit as `other` would have.
   void adopt(World& other);
 
-  /// One body, read from the device; `id` < N. detect() first, if contacts and path shall fit the current
-  /// state.
+  /// One body, read from the device; `id` < N. Detects, so that contacts and path fit the current state.
   BodyReport inspect(std::uint32_t id);
 
   /// Sums, counts and penetration at the current state.
@@ -89,8 +88,9 @@ class World {
   /// fits the bodies. Changes no hash. publish(), pairs() and tree_levels() then speak of the current state.
   void detect();
   TreeLevels tree_levels();
-  int tree_level_count();  ///< 0 where the broad phase has no tree, or there are no bodies
-  PublishCounts publish_counts(int first_level, int last_level);
+  std::vector<std::int64_t> tree_level_sizes();  ///< boxes of each level, from the root; empty: no tree
+  std::int64_t tree_nodes() const;               ///< in all
+  PublishCounts publish_counts(int first_level, int last_level);  ///< an empty range: no boxes
   /// Packs what is drawn into the target's memory; returns when the device has written it.
   void publish(const PublishTarget& target);
   /// Memory in the executor's space for a renderer that cannot map its own: a device allocation on a GPU,

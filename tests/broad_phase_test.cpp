@@ -90,20 +90,36 @@ TEST_P(BroadPhases, FindAllPairsOfAdversarialScenes) {
   expect_all_pairs(outlier);
 }
 
-TEST_P(BroadPhases, TheTreeHoldsItsBodies) {
-  World world(box_collider(777), options());
-  world.detect();
-  const TreeLevels tree = world.tree_levels();
-  ASSERT_EQ(static_cast<int>(tree.levels.size()), world.tree_level_count());
-  ASSERT_EQ(tree.levels.front().size(), 1u);
-  ASSERT_EQ(tree.levels.back().size(), 777u);
-  for (std::size_t level = 1; level < tree.levels.size(); ++level)
-    for (std::size_t k = 0; k < tree.levels[level].size(); ++k)
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto &child = tree.levels[level][k], &parent = tree.levels[level - 1][k / 2];
-        EXPECT_LE(parent.min[axis], child.min[axis]);
-        EXPECT_GE(parent.max[axis], child.max[axis]);
+TEST_P(BroadPhases, TreesHoldTheirBodies) {
+  for (const std::string& method : broad_phase_names())
+    for (const std::int64_t count : {1, 2, 777}) {
+      RunOptions o = options();
+      o.broad_phase = method;
+      World world(box_collider(count), o);
+      const TreeLevels tree = world.tree_levels();
+      std::int64_t nodes = 0;
+      for (const auto& level : tree.levels) nodes += std::ssize(level);
+      ASSERT_EQ(nodes, world.tree_nodes()) << method;
+      if (nodes == 0) continue;
+      EXPECT_GE(nodes, count) << method;
+      ASSERT_EQ(tree.levels.front().size(), 1u) << method;
+      // From each body up to the root, every box holds the one below it.
+      for (std::uint32_t id = 0; id < count; ++id) {
+        const BodyReport body = world.inspect(id);
+        ASSERT_FALSE(body.path.empty()) << method << ", body " << id;
+        const TreeLevels::Box &leaf = body.path.front(), &root = body.path.back();
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const double x = body.X[static_cast<int>(axis)];
+          EXPECT_NEAR(leaf.min[axis], x - body.radius, 1e-4) << method;
+          EXPECT_NEAR(leaf.max[axis], x + body.radius, 1e-4) << method;
+          EXPECT_EQ(root.min[axis], tree.levels[0][0].min[axis]) << method;
+          for (std::size_t k = 1; k < body.path.size(); ++k) {
+            EXPECT_LE(body.path[k].min[axis], body.path[k - 1].min[axis]) << method;
+            EXPECT_GE(body.path[k].max[axis], body.path[k - 1].max[axis]) << method;
+          }
+        }
       }
+    }
 }
 
 TEST(BroadPhase, UnknownNamesListTheKnown) {

@@ -141,6 +141,7 @@ TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
     history.add(step, k % 2 == 1 ? stages : std::vector<StageTime>{});
   }
   view.history = &history;
+  view.tree_nodes = 18'000;
   view.level_sizes.assign(18, 1000);
   view.level_colors.assign(8, 0xff00ff00u);
   view.map_colors.assign(256, 0xff00ffffu);

@@ -19,9 +19,8 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
                ? fmt::format("{} ({} split)", grouped_number(s.contacts), grouped_number(s.split_contacts))
                : grouped_number(s.contacts),
            "Pairs whose shapes touch; split: those that no colour took, solved by splitting masses");
-  std::int64_t nodes = 0;
-  for (std::int64_t level : view.level_sizes) nodes += level;
-  row_text("tree", fmt::format("{} boxes, {} levels", grouped_number(nodes), view.level_sizes.size()));
+  row_text("tree",
+           fmt::format("{} boxes, {} levels", grouped_number(view.tree_nodes), view.level_sizes.size()));
   row_text("memory", bytes_text(view.allocated_bytes), "Of the executor: what the simulation has allocated");
   row_text("energy", with_prefix(s.energy(), "J"),
            "Kinetic and potential, whose zero is the floor of the box");

@@ -109,6 +109,7 @@ struct WorkspaceView {
   double real_time_factor = 0;  ///< simulated seconds in a second
   double frames_per_second = 0;
   std::int64_t allocated_bytes = 0;
+  std::int64_t tree_nodes = 0;            ///< boxes in it
   std::vector<std::int64_t> level_sizes;  ///< boxes of each level of the tree, from the root
   const History* history = nullptr;
 

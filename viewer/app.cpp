@@ -119,6 +119,7 @@ void App::frame(double seconds) {
 
 void App::fill(WorkspaceView& view) {
   fill_view(live_.world(), live_.stats(), live_.history(), view);
+  view.level_sizes = live_.level_sizes(workspace_.layers.boxes || !workspace_.playing);
   view.edited = live_.edited();
   view.renderer = renderer_name_;
   view.software = software_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/broad_phase/tree.h"
 #include "sim_cuda/core/executor.h"
 
 namespace collidoscope {
@@ -16,17 +17,6 @@ namespace collidoscope {
 /// Two ids a < b whose boxes overlap.
 struct Pair {
   std::uint32_t a, b;
-};
-
-/// The boxes of a hierarchy in the executor's memory, level by level. Level 0 are the leaves, one per body,
-/// in the tree's order.
-struct TreeView {
-  static constexpr int max_levels = 28;  ///< 2^27 bodies
-  const Aabb* nodes = nullptr;
-  const std::uint32_t* leaf_body = nullptr;  ///< id of the body in each leaf
-  int levels = 0;                            ///< 0: no tree
-  std::uint32_t first[max_levels] = {};      ///< node number at which each level starts
-  std::uint32_t size[max_levels] = {};       ///< nodes in each level; 1 in the last, the root's
 };
 
 struct PairSink;
@@ -42,7 +32,10 @@ class BroadPhase {
   virtual void update(const Aabb* boxes, const Aabb* extent) = 0;
   /// Gives every pair of bodies whose boxes overlap to the sink, each once, in any order.
   virtual void find_pairs(const PairSink& sink) = 0;
-  virtual TreeView tree() const { return {}; }
+  /// Leaves and inner nodes of its hierarchy; 0 where the method has none, or there are no bodies.
+  virtual std::int64_t tree_nodes() const { return 0; }
+  /// Writes the hierarchy over the boxes of the last update; called outside the step (tree.h).
+  virtual void write_tree(const TreeSink&) const {}
 };
 
 /// Throws InputError for an unknown name; the line lists the known ones.

@@ -11,6 +11,16 @@ namespace collidoscope {
 
 namespace {
 
+/// The boxes, level by level. Level 0 are the leaves, one per body, in the tree's order.
+struct LevelTree {
+  static constexpr int max_levels = 28;  // 2^27 bodies
+  Aabb* nodes = nullptr;
+  std::uint32_t* leaf_body = nullptr;
+  int levels = 0;
+  std::uint32_t first[max_levels] = {};  // node number at which each level starts
+  std::uint32_t size[max_levels] = {};   // nodes in each level; 1 in the last, the root's
+};
+
 struct MakeLeaf {
   const Aabb* boxes;
   Aabb* leaves;
@@ -34,7 +44,7 @@ struct MergeLevel {
 /// One body's query. Only leaves to the right of its own are looked for, so that each pair is found once,
 /// from its left leaf.
 struct Descend {
-  TreeView tree;
+  LevelTree tree;
   PairSink sink;
   SIM_HD void operator()(int leaf) const {
     const auto slot = static_cast<std::uint32_t>(leaf);
@@ -44,7 +54,7 @@ struct Descend {
     // so the stack never holds more than one entry per level, plus one.
     constexpr int level_shift = 27;
     constexpr std::uint32_t node_mask = (1u << level_shift) - 1;
-    std::uint32_t stack[TreeView::max_levels + 1];
+    std::uint32_t stack[LevelTree::max_levels + 1];
     int depth = 0;
     if (tree.levels > 1) stack[depth++] = static_cast<std::uint32_t>(tree.levels - 1) << level_shift;
     while (depth > 0) {
@@ -61,6 +71,20 @@ struct Descend {
       }
     }
     batch.finish();
+  }
+};
+
+struct WriteTree {
+  LevelTree tree;
+  TreeSink sink;
+  SIM_HD void operator()(int item) const {
+    const auto node = static_cast<std::uint32_t>(item);
+    sink.box[node] = tree.nodes[node];
+    if (node < tree.size[0]) sink.leaf_body[node] = tree.leaf_body[node];
+    int level = 0;
+    while (node >= tree.first[level] + tree.size[level]) ++level;
+    sink.parent[node] =
+        level + 1 < tree.levels ? tree.first[level + 1] + (node - tree.first[level]) / 2 : node;
   }
 };
 
@@ -99,7 +123,10 @@ class BvhBottomUp final : public BroadPhase {
   }
 
   void find_pairs(const PairSink& sink) override { executor_.run("pairs", bodies_, Descend{tree_, sink}); }
-  TreeView tree() const override { return tree_; }
+  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
+  void write_tree(const TreeSink& sink) const override {
+    executor_.run("tree", tree_nodes(), WriteTree{tree_, sink});
+  }
 
  private:
   Executor& executor_;
@@ -107,7 +134,7 @@ class BvhBottomUp final : public BroadPhase {
   MortonOrder<Key> order_;
   Buffer<std::uint32_t> leaf_body_;
   Buffer<Aabb> nodes_;
-  TreeView tree_;
+  LevelTree tree_;
 };
 
 }  // namespace

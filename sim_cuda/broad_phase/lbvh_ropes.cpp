@@ -129,6 +129,32 @@ struct WalkRight {
   }
 };
 
+/// A right child is where the rope of the left one leads; parents tell their children.
+struct WriteTree {
+  const RopeNode* nodes;
+  std::uint32_t n;
+  TreeSink sink;
+  SIM_HD std::uint32_t number(std::uint32_t node) const { return node < n - 1 ? n + node : node - (n - 1); }
+  SIM_HD void operator()(int item) const {
+    const auto node = static_cast<std::uint32_t>(item);
+    const RopeNode from = nodes[node];
+    Aabb box;
+    for (int k = 0; k < 3; ++k) {
+      box.min[k] = from.min[k];
+      box.max[k] = from.max[k];
+    }
+    const std::uint32_t to = number(node);
+    sink.box[to] = box;
+    if (node == 0) sink.parent[to] = to;
+    if (node >= n - 1) {
+      sink.leaf_body[to] = from.child;
+    } else {
+      sink.parent[number(from.child)] = to;
+      sink.parent[number(nodes[from.child].rope)] = to;
+    }
+  }
+};
+
 template <class Key>
 class LbvhRopes final : public BroadPhase {
  public:
@@ -151,6 +177,10 @@ class LbvhRopes final : public BroadPhase {
   }
   void find_pairs(const PairSink& sink) override {
     executor_.run("pairs", n_, WalkRight{nodes_.data(), n_, sink});
+  }
+  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
+  void write_tree(const TreeSink& sink) const override {
+    executor_.run("tree", tree_nodes(), WriteTree{nodes_.data(), n_, sink});
   }
 
  private:

@@ -53,6 +53,19 @@ SIM_HD inline std::uint32_t atomic_swap(std::uint32_t* target, std::uint32_t val
 #endif
 }
 
+/// Puts the value where it is lower than what stands there. Whether it was.
+SIM_HD inline bool atomic_min(std::uint32_t* target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicMin(target, value) > value;
+#else
+  std::atomic_ref<std::uint32_t> cell(*target);
+  std::uint32_t seen = cell.load(std::memory_order_relaxed);
+  while (seen > value && !cell.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+  return seen > value;
+#endif
+}
+
 /// Looks before it bids: most bids at a busy place are lower than what stands there, and a load costs far
 /// less than an atomic.
 SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {

@@ -15,7 +15,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.stats = stats;
   view.time = static_cast<double>(world.steps()) * world.scene().physics.time_step;
   view.allocated_bytes = world.allocated_bytes();
-  view.level_sizes = level_sizes(world);
+  view.tree_nodes = world.tree_nodes();
   view.history = &history;
 }
 

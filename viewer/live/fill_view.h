@@ -6,8 +6,8 @@
 
 namespace collidoscope {
 
-/// Everything that a World knows of itself; what draws, colours, clocks and `edited` are the caller's to add.
-/// `stats`: of the current state. `view.history` points to `history`.
+/// What a World knows of itself without asking its tree; level sizes, what draws, colours, clocks and
+/// `edited` are the caller's to add. `stats`: of the current state. `view.history` points to `history`.
 void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view);
 
 }  // namespace collidoscope

@@ -64,13 +64,6 @@ void set_options(const Settings& wish, RunOptions& options) {
   options.broad_phase = wish.broad_phase;
 }
 
-std::vector<std::int64_t> level_sizes(World& world) {
-  std::vector<std::int64_t> sizes;
-  for (int level = 0; level < world.tree_level_count(); ++level)
-    sizes.push_back(world.publish_counts(level, level).boxes);
-  return sizes;
-}
-
 void record_step(World& world, const StepStats* measured, History& history) {
   HistoryStep entry;
   entry.step = world.steps();
@@ -82,7 +75,7 @@ void record_step(World& world, const StepStats* measured, History& history) {
     entry.stats = *measured;
     entry.measured = true;
   }
-  for (std::int64_t level : level_sizes(world)) entry.nodes += level;
+  entry.nodes = world.tree_nodes();
   entry.allocated_bytes = world.allocated_bytes();
   history.add(std::move(entry), instrumented ? times.stages : std::vector<StageTime>{});
 }
@@ -94,6 +87,7 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
   world_ = std::move(world);
   ++generation_;
   stats_known_ = hash_known_ = false;
+  level_sizes_step_ = -1;
 }
 
 std::string LiveWorld::apply(const Settings& wish) {
@@ -156,6 +150,14 @@ std::uint64_t LiveWorld::state_hash() {
   if (!hash_known_) hash_ = world_->state_hash();
   hash_known_ = true;
   return hash_;
+}
+
+const std::vector<std::int64_t>& LiveWorld::level_sizes(bool exact) {
+  if (level_sizes_step_ < 0 || (exact && level_sizes_step_ != world_->steps())) {
+    level_sizes_ = world_->tree_level_sizes();
+    level_sizes_step_ = world_->steps();
+  }
+  return level_sizes_;
 }
 
 }  // namespace collidoscope

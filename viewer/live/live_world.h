@@ -46,6 +46,9 @@ class LiveWorld {
   /// Of the current state, measured at most once for each.
   const StepStats& stats();
   std::uint64_t state_hash();
+  /// Boxes of each level of the tree, from the root: of the current state, or, unless `exact`, of one that
+  /// was asked for before, since arranging a tree takes time.
+  const std::vector<std::int64_t>& level_sizes(bool exact);
   /// s of the clock that the last change of the World took.
   double last_change_seconds() const { return change_seconds_; }
 
@@ -57,12 +60,12 @@ class LiveWorld {
   bool edited_ = false, stats_known_ = false, hash_known_ = false;
   StepStats stats_;
   std::uint64_t hash_ = 0;
+  std::vector<std::int64_t> level_sizes_;
+  std::int64_t level_sizes_step_ = -1;  ///< of the state that they are of; -1: none
   int generation_ = 0;
   double change_seconds_ = 0;
 };
 
-/// Boxes of each level of its tree, from the root.
-std::vector<std::int64_t> level_sizes(World& world);
 /// Adds the step that the World just made. `measured`: its stats at the state that it led to, or null.
 void record_step(World& world, const StepStats* measured, History& history);
 

@@ -36,9 +36,8 @@ void DisplayLink::step_down(const std::string& why, DisplayPath to) {
 }
 
 void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers) {
-  PublishCounts counts = world.publish_counts(layers.first_level, layers.last_level);
+  PublishCounts counts = world.publish_counts(layers.first_level, layers.boxes ? layers.last_level : -1);
   if (!layers.spheres) counts.bodies = 0;
-  if (!layers.boxes) counts.boxes = 0;
   if (!layers.contacts) counts.contacts = 0;
   buffers.counts = counts;
   buffers.bodies.reserve(static_cast<std::size_t>(counts.bodies) * sizeof(BodyInstance));
