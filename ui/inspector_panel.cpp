@@ -24,7 +24,8 @@ void draw_state(const BodyReport& body) {
   row_text("X  m", vector_text(body.X), "Position of the centre of mass");
   row_text("v  m/s", vector_text(body.v), "Velocity");
   row_text("P  kg m/s", small_vector_text(body.P), "Linear momentum");
-  row_text("q", fmt::format("{:.4f} {:.4f} {:.4f} {:.4f}", body.q.w(), body.q.x(), body.q.y(), body.q.z()),
+  row_text("q",
+           fmt::format("  {:6.3f} {:6.3f} {:6.3f} {:6.3f}", body.q.w(), body.q.x(), body.q.y(), body.q.z()),
            "Orientation w x y z, R as a quaternion");
   row_text("ω  rad/s", vector_text(body.w), "Angular velocity");
   row_text("L  kg m²/s", small_vector_text(body.L), "Angular momentum about the centre of mass");
@@ -36,8 +37,9 @@ void draw_state(const BodyReport& body) {
 }
 
 void draw_contacts(Workspace& workspace, const BodyReport& body) {
-  faint_text(fmt::format("{:>7} contact{} {:>12} {:>12}", body.contact_count,
-                         body.contact_count == 1 ? " " : "s", "overlap", "impulse"));
+  faint_text(fmt::format("{:<14}{:>8}{:>14}",
+                         fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"),
+                         "overlap", "impulse"));
   // The strongest first; where no impulses are known, by the other's id.
   constexpr std::size_t most = 6;
   std::vector<const BodyReport::Contact*> order;
@@ -47,8 +49,8 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
                             [](const BodyReport::Contact* c) { return std::pair(-c->impulse, c->other); });
   for (std::size_t i = 0; i < shown; ++i) {
     const BodyReport::Contact& c = *order[i];
-    const std::string text = fmt::format("{:>7} {:>8} {:>12} {:>12}", c.other, "",
-                                         with_prefix(c.penetration, "m"), with_prefix(c.impulse, "N s"));
+    const std::string text = fmt::format("{:<10}{:>12}{:>14}", c.other, with_prefix(c.penetration, "m"),
+                                         with_prefix(c.impulse, "N s"));
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Selectable(text.c_str())) workspace.selection = c.other;
     ImGui::PopID();
@@ -59,7 +61,7 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
                 .c_str());
   }
   if (body.contact_count > static_cast<std::int64_t>(shown))
-    faint_text(fmt::format("        and {} more", body.contact_count - static_cast<std::int64_t>(shown)));
+    faint_text(fmt::format("and {} more", body.contact_count - static_cast<std::int64_t>(shown)));
 }
 
 // From the leaf (left) to the root (right): a bar for each box, as wide as its diagonal's share of the
@@ -97,6 +99,7 @@ void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
     faint_text("click a body to see its state");
     return end_panel();
   }
+  ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(fmt::format("body {}", view.selected->id).c_str());
   ImGui::SameLine();
   ImGui::Checkbox("follow", &workspace.follow);

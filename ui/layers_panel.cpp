@@ -55,6 +55,7 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view) {
                       : view.level_colors[static_cast<std::size_t>(level) % view.level_colors.size()];
     if (!on || !layers.boxes) color = (color & 0x00ffffffu) | (on ? 0x80000000u : 0x30000000u);
     list->AddRectFilled({x + 1, at.y}, {x + cell - 1, at.y + height}, color, 2);
+    list->AddRect({x + 1, at.y}, {x + cell - 1, at.y + height}, ImGui::GetColorU32(ImGuiCol_Border), 2);
     const std::string number = std::to_string(level);
     const ImVec2 size = ImGui::CalcTextSize(number.c_str());
     if (size.x + 2 < cell)
@@ -136,7 +137,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   const char* chosen = "";
   for (const auto& [color, name] : colors)
     if (color == layers.color) chosen = name;
-  if (ImGui::BeginCombo("##color", chosen)) {
+  if (begin_choice("##color", chosen)) {
     for (const auto& [color, name] : colors) {
       if (ImGui::Selectable(name, color == layers.color)) layers.color = color;
       track(workspace, (std::string("layers.color.") + name).c_str());

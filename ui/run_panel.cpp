@@ -45,9 +45,11 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     for (const auto& [speed, name] : speeds)
       if (speed == workspace.speed) chosen = name;
     row_label("speed", "What is wished for; never more than one step in a drawn frame");
-    if (ImGui::BeginCombo("##speed", chosen)) {
-      for (const auto& [speed, name] : speeds)
+    if (begin_choice("##speed", chosen)) {
+      for (const auto& [speed, name] : speeds) {
         if (ImGui::Selectable(name, speed == workspace.speed)) workspace.speed = speed;
+        track(workspace, (std::string("run.speed.") + name).c_str());
+      }
       ImGui::EndCombo();
     }
     track(workspace, "run.speed");

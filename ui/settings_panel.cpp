@@ -64,7 +64,7 @@ void choice_row(Workspace& workspace, const char* name, const char* label,
   for (const auto& [choice, text] : choices)
     if (choice == value) chosen = text;
   ImGui::PushID(name);
-  if (ImGui::BeginCombo("##choice", chosen)) {
+  if (begin_choice("##choice", chosen)) {
     for (const auto& [choice, text] : choices) {
       if (ImGui::Selectable(text, choice == value)) value = choice;
       track(workspace, (std::string(name) + "." + text).c_str());
@@ -126,7 +126,7 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
              view.cuda ? "What runs the stages; never changes the result"
                        : "What runs the stages; CUDA is not available here");
   row_label("broad phase", "How pairs are found; never changes the result");
-  if (ImGui::BeginCombo("##broad_phase", s.broad_phase.c_str())) {
+  if (begin_choice("##broad_phase", s.broad_phase.c_str())) {
     for (const std::string& name : view.broad_phases) {
       if (ImGui::Selectable(name.c_str(), name == s.broad_phase)) s.broad_phase = name;
       track(workspace, ("settings.broad_phase." + name).c_str());

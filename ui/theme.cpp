@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace collidoscope {
@@ -51,17 +52,18 @@ void apply_theme(Theme theme, float font_size) {
   style.Colors[ImGuiCol_SliderGrab] = faded(0.85f);
   style.Colors[ImGuiCol_SliderGrabActive] = accent;
   style.Colors[ImGuiCol_CheckMark] = accent;
-  const float unit = font_size / 14;
-  style.WindowPadding = {10 * unit, 6 * unit};
-  style.FramePadding = {6 * unit, 2.5f * unit};
-  style.ItemSpacing = {6 * unit, 4 * unit};
-  style.ItemInnerSpacing = {5 * unit, 4 * unit};
-  style.CellPadding = {4 * unit, 1.5f * unit};
-  style.ScrollbarSize = 10 * unit;
-  style.GrabMinSize = 9 * unit;
+  // Whole pixels: ImGui rounds the sizes of windows, and a part of a pixel too much makes them scroll.
+  const auto pixels = [&](float at_14) { return std::round(at_14 * font_size / 14); };
+  style.WindowPadding = {pixels(10), pixels(6)};
+  style.FramePadding = {pixels(6), std::max(pixels(2.5f), 1.0f)};
+  style.ItemSpacing = {pixels(6), pixels(4)};
+  style.ItemInnerSpacing = {pixels(5), pixels(4)};
+  style.CellPadding = {pixels(4), std::max(pixels(1.5f), 1.0f)};
+  style.ScrollbarSize = pixels(10);
+  style.GrabMinSize = pixels(9);
   style.WindowRounding = 0;
   style.WindowBorderSize = 1;
-  style.FrameRounding = std::round(3 * unit);
+  style.FrameRounding = pixels(3);
   style.GrabRounding = style.PopupRounding = style.ScrollbarRounding = style.FrameRounding;
 }
 

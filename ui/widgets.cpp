@@ -54,6 +54,12 @@ void row_text(const char* label, const std::string& value, const char* help) {
   ImGui::TextUnformatted(value.c_str());
 }
 
+bool begin_choice(const char* id, const char* chosen) {
+  if (!ImGui::BeginCombo(id, chosen)) return false;
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
+  return true;
+}
+
 void explain(const char* text) {
   if (!ImGui::IsItemHovered()) return;
   ImGui::BeginTooltip();

@@ -21,6 +21,9 @@ void end_panel();
 void row_label(const char* label, const char* help = nullptr);
 /// A row of text.
 void row_text(const char* label, const std::string& value, const char* help = nullptr);
+/// A list to choose from, folded to what is chosen; Escape folds it again. Draw the choices if it says true,
+/// and end it with ImGui::EndCombo().
+bool begin_choice(const char* id, const char* chosen);
 /// Explains the last widget where the pointer rests on it.
 void explain(const char* text);
 /// In the theme's faint colour.

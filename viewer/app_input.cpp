@@ -89,6 +89,7 @@ void App::handle_key(const InputEvent& event) {
       if (!again) workspace_.help = !workspace_.help;
       break;
     case GLFW_KEY_ESCAPE:
+      if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // closes that
       workspace_.help = false;
       workspace_.selection.reset();
       workspace_.follow = false;
