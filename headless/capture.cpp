@@ -186,7 +186,7 @@ int run_capture(const CaptureRequest& request, World& world) {
         request.layers.color == BodyColor::order)
       world.detect();
     link.publish(world, request.layers, renderer.instances());
-    const ValueRange values = value_range(world, request.layers.color, stats);
+    const ValueRange values = value_range(renderer.scene(), request.layers.color, stats);
     renderer.draw(camera, request.layers, values);
     const PublishCounts drawn = renderer.instances().counts;
     Image picture;

@@ -33,9 +33,9 @@ void PanelPicture::record(World& world) {
 }
 
 void PanelPicture::fill(World& world, const StepStats& stats, const History& history,
-                        const ValueRange& range) {
+                        const std::vector<std::int64_t>& level_sizes, const ValueRange& range) {
   fill_view(world, stats, history, view_);
-  view_.level_sizes = world.tree_level_sizes();
+  view_.level_sizes = level_sizes;
   const Legend legend = body_legend(workspace_.layers.color, range, stats);
   if (workspace_.layers.spheres) view_.map_colors = legend.colors;
   view_.legend_title = legend.title;
@@ -64,7 +64,7 @@ void PanelPicture::rasterise(GuiPass& gui, const Renderer& renderer) {
 
 Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
                          const ValueRange& range) {
-  fill(world, stats, history_, range);
+  fill(world, stats, history_, world.tree_level_sizes(), range);
   // ImGui lays out what sizes itself over its first frames.
   for (int round = 0; round < 3; ++round) {
     build(gui);

@@ -34,7 +34,8 @@ class PanelPicture {
              const ValueRange& range);
 
   /// A frame of it in parts, for those who time them. What the panels show of a state; `history` must stay.
-  void fill(World& world, const StepStats& stats, const History& history, const ValueRange& range);
+  void fill(World& world, const StepStats& stats, const History& history,
+            const std::vector<std::int64_t>& level_sizes, const ValueRange& range);
   /// The CPU lists what is to be drawn,
   void build(GuiPass& gui);
   /// and OpenGL draws it, around the picture of `renderer`.

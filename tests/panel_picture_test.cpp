@@ -56,7 +56,7 @@ struct Desk {
     const StepStats stats = world.measure();
     DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
     link.publish(world, layers, renderer.instances());
-    const ValueRange range = value_range(world, layers.color, stats);
+    const ValueRange range = value_range(renderer.scene(), layers.color, stats);
     const double aspect = static_cast<double>(rect.width) / static_cast<double>(rect.height);
     renderer.draw(scene_camera({}, renderer.scene().bounds, aspect), layers, range);
     GuiPass gui(workspace_font_size(width, height, 1));

@@ -89,7 +89,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int
     const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
     link_->publish(live.world(), layers, renderer_->instances());
     path_name_ = display_path_name(link_->path());
-    range_ = value_range(live.world(), layers.color, stats);
+    range_ = value_range(renderer_->scene(), layers.color, stats);
     legend_ = layers.spheres ? body_legend(layers.color, range_, stats) : Legend{};
     published_ = wanted;
   }

@@ -1,5 +1,6 @@
 // The twelve edges of a box as screen-space lines, coloured by level; thin and faint as levels deepen.
-// Compiled twice: lines (default) and IDS, the six faces filled with the number of the instance.
+// Compiled thrice: lines (default), THIN, lines of one drawn pixel, and IDS, the six faces filled with the number of
+// the instance.
 #if defined(IDS)
 layout(location = 0) in vec4 min_level;
 layout(location = 1) in vec4 max_value;
@@ -23,7 +24,7 @@ struct Box {
 };
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 
-uniform int box_count;
+uniform int first, count;  // records to draw
 uniform float strength;  // opacity of this pass
 uniform vec4 levels;     // first and last level drawn
 
@@ -32,10 +33,15 @@ flat out float half_width;
 noperspective out float across;
 
 void main() {
+#if defined(THIN)
+  const int vertices = 2;  // of a line
+#else
+  const int vertices = 6;
+#endif
   // Backwards: where edges coincide, the line of the upper level lies on top, and is the thicker one.
-  vec4 min_level = boxes[box_count - 1 - gl_InstanceID].min_level;
-  vec4 max_value = boxes[box_count - 1 - gl_InstanceID].max_value;
-  int edge = gl_VertexID / 6, axis = edge >> 2;
+  int place = first + count - 1 - gl_VertexID / (12 * vertices), vertex = gl_VertexID % (12 * vertices);
+  vec4 min_level = boxes[place].min_level, max_value = boxes[place].max_value;
+  int edge = vertex / vertices, axis = edge >> 2;
   bvec3 upper;
   upper[(axis + 1) % 3] = (edge & 1) == 1;
   upper[(axis + 2) % 3] = (edge & 2) == 2;
@@ -45,9 +51,15 @@ void main() {
   vec3 to = mix(min_level.xyz, max_value.xyz, upper);
   float level = min_level.w;
   float depth_share = clamp((level - levels.x) / max(levels.y - levels.x, 1.0), 0.0, 1.0);
-  half_width = mix(1.4, 0.6, depth_share) * values.w;
   color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.85, depth_share));
-  gl_Position = line_corner(from, to, half_width, gl_VertexID % 6, across);
+#if defined(THIN)
+  half_width = 0.5;
+  across = 0.0;
+  gl_Position = projection * (view * vec4(vertex % vertices == 0 ? from : to, 1.0));
+#else
+  half_width = mix(1.4, 0.6, depth_share) * values.w;
+  gl_Position = line_corner(from, to, half_width, vertex % vertices, across);
+#endif
   gl_Position.z *= 1.0008;  // lines on a surface win over it
 }
 #endif

@@ -69,6 +69,7 @@ class Desk {
         link_(live_.world(), request_.display_path, say_) {
     for (const std::string& line : context_.steps_down()) say_(line);
     World& world = live_.world();
+    world.record_impulses(request_.layers.contacts);
     renderer_.set_scene(frame_scene(world.scene(), world.initial()));
     camera_ = scene_camera(world.scene().camera, renderer_.scene().bounds,
                            static_cast<double>(renderer_.width()) / renderer_.height());
@@ -90,12 +91,13 @@ class Desk {
     part("simulate");
     link_.publish(live_.world(), request_.layers, renderer_.instances());
     part("publish");
-    const ValueRange range = value_range(live_.world(), request_.layers.color, live_.stats());
+    const ValueRange range = value_range(renderer_.scene(), request_.layers.color, live_.stats());
     renderer_.draw(camera_, request_.layers, range, &passes_);
     Renderer::finish();
     part("draw");
     if (panels_) {
-      panels_->fill(live_.world(), live_.stats(), live_.history(), range);
+      panels_->fill(live_.world(), live_.stats(), live_.history(), live_.level_sizes(request_.layers.boxes),
+                    range);
       part("fill");
       panels_->build(*gui_);
       part("ui");

@@ -76,6 +76,9 @@ FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
   double sum = 0;
   for (double radius : bodies.radius) sum += radius;
   if (bodies.size()) result.body_size = sum / static_cast<double>(bodies.size());
+  if (bodies.size()) result.largest_radius = *std::ranges::max_element(bodies.radius);
+  for (double mass : bodies.mass) result.total_mass += mass;
+  result.body_count = static_cast<std::int64_t>(bodies.size());
   result.meshes = bodies.meshes;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t mesh = bodies.mesh.empty() ? 0 : bodies.mesh[i];

@@ -24,6 +24,9 @@ struct FrameScene {
   double floor = 0;           ///< m, height of the grid
   double grid_spacing = 10;   ///< m, a round number
   double body_size = 1;       ///< m, mean radius
+  double largest_radius = 0;  ///< m
+  double total_mass = 0;      ///< kg
+  std::int64_t body_count = 0;
   std::vector<Mesh> meshes;
   std::vector<Run> runs;
 };

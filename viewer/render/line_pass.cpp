@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 
 #include "viewer/render/gl/errors.h"
 
@@ -9,57 +10,75 @@ namespace collidoscope {
 
 LinePass::LinePass()
     : box_("box.vert", "line.frag"),
+      thin_box_("box.vert", "line.frag", "#define THIN\n"),
       contact_("contact.vert", "contact.frag"),
       box_ids_("box.vert", "id.frag", "#define IDS\n"),
       nothing_{},
-      box_layout_{{0, 4, offsetof(BoxInstance, min)}, {1, 4, offsetof(BoxInstance, max)}},
-      contact_layout_{{0, 4, offsetof(ContactInstance, point)},
-                      {1, 4, offsetof(ContactInstance, normal)},
-                      {2, 1, offsetof(ContactInstance, radius)}} {}
+      box_layout_{{0, 4, offsetof(BoxInstance, min)}, {1, 4, offsetof(BoxInstance, max)}} {}
 
-void LinePass::draw_twice(const gl::Program& program, GLsizei vertices, std::int64_t count, float shown,
-                          float hidden) const {
+void LinePass::draw_records(const gl::Program& program, GLenum mode, GLsizei vertices,
+                            const Records& records) {
+  // In blocks: shaders reach a limited part of a buffer at once, and vertices are counted in 32 bits. The
+  // last block first, since boxes are drawn backwards.
+  constexpr std::int64_t block = 1 << 20;
+  for (std::int64_t end = records.first + records.count; end > records.first;) {
+    const std::int64_t start = (end - 1) / block * block, first = std::max(start, records.first);
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, records.buffer.get(), start * records.bytes,
+                      (end - start) * records.bytes);
+    program.set("first", static_cast<int>(first - start));
+    if (records.bytes == sizeof(BoxInstance)) program.set("count", static_cast<int>(end - first));
+    glDrawArrays(mode, 0, static_cast<GLsizei>(end - first) * vertices);
+    end = first;
+  }
+}
+
+void LinePass::draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
+                          float shown, float hidden) const {
+  if (records.count <= 0) return;
   program.use();
+  nothing_.bind(0, 0);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
-  // Depth is reversed: less is farther.
-  glDepthFunc(GL_LESS);
-  program.set("strength", hidden);
-  glDrawArraysInstanced(GL_TRIANGLES, 0, vertices, static_cast<GLsizei>(count));
+  // Depth is reversed: less is farther. What changes no colour of 8 bits is not drawn.
+  if (hidden >= 0.5f / 255) {
+    glDepthFunc(GL_LESS);
+    program.set("strength", hidden);
+    draw_records(program, mode, vertices, records);
+  }
   glDepthFunc(GL_GEQUAL);
   program.set("strength", shown);
-  glDrawArraysInstanced(GL_TRIANGLES, 0, vertices, static_cast<GLsizei>(count));
+  draw_records(program, mode, vertices, records);
 }
 
-void LinePass::bind_boxes(const gl::Buffer& boxes, std::int64_t count) const {
-  nothing_.bind(0, 0);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, boxes.get());
-  box_.set("box_count", static_cast<int>(count));
-}
-
-void LinePass::draw_boxes(const gl::Buffer& boxes, std::int64_t count, int first_level,
+void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
                           int last_level) const {
-  if (count <= 0) return;
-  bind_boxes(boxes, count);
-  box_.set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
-  draw_twice(box_, 72, count, 0.95f, std::min(0.2f, 5.0f / static_cast<float>(count)));
+  const std::int64_t count = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
+  std::int64_t broad = 0;
+  for (std::int64_t size : sizes) {
+    if (broad + size > most_broad_boxes) break;
+    broad += size;
+  }
+  // What is hidden adds up to a fog where there are many, so each is the fainter then.
+  const float hidden = std::min(0.2f, 5.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
+  for (const gl::Program* program : {&box_, &thin_box_})
+    program->set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
+  constexpr std::int64_t bytes = sizeof(BoxInstance);
+  draw_twice(thin_box_, GL_LINES, 24, {boxes, bytes, broad, count - broad}, 0.95f, hidden);
+  draw_twice(box_, GL_TRIANGLES, 72, {boxes, bytes, 0, broad}, 0.95f, hidden);
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
 
 void LinePass::draw_walls(const gl::Buffer& boxes) const {
-  bind_boxes(boxes, 1);
   box_.set("levels", 0, 0, 0, 0);
-  draw_twice(box_, 72, 1, 0.30f, 0.06f);
+  draw_twice(box_, GL_TRIANGLES, 72, {boxes, sizeof(BoxInstance), 0, 1}, 0.30f, 0.06f);
   gl::check("to draw the walls");
 }
 
 void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) const {
-  if (count <= 0) return;
-  contact_layout_.bind(contacts.get(), sizeof(ContactInstance));
-  // What is hidden adds up to a fog where there are many, so each is the fainter then.
-  draw_twice(contact_, 12, count, 1.0f, std::min(0.3f, 70.0f / static_cast<float>(count)));
+  const float hidden = std::min(0.3f, 70.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
+  draw_twice(contact_, GL_TRIANGLES, 12, {contacts, sizeof(ContactInstance), 0, count}, 1.0f, hidden);
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 

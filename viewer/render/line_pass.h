@@ -1,6 +1,9 @@
 #pragma once
-// Draws what consists of lines: the hierarchy's boxes, contacts, and the edges of the walls. First what lies
-// before the surfaces, then, faintly, what they hide. Owns its programs.
+// Draws what consists of lines: the hierarchy's boxes, contacts, and the edges of the walls. First, faintly,
+// what surfaces hide, then what lies before them. Many boxes are drawn in thin lines: a fog of broad ones
+// shows nothing, and a GPU with few raster units takes long over it. Owns its programs.
+
+#include <span>
 
 #include "viewer/render/gl/program.h"
 #include "viewer/render/gl/vertex_layout.h"
@@ -12,20 +15,28 @@ class LinePass {
  public:
   LinePass();
   /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
-  /// The boxes hold levels first_level to last_level, in this order.
-  void draw_boxes(const gl::Buffer& boxes, std::int64_t count, int first_level, int last_level) const;
+  /// The records are those of levels first_level to last_level, in this order, `sizes[i]` of each. Upper
+  /// levels are broad as long as they have no more than `most_broad_boxes` together.
+  void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
+                  int last_level) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count) const;
   /// Into an id buffer: faces filled, 0x80000000 + place of the box in the buffer, nearest wins.
   void draw_box_ids(const gl::Buffer& boxes, std::int64_t count) const;
 
- private:
-  void bind_boxes(const gl::Buffer& boxes, std::int64_t count) const;
-  void draw_twice(const gl::Program& program, GLsizei vertices, std::int64_t count, float shown,
-                  float hidden) const;
+  static constexpr std::int64_t most_broad_boxes = 8192;
 
-  gl::Program box_, contact_, box_ids_;
-  gl::VertexLayout nothing_, box_layout_, contact_layout_;
+ private:
+  struct Records {
+    const gl::Buffer& buffer;
+    std::int64_t bytes, first, count;  ///< of one; to draw
+  };
+  void draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
+                  float shown, float hidden) const;
+  static void draw_records(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records);
+
+  gl::Program box_, thin_box_, contact_, box_ids_;
+  gl::VertexLayout nothing_, box_layout_;
 };
 
 }  // namespace collidoscope

@@ -141,11 +141,11 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
   mark("veils and walls");
   if (layers.boxes)
-    lines_.draw_boxes(instances_.boxes, instances_.counts.boxes, layers.first_level, layers.last_level);
+    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, layers.last_level);
   mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");
-  if (mark_count_ > 0) lines_.draw_boxes(marks_, mark_count_, 0, 0);
+  if (mark_count_ > 0) lines_.draw_boxes(marks_, std::span(&mark_count_, 1), 0, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, 0, 0);
 
   picture_->bind();

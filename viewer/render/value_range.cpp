@@ -13,33 +13,29 @@ double round_up(double value) {
   return std::ceil(value / unit - 1e-9) * unit;
 }
 
-ValueRange color_range(const World& world, BodyColor color, const StepStats& stats) {
-  const std::vector<double>& radius = world.initial().radius;
-  const double last = static_cast<double>(std::max<std::size_t>(radius.size(), 2) - 1);
+ValueRange color_range(const FrameScene& scene, BodyColor color, const StepStats& stats) {
   switch (color) {
     case BodyColor::speed: {
       // The map ends at 2.2 times the root mean square (weighed by mass): bodies of one speed lie in its
       // middle, and a few fast ones do not leave one colour to all others. The legend says if it goes on.
-      double mass = 0;
-      for (double m : world.initial().mass) mass += m;
-      const double rms = mass > 0 ? std::sqrt(2 * stats.kinetic_energy / mass) : 0;
+      const double rms = scene.total_mass > 0 ? std::sqrt(2 * stats.kinetic_energy / scene.total_mass) : 0;
       return {0, round_up(2.2 * rms)};
     }
     case BodyColor::radius:
-      return {0, radius.empty() ? 1 : round_up(*std::max_element(radius.begin(), radius.end()))};
+      return {0, round_up(scene.largest_radius)};
     case BodyColor::contacts:
       return {0, 12};  // as many equal spheres as touch one of their size
     case BodyColor::id:
     case BodyColor::order:
-      return {0, last};
+      return {0, static_cast<double>(std::max<std::int64_t>(scene.body_count, 2) - 1)};
   }
   return {};
 }
 
 }  // namespace
 
-ValueRange value_range(const World& world, BodyColor color, const StepStats& stats) {
-  ValueRange range = color_range(world, color, stats);
+ValueRange value_range(const FrameScene& scene, BodyColor color, const StepStats& stats) {
+  ValueRange range = color_range(scene, color, stats);
   if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
   return range;
 }

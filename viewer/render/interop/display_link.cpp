@@ -40,6 +40,13 @@ void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffe
   if (!layers.spheres) counts.bodies = 0;
   if (!layers.contacts) counts.contacts = 0;
   buffers.counts = counts;
+  buffers.level_sizes.clear();
+  if (layers.boxes) {
+    const std::vector<std::int64_t> sizes = world.tree_level_sizes();
+    for (int level = layers.first_level; level <= layers.last_level; ++level)
+      if (level < static_cast<int>(sizes.size()))
+        buffers.level_sizes.push_back(sizes[static_cast<std::size_t>(level)]);
+  }
   buffers.bodies.reserve(static_cast<std::size_t>(counts.bodies) * sizeof(BodyInstance));
   buffers.boxes.reserve(static_cast<std::size_t>(counts.boxes) * sizeof(BoxInstance));
   buffers.contacts.reserve(static_cast<std::size_t>(counts.contacts) * sizeof(ContactInstance));
