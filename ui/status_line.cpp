@@ -23,9 +23,13 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
     explain(on ? "folds these panels away" : "unfolds these panels");
     ImGui::SameLine();
   }
-  const std::string text =
-      fmt::format(" {} on {} · drawn by {}{} · display path: {}", view.executor, view.device, view.renderer,
-                  view.software ? " (a software renderer)" : "", view.display_path);
+  const std::string text = fmt::format(
+      " {} on {} · drawn by {}{} · display path: {}", view.executor, view.device, view.renderer,
+      !view.software ? ""
+      : view.view_scale == 1.0
+          ? " (a software renderer)"
+          : fmt::format(" (a software renderer; while it moves at {:.0f} %)", 100 * view.view_scale),
+      view.display_path);
   faint_text(text);
 }
 

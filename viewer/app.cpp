@@ -98,7 +98,8 @@ void App::frame(double seconds) {
     picture_.resize(width, height);
     scene_.draw(live_, workspace_, std::max(static_cast<int>(rect.width), 1),
                 std::max(static_cast<int>(rect.height), 1));
-    picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y));
+    picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
+                   scene_.height());
   });
   guarded([&] { fill(view); });
   if (view.history == nullptr) view.history = &live_.history();
@@ -123,6 +124,7 @@ void App::fill(WorkspaceView& view) {
   view.edited = live_.edited();
   view.renderer = renderer_name_;
   view.software = software_;
+  view.view_scale = scene_.scale();
   view.display_path = scene_.display_path();
   view.cuda = cuda_;
   const Legend& legend = scene_.legend();

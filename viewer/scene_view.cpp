@@ -1,5 +1,8 @@
 #include "viewer/scene_view.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "viewer/camera_control.h"
 #include "viewer/render/gl/errors.h"
 #include "viewer/render/value_range.h"
@@ -44,14 +47,17 @@ void SceneView::follow_world(LiveWorld& live) {
 
 void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
   if (!workspace.selection || *workspace.selection >= live.world().initial().size()) {
+    if (selected_) renderer_->set_marks({});
     selected_.reset();
-    renderer_->set_marks({});
     return;
   }
-  const bool same = selected_ && selected_->id == *workspace.selection;
+  const Inspected wanted{live.generation(), live.world().steps(), *workspace.selection, workspace.show_path};
+  if (selected_ && wanted == inspected_) return;
+  const bool same = selected_ && selected_->id == wanted.id;
   const Vector3d before = same ? selected_->X : Vector3d(0, 0, 0);
   live.stats();  // finds the contacts and boxes of this state
-  selected_ = live.world().inspect(*workspace.selection);
+  selected_ = live.world().inspect(wanted.id);
+  inspected_ = wanted;
   if (workspace.follow) camera_.target = same ? camera_.target + selected_->X - before : selected_->X;
   std::vector<BoxInstance> marks;
   if (workspace.show_path)
@@ -68,14 +74,29 @@ void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
   renderer_->set_marks(marks);
 }
 
+void SceneView::publish(LiveWorld& live, const Workspace& workspace) {
+  const Published wanted{live.generation(), live.world().steps(), workspace.layers};
+  if (wanted == published_) return;
+  const FrameLayers layers = frame_layers(workspace.layers);
+  const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
+  link_->publish(live.world(), layers, renderer_->instances());
+  path_name_ = display_path_name(link_->path());
+  range_ = value_range(renderer_->scene(), layers.color, stats);
+  legend_ = layers.spheres ? body_legend(layers.color, range_, stats) : Legend{};
+  published_ = wanted;
+}
+
 void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int height) {
+  using Clock = std::chrono::steady_clock;
+  width_ = width;
+  height_ = height;
+  const bool software = gl::is_software_renderer();
   const auto bodies = static_cast<std::int64_t>(live.world().initial().size());
-  const DrawOptions options = live_options(draw_wish_, gl::is_software_renderer(), bodies);
+  const DrawOptions options = live_options(draw_wish_, software, bodies);
   if (!renderer_) renderer_.emplace(width, height, options);
   renderer_->set_options(options);
-  const bool resized = renderer_->width() != width || renderer_->height() != height;
-  renderer_->resize(width, height);
   follow_world(live);
+  const bool resized = drawn_.width != width || drawn_.height != height;
   if (!camera_set_ || (resized && !camera_moved_)) {
     const bool orthographic = camera_.orthographic;
     camera_ = scene_camera(scene_wish_, renderer_->scene().bounds, aspect());
@@ -83,17 +104,31 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int
     camera_set_ = true;
   }
   follow_selection(live, workspace);
-  const FrameLayers layers = frame_layers(workspace.layers);
-  const Published wanted{live.generation(), live.world().steps(), workspace.layers};
-  if (!(wanted == published_)) {
-    const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
-    link_->publish(live.world(), layers, renderer_->instances());
-    path_name_ = display_path_name(link_->path());
-    range_ = value_range(renderer_->scene(), layers.color, stats);
-    legend_ = layers.spheres ? body_legend(layers.color, range_, stats) : Legend{};
-    published_ = wanted;
+  publish(live, workspace);
+
+  Drawn wanted{published_,  selected_ ? inspected_ : Inspected{}, camera_, options, width, height,
+               drawn_.scale};
+  const Clock::time_point start = Clock::now();
+  const auto since = std::chrono::duration<double>(start - changed_).count();
+  if (!(wanted == drawn_)) {
+    view_scale_.changed(since);
+    changed_ = start;
   }
-  renderer_->draw(camera_, layers, range_);
+  // A moment after the last change every pixel is drawn, as it is for whoever keeps the picture.
+  const bool moves = !(wanted == drawn_) || since < 0.25;
+  const bool may = software && !draw_wish_.supersampling && !workspace.screenshot_wish;
+  wanted.scale = may && moves ? view_scale_.scale() : 1;
+  if (wanted == drawn_) return;
+  const auto pixels = [&](int size) {
+    return std::max(static_cast<int>(std::lround(wanted.scale * size)), 1);
+  };
+  renderer_->resize(pixels(width), pixels(height));
+  renderer_->draw(camera_, frame_layers(workspace.layers), range_);
+  if (software) {
+    Renderer::finish();
+    view_scale_.took(wanted.scale, std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  drawn_ = wanted;
 }
 
 void SceneView::meet_wish(CameraWish wish) {
@@ -130,13 +165,14 @@ void SceneView::meet_wish(CameraWish wish) {
 
 std::optional<std::uint32_t> SceneView::pick(int x, int y) {
   if (!renderer_ || renderer_->instances().counts.bodies == 0) return std::nullopt;
-  const std::uint32_t id = renderer_->pick(camera_, {}, x, y);
+  const std::uint32_t id =
+      renderer_->pick(camera_, {}, x * renderer_->width() / width_, y * renderer_->height() / height_);
   return id > 0 ? std::optional(id - 1) : std::nullopt;
 }
 
 std::vector<std::pair<double, double>> SceneView::outline() const {
   if (!selected_) return {};
-  return sphere_outline(camera_, selected_->X, selected_->radius, renderer_->width(), renderer_->height());
+  return sphere_outline(camera_, selected_->X, selected_->radius, width_, height_);
 }
 
 }  // namespace collidoscope

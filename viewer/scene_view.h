@@ -2,6 +2,7 @@
 // The 3D view: draws a LiveWorld where the layout has room for it, and answers what is under the pointer.
 // Owns the renderer, the display path and the camera; needs the GL context that was current when it was made.
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
+#include "viewer/view_scale.h"
 
 namespace collidoscope {
 
@@ -19,8 +21,13 @@ class SceneView {
   /// `wish`: the display path; `say` gets a line for each step down.
   SceneView(DisplayPath wish, const DrawWish& draw, DisplayLink::Say say);
 
-  /// Brings camera and buffers to what is to be drawn, and draws it, in `width` x `height` pixels.
+  /// Brings camera and buffers to what is to be drawn, and draws it for `width` x `height` pixels: on a slow
+  /// renderer fewer while it changes, and nothing while it does not.
   void draw(LiveWorld& live, const Workspace& workspace, int width, int height);
+  int width() const { return width_; }
+  int height() const { return height_; }
+  /// Pixels drawn for each of them, along an axis.
+  double scale() const { return drawn_.scale; }
 
   Renderer& renderer() { return *renderer_; }
   OrbitCamera& camera() { return camera_; }
@@ -42,7 +49,8 @@ class SceneView {
  private:
   void follow_world(LiveWorld& live);
   void follow_selection(LiveWorld& live, const Workspace& workspace);
-  double aspect() const { return static_cast<double>(renderer_->width()) / renderer_->height(); }
+  void publish(LiveWorld& live, const Workspace& workspace);
+  double aspect() const { return static_cast<double>(width_) / height_; }
 
   DisplayPath wish_;
   DrawWish draw_wish_;
@@ -64,7 +72,30 @@ class SceneView {
   } published_;
   ValueRange range_;
   Legend legend_;
+
+  // Of which body and state `selected_` speaks.
+  struct Inspected {
+    int generation = -1;
+    std::int64_t step = -1;
+    std::uint32_t id = 0;
+    bool path = false;
+    friend bool operator==(const Inspected&, const Inspected&) = default;
+  } inspected_;
   std::optional<BodyReport> selected_;
+
+  // What the picture shows: it is drawn anew only when it changes.
+  struct Drawn {
+    Published state;
+    Inspected marked;
+    OrbitCamera camera;
+    DrawOptions options;
+    int width = 0, height = 0;
+    double scale = 0;
+    friend bool operator==(const Drawn&, const Drawn&) = default;
+  } drawn_;
+  int width_ = 1, height_ = 1;
+  ViewScale view_scale_;
+  std::chrono::steady_clock::time_point changed_;
 };
 
 }  // namespace collidoscope

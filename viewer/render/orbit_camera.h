@@ -22,6 +22,8 @@ struct OrbitCamera {
   double field_of_view = 0.6;  ///< rad, vertical
   bool orthographic = false;   ///< the picture is then as high as perspective shows at the target
 
+  friend bool operator==(const OrbitCamera&, const OrbitCamera&) = default;
+
   Vector3d eye() const;
   Matrix3d axes() const;         ///< columns: right, up, backwards (from the target to the eye)
   Eigen::Matrix4d view() const;  ///< world to view: x right, y up, z towards the eye

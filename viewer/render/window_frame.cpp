@@ -13,12 +13,13 @@ void WindowFrame::resize(int width, int height) {
   target_ = gl::Target("window", width, height, {GL_RGBA8}, 0);
 }
 
-void WindowFrame::place(const Renderer& renderer, int x, int y) const {
+void WindowFrame::place(const Renderer& renderer, int x, int y, int width, int height) const {
   glDisable(GL_SCISSOR_TEST);
-  const int bottom = height() - y - renderer.height();
+  const int bottom = this->height() - y - height;
+  const bool same = renderer.width() == width && renderer.height() == height;
   glBlitNamedFramebuffer(renderer.picture().framebuffer(), target_.framebuffer(), 0, 0, renderer.width(),
-                         renderer.height(), x, bottom, x + renderer.width(), bottom + renderer.height(),
-                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+                         renderer.height(), x, bottom, x + width, bottom + height, GL_COLOR_BUFFER_BIT,
+                         same ? GL_NEAREST : GL_LINEAR);
   gl::check("to put the 3D view in its place");
 }
 

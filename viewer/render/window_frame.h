@@ -15,8 +15,12 @@ class WindowFrame {
   int width() const { return target_.width(); }
   int height() const { return target_.height(); }
 
-  /// Copies the renderer's picture to where its top left corner is (x, y).
-  void place(const Renderer& renderer, int x, int y) const;
+  /// Copies the renderer's picture to where its top left corner is (x, y); stretches it to `width` x `height`
+  /// pixels where it has fewer.
+  void place(const Renderer& renderer, int x, int y, int width, int height) const;
+  void place(const Renderer& renderer, int x, int y) const {
+    place(renderer, x, y, renderer.width(), renderer.height());
+  }
   /// Panels are drawn into it.
   const gl::Target& target() const { return target_; }
   Image read() const;
