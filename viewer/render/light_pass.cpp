@@ -5,18 +5,20 @@
 namespace collidoscope {
 
 LightPass::LightPass(Quality quality)
-    : quality_(quality),
+    : quick_(quality == Quality::quick),
       occlusion_("fullscreen.vert", "occlusion.frag"),
       blur_("fullscreen.vert", "occlusion_blur.frag"),
-      lighting_("fullscreen.vert", "lighting.frag", quality == Quality::quick ? "#define QUICK\n" : ""),
+      lighting_("fullscreen.vert", "lighting.frag", quick_ ? "#define QUICK\n" : ""),
+      backdrop_("fullscreen.vert", "lighting.frag",
+                quick_ ? "#define BACKDROP\n#define QUICK\n" : "#define BACKDROP\n"),
       nothing_{},
-      shadow_("shadow map", quality == Quality::quick ? 1024 : 2048, quality == Quality::quick ? 1024 : 2048,
-              {}, GL_DEPTH_COMPONENT32F) {
+      shadow_("shadow map", quick_ ? 768 : 2048, quick_ ? 768 : 2048, {}, GL_DEPTH_COMPONENT32F) {
   const GLuint map = shadow_.depth();
   glTextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed
-  glTextureParameteri(map, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTextureParameteri(map, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  const GLint filter = quick_ ? GL_NEAREST : GL_LINEAR;
+  glTextureParameteri(map, GL_TEXTURE_MIN_FILTER, filter);
+  glTextureParameteri(map, GL_TEXTURE_MAG_FILTER, filter);
 }
 
 void LightPass::resize(int width, int height) {
@@ -43,7 +45,7 @@ void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
   glDepthMask(GL_FALSE);
   nothing_.bind(0, 0);
 
-  if (quality_ == Quality::quick) {
+  if (quick_) {
     const float all_open[4] = {1, 1, 1, 1};
     glClearNamedFramebufferfv(smooth_->framebuffer(), GL_COLOR, 0, all_open);
   } else {
@@ -60,7 +62,13 @@ void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
 
+  // A triangle at the farthest depth, 0: it equals that of pixels where nothing is.
   lit.bind();
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_EQUAL);
+  backdrop_.use();
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthFunc(GL_LESS);
   lighting_.use();
   glBindTextureUnit(0, surface.color(0));
   glBindTextureUnit(1, surface.color(1));

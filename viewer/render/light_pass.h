@@ -18,15 +18,15 @@ class LightPass {
   void resize(int width, int height);
   /// Where the light's depth goes: cleared and bound, with the state that bodies are drawn in.
   const gl::Target& begin_shadows() const;
-  /// From `surface` (albedo, normal, depth) into `lit`.
+  /// From `surface` (albedo, normal, depth) into `lit`, whose depth is that of `surface`, too.
   void draw(const gl::Target& surface, const gl::Target& lit) const;
 
   /// Pixels of a side of the shadow map.
   int shadow_size() const { return shadow_.width(); }
 
  private:
-  Quality quality_;
-  gl::Program occlusion_, blur_, lighting_;
+  bool quick_;
+  gl::Program occlusion_, blur_, lighting_, backdrop_;
   gl::VertexLayout nothing_;
   gl::Target shadow_;
   std::optional<gl::Target> rough_, smooth_;

@@ -38,7 +38,7 @@ void LinePass::draw_twice(const gl::Program& program, GLenum mode, GLsizei verti
   program.use();
   nothing_.bind(0, 0);
   glEnable(GL_BLEND);
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
   // Depth is reversed: less is farther. What changes no colour of 8 bits is not drawn.

@@ -46,8 +46,9 @@ void Renderer::resize(int width, int height) {
   if (picture_ && picture_->width() == width && picture_->height() == height) return;
   const int w = width * options_.supersampling, h = height * options_.supersampling;
   surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
-  // The lit picture has a depth attachment of its own only because a texture cannot be read while bound.
+  // Light and lines are tested against the depth of the surfaces, and never write it.
   lit_.emplace("lit picture", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
+  glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
   ids_.reset();
   light_->resize(width, height);
@@ -134,8 +135,6 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   light_->draw(*surface_, *lit_);
   mark("light");
 
-  // Lines are tested against the depth of the surfaces, on top of the lit picture.
-  glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   lit_->bind();
   if (layers.grid) planes_.draw_veils();
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
@@ -146,8 +145,18 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");
   if (mark_count_ > 0) lines_.draw_boxes(marks_, std::span(&mark_count_, 1), 0, 0);
-  glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, 0, 0);
 
+  resolve();
+  gl::check("to draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
+  mark("resolve");
+}
+
+void Renderer::resolve() const {
+  if (options_.supersampling == 1) {
+    glBlitNamedFramebuffer(lit_->framebuffer(), picture_->framebuffer(), 0, 0, width(), height(), 0, 0,
+                           width(), height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    return;
+  }
   picture_->bind();
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
@@ -155,8 +164,6 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   nothing_.bind(0, 0);
   glBindTextureUnit(0, lit_->color());
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  gl::check("to draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
-  mark("resolve");
 }
 
 Image Renderer::read_picture() const {

@@ -67,6 +67,7 @@ class Renderer {
  private:
   void draw_id_target(const OrbitCamera& camera, const IdLayers& layers);
   void bind_uniforms(const gl::Buffer& buffer) const;
+  void resolve() const;  ///< the lit picture into the one that is shown
 
   DrawOptions options_;
   bool software_;  // the CPU draws
