@@ -21,7 +21,7 @@ enum class LaunchLimit {
 /// As panels and JSON say it.
 constexpr const char* name_of(LaunchLimit limit) {
   constexpr std::array names{
-      "unknown",   "too few items", "B x T as asked for", "threads", "blocks per multiprocessor",
+      "unknown",   "too few items", "B x T as asked for", "threads", "resident blocks",
       "registers", "shared memory"};
   return names[static_cast<std::size_t>(limit)];
 }

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <random>
 
 #include "sim_cuda/core/assets.h"
@@ -219,6 +222,103 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   EXPECT_TRUE(std::filesystem::exists(window.file("config/collidoscope/settings.json")));
 }
 
+/// Hands that do anything, anywhere: what was touched least comes first, so that a long walk leaves nothing
+/// out.
+class Walker {
+ public:
+  Walker(WindowDriver& window, unsigned seed) : window_(window), random_(seed) {}
+
+  void step() {
+    const Json widgets = window_.frame()["widgets"];
+    for (const auto& [name, rect] : widgets.items()) touched_.try_emplace(name, 0);
+    switch (pick(16)) {
+      case 0:
+      case 1:
+      case 2:
+        key();
+        break;
+      case 3:
+        scroll(widgets);
+        break;
+      case 4:
+        if (pick(4) == 0) resize();
+        break;
+      default:
+        touch(widgets);
+    }
+  }
+
+  /// How often each widget that was ever seen was clicked, dragged or typed into.
+  const std::map<std::string, int>& touched() const { return touched_; }
+  const std::string& trail() const { return trail_; }
+
+ private:
+  std::size_t pick(std::size_t n) { return static_cast<std::size_t>(random_() % n); }
+  int within(const Json& rect, std::size_t axis) {
+    return static_cast<int>(rect[axis].get<double>() +
+                            static_cast<double>(pick(1000)) / 1000 * rect[axis + 2].get<double>());
+  }
+  void note(const std::string& what) { trail_ += what + ' '; }
+
+  void key() {
+    static constexpr const char* keys[] = {"space", "s",      "r",  "f",   "1",       "3", "5",
+                                           "7",     "Escape", "F1", "Tab", "shift+f", "w", "Return"};
+    const std::string name = keys[pick(std::size(keys))];
+    note(name);
+    window_.key(name);
+  }
+
+  void scroll(const Json& widgets) {
+    if (widgets.empty()) return;
+    auto any = widgets.begin();
+    std::advance(any, static_cast<std::ptrdiff_t>(pick(widgets.size())));
+    note("wheel:" + any.key());
+    window_.hands({"mousemove", std::to_string(within(*any, 0)), std::to_string(within(*any, 1)), "click",
+                   "--repeat", std::to_string(1 + pick(12)), pick(2) ? "4" : "5"});
+    window_.next_frame();
+  }
+
+  void resize() {
+    static constexpr int sizes[][2] = {{1100, 720}, {1280, 720}, {640, 480}, {320, 240}, {1500, 1100}};
+    const auto& [width, height] = sizes[pick(std::size(sizes))];
+    note(std::to_string(width) + "x" + std::to_string(height));
+    window_.resize(width, height);
+    // So small a window hides most of what there is to touch.
+    if (width < 1000) window_.resize(1100, 720);
+  }
+
+  void touch(const Json& widgets) {
+    if (widgets.empty()) return;
+    std::vector<std::string> names;
+    for (const auto& [name, rect] : widgets.items()) names.push_back(name);
+    std::ranges::shuffle(names, random_);
+    if (pick(3) != 0) std::ranges::stable_sort(names, {}, [&](const std::string& n) { return touched_[n]; });
+    const std::string& name = names.front();
+    const Json& rect = widgets[name];
+    ++touched_[name];
+    note(name);
+    const int x = within(rect, 0), y = within(rect, 1);
+    const bool number = name == "settings.bodies" || name == "settings.blocks" ||
+                        name == "settings.threads" || name == "settings.rate" || name == "settings.radius" ||
+                        name == "settings.seed";
+    if (number && pick(2)) {
+      // Machines differ in how many bodies they can hold.
+      static constexpr const char* texts[] = {"0", "1", "7", "60", "250", "-3", "0.5", "nonsense", "1e2"};
+      window_.click_at(x, y);
+      window_.type(texts[pick(std::size(texts))]);
+    } else if (pick(4) == 0) {
+      window_.drag(x, y, within(rect, 0), within(rect, 1), pick(3) == 0 ? 3 : 1);
+    } else {
+      window_.click_at(x, y);
+    }
+  }
+
+  WindowDriver& window_;
+  std::mt19937 random_;
+  std::map<std::string, int> touched_;
+  std::string trail_;
+};
+
 // COLLIDOSCOPE_WALK_SECONDS=300 makes it long, COLLIDOSCOPE_WALK_SEED another walk.
 TEST_F(Viewer, SurvivesARandomWalk) {
   const auto from_environment = [](const char* name, int otherwise) {
@@ -226,43 +326,24 @@ TEST_F(Viewer, SurvivesARandomWalk) {
     return text ? std::atoi(text) : otherwise;
   };
   const int seconds = from_environment("COLLIDOSCOPE_WALK_SECONDS", 12);
-  std::mt19937 random(static_cast<unsigned>(from_environment("COLLIDOSCOPE_WALK_SEED", 1)));
-  const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   WindowDriver window({"box_collider", "--bodies", "200", "--size", "1100x720"});
+  Walker walker(window, static_cast<unsigned>(from_environment("COLLIDOSCOPE_WALK_SEED", 1)));
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-  static constexpr const char* keys[] = {"space", "s", "r",      "f",  "1",   "3",
-                                         "5",     "7", "Escape", "F1", "Tab", "shift+f"};
-  std::string trail;
-  while (std::chrono::steady_clock::now() < end && window.running()) {
-    const Json& widgets = window.frame()["widgets"];
-    std::vector<std::string> names;
-    for (const auto& [name, rect] : widgets.items()) names.push_back(name);
-    const std::size_t what = pick(10);
-    if (what < 6 && !names.empty()) {
-      const std::string name = names[pick(names.size())];
-      const Json& rect = widgets[name];
-      const auto within = [&](std::size_t axis) {
-        return static_cast<int>(rect[axis].get<double>() +
-                                static_cast<double>(pick(1000)) / 1000 * rect[axis + 2].get<double>());
-      };
-      const int x = within(0), y = within(1);
-      trail += name + " ";
-      if (pick(4) == 0)
-        window.drag(x, y, within(0), within(1), pick(3) == 0 ? 3 : 1);
-      else
-        window.click_at(x, y);
-    } else if (what < 9) {
-      const char* key = keys[pick(std::size(keys))];
-      trail += std::string(key) + " ";
-      window.key(key);
-    } else {
-      trail += "wheel ";
-      window.hands({"mousemove", std::to_string(300 + pick(500)), std::to_string(pick(700)), "click",
-                    pick(2) ? "4" : "5"});
-    }
-  }
-  ASSERT_TRUE(window.running()) << "after " << trail << "\n" << window.errors();
-  EXPECT_EQ(close(window), "") << trail;
+  int steps = 0;
+  for (; std::chrono::steady_clock::now() < end && window.running(); ++steps) walker.step();
+  ASSERT_TRUE(window.running()) << "after " << walker.trail() << "\n" << window.errors();
+  EXPECT_EQ(close(window), "") << walker.trail();
+
+  const std::map<std::string, int>& touched = walker.touched();
+  const auto missed = std::ranges::count_if(touched, [](const auto& one) { return one.second == 0; });
+  std::printf("%d steps, %zu widgets seen, %td of them never touched\n", steps, touched.size(), missed);
+  if (seconds < 200 || steps < 400) return;
+  // Within scrolled panels, lists that unfold, and what only a selected body shows.
+  for (const char* name :
+       {"settings.seed", "view.picture", "timing.json", "run.speed.2 ×", "layers.color.order",
+        "settings.variant.scaled", "settings.broad_phase.brute_force", "inspector.follow",
+        "inspector.contact.0", "layers.levels", "graph.momentum", "scene"})
+    EXPECT_TRUE(touched.contains(name) && touched.at(name) > 0) << name;
 }
 
 }  // namespace

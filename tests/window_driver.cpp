@@ -182,8 +182,12 @@ void WindowDriver::key(const std::string& name) {
 
 void WindowDriver::type_into(const std::string& widget, const std::string& text) {
   click(widget);
+  type(text);
+}
+
+void WindowDriver::type(const std::string& text) {
   hands({"key", "ctrl+a"});
-  hands({"type", text});
+  hands({"type", "--", text});
   hands({"key", "Return"});
   next_frame();
 }

@@ -47,7 +47,8 @@ class WindowDriver {
   void click(const std::string& widget);
   void click_at(int x, int y, int button = 1);
   void key(const std::string& name);
-  void type_into(const std::string& widget, const std::string& text);  ///< and Return
+  void type_into(const std::string& widget, const std::string& text);
+  void type(const std::string& text);  ///< in place of what the field holds, and Return
   void drag(int from_x, int from_y, int to_x, int to_y, int button = 1);
   void resize(int width, int height);
 

@@ -86,6 +86,8 @@ void draw_path(const WorkspaceView& view, const BodyReport& body) {
     const ImU32 color =
         view.level_colors.empty() ? 0xff808080u : view.level_colors[level % view.level_colors.size()];
     ImGui::GetWindowDrawList()->AddRectFilled({at.x, y}, {at.x + length, y + row - 1}, color, 1);
+    ImGui::GetWindowDrawList()->AddRect({at.x, y}, {at.x + length, y + row - 1},
+                                        ImGui::GetColorU32(ImGuiCol_Border), 1);
   }
   ImGui::Dummy({width, row * static_cast<float>(count)});
   explain("The boxes that hold this body, from its leaf (top) to the root: each as long as its diagonal");
