@@ -20,10 +20,16 @@ struct Aabb {
 };
 static_assert(sizeof(Aabb) == 24);
 
-/// Closed: boxes that share a face, an edge or a corner overlap.
+/// Whether a box holds no point, NaN among its numbers included.
+SIM_HD inline bool is_empty(const Aabb& box) {
+  return !(box.min.x() <= box.max.x() && box.min.y() <= box.max.y() && box.min.z() <= box.max.z());
+}
+
+/// Closed: boxes that share a face, an edge or a corner overlap. Without a branch: which of the six decides
+/// is anyone's guess, and a wrong guess costs more than all of them.
 SIM_HD inline bool overlap(const Aabb& a, const Aabb& b) {
-  return a.min.x() <= b.max.x() && b.min.x() <= a.max.x() && a.min.y() <= b.max.y() &&
-         b.min.y() <= a.max.y() && a.min.z() <= b.max.z() && b.min.z() <= a.max.z();
+  return (a.min.x() <= b.max.x()) & (b.min.x() <= a.max.x()) & (a.min.y() <= b.max.y()) &
+         (b.min.y() <= a.max.y()) & (a.min.z() <= b.max.z()) & (b.min.z() <= a.max.z());
 }
 
 /// The smallest box around both.
