@@ -49,7 +49,7 @@ class PairBatch {
 
  private:
   static constexpr std::uint32_t room = 8;  // more than most queries find: one visit to the counter for each
-  const PairSink& sink_;
+  PairSink sink_;                           // by value: a reference would keep the whole stage in memory
   std::uint32_t body_, held_ = 0, other_[room];
 };
 
