@@ -11,9 +11,10 @@ struct Method {
   std::unique_ptr<BroadPhase> (*make)(Executor&);
 };
 constexpr Method methods[] = {
-    {"bvh_bottom_up", make_bvh_bottom_up},
-    {"brute_force", make_brute_force},
-    {"lbvh_ropes", make_lbvh_ropes},
+    {"bvh_bottom_up", make_bvh_bottom_up},          // the paper's tree, over Morton order
+    {"lbvh_ropes", make_lbvh_ropes},                // a linear BVH, walked along its ropes
+    {"brute_force", make_brute_force},              // the paper's naive approach
+    {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
 };
 }  // namespace
 

@@ -27,8 +27,8 @@ class BroadPhase {
 
   /// Prepares for that many bodies; called outside the step, before the first update and when N changes.
   virtual void reserve(std::int64_t bodies) = 0;
-  /// Takes this step's boxes (one per body, by id; they stay until the next update). `extent`, in the
-  /// executor's memory, holds most centres.
+  /// Takes this step's boxes (one per body, by id; they stay until the next update), each of which is finite
+  /// with min <= max, or Aabb::empty(). `extent`, in the executor's memory, holds most centres.
   virtual void update(const Aabb* boxes, const Aabb* extent) = 0;
   /// Gives every pair of bodies whose boxes overlap to the sink, each once, in any order.
   virtual void find_pairs(const PairSink& sink) = 0;
@@ -43,6 +43,7 @@ std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& 
 
 // One factory per method, defined in the method's own file.
 std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
+std::unique_ptr<BroadPhase> make_brute_force_tiled(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor);
 std::unique_ptr<BroadPhase> make_lbvh_ropes(Executor& executor);
 

@@ -1,38 +1,54 @@
-// Every body against every other: the paper's naive approach (its 3.2.1), the oracle of all tests.
+// The paper's naive approach (its 3.2.1, Table 1): every pair of bodies has a number, and the numbers are
+// shared out to the threads. Without tree, order or memory of its own, it is what other methods must equal.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/pair_code.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
 
 namespace collidoscope {
 
 namespace {
 
-struct TestAll {
+/// An item decodes its first pair and counts on from there: `run` pairs, `stride` apart. Neighbouring items
+/// start at neighbouring pairs, so that a warp whose stride is its width reads neighbouring boxes each time.
+struct TestPairs {
   const Aabb* boxes;
-  std::uint32_t bodies;
+  std::uint64_t pairs;
+  std::uint64_t run, stride;
   PairSink sink;
   SIM_HD void operator()(int item) const {
-    const auto body = static_cast<std::uint32_t>(item);
-    const Aabb box = boxes[body];
-    PairBatch batch(sink, body);
-    for (std::uint32_t other = body + 1; other < bodies; ++other)
-      if (overlap(box, boxes[other])) batch.add(other);
-    batch.finish();
+    const auto group = static_cast<std::uint64_t>(item) / stride,
+               lane = static_cast<std::uint64_t>(item) % stride;
+    const std::uint64_t first = group * run * stride + lane, end = (group + 1) * run * stride;
+    auto [a, b] = decode_pair(first);
+    for (std::uint64_t pair = first; pair < end && pair < pairs; pair += stride) {
+      if (overlap(boxes[a], boxes[b])) sink.add(a, b);
+      for (a += static_cast<std::uint32_t>(stride); a >= b; ++b) a -= b;
+    }
   }
 };
 
 class BruteForce final : public BroadPhase {
  public:
   explicit BruteForce(Executor& executor) : executor_(executor) {}
-  void reserve(std::int64_t bodies) override { bodies_ = static_cast<std::uint32_t>(bodies); }
+  void reserve(std::int64_t bodies) override { pairs_ = pair_count(static_cast<std::uint64_t>(bodies)); }
   void update(const Aabb* boxes, const Aabb*) override { boxes_ = boxes; }
+
   void find_pairs(const PairSink& sink) override {
-    executor_.run("pairs", bodies_, TestAll{boxes_, bodies_, sink});
+    // One pair an item while that leaves enough for all threads; then powers of two, so that no number of
+    // bodies takes more items than an int counts.
+    const std::uint64_t stride = executor_.on_device() ? 32 : 1;
+    const std::uint64_t most_items = executor_.on_device() ? 1 << 21 : 1 << 14;
+    std::uint64_t run = 1;
+    while (pairs_ / run > most_items) run *= 2;
+    const std::uint64_t groups = (pairs_ + run * stride - 1) / (run * stride);
+    executor_.run("pairs", static_cast<std::int64_t>(groups * stride),
+                  TestPairs{boxes_, pairs_, run, stride, sink});
   }
 
  private:
   Executor& executor_;
-  std::uint32_t bodies_ = 0;
+  std::uint64_t pairs_ = 0;
   const Aabb* boxes_ = nullptr;
 };
 
