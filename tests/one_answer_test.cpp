@@ -51,15 +51,17 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 }
 
 TEST_P(OneAnswer, WithEveryBroadPhaseAndKeySize) {
-  const Scene scene = project_scene("giant_among_dust");
-  const std::string expected = hash_after(scene, options(), 30);
-  for (const std::string& method : broad_phase_names())
-    for (const int bits : {30, 63}) {
-      RunOptions o = options();
-      o.broad_phase = method;
-      o.key_bits = bits;
-      EXPECT_EQ(hash_after(scene, o, 30), expected) << method << ' ' << bits;
-    }
+  for (const Scene& scene : {project_scene("giant_among_dust"), project_scene("all_coincident"),
+                             project_scene("mixed_materials"), box_collider(900)}) {
+    const std::string expected = hash_after(scene, options(), 30);
+    for (const std::string& method : broad_phase_names())
+      for (const int bits : {30, 63}) {
+        RunOptions o = options();
+        o.broad_phase = method;
+        o.key_bits = bits;
+        EXPECT_EQ(hash_after(scene, o, 30), expected) << scene.name << ' ' << method << ' ' << bits;
+      }
+  }
 }
 
 TEST_P(OneAnswer, WithCapacitiesTenTimesTooSmall) {

@@ -15,6 +15,8 @@ constexpr Method methods[] = {
     {"lbvh_ropes", make_lbvh_ropes},                // a linear BVH, walked along its ropes
     {"brute_force", make_brute_force},              // the paper's naive approach
     {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
+    {"uniform_grid", make_uniform_grid},            // cells by the largest body
+    {"hierarchical_grid", make_hierarchical_grid},  // cells for each size of bodies
 };
 }  // namespace
 
