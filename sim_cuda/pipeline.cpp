@@ -45,7 +45,7 @@ class TypedPipeline final : public Pipeline {
     executor_.run("move", 1, Commit{control_.data()});
   }
 
-  void detect() override {
+  void find_pairs() override {
     executor_.run("bounds", body_count_,
                   Bounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
     const Aabb* extent = extent_.data();
@@ -53,6 +53,10 @@ class TypedPipeline final : public Pipeline {
       extent = reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
     broad_phase_->update(boxes_.data(), extent);
     pairs_.find(*broad_phase_, control_.data());
+  }
+
+  void detect() override {
+    find_pairs();
     contacts_.find(pairs_.view(), spheres(), control_.data());
   }
 
@@ -72,6 +76,7 @@ class TypedPipeline final : public Pipeline {
   StepControl control() override { return control_.download()[0]; }
   void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
   BroadPhase& broad_phase() override { return *broad_phase_; }
+  std::int64_t broad_phase_bytes() const override { return broad_phase_bytes_; }
 
   void measure(StepStats& stats) override {
     measurer_.measure({state_.view(), body_count_, state_.ledger.data(), planes_.data(), plane_count_,
@@ -142,6 +147,7 @@ class TypedPipeline final : public Pipeline {
   Restitution<Real> restitution_;
   Buffer<Aabb> boxes_, extent_;  // extent: the box, or scratch for the extent of all boxes
   std::unique_ptr<BroadPhase> broad_phase_;
+  std::int64_t broad_phase_bytes_ = 0;
   PairList pairs_;
   ContactList<Real> contacts_;
   ImpulseSolver<Real> solver_;
@@ -253,7 +259,9 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
     extent_.upload({Aabb{box_->min.cast<float>(), box_->max.cast<float>()}});
   else
     extent_.resize_discarding(reduce_scratch_size(body_count_));
+  const std::int64_t before = executor.allocated_bytes();
   broad_phase_->reserve(body_count_);
+  broad_phase_bytes_ = executor.allocated_bytes() - before;
   control_.upload({StepControl{}});
 }
 

@@ -35,6 +35,8 @@ class Pipeline {
   virtual void run() = 0;
   /// Enqueues bounds to contacts only: nothing moves.
   virtual void detect() = 0;
+  /// Enqueues bounds to pairs only: from positions to the ordered list of pairs.
+  virtual void find_pairs() = 0;
 
   /// Outside of runs; what runs have recorded must be recorded again afterwards.
   virtual void record_impulses(bool on) = 0;
@@ -45,6 +47,7 @@ class Pipeline {
   virtual StepControl control() = 0;  ///< read from the device; waits for it
   virtual void clear_overflow() = 0;
   virtual BroadPhase& broad_phase() = 0;
+  virtual std::int64_t broad_phase_bytes() const = 0;  ///< that the method took when it was made
 
   /// Energy, momenta and extremes at the current state; `contacts` must be those of the current state
   /// (detect()).

@@ -49,4 +49,16 @@ struct RunTimes {
   std::vector<StageTime> stages;  ///< in the order of the pipeline
 };
 
+/// How long the broad phase of one state takes, ms.
+struct BroadPhaseTimes {
+  std::vector<float> whole;  ///< each repeat, nothing measured within
+  struct Stage {
+    std::string name;
+    std::vector<float> ms;  ///< each repeat
+    int launches = 0;
+    bool own_shape = false;
+  };
+  std::vector<Stage> stages;  ///< of other repeats, with a time taken after each stage
+};
+
 }  // namespace collidoscope

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 
+#include "sim_cuda/broad_phase/quality.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/pipeline.h"
@@ -87,6 +89,8 @@ struct World::Impl {
   /// Runs until `target` pipeline runs are committed; false where an overflow stopped it before.
   bool run_plain(std::uint32_t target);
   bool run_instrumented(std::uint32_t target);
+  /// From the first work to the end of the last, on the device's clock where there is one.
+  double milliseconds_of(const std::function<void()>& work);
 
   Scene scene;
   Executor executor;  // before everything that lives on it
@@ -97,7 +101,10 @@ struct World::Impl {
   std::int64_t steps = 0;
   std::uint32_t committed = 0;  // pipeline runs, modulo 2^32
   Tree tree{executor};
-  bool arranged = false;      // `tree` is that of the broad phase now
+  bool arranged = false;  // `tree` is that of the broad phase now
+  TreeMeter meter{executor};
+  TreeQuality quality;
+  bool metered = false;       // `quality` is that of `tree` now
   bool detected = false;      // pairs and contacts are those of the current state
   bool recording = false;     // steps note the impulses of contacts
   bool impulses_new = false;  // they belong to the contacts in the list, and are not kept yet
@@ -121,34 +128,34 @@ bool World::Impl::run_instrumented(std::uint32_t target) {
   return true;
 }
 
-bool World::Impl::run_plain(std::uint32_t target) {
-  StepGraph& g = graph(false);
-  const bool whole = target - committed == static_cast<std::uint32_t>(scene.physics.substeps);
+double World::Impl::milliseconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
 #if SIM_CUDA
-  cudaEvent_t begin = nullptr, end = nullptr;
   if (executor.on_device()) {
+    cudaEvent_t begin = nullptr, end = nullptr;
     check(cudaEventCreate(&begin), "create an event");
     check(cudaEventCreate(&end), "create an event");
     check(cudaEventRecord(begin, executor.stream()), "record an event");
-  }
-#endif
-  for (std::uint32_t run = committed; run != target; ++run) g.launch();
-  double milliseconds = 0;
-#if SIM_CUDA
-  if (executor.on_device()) {
+    work();
     check(cudaEventRecord(end, executor.stream()), "record an event");
     executor.synchronize();
     float elapsed = 0;
     check(cudaEventElapsedTime(&elapsed, begin, end), "read the time of a step");
-    milliseconds = static_cast<double>(elapsed);
     cudaEventDestroy(begin);
     cudaEventDestroy(end);
+    return static_cast<double>(elapsed);
   }
 #endif
-  if (!executor.on_device())
-    milliseconds =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool World::Impl::run_plain(std::uint32_t target) {
+  StepGraph& g = graph(false);
+  const bool whole = target - committed == static_cast<std::uint32_t>(scene.physics.substeps);
+  const double milliseconds = milliseconds_of([&] {
+    for (std::uint32_t run = committed; run != target; ++run) g.launch();
+  });
   const StepControl control = pipeline->control();
   committed = control.committed;
   if (control.overflow) return false;
@@ -257,7 +264,7 @@ void World::detect() {
   do w.pipeline->detect();
   while (w.grow());
   w.detected = true;
-  w.arranged = false;
+  w.arranged = w.metered = false;
 }
 
 StepStats World::measure() {
@@ -307,6 +314,66 @@ TreeLevels World::tree_levels() {
   }
   return levels;
 }
+
+const TreeQuality& World::tree_quality() {
+  Impl& w = *impl_;
+  detect();
+  if (!w.metered) w.quality = w.meter.measure(w.arranged_tree(), static_cast<std::int64_t>(w.initial.size()));
+  w.quality.bytes = w.pipeline->broad_phase_bytes();
+  w.metered = true;
+  return w.quality;
+}
+
+std::vector<NodeReport> World::ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count) {
+  tree_quality();
+  return impl_->meter.ranked(impl_->arranged_tree(), metric, first, count);
+}
+
+NodeReport World::tree_node(std::uint32_t place) {
+  tree_quality();
+  if (place >= tree_nodes()) throw std::out_of_range("tree_node: there is no node " + std::to_string(place));
+  return impl_->meter.node(impl_->arranged_tree(), place);
+}
+
+std::vector<std::uint32_t> World::visited_nodes(std::uint32_t id, std::int64_t most) {
+  tree_quality();
+  if (id >= impl_->initial.size())
+    throw std::out_of_range("visited_nodes: there is no body " + std::to_string(id));
+  return impl_->meter.visited(impl_->arranged_tree(), id, most);
+}
+
+BroadPhaseTimes World::time_broad_phase(int repeats) {
+  Impl& w = *impl_;
+  detect();  // grows what is too small
+  BroadPhaseTimes times;
+  const auto find = [&] { w.pipeline->find_pairs(); };
+  constexpr int warm_up = 3;
+  {
+    StepGraph plain(w.executor, false, find);
+    for (int k = -warm_up; k < repeats; ++k) {
+      const double ms = w.milliseconds_of([&] { plain.launch(); });
+      if (k >= 0) times.whole.push_back(static_cast<float>(ms));
+    }
+  }
+  StepGraph instrumented(w.executor, true, find);
+  StageClock& clock = w.executor.clock();
+  for (int k = -warm_up; k < repeats; ++k) {
+    instrumented.launch();
+    w.executor.synchronize();
+    instrumented.collect();
+    if (k >= 0)
+      for (const StageTime& stage : clock.step_in_progress()) {
+        auto known = std::ranges::find(times.stages, stage.name, &BroadPhaseTimes::Stage::name);
+        if (known == times.stages.end())
+          known = times.stages.insert(times.stages.end(), {stage.name, {}, stage.launches, stage.own_shape});
+        known->ms.push_back(static_cast<float>(stage.last_ms));
+      }
+    clock.discard_step();
+  }
+  return times;
+}
+
+std::int64_t World::broad_phase_bytes() const { return impl_->pipeline->broad_phase_bytes(); }
 
 PublishCounts World::publish_counts(int first_level, int last_level) {
   Impl& w = *impl_;

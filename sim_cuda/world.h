@@ -13,6 +13,7 @@
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/step_stats.h"
+#include "sim_cuda/tree_quality.h"
 
 namespace collidoscope {
 
@@ -90,6 +91,18 @@ class World {
   TreeLevels tree_levels();
   std::vector<std::int64_t> tree_level_sizes();  ///< boxes of each level, from the root; empty: no tree
   std::int64_t tree_nodes() const;               ///< in all
+  /// Measures the tree of the current state, by sums over its nodes and a query of every body; once for each
+  /// state. All zero where the method has no tree.
+  const TreeQuality& tree_quality();
+  /// Nodes of the tree, the greatest by `metric` first; those from `first` on, at most `count`.
+  std::vector<NodeReport> ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count);
+  NodeReport tree_node(std::uint32_t place);  ///< place < tree_nodes()
+  /// The places of the nodes that the query of a body tests, in its order; the first `most`.
+  std::vector<std::uint32_t> visited_nodes(std::uint32_t id, std::int64_t most);
+  /// Finds the pairs of the current state `repeats` times, from positions to the ordered list, plain and then
+  /// with a time taken after each stage; in ms. Moves nothing.
+  BroadPhaseTimes time_broad_phase(int repeats);
+  std::int64_t broad_phase_bytes() const;                         ///< of the method alone
   PublishCounts publish_counts(int first_level, int last_level);  ///< an empty range: no boxes
   /// Packs what is drawn into the target's memory; returns when the device has written it.
   void publish(const PublishTarget& target);

@@ -38,6 +38,19 @@ void StageClock::commit_step() {
   }
 }
 
+std::vector<StageTime> StageClock::step_in_progress() const {
+  std::vector<StageTime> stages;
+  for (const Entry& e : entries_) {
+    if (!(e.step_ms > 0)) continue;
+    StageTime& stage = stages.emplace_back();
+    stage.name = e.name;
+    stage.last_ms = static_cast<double>(e.step_ms);
+    stage.launches = e.launches;
+    stage.own_shape = e.own_shape;
+  }
+  return stages;
+}
+
 void StageClock::discard_step() {
   for (Entry& e : entries_) e.step_ms = 0;
 }

@@ -48,6 +48,8 @@ class StageClock {
   std::size_t index(const Entry& e) const { return static_cast<std::size_t>(&e - entries_.data()); }
   /// Ends the step in progress: its sums become a sample of each stage.
   void commit_step();
+  /// What each stage of the step in progress took, in last_ms, by name; launches are of the last plain step.
+  std::vector<StageTime> step_in_progress() const;
   /// Forgets the step in progress: it will be done again.
   void discard_step();
   /// A plain step of that many milliseconds.

@@ -1,0 +1,401 @@
+#include "sim_cuda/broad_phase/quality.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/reduce.h"
+#include "sim_cuda/core/sort.h"
+
+namespace collidoscope {
+
+SIM_HD inline NodeSums combine(const NodeSums& a, const NodeSums& b) {
+  return {a.area + b.area,   a.overlap + b.overlap, a.empty + b.empty, a.sides + b.sides,
+          a.faces + b.faces, a.volume + b.volume,   a.inner + b.inner};
+}
+
+SIM_HD inline QuerySums combine(const QuerySums& a, const QuerySums& b) {
+  return {a.q1 + b.q1,   a.q2 + b.q2,         a.q3 + b.q3,  a.area + b.area,
+          a.epo + b.epo, a.visits + b.visits, a.met + b.met};
+}
+
+namespace {
+
+// In double: products of three float extents from 1e-7 to 1e6 m.
+struct Extent {
+  double x, y, z;
+  SIM_HD explicit Extent(const Aabb& box) : x(side(box, 0)), y(side(box, 1)), z(side(box, 2)) {}
+  SIM_HD static double side(const Aabb& box, int axis) {
+    return max_of(static_cast<double>(box.max[axis]) - static_cast<double>(box.min[axis]), 0.0);
+  }
+  SIM_HD double area() const { return 2 * (x * y + y * z + z * x); }
+  SIM_HD double volume() const { return x * y * z; }
+};
+
+SIM_HD inline Aabb intersection(const Aabb& a, const Aabb& b) {
+  Aabb common;
+  for (int k = 0; k < 3; ++k) {
+    common.min[k] = max_of(a.min[k], b.min[k]);
+    common.max[k] = min_of(a.max[k], b.max[k]);
+  }
+  return common;
+}
+
+SIM_HD inline double ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+struct MeasureNode {
+  TreeView tree;
+  SIM_HD NodeSums operator()(std::int64_t item) const {
+    const Aabb box = tree.box[item];
+    const Extent extent(box);
+    const std::uint32_t first = tree.first_child[item], count = tree.children[item];
+    NodeSums node;
+    node.area = extent.area() * (count == 0 ? 2 : 1);
+    node.sides = extent.x + extent.y + extent.z;
+    node.faces = extent.area() / 2;
+    node.volume = extent.volume();
+    if (count > 0) {
+      double filled = 0, common_area = 0;
+      for (std::uint32_t i = first; i < first + count; ++i) {
+        filled += Extent(tree.box[i]).volume();
+        for (std::uint32_t j = i + 1; j < first + count; ++j) {
+          if (!collidoscope::overlap(tree.box[i], tree.box[j])) continue;
+          const Extent common(intersection(tree.box[i], tree.box[j]));
+          common_area += common.area();
+          filled -= common.volume();
+        }
+      }
+      node.inner = 1;
+      node.overlap = ratio(common_area, extent.area());
+      node.empty = clamp_to(1 - ratio(filled, extent.volume()), 0.0, 1.0);
+    }
+    return node;
+  }
+};
+
+struct StoreNode {
+  MeasureNode measure;
+  double whole_area;
+  const std::uint32_t* visits;
+  float *sah_share, *overlap, *empty, *visited;
+  SIM_HD void operator()(int item) const {
+    const NodeSums node = measure(item);
+    sah_share[item] = static_cast<float>(ratio(node.area, whole_area));
+    overlap[item] = static_cast<float>(node.overlap);
+    empty[item] = static_cast<float>(node.empty);
+    visited[item] = static_cast<float>(visits[item]);
+  }
+};
+
+struct StoreLevel {
+  float level;
+  float* out;
+  SIM_HD void operator()(int item) const { out[item] = level; }
+};
+
+/// The area of a body's box that lies in a node, face by face.
+SIM_HD inline double area_within(const Aabb& body, const Aabb& node) {
+  const Aabb common = intersection(body, node);
+  const Extent extent(common);
+  const double face[3] = {extent.y * extent.z, extent.z * extent.x, extent.x * extent.y};
+  double area = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (common.min[k] == body.min[k]) area += face[k];
+    if (common.max[k] == body.max[k]) area += face[k];
+  }
+  return area;
+}
+
+/// Walks the tree from the root: meets each box whose parent overlaps `query`, children before siblings, and
+/// says of each whether to go down. No stack: nodes know their parents, and siblings follow each other.
+template <class Meet>
+SIM_HD void walk(const TreeView& tree, const Meet& meet) {
+  std::uint32_t node = 0;
+  for (;;) {
+    if (meet(node) && tree.children[node] > 0) {
+      node = tree.first_child[node];
+      continue;
+    }
+    for (;;) {
+      if (node == 0) return;
+      const std::uint32_t parent = tree.parent[node];
+      if (node + 1 < tree.first_child[parent] + tree.children[parent]) break;
+      node = parent;
+    }
+    ++node;
+  }
+}
+
+/// One body's query, by its leaf.
+struct Query {
+  TreeView tree;
+  std::uint32_t *node_visits, *body_visits, *leaf_visits, *met;
+  double* epo;
+  const std::uint32_t* leaf_node;
+  SIM_HD void operator()(int place) const {
+    const std::uint32_t leaf = leaf_node[place];
+    const Aabb box = tree.box[leaf];
+    std::uint32_t visits = 0, found = 0;
+    double outside = 0;
+    walk(tree, [&](std::uint32_t node) {
+      ++visits;
+      atomic_add(&node_visits[node], 1);
+      const Aabb its = tree.box[node];
+      if (!overlap(box, its)) return false;
+      if (tree.children[node] == 0) found += node != leaf;
+      if (!holds(node, leaf)) outside += area_within(box, its) * (tree.children[node] == 0 ? 2 : 1);
+      return true;
+    });
+    body_visits[tree.body[leaf]] = leaf_visits[place] = visits;
+    met[place] = found;
+    epo[place] = outside;
+  }
+  SIM_HD bool holds(std::uint32_t node, std::uint32_t leaf) const {
+    while (leaf > node) leaf = tree.parent[leaf];  // parents stand before their children
+    return leaf == node;
+  }
+};
+
+struct LeafNodes {
+  TreeView tree;
+  const std::uint32_t* place_of_body;
+  std::uint32_t* leaf_node;
+  SIM_HD void operator()(int node) const {
+    if (tree.body[node] != TreeView::inner)
+      leaf_node[place_of_body[tree.body[node]]] = static_cast<std::uint32_t>(node);
+  }
+};
+
+struct PlacesOfBodies {
+  const std::uint32_t* leaf_body;
+  std::uint32_t* place;
+  SIM_HD void operator()(int k) const { place[leaf_body[k]] = static_cast<std::uint32_t>(k); }
+};
+
+struct LoadQuery {
+  TreeView tree;
+  const std::uint32_t *leaf_node, *leaf_visits, *met;
+  const double* epo;
+  SIM_HD QuerySums operator()(std::int64_t place) const {
+    const Extent extent(tree.box[leaf_node[place]]);
+    const double q = extent.x / 2;  // boxes of spheres are cubes
+    QuerySums sums;
+    sums.q1 = q;
+    sums.q2 = q * q;
+    sums.q3 = q * q * q;
+    sums.area = extent.area();
+    sums.epo = epo[place];
+    sums.visits = leaf_visits[place];
+    sums.met = met[place];
+    return sums;
+  }
+};
+
+/// Sorts ascending what is greatest first. Values are >= 0, so their bits order as they do.
+struct RankKeys {
+  const float* values;
+  std::uint32_t *key, *id;
+  SIM_HD void operator()(int node) const {
+    key[node] = ~std::bit_cast<std::uint32_t>(values[node]);
+    id[node] = static_cast<std::uint32_t>(node);
+  }
+};
+
+struct WriteVisited {
+  TreeView tree;
+  std::uint32_t body;
+  const std::uint32_t *place_of_body, *leaf_node;
+  std::uint32_t most;
+  std::uint32_t* list;  // {number, nodes...}
+  SIM_HD void operator()(int) const {
+    const Aabb box = tree.box[leaf_node[place_of_body[body]]];
+    std::uint32_t count = 0;
+    walk(tree, [&](std::uint32_t node) {
+      if (count < most) list[1 + count] = node;
+      ++count;
+      return overlap(box, tree.box[node]);
+    });
+    list[0] = count;
+  }
+};
+
+}  // namespace
+
+TreeMeter::TreeMeter(Executor& executor)
+    : executor_(executor),
+      level_(executor, "levels of nodes"),
+      sah_share_(executor, "SAH of nodes"),
+      overlap_(executor, "overlap of nodes"),
+      empty_(executor, "empty space of nodes"),
+      visited_(executor, "visits of nodes"),
+      node_visits_(executor, "visits of nodes"),
+      body_visits_(executor, "visits of bodies"),
+      leaf_visits_(executor, "visits of bodies"),
+      met_(executor, "pairs of bodies"),
+      leaf_node_(executor, "leaves of bodies"),
+      place_(executor, "places of bodies"),
+      epo_(executor, "end point overlap"),
+      node_sums_(executor, "sums over nodes"),
+      query_sums_(executor, "sums over queries"),
+      key_(executor, "rank keys"),
+      sorted_key_(executor, "rank keys"),
+      id_(executor, "nodes to rank"),
+      order_(executor, "ranked nodes"),
+      temporary_(executor, "sort workspace") {}
+
+TreeQuality TreeMeter::measure(const TreeView& tree, std::int64_t bodies) {
+  TreeQuality quality;
+  quality.bodies = bodies;
+  quality.nodes = tree.nodes;
+  quality.levels = tree.levels();
+  if (tree.nodes == 0) return quality;
+  const auto nodes = static_cast<std::size_t>(tree.nodes), n = static_cast<std::size_t>(bodies);
+  for (Buffer<float>* values : {&level_, &sah_share_, &overlap_, &empty_, &visited_})
+    values->resize_discarding(nodes);
+  node_visits_.resize_discarding(nodes);
+  for (Buffer<std::uint32_t>* counts : {&body_visits_, &leaf_visits_, &met_, &leaf_node_, &place_})
+    counts->resize_discarding(n);
+  epo_.resize_discarding(n);
+  node_sums_.resize_discarding(reduce_scratch_size(tree.nodes));
+  query_sums_.resize_discarding(reduce_scratch_size(bodies));
+
+  executor_.begin_stage("quality");
+  node_visits_.fill_zero();
+  executor_.run("quality", bodies, PlacesOfBodies{tree.leaf_body, place_.data()});
+  executor_.run("quality", tree.nodes, LeafNodes{tree, place_.data(), leaf_node_.data()});
+  executor_.run("quality", bodies,
+                Query{tree, node_visits_.data(), body_visits_.data(), leaf_visits_.data(), met_.data(),
+                      epo_.data(), leaf_node_.data()});
+  NodeSums over_nodes;
+  executor_.copy_to_host(
+      &over_nodes, reduce<NodeSums>(executor_, "quality", tree.nodes, MeasureNode{tree}, node_sums_.data()),
+      sizeof over_nodes);
+  QuerySums over_queries;
+  executor_.copy_to_host(
+      &over_queries,
+      reduce<QuerySums>(executor_, "quality", bodies,
+                        LoadQuery{tree, leaf_node_.data(), leaf_visits_.data(), met_.data(), epo_.data()},
+                        query_sums_.data()),
+      sizeof over_queries);
+  executor_.run("quality", tree.nodes,
+                StoreNode{MeasureNode{tree}, over_nodes.area, node_visits_.data(), sah_share_.data(),
+                          overlap_.data(), empty_.data(), visited_.data()});
+  for (int level = 0; level < tree.levels(); ++level)
+    executor_.run("quality", tree.level_size(level),
+                  StoreLevel{static_cast<float>(level), level_.data() + tree.level_begin(level)});
+
+  Aabb root;
+  executor_.copy_to_host(&root, tree.box, sizeof root);
+  const Extent whole(root);
+  const auto count = static_cast<double>(bodies);
+  quality.sah = ratio(over_nodes.area, whole.area());
+  quality.epo = ratio(over_queries.epo, over_queries.area);
+  quality.sah_epo = 0.29 * quality.sah + 0.71 * quality.epo;
+  quality.sibling_overlap = ratio(over_nodes.overlap, over_nodes.inner);
+  quality.empty_space = ratio(over_nodes.empty, over_nodes.inner);
+  quality.expected_visits = ratio(
+      over_nodes.volume + (2 * over_queries.q1 * over_nodes.faces + 4 * over_queries.q2 * over_nodes.sides +
+                           8 * over_queries.q3 * static_cast<double>(tree.nodes)) /
+                              count,
+      whole.volume());
+  quality.pairs = over_queries.met / 2;
+  quality.tests_per_pair = ratio(over_queries.visits, static_cast<double>(over_queries.met));
+  quality.visits_mean = over_queries.visits / count;
+
+  std::vector<std::uint32_t> visits = leaf_visits_.download();
+  double of_warps = 0;
+  constexpr std::size_t warp = 32;
+  std::size_t warps = 0;
+  for (std::size_t k = 0; k < n; k += warp, ++warps)
+    of_warps += *std::max_element(visits.begin() + static_cast<std::ptrdiff_t>(k),
+                                  visits.begin() + static_cast<std::ptrdiff_t>(std::min(k + warp, n)));
+  quality.warp_ratio = of_warps / static_cast<double>(warps) / quality.visits_mean;
+  const auto p99 = visits.begin() + static_cast<std::ptrdiff_t>((n - 1) * 99 / 100);
+  std::nth_element(visits.begin(), p99, visits.end());
+  quality.visits_p99 = *p99;
+  quality.visits_max = *std::max_element(p99, visits.end());
+
+  const std::vector<std::uint32_t> children = [&] {
+    std::vector<std::uint32_t> host(nodes);
+    executor_.copy_to_host(host.data(), tree.children, nodes * sizeof host[0]);
+    return host;
+  }();
+  for (int level = 0; level < tree.levels(); ++level)
+    quality.leaves.push_back(std::count(children.begin() + tree.level_begin(level),
+                                        children.begin() + tree.level_begin(level + 1), 0u));
+  return quality;
+}
+
+const float* TreeMeter::values(NodeMetric metric) const {
+  switch (metric) {
+    case NodeMetric::level:
+      return level_.data();
+    case NodeMetric::sah_share:
+      return sah_share_.data();
+    case NodeMetric::sibling_overlap:
+      return overlap_.data();
+    case NodeMetric::empty_space:
+      return empty_.data();
+    case NodeMetric::visits:
+      return visited_.data();
+  }
+  return nullptr;
+}
+
+std::vector<NodeReport> TreeMeter::ranked(const TreeView& tree, NodeMetric metric, std::int64_t first,
+                                          std::int64_t count) {
+  std::vector<NodeReport> list;
+  first = std::clamp<std::int64_t>(first, 0, tree.nodes);
+  count = std::clamp<std::int64_t>(count, 0, tree.nodes - first);
+  if (count == 0) return list;
+  for (Buffer<std::uint32_t>* numbers : {&key_, &sorted_key_, &id_, &order_})
+    numbers->resize_discarding(static_cast<std::size_t>(tree.nodes));
+  temporary_.resize_discarding(sort_temporary_bytes<std::uint32_t>(executor_, tree.nodes, 32));
+  executor_.run("quality", tree.nodes, RankKeys{values(metric), key_.data(), id_.data()});
+  sort_by_key(executor_, "quality", tree.nodes, 32, key_.data(), sorted_key_.data(), id_.data(),
+              order_.data(), temporary_.data(), temporary_.bytes());
+  std::vector<std::uint32_t> places(static_cast<std::size_t>(count));
+  executor_.copy_to_host(places.data(), order_.data() + first, places.size() * sizeof places[0]);
+  for (const std::uint32_t place : places) list.push_back(node(tree, place));
+  return list;
+}
+
+NodeReport TreeMeter::node(const TreeView& tree, std::uint32_t place) {
+  const auto read = [&](const auto* array) {
+    std::remove_cv_t<std::remove_reference_t<decltype(*array)>> value;
+    executor_.copy_to_host(&value, array + place, sizeof value);
+    return value;
+  };
+  NodeReport report;
+  report.node = place;
+  report.level = static_cast<int>(std::upper_bound(tree.first->begin(), tree.first->end(), place) -
+                                  tree.first->begin()) -
+                 1;
+  report.children = read(tree.children);
+  report.body = report.children == 0 ? read(tree.body) : 0;
+  const Aabb box = read(tree.box);
+  for (int k = 0; k < 3; ++k) {
+    report.min[k] = box.min[k];
+    report.max[k] = box.max[k];
+  }
+  report.sah_share = static_cast<double>(read(sah_share_.data()));
+  report.sibling_overlap = static_cast<double>(read(overlap_.data()));
+  report.empty_space = static_cast<double>(read(empty_.data()));
+  report.visits = read(node_visits_.data());
+  return report;
+}
+
+std::vector<std::uint32_t> TreeMeter::visited(const TreeView& tree, std::uint32_t body, std::int64_t most) {
+  Buffer<std::uint32_t> list(executor_, "visited nodes");
+  list.resize_discarding(static_cast<std::size_t>(most) + 1);
+  executor_.run("quality", 1,
+                WriteVisited{tree, body, place_.data(), leaf_node_.data(), static_cast<std::uint32_t>(most),
+                             list.data()});
+  std::vector<std::uint32_t> host = list.download();
+  host.resize(1 + static_cast<std::size_t>(std::min<std::int64_t>(host[0], most)));
+  host.erase(host.begin());
+  return host;
+}
+
+}  // namespace collidoscope

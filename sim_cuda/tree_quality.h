@@ -1,0 +1,46 @@
+#pragma once
+// How good a hierarchy is, in numbers. Plain data.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace collidoscope {
+
+/// Of a node: what the tree panel colours, sorts and lists by.
+enum class NodeMetric : std::uint32_t { level, sah_share, sibling_overlap, empty_space, visits };
+
+struct NodeReport {
+  std::uint32_t node = 0;  ///< its place, level by level from the root
+  int level = 0;
+  std::uint32_t children = 0;  ///< 0: a leaf
+  std::uint32_t body = 0;      ///< of a leaf
+  float min[3] = {}, max[3] = {};
+  double sah_share = 0;        ///< of the tree's whole SAH cost
+  double sibling_overlap = 0;  ///< area of its children's common part over its own; of a leaf 0
+  double empty_space = 0;      ///< part of its volume in no child; of a leaf 0
+  std::int64_t visits = 0;     ///< queries that test its box
+};
+
+/// Boxes are tested when a query, which starts at the root, has found their parent to overlap: `visits`.
+struct TreeQuality {
+  std::int64_t bodies = 0, nodes = 0, bytes = 0;  ///< bytes: of the method, tree and all
+  int levels = 0;
+  double sah = 0;              ///< sum of areas of nodes and of bodies' boxes, over the root's (both costs 1)
+  double epo = 0;              ///< end point overlap, Aila, Karras, Laine 2013, of the bodies' boxes
+  double sah_epo = 0;          ///< 0.29 sah + 0.71 epo, theirs for rays
+  double sibling_overlap = 0;  ///< mean over inner nodes
+  double empty_space = 0;      ///< mean over inner nodes
+  std::vector<std::int64_t> leaves;  ///< at each level
+  double visits_mean = 0;            ///< per query
+  double visits_p99 = 0;
+  std::int64_t visits_max = 0;
+  double warp_ratio =
+      0;  ///< mean over 32 neighbours in the tree's order of their most visits, over visits_mean
+  double expected_visits =
+      0;  ///< mean over queries of the sum over nodes of prod(extent + 2 query) / root's volume
+  std::int64_t pairs = 0;
+  double tests_per_pair = 0;  ///< box tests of all queries over twice the pairs: each pair is met by both
+};
+
+}  // namespace collidoscope

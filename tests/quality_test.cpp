@@ -1,0 +1,133 @@
+#include "sim_cuda/broad_phase/quality.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class Quality : public OnEachExecutor {
+ protected:
+  World world_of(const Scene& scene, const std::string& method = "bvh_bottom_up") {
+    RunOptions o = options();
+    o.broad_phase = method;
+    return World(scene, o);
+  }
+};
+ON_EACH_EXECUTOR(Quality);
+
+double area(double x, double y, double z) { return 2 * (x * y + y * z + z * x); }
+
+// Two spheres of 1 m, 3 m apart: boxes of 2 x 2 x 2 in one of 5 x 2 x 2.
+TEST_P(Quality, OfTwoBodiesByHand) {
+  Scene scene = empty_space();
+  scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {3, 0, 0})};
+  World world = world_of(scene);
+  const TreeQuality q = world.tree_quality();
+  EXPECT_EQ(q.nodes, 3);
+  EXPECT_EQ(q.levels, 2);
+  EXPECT_EQ(q.leaves, (std::vector<std::int64_t>{0, 2}));
+  const double root = area(5, 2, 2), leaf = area(2, 2, 2);
+  EXPECT_NEAR(q.sah, (root + 2 * 2 * leaf) / root, 1e-6);
+  EXPECT_NEAR(q.epo, 0, 1e-12) << "no body lies in a node that does not hold it";
+  EXPECT_NEAR(q.sibling_overlap, 0, 1e-12);
+  EXPECT_NEAR(q.empty_space, 1.0 / 5, 1e-6);
+  EXPECT_EQ(q.pairs, 0);
+  EXPECT_NEAR(q.visits_mean, 3, 1e-12) << "the root and both leaves";
+  EXPECT_EQ(q.visits_max, 3);
+  EXPECT_NEAR(q.warp_ratio, 1, 1e-12);
+  EXPECT_NEAR(q.expected_visits, (7.0 * 4 * 4 + 2 * 4.0 * 4 * 4) / 20, 1e-5);
+}
+
+// Spheres of 1 m, 1 m apart: half of each box lies in the other.
+TEST_P(Quality, OfAnOverlapByHand) {
+  Scene scene = empty_space();
+  scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {1, 0, 0})};
+  World world = world_of(scene);
+  const TreeQuality q = world.tree_quality();
+  const double root = area(3, 2, 2), leaf = area(2, 2, 2), common = area(1, 2, 2);
+  EXPECT_EQ(q.pairs, 1);
+  EXPECT_NEAR(q.sibling_overlap, common / root, 1e-6);
+  EXPECT_NEAR(q.empty_space, 0, 1e-6);
+  // One face across the axis lies wholly inside the other box, and half of each of the four along it.
+  EXPECT_NEAR(q.epo, 2 * 2 * (4 + 4 * 2) / (2 * leaf), 1e-6)
+      << "each in the other's leaf, whose cost counts twice";
+  EXPECT_NEAR(q.tests_per_pair, 3, 1e-12);
+}
+
+TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
+  for (const std::string& method : broad_phase_names()) {
+    World world = world_of(box_collider(500), method);
+    if (world.tree_nodes() == 0) continue;
+    const TreeQuality q = world.tree_quality();
+    EXPECT_EQ(q.pairs, world.measure().pairs) << method;
+    EXPECT_EQ(q.bodies, 500);
+    std::int64_t leaves = 0;
+    for (const std::int64_t of_level : q.leaves) leaves += of_level;
+    EXPECT_EQ(leaves, 500) << method;
+    // The sum of visits over bodies is the sum over nodes.
+    double by_node = 0;
+    const auto nodes = world.ranked_nodes(NodeMetric::visits, 0, world.tree_nodes());
+    ASSERT_EQ(std::ssize(nodes), world.tree_nodes());
+    EXPECT_EQ(nodes.front().visits, 500) << "all queries begin at the root: " << method;
+    for (const NodeReport& node : nodes) by_node += static_cast<double>(node.visits);
+    EXPECT_NEAR(by_node / 500, q.visits_mean, 1e-9) << method;
+    double shares = 0;
+    for (const NodeReport& node : nodes) shares += node.sah_share;
+    EXPECT_NEAR(shares, 1, 1e-4) << method;
+    const std::vector<std::uint32_t> visited = world.visited_nodes(123, 100000);
+    EXPECT_LE(std::ssize(visited), q.visits_max);
+    EXPECT_EQ(visited.front(), 0u);
+    EXPECT_EQ(std::count_if(visited.begin(), visited.end(),
+                            [&](std::uint32_t node) {
+                              const NodeReport report = world.tree_node(node);
+                              return report.children == 0 && report.body == 123;
+                            }),
+              1)
+        << method;
+  }
+}
+
+TEST_P(Quality, RanksNodesWorstFirst) {
+  World world = world_of(box_collider(300));
+  for (const NodeMetric metric :
+       {NodeMetric::sah_share, NodeMetric::sibling_overlap, NodeMetric::empty_space}) {
+    const auto value = [&](const NodeReport& n) {
+      return metric == NodeMetric::sah_share         ? n.sah_share
+             : metric == NodeMetric::sibling_overlap ? n.sibling_overlap
+                                                     : n.empty_space;
+    };
+    const auto all = world.ranked_nodes(metric, 0, 1000000);
+    ASSERT_EQ(std::ssize(all), world.tree_nodes());
+    EXPECT_TRUE(std::is_sorted(all.begin(), all.end(),
+                               [&](const auto& a, const auto& b) { return value(a) > value(b); }));
+    const auto few = world.ranked_nodes(metric, 3, 2);
+    ASSERT_EQ(few.size(), 2u);
+    EXPECT_EQ(few[0].node, all[3].node);
+    EXPECT_EQ(few[1].node, all[4].node);
+  }
+}
+
+TEST_P(Quality, OfNothingIsZero) {
+  World world = world_of(empty_space());
+  EXPECT_EQ(world.tree_quality().nodes, 0);
+  EXPECT_TRUE(world.ranked_nodes(NodeMetric::visits, 0, 10).empty());
+  World flat = world_of(box_collider(10), "brute_force");
+  EXPECT_EQ(flat.tree_quality().nodes, 0);
+}
+
+TEST_P(Quality, TimesEveryRepeat) {
+  World world = world_of(box_collider(200), "lbvh_ropes");
+  const std::uint64_t hash = world.state_hash();
+  const BroadPhaseTimes times = world.time_broad_phase(7);
+  EXPECT_EQ(times.whole.size(), 7u);
+  ASSERT_FALSE(times.stages.empty());
+  for (const auto& stage : times.stages) EXPECT_EQ(stage.ms.size(), 7u) << stage.name;
+  EXPECT_EQ(world.state_hash(), hash);
+}
+
+}  // namespace
+}  // namespace collidoscope
