@@ -21,7 +21,7 @@ struct RunOptions {
   int cpu_threads = 0;  ///< 1 to 1024; 0: as many as the machine has
   LaunchShape shape;
   LaneOrder lane_order = LaneOrder::contiguous;
-  std::string broad_phase = "bvh_bottom_up";  ///< a name from broad_phase_names()
+  std::string broad_phase = "lbvh_ropes";  ///< a name from broad_phase_names()
   int key_bits = 30;                          ///< Morton keys: 30 or 63
   std::int64_t initial_pair_capacity = 0;     ///< 0: a guess from N; tests start too small on purpose
 };

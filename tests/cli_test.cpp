@@ -282,7 +282,7 @@ TEST(Cli, JsonOnStdoutStandsAloneWithEveryField) {
   EXPECT_EQ(report.at("blocks"), 2);
   EXPECT_EQ(report.at("threads"), 4);
   EXPECT_EQ(report.at("steps"), 6);
-  EXPECT_EQ(report.at("broad_phase"), "bvh_bottom_up");
+  EXPECT_EQ(report.at("broad_phase"), "lbvh_ropes");
   EXPECT_EQ(report.at("solver"), "impulse");
   EXPECT_EQ(report.at("precision"), "f32");
   EXPECT_EQ(report.at("effects"), json::array({"gravity"}));

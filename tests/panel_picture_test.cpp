@@ -97,9 +97,9 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
         << name;
     EXPECT_TRUE(rect.width > 0 && rect.height > 0) << name;
   }
-  for (const char* name :
-       {"run.play", "run.step", "settings.bodies", "settings.blocks.slider", "settings.threads.auto",
-        "layers.spheres", "layers.levels", "timing.csv", "graph.energy", "graph.momentum", "fold.left", "scene"})
+  for (const char* name : {"run.play", "run.step", "settings.bodies", "settings.blocks.slider",
+                           "settings.threads.auto", "layers.spheres", "layers.levels", "timing.csv",
+                           "graph.energy", "graph.momentum", "fold.left", "scene"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 

@@ -93,7 +93,8 @@ TEST_P(Worlds, InspectTellsAllOfABody) {
     ASSERT_EQ(body.contacts.size(), expected.size());
     EXPECT_EQ(body.contact_count, static_cast<std::int64_t>(expected.size()));
     for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_EQ(body.contacts[k].other, expected[k]);
-    ASSERT_EQ(body.path.size(), tree.levels.size());
+    ASSERT_GE(body.path.size(), 2u);
+    ASSERT_LE(body.path.size(), tree.levels.size()) << "leaves need not be on the last level";
     for (std::size_t level = 0; level < body.path.size(); ++level)
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_LE(body.path[level].min[axis], states.position[id][axis]);
@@ -135,8 +136,8 @@ TEST_P(Worlds, StagesSayWhatTheyWereLaunchedAs) {
   EXPECT_EQ(bounds.items, 2000);
   EXPECT_EQ(launch_of(world, "move").items, 2000) << "its other kernel has one item";
   if (GetParam() == ExecutorKind::cuda) {
-    EXPECT_EQ(bounds.threads, 256);
-    EXPECT_EQ(bounds.blocks, 8);
+    EXPECT_EQ(bounds.threads, 128);
+    EXPECT_EQ(bounds.blocks, 16);
     EXPECT_EQ(bounds.chunk, 0);
     EXPECT_EQ(bounds.limit, LaunchLimit::items);
     EXPECT_GT(bounds.registers, 0);

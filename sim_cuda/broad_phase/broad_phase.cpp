@@ -11,8 +11,9 @@ struct Method {
   std::unique_ptr<BroadPhase> (*make)(Executor&);
 };
 constexpr Method methods[] = {
-    {"bvh_bottom_up", make_bvh_bottom_up},          // the paper's tree, over Morton order
     {"lbvh_ropes", make_lbvh_ropes},                // a linear BVH, walked along its ropes
+    {"bvh_bottom_up", make_bvh_bottom_up},          // the paper's tree, over Morton order
+    {"lbvh_top_down", make_lbvh_top_down},          // a linear BVH from a work queue
     {"brute_force", make_brute_force},              // the paper's naive approach
     {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
     {"uniform_grid", make_uniform_grid},            // cells by the largest body

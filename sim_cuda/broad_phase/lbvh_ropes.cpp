@@ -7,6 +7,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {
 
@@ -42,23 +43,28 @@ struct MakeLeaf {
     }
     leaf.child = body;
     leaf.rope = none;
-    leaves[place] = leaf;
+    store_whole(&leaves[place], leaf);
     met[place] = none;
   }
 };
 
 /// Where two neighbouring leaves part: the higher the bit in which their keys differ, the nearer the root.
-/// Equal keys part by their places.
-struct Parting {
+/// Equal keys part by their places. For 30-bit keys both fit in one word.
+struct WideParting {
   std::uint64_t keys;
   std::uint32_t places;
-  SIM_HD friend bool operator<(const Parting& a, const Parting& b) {
+  SIM_HD friend bool operator<(const WideParting& a, const WideParting& b) {
     return a.keys < b.keys || (a.keys == b.keys && a.places < b.places);
   }
 };
+SIM_HD inline std::uint64_t parting_of(std::uint32_t keys, std::uint32_t places) {
+  return std::uint64_t{keys} << 32 | places;
+}
+SIM_HD inline WideParting parting_of(std::uint64_t keys, std::uint32_t places) { return {keys, places}; }
 
 template <class Key>
 struct Climb {
+  using Parting = decltype(parting_of(Key{}, 0u));
   const Key* keys;
   std::uint32_t n;
   RopeNode* nodes;
@@ -66,8 +72,8 @@ struct Climb {
 
   /// Between leaves i and i + 1; beyond both ends, the highest.
   SIM_HD Parting parting(std::uint32_t i) const {
-    if (i >= n - 1) return {~std::uint64_t{0}, none};  // i = -1 too
-    return {static_cast<std::uint64_t>(keys[i] ^ keys[i + 1]), i ^ (i + 1)};
+    if (i >= n - 1) return parting_of(~Key{0}, none);  // i = -1 too
+    return parting_of(keys[i] ^ keys[i + 1], i ^ (i + 1));
   }
   /// Of a subtree whose last leaf is `last`: the right child of the node that parts there. It starts with
   /// leaf last + 1, and is this leaf alone if that parts from the next one higher up.
@@ -79,7 +85,7 @@ struct Climb {
 
   SIM_HD void operator()(int item) const {
     std::uint32_t first = static_cast<std::uint32_t>(item), last = first;
-    RopeNode node = nodes[n - 1 + first];
+    RopeNode node = load_fresh(&nodes[n - 1 + first]);
     Parting left = parting(first - 1), right = parting(last);
     nodes[n - 1 + first].rope = rope(last, right);
     while (first > 0 || last < n - 1) {
@@ -107,7 +113,7 @@ struct Climb {
       node.child = split == first ? n - 1 + split : split;
       node.rope = rope(last, right);
       // Karras: a left child has the number of its last leaf, a right one that of its first, the root 0.
-      nodes[first > 0 || last < n - 1 ? (right < left ? last : first) : 0] = node;
+      store_whole(&nodes[first > 0 || last < n - 1 ? (right < left ? last : first) : 0], node);
     }
   }
 };
@@ -117,10 +123,10 @@ struct WalkRight {
   std::uint32_t n;
   PairSink sink;
   SIM_HD void operator()(int leaf) const {
-    const RopeNode query = nodes[n - 1 + static_cast<std::uint32_t>(leaf)];
+    const RopeNode query = load_whole(&nodes[n - 1 + static_cast<std::uint32_t>(leaf)]);
     PairBatch batch(sink, query.child);
     for (std::uint32_t at = query.rope; at != none;) {
-      const RopeNode node = nodes[at];
+      const RopeNode node = load_whole(&nodes[at]);
       const bool hit = overlap(query, node), is_leaf = at >= n - 1;
       if (hit && is_leaf) batch.add(node.child);
       at = hit && !is_leaf ? node.child : node.rope;

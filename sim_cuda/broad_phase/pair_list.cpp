@@ -44,7 +44,7 @@ struct SortPairs {
 
 /// In how many parts of the bodies pairs are placed: as many as leave each about half of a large cache.
 std::uint32_t placing_rounds(std::size_t list_bytes) {
-  constexpr std::size_t part = 40 << 20;
+  constexpr std::size_t part = 64 << 20;
   return static_cast<std::uint32_t>(list_bytes / part) + 1;
 }
 

@@ -37,20 +37,24 @@ class PairBatch {
  public:
   SIM_HD PairBatch(const PairSink& sink, std::uint32_t body) : sink_(sink), body_(body) {}
   SIM_HD void add(std::uint32_t other) {
-    if (held_ == room) finish();
-    other_[held_++] = other;
+    if (held_ == room) put_all(atomic_add(sink_.total, room));
+    // Constant places, here and in put_all(), let a GPU keep them in registers.
+    for (std::uint32_t k = 0; k < room; ++k)
+      if (k == held_) other_[k] = other;
+    ++held_;
   }
-  SIM_HD void finish() {
-    if (held_ == 0) return;
-    const std::uint64_t first = atomic_take(sink_.total, held_);
-    for (std::uint32_t k = 0; k < held_; ++k) sink_.put(first + k, body_, other_[k]);
+  SIM_HD void finish() { put_all(atomic_take(sink_.total, held_)); }
+
+ private:
+  SIM_HD void put_all(std::uint64_t first) {
+    for (std::uint32_t k = 0; k < room; ++k)
+      if (k < held_) sink_.put(first + k, body_, other_[k]);
     held_ = 0;
   }
 
- private:
   static constexpr std::uint32_t room = 8;  // more than most queries find: one visit to the counter for each
-  PairSink sink_;                           // by value: a reference would keep the whole stage in memory
-  std::uint32_t body_, held_ = 0, other_[room];
+  PairSink sink_;                           // a copy: parameters of a kernel have no address
+  std::uint32_t body_, held_ = 0, other_[room] = {};
 };
 
 }  // namespace collidoscope

@@ -22,6 +22,14 @@ SIM_HD inline std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t valu
 #endif
 }
 
+SIM_HD inline std::uint64_t atomic_add(std::uint64_t* target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  return std::atomic_ref<std::uint64_t>(*target).fetch_add(value, std::memory_order_relaxed);
+#endif
+}
+
 /// Takes `numbers` numbers, 0 to 15, of a counter that many take from at once, and returns the first: on a
 /// GPU, the threads of a warp that arrive together share one atomic.
 SIM_HD inline std::uint64_t atomic_take(std::uint64_t* counter, std::uint32_t numbers) {
@@ -87,24 +95,6 @@ SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
   return *reinterpret_cast<const volatile std::uint32_t*>(source);
 #else
   return std::atomic_ref<std::uint32_t>(*const_cast<std::uint32_t*>(source)).load(std::memory_order_relaxed);
-#endif
-}
-
-/// A load of what another thread wrote before an atomic_swap() that this thread has seen: past the GPU's
-/// first cache, which may hold what stood there before.
-template <class T>
-SIM_HD T load_fresh(const T* source) {
-#if defined(__CUDA_ARCH__)
-  static_assert(sizeof(T) % sizeof(uint4) == 0 && alignof(T) % alignof(uint4) == 0);
-  union {
-    uint4 words[sizeof(T) / sizeof(uint4)];
-    T value;
-  } copy;
-  for (std::size_t k = 0; k < sizeof(T) / sizeof(uint4); ++k)
-    copy.words[k] = __ldcg(reinterpret_cast<const uint4*>(source) + k);
-  return copy.value;
-#else
-  return *source;
 #endif
 }
 

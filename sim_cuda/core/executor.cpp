@@ -273,7 +273,7 @@ const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads,
     return blocks;
   };
   int best = threads, most = 0;
-  for (int block = 256; threads == 0 && block >= 32; block -= 32)
+  for (int block = 128; threads == 0 && block >= 32; block -= 32)
     if (const int at_once = resident(block) * block; at_once > most) {
       most = at_once;
       best = block;
@@ -288,12 +288,16 @@ const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads,
   return fits_.emplace(std::pair{kernel, threads}, fit).first->second;
 }
 
-LaunchShape Executor::choose_shape(const void* kernel, const char* name, std::int64_t items) {
+LaunchShape Executor::choose_shape(const void* kernel, const char* name, const Count& count) {
+  const std::int64_t items = count.bound;
   const KernelFit& fit = kernel_fit(kernel, options_.shape.threads, name);
   const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;
   LaunchShape shape{options_.shape.blocks, fit.threads};
-  if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min(needed, resident));
+  // A thread for each item: the hardware hands blocks out as others end, which evens out queries of unequal
+  // length. Where the bound is only a capacity, no more than run at once: most would find nothing to do.
+  if (shape.blocks == 0)
+    shape.blocks = static_cast<int>(count.counter == nullptr ? needed : std::min(needed, resident));
   if (recording_ != nullptr)
     clock_.add_launch(stage_entry_, {items, shape.blocks, shape.threads, 0, fit.resident_blocks,
                                      multiprocessors_, fit.registers, fit.shared_bytes, fit.occupancy,

@@ -135,7 +135,7 @@ class Executor {
   /// `threads` 0: the number, 256 at most, of which most run at once. Each kernel is asked about once.
   const KernelFit& kernel_fit(const void* kernel, int threads, const char* name);
   /// (B, T) for so many items, with "auto" decided; notes it, if a step is being recorded.
-  LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items);
+  LaunchShape choose_shape(const void* kernel, const char* name, const Count& count);
   std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
   int multiprocessors_ = 0;
@@ -236,7 +236,7 @@ void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
 /// B x T threads stride over the items, as in the paper. At most 64 registers, so that every T up to 1024 can
 /// be launched.
 template <class Stage>
-__global__ void __launch_bounds__(1024) run_stage(const Count count, const Stage stage) {
+__global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const Stage stage) {
   const std::int64_t items = count.value();
   const std::int64_t stride = static_cast<std::int64_t>(gridDim.x) * blockDim.x;
   for (std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < items;
@@ -246,7 +246,7 @@ __global__ void __launch_bounds__(1024) run_stage(const Count count, const Stage
 
 template <class Stage>
 void Executor::launch(const char* name, const Count& count, const Stage& stage) {
-  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(&run_stage<Stage>), name, count.bound);
+  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(&run_stage<Stage>), name, count);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
   check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
                                    " blocks of " + std::to_string(shape.threads) + " threads");

@@ -1,0 +1,271 @@
+// A linear BVH built from the root down, after Lauterbach et al. 2009, the method that the paper times in its
+// Table 3: bodies in Morton order; a queue of nodes to split, level by level; a node splits where the highest
+// bit in which its keys differ turns from 0 to 1. Levels near the root have little work, so most threads
+// idle. Then leaves climb to give every node its box. A query descends from the root with a stack.
+
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/morton_order.h"
+#include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/core/whole_record.h"
+
+namespace collidoscope {
+
+namespace {
+
+constexpr std::uint32_t none = ~std::uint32_t{0};
+constexpr std::uint32_t leaf_flag = 1u << 31;
+
+/// Nodes stand in the order in which they came into the queue: level by level, the root first, the two
+/// children of a node together.
+struct alignas(16) QueueNode {
+  float min[3];
+  std::uint32_t child;  ///< the left one; of a leaf: leaf_flag and the id of its body
+  float max[3];
+  std::uint32_t last;  ///< the last place in Morton order under it
+};
+static_assert(sizeof(QueueNode) == 32);
+
+SIM_HD inline bool overlap(const QueueNode& a, const QueueNode& b) {
+  return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] && b.min[1] <= a.max[1] &&
+         a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
+}
+
+struct NoteBody {
+  std::uint32_t* order;
+  SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { order[place] = body; }
+};
+
+/// The queue: where each level begins, and how many nodes it has.
+struct Levels {
+  std::uint32_t *begin, *size;
+};
+
+struct PutRoot {
+  std::uint32_t n;
+  Levels levels;
+  std::uint32_t *first, *parent;
+  QueueNode* nodes;
+  SIM_HD void operator()(int) const {
+    levels.begin[0] = 0;
+    levels.size[0] = 1;
+    first[0] = 0;
+    parent[0] = none;
+    nodes[0].last = n - 1;
+  }
+};
+
+template <class Key>
+struct SplitNodes {
+  const Key* keys;
+  const std::uint32_t* order;
+  int level;
+  Levels levels;
+  std::uint32_t *first, *parent, *met, *leaf_of_place;
+  QueueNode* nodes;
+
+  /// The last place of the left part: the first where the highest differing bit is 1 follows it.
+  SIM_HD std::uint32_t split(std::uint32_t low, std::uint32_t high) const {
+    Key differ = keys[low] ^ keys[high];
+    if (differ == 0) return low + (high - low) / 2;
+    while (differ & (differ - 1)) differ &= differ - 1;  // its highest bit
+    while (high - low > 1) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      (keys[middle] & differ ? high : low) = middle;
+    }
+    return low;
+  }
+
+  SIM_HD void operator()(int item) const {
+    const std::uint32_t begin = levels.begin[level], next = begin + levels.size[level];
+    if (item == 0) levels.begin[level + 1] = next;
+    const std::uint32_t node = begin + static_cast<std::uint32_t>(item);
+    const std::uint32_t low = first[node], high = nodes[node].last;
+    met[node] = none;
+    if (low == high) {
+      nodes[node].child = leaf_flag | order[low];
+      leaf_of_place[low] = node;
+      return;
+    }
+    const std::uint32_t at = split(low, high);
+    const std::uint32_t child = next + atomic_add(&levels.size[level + 1], 2);
+    nodes[node].child = child;
+    first[child] = low;
+    nodes[child].last = at;
+    first[child + 1] = at + 1;
+    nodes[child + 1].last = high;
+    parent[child] = parent[child + 1] = node;
+  }
+};
+
+struct Refit {
+  const Aabb* boxes;
+  const std::uint32_t* parent;
+  std::uint32_t* met;
+  QueueNode* nodes;
+  const std::uint32_t* leaf_of_place;
+  SIM_HD void operator()(int place) const {
+    std::uint32_t at = leaf_of_place[place];
+    QueueNode node = nodes[at];
+    const Aabb box = boxes[node.child & ~leaf_flag];
+    for (int k = 0; k < 3; ++k) {
+      node.min[k] = box.min[k];
+      node.max[k] = box.max[k];
+    }
+    for (;;) {
+      store_whole(&nodes[at], node);
+      const std::uint32_t above = parent[at];
+      if (above == none || atomic_swap(&met[above], at) == none) return;  // the other child goes on
+      const QueueNode up = nodes[above];
+      const QueueNode other = load_fresh(&nodes[at == up.child ? at + 1 : at - 1]);
+      for (int k = 0; k < 3; ++k) {
+        node.min[k] = min_of(node.min[k], other.min[k]);
+        node.max[k] = max_of(node.max[k], other.max[k]);
+      }
+      node.child = up.child;
+      node.last = up.last;
+      at = above;
+    }
+  }
+};
+
+/// Only leaves to the right of its own are looked for, so that each pair is found once.
+template <int depth>
+struct DescendRight {
+  const QueueNode* nodes;
+  const std::uint32_t* leaf_of_place;
+  PairSink sink;
+  SIM_HD void operator()(int item) const {
+    const auto place = static_cast<std::uint32_t>(item);
+    const QueueNode query = load_whole(&nodes[leaf_of_place[place]]);
+    PairBatch batch(sink, query.child & ~leaf_flag);
+    // A node that overlaps pops before its children push: at most one entry a level waits, plus one.
+    std::uint32_t stack[depth + 1];
+    int waiting = 0;
+    const std::uint32_t root_child = nodes[0].child;
+    if (!(root_child & leaf_flag)) stack[waiting++] = root_child;
+    while (waiting > 0) {
+      const std::uint32_t child = stack[--waiting];
+      for (std::uint32_t at = child; at < child + 2; ++at) {
+        const QueueNode node = load_whole(&nodes[at]);
+        if (node.last <= place || !overlap(query, node)) continue;
+        if (node.child & leaf_flag)
+          batch.add(node.child & ~leaf_flag);
+        else
+          stack[waiting++] = node.child;
+      }
+    }
+    batch.finish();
+  }
+};
+
+struct WriteTree {
+  const QueueNode* nodes;
+  const std::uint32_t *parent, *number;
+  TreeSink sink;
+  SIM_HD void operator()(int item) const {
+    const QueueNode node = nodes[item];
+    const std::uint32_t to = number[item];
+    Aabb box;
+    for (int k = 0; k < 3; ++k) {
+      box.min[k] = node.min[k];
+      box.max[k] = node.max[k];
+    }
+    sink.box[to] = box;
+    sink.parent[to] = parent[item] == none ? to : number[parent[item]];
+    if (node.child & leaf_flag) sink.leaf_body[to] = node.child & ~leaf_flag;
+  }
+};
+
+/// Leaves by their place, inner nodes after them: n - 1 partings, one for each.
+struct NumberNodes {
+  const QueueNode* nodes;
+  std::uint32_t n;
+  std::uint32_t* number;
+  SIM_HD void operator()(int item) const {
+    const QueueNode node = nodes[item];
+    number[item] = node.child & leaf_flag ? node.last : n + nodes[node.child].last;
+  }
+};
+
+template <class Key>
+class LbvhTopDown final : public BroadPhase {
+ public:
+  explicit LbvhTopDown(Executor& executor)
+      : executor_(executor),
+        order_(executor),
+        body_(executor, "ids in Morton order"),
+        levels_(executor, "levels of the queue"),
+        first_(executor, "first places of nodes"),
+        parent_(executor, "parents of nodes"),
+        met_(executor, "tree climbers"),
+        leaf_(executor, "leaves by place"),
+        nodes_(executor, "tree nodes") {}
+
+  void reserve(std::int64_t bodies) override {
+    n_ = static_cast<std::uint32_t>(bodies);
+    order_.reserve(bodies);
+    body_.resize_discarding(n_);
+    leaf_.resize_discarding(n_);
+    levels_.resize_discarding(2 * (most_levels + 1));
+    const std::size_t nodes = n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0;
+    for (Buffer<std::uint32_t>* numbers : {&first_, &parent_, &met_}) numbers->resize_discarding(nodes);
+    nodes_.resize_discarding(nodes);
+  }
+
+  void update(const Aabb* boxes, const Aabb* extent) override {
+    if (n_ == 0) return;
+    order_.sort(boxes, extent, NoteBody{body_.data()});
+    const Levels levels{levels_.data(), levels_.data() + most_levels + 1};
+    executor_.begin_stage("build");
+    levels_.fill_zero();
+    executor_.run("build", 1, PutRoot{n_, levels, first_.data(), parent_.data(), nodes_.data()});
+    // As many levels as the keys and the number of bodies allow; those that the tree does not have are empty.
+    for (int level = 0; level < levels_needed(); ++level)
+      executor_.run("build", Count(levels.size + level, widest(level)),
+                    SplitNodes<Key>{order_.keys(), body_.data(), level, levels, first_.data(), parent_.data(),
+                                    met_.data(), leaf_.data(), nodes_.data()});
+    executor_.run("build", n_, Refit{boxes, parent_.data(), met_.data(), nodes_.data(), leaf_.data()});
+  }
+
+  void find_pairs(const PairSink& sink) override {
+    executor_.run("pairs", n_, DescendRight<most_levels>{nodes_.data(), leaf_.data(), sink});
+  }
+
+  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
+  void write_tree(const TreeSink& sink) const override {
+    Buffer<std::uint32_t> number(executor_, "numbers of nodes");
+    number.resize_discarding(nodes_.size());
+    executor_.run("tree", tree_nodes(), NumberNodes{nodes_.data(), n_, number.data()});
+    executor_.run("tree", tree_nodes(), WriteTree{nodes_.data(), parent_.data(), number.data(), sink});
+    executor_.synchronize();
+  }
+
+ private:
+  // A split by a bit takes one level for each bit, then equal keys are halved.
+  static constexpr int key_bits = sizeof(Key) == 4 ? 30 : 63;
+  static constexpr int most_levels = key_bits + 28;
+  int levels_needed() const {
+    int halvings = 0;
+    while ((std::uint64_t{1} << halvings) < n_) ++halvings;
+    return key_bits + halvings + 1;
+  }
+  std::int64_t widest(int level) const {
+    const std::int64_t nodes = tree_nodes();
+    return level < 40 && (std::int64_t{1} << level) < nodes ? std::int64_t{1} << level : nodes;
+  }
+
+  Executor& executor_;
+  std::uint32_t n_ = 0;
+  MortonOrder<Key> order_;
+  Buffer<std::uint32_t> body_, levels_, first_, parent_, met_, leaf_;
+  Buffer<QueueNode> nodes_;
+};
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> make_lbvh_top_down(Executor& executor) {
+  if (executor.options().key_bits == 63) return std::make_unique<LbvhTopDown<std::uint64_t>>(executor);
+  return std::make_unique<LbvhTopDown<std::uint32_t>>(executor);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,65 @@
+#pragma once
+// Loads of whole records in 16-byte words. Left to itself, a compiler loads each member where it is used, and
+// a walk from record to record then waits several times at each.
+
+#include <bit>
+#include <cstddef>
+
+#include "sim_cuda/core/host_device.h"
+
+namespace collidoscope {
+
+#if defined(__CUDACC__)
+namespace detail {
+template <class T>
+struct Words {
+  static_assert(sizeof(T) % sizeof(uint4) == 0 && alignof(T) % alignof(uint4) == 0);
+  static constexpr std::size_t count = sizeof(T) / sizeof(uint4);
+  uint4 word[count];
+};
+
+template <class T, class LoadWord>
+__device__ T load_words(const T* source, const LoadWord& load_word) {
+  Words<T> words;
+#pragma unroll
+  for (std::size_t k = 0; k < Words<T>::count; ++k)
+    words.word[k] = load_word(reinterpret_cast<const uint4*>(source) + k);
+  return std::bit_cast<T>(words);
+}
+}  // namespace detail
+#endif
+
+/// A record that nobody writes while this stage runs.
+template <class T>
+SIM_HD T load_whole(const T* source) {
+#if defined(__CUDA_ARCH__)
+  return detail::load_words(source, [](const uint4* word) { return __ldg(word); });
+#else
+  return *source;
+#endif
+}
+
+/// A record that another thread wrote before an atomic_swap() that this thread has seen: past the GPU's first
+/// cache, which may hold what stood there before.
+template <class T>
+SIM_HD T load_fresh(const T* source) {
+#if defined(__CUDA_ARCH__)
+  return detail::load_words(source, [](const uint4* word) { return __ldcg(word); });
+#else
+  return *source;
+#endif
+}
+
+template <class T>
+SIM_HD void store_whole(T* target, const T& record) {
+#if defined(__CUDA_ARCH__)
+  const auto words = std::bit_cast<detail::Words<T>>(record);
+#pragma unroll
+  for (std::size_t k = 0; k < detail::Words<T>::count; ++k)
+    reinterpret_cast<uint4*>(target)[k] = words.word[k];
+#else
+  *target = record;
+#endif
+}
+
+}  // namespace collidoscope
