@@ -23,10 +23,11 @@ struct CommandName {
   std::size_t least, most;  ///< operands
   const char* help;
 };
-constexpr std::array<CommandName, 4> commands{
+constexpr std::array<CommandName, 5> commands{
     {{"run", Command::run, "SCENE", 1, 1, "step a scene and report what it cost; no pictures"},
      {"capture", Command::capture, "SCENE", 1, 1, "step a scene and write pictures of its states"},
      {"compare", Command::compare, "A.png B.png", 2, 2, "how different two pictures are"},
+     {"bvh", Command::bvh, "SCENE", 1, 1, "how good the hierarchy of each broad phase is"},
      {"bench", Command::bench, "SUITE [SCENE]", 1, 2, "measure what things cost; a suite of measurements"}}};
 
 constexpr const char* exit_codes =
@@ -125,6 +126,8 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
   add("--dump-bodies", options.dump_bodies);
   add("--dump-dynamics", options.dump_dynamics);
   add("--energy-trace", options.energy_trace);
+  add("--csv", options.bench.csv);
+  add("--markdown", options.bench.markdown);
 }
 
 /// The arguments that follow the command.
@@ -180,7 +183,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
   if (command == commands.end())
     throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
-                     "; there are run, capture, compare and bench, and --help");
+                     "; there are run, capture, compare, bvh and bench, and --help");
   return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()});
 }
 

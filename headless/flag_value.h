@@ -24,6 +24,7 @@ class FlagValue {
   FlagValue(std::string_view flag, std::string_view text, std::vector<std::string>& faults)
       : flag_(flag), text_(text), faults_(&faults) {}
 
+  std::string_view flag() const { return flag_; }
   std::string_view text() const { return text_; }
   /// Adds the line `flag: text is not <right>`.
   void refuse(std::string_view right);

@@ -94,6 +94,19 @@ void read_path(FlagValue& value, std::string& path) {
     path = value.text();
 }
 
+/// Reads each part of a comma-separated list.
+template <class Read>
+void for_each_part(Reading& in, Read read) {
+  std::string_view rest = in.value.text();
+  for (bool more = true; more;) {
+    const std::size_t comma = rest.find(',');
+    FlagValue part(in.value.flag(), rest.substr(0, comma), in.faults);
+    read(part);
+    more = comma != std::string_view::npos;
+    if (more) rest.remove_prefix(comma + 1);
+  }
+}
+
 /// Some readers throw their faults.
 template <class Read>
 void collect(std::vector<std::string>& faults, Read read) {
@@ -105,9 +118,9 @@ void collect(std::vector<std::string>& faults, Read read) {
 }
 
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
-constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench);
-constexpr unsigned drawing = capturing | viewing | benching, stepping = running | drawing;
-constexpr unsigned reporting = running | capturing | benching | bit(Command::compare);
+constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench), grading = bit(Command::bvh);
+constexpr unsigned drawing = capturing | viewing | benching, stepping = running | drawing | grading;
+constexpr unsigned reporting = running | capturing | benching | grading | bit(Command::compare);
 
 struct Reader {
   Flag flag;
@@ -177,7 +190,8 @@ constexpr Reader readers[] = {
          in.options.run.initial_pair_capacity = *n;
      }},
 
-    {{"--steps", "K", "steps to run [300]; the viewer pauses at this state", running | viewing},
+    {{"--steps", "K", "steps to run [300; bvh: 0]; the viewer pauses at this state",
+      running | viewing | grading},
      [](Reading& in) {
        const auto n = in.value.whole(0, 1'000'000'000);
        if (n) in.options.steps = *n;
@@ -245,6 +259,37 @@ constexpr Reader readers[] = {
      [](Reading& in) {
        if (const auto n = in.value.whole(1, 1'000'000)) in.options.frames = *n;
      }},
+
+    {{"--methods", "LIST", "broad phases to compare, comma-separated [all]", benching | grading},
+     [](Reading& in) {
+       in.options.bench.methods.clear();
+       for_each_part(in, [&](FlagValue& part) {
+         static const std::vector<std::string> known = broad_phase_names();
+         if (const auto name = part.word(known)) in.options.bench.methods.push_back(*name);
+       });
+     }},
+    {{"--variants", "LIST", "variants of the Box Collider to compare, comma-separated", benching},
+     [](Reading& in) {
+       in.options.bench.variants.clear();
+       for_each_part(in, [&](FlagValue& part) {
+         if (const auto variant = part.one_of(variant_names)) in.options.bench.variants.push_back(*variant);
+       });
+     }},
+    {{"--sizes", "LIST", "numbers of bodies to compare, comma-separated", benching},
+     [](Reading& in) {
+       in.options.bench.sizes.clear();
+       for_each_part(in, [&](FlagValue& part) {
+         if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
+       });
+     }},
+    {{"--repeats", "K", "how often each thing is timed [50]", benching | grading},
+     [](Reading& in) {
+       if (const auto n = in.value.whole(1, 1'000'000)) in.options.bench.repeats = *n;
+     }},
+    {{"--csv", "FILE", "the rows of a suite as CSV", benching},
+     [](Reading& in) { read_path(in.value, in.options.bench.csv); }},
+    {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching},
+     [](Reading& in) { read_path(in.value, in.options.bench.markdown); }},
 
     {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
      [](Reading& in) { in.options.view.reset_ui = true; }},

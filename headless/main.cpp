@@ -15,8 +15,10 @@
 #include <vector>
 
 #include "headless/bench/suites.h"
+#include "headless/bvh.h"
 #include "headless/command_line.h"
 #include "headless/compare.h"
+
 #include "headless/run.h"
 #include "sim_cuda/core/error.h"
 
@@ -37,6 +39,8 @@ int perform(const CommandLine& line) {
       return capture_command(line);
     case Command::compare:
       return run_compare(line.operands[0], line.operands[1], line.options.json == "-");
+    case Command::bvh:
+      return bvh_command(line);
     case Command::bench:
       return bench_command(line);
     case Command::view:

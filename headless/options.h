@@ -16,13 +16,22 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, capture, compare, bench, view };
+enum class Command { run, capture, compare, bvh, bench, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
   bool reset_ui = false;                 ///< forget what was remembered of panels and layers
   std::string automation;                ///< file that gets a line of JSON for each frame, or empty
   std::optional<std::int64_t> pause_at;  ///< state
+};
+
+/// What only `bench` and `bvh` take; empty lists are the suite's own.
+struct BenchRequest {
+  std::vector<std::string> methods;  ///< broad phases
+  std::vector<Variant> variants;
+  std::vector<std::int64_t> sizes;  ///< numbers of bodies
+  std::int64_t repeats = 50;        ///< of what is timed
+  std::string csv, markdown;        ///< files, or empty
 };
 
 /// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows
@@ -46,14 +55,17 @@ struct Overrides {
 struct Options {
   RunOptions run;
   Overrides overrides;
-  std::int64_t steps = 300;
-  std::string json;           ///< file, "-" for stdout, or empty
-  std::string dump_bodies;    ///< file or empty, and so the next two
-  std::string dump_dynamics;  ///<
-  std::string energy_trace;   ///<
+  std::optional<std::int64_t> steps;  ///< unset: 300, of `bvh` 0
+  std::string json;                   ///< file, "-" for stdout, or empty
+  std::string dump_bodies;            ///< file or empty, and so the next two
+  std::string dump_dynamics;          ///<
+  std::string energy_trace;           ///<
   CaptureRequest capture;
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`
+  BenchRequest bench;
+
+  std::int64_t steps_or(std::int64_t otherwise) const { return steps.value_or(otherwise); }
 };
 
 /// A flag of the command line, for --help and for the parser.

@@ -94,7 +94,7 @@ int run_command(const CommandLine& line) {
   std::string trace =
       "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped\n" +
       trace_row(initial);
-  const double seconds = step_all(world, options.steps, outputs.energy ? &trace : nullptr);
+  const double seconds = step_all(world, options.steps_or(300), outputs.energy ? &trace : nullptr);
   const RunReport report = make_report(world, initial, seconds);
 
   // All is written before anything is put in place: a disk that fills up leaves no half of a set.

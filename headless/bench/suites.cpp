@@ -2,12 +2,16 @@
 
 #include <algorithm>
 
+#include "headless/bench/broad_phases.h"
 #include "headless/bench/frames.h"
+#include "headless/bench/paper.h"
 
 namespace collidoscope {
 namespace {
 
 constexpr Suite every[] = {
+    {"broad-phases", "each broad phase, over variants and numbers of bodies", bench_broad_phases},
+    {"paper", "the Tables 1 to 5 of the term project that this program carries on", bench_paper},
     {"frames", "what a frame of the live view costs: simulate, publish, draw, panels", bench_frames},
 };
 

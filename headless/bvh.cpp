@@ -1,0 +1,154 @@
+#include "headless/bvh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "headless/bench/spread.h"
+#include "headless/output_file.h"
+#include "headless/progress.h"
+#include "headless/report.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Measured {
+  std::string method;
+  TreeQuality quality;
+  double build_us = 0, query_us = 0;  ///< medians; the query with the ordering of its pairs
+};
+
+Measured measure(World& world, int repeats) {
+  Measured m;
+  m.method = world.options().broad_phase;
+  m.quality = world.tree_quality();
+  for (const BroadPhaseTimes::Stage& stage : world.time_broad_phase(repeats).stages) {
+    const double us = 1000 * spread_of(stage.ms).median;
+    if (stage.name == "pairs") m.query_us += us;
+    if (stage.name == "keys" || stage.name == "sort" || stage.name == "build") m.build_us += us;
+  }
+  return m;
+}
+
+Json json_of(const Measured& m) {
+  const TreeQuality& q = m.quality;
+  return {{"method", m.method},
+          {"nodes", q.nodes},
+          {"levels", q.levels},
+          {"bytes", q.bytes},
+          {"sah", q.sah},
+          {"epo", q.epo},
+          {"sah_epo", q.sah_epo},
+          {"sibling_overlap", q.sibling_overlap},
+          {"empty_space", q.empty_space},
+          {"leaves_by_level", q.leaves},
+          {"visits",
+           {{"mean", q.visits_mean},
+            {"p99", q.visits_p99},
+            {"max", q.visits_max},
+            {"warp_max_over_mean", q.warp_ratio},
+            {"expected", q.expected_visits}}},
+          {"pairs", q.pairs},
+          {"tests_per_pair", q.tests_per_pair},
+          {"build_median_us", m.build_us},
+          {"query_median_us", m.query_us}};
+}
+
+std::string depth_histogram(const TreeQuality& q) {
+  // One digit a level, 0 to 9 by the share of the fullest, '.' where there is none.
+  std::string text;
+  const std::int64_t most = *std::max_element(q.leaves.begin(), q.leaves.end());
+  for (const std::int64_t leaves : q.leaves)
+    text += leaves == 0 ? '.' : static_cast<char>('0' + 9 * leaves / most);
+  return text;
+}
+
+std::string text_of(const std::vector<Measured>& trees) {
+  std::string text;
+  const auto row = [&](const char* what, auto value) {
+    text += fmt::format("  {:<26}", what);
+    for (const Measured& m : trees) text += fmt::format("{:>18}", value(m));
+    text += '\n';
+  };
+  const auto number = [](double value) { return fmt::format("{:.4g}", value); };
+  row("", [](const Measured& m) { return m.method; });
+  row("nodes", [](const Measured& m) { return grouped(m.quality.nodes); });
+  row("levels", [](const Measured& m) { return grouped(m.quality.levels); });
+  row("bytes of the method", [](const Measured& m) { return grouped(m.quality.bytes); });
+  row("SAH cost", [&](const Measured& m) { return number(m.quality.sah); });
+  row("EPO", [&](const Measured& m) { return number(m.quality.epo); });
+  row("0.29 SAH + 0.71 EPO", [&](const Measured& m) { return number(m.quality.sah_epo); });
+  row("sibling overlap, mean", [&](const Measured& m) { return number(m.quality.sibling_overlap); });
+  row("empty space, mean", [&](const Measured& m) { return number(m.quality.empty_space); });
+  row("visits a query: mean", [&](const Measured& m) { return number(m.quality.visits_mean); });
+  row("  99 of 100 below", [&](const Measured& m) { return number(m.quality.visits_p99); });
+  row("  most", [](const Measured& m) { return grouped(m.quality.visits_max); });
+  row("  warp's most / mean", [&](const Measured& m) { return number(m.quality.warp_ratio); });
+  row("  expected", [&](const Measured& m) { return number(m.quality.expected_visits); });
+  row("box tests a true pair", [&](const Measured& m) { return number(m.quality.tests_per_pair); });
+  row("build, median us", [](const Measured& m) { return fmt::format("{:.1f}", m.build_us); });
+  row("query, median us", [](const Measured& m) { return fmt::format("{:.1f}", m.query_us); });
+  text += "\n  leaves by level, the fullest is 9:\n";
+  for (const Measured& m : trees) text += fmt::format("  {:<26}{}\n", m.method, depth_histogram(m.quality));
+  return text;
+}
+
+}  // namespace
+
+int bvh_command(const CommandLine& line) {
+  const Options& options = line.options;
+  const Scene scene = load_scene(line);
+  std::optional<OutputFile> file;
+  if (!options.json.empty() && options.json != "-") file.emplace("--json", options.json);
+  const std::vector<std::string> methods =
+      options.bench.methods.empty() ? broad_phase_names() : options.bench.methods;
+
+  std::vector<Measured> trees;
+  std::optional<World> first;  // makes the steps; the others take its state
+  std::string device, title;
+  Progress progress("methods", std::ssize(methods));
+  for (std::int64_t k = 0; k < std::ssize(methods); ++k) {
+    RunOptions run = options.run;
+    run.broad_phase = methods[static_cast<std::size_t>(k)];
+    World world(scene, run);
+    if (world.tree_nodes() > 0) {
+      if (!first) {
+        first.emplace(scene, run);
+        first->step(static_cast<int>(options.steps_or(0)));
+      }
+      world.adopt(*first);
+      trees.push_back(measure(world, static_cast<int>(options.bench.repeats)));
+      device = world.device_name();
+    }
+    progress.update(k + 1);
+  }
+  if (trees.empty())
+    throw InputError(scene.name + ": there is no tree to measure: no bodies, or methods without one (" +
+                     fmt::format("{}", fmt::join(methods, ", ")) + ")");
+  Json json{{"scene", scene.name},
+            {"device", device},
+            {"state", first->steps()},
+            {"bodies", trees[0].quality.bodies},
+            {"pairs", trees[0].quality.pairs},
+            {"trees", Json::array()}};
+  for (const Measured& m : trees) json["trees"].push_back(json_of(m));
+  if (file) {
+    file->write(json_text(json));
+    file->commit();
+  }
+  if (options.json == "-")
+    fmt::print("{}", json_text(json));
+  else
+    fmt::print("{}: {} bodies, {} pairs of boxes, state {}, on {}\n\n{}", scene.name,
+               grouped(trees[0].quality.bodies), grouped(trees[0].quality.pairs), first->steps(), device,
+               text_of(trees));
+  return 0;
+}
+
+}  // namespace collidoscope
