@@ -22,8 +22,8 @@ struct RunOptions {
   LaunchShape shape;
   LaneOrder lane_order = LaneOrder::contiguous;
   std::string broad_phase = "lbvh_ropes";  ///< a name from broad_phase_names()
-  int key_bits = 30;                          ///< Morton keys: 30 or 63
-  std::int64_t initial_pair_capacity = 0;     ///< 0: a guess from N; tests start too small on purpose
+  int key_bits = 30;                       ///< Morton keys: 30 or 63
+  std::int64_t initial_pair_capacity = 0;  ///< 0: a guess from N; tests start too small on purpose
 };
 
 }  // namespace collidoscope

@@ -20,9 +20,8 @@ enum class LaunchLimit {
 
 /// As panels and JSON say it.
 constexpr const char* name_of(LaunchLimit limit) {
-  constexpr std::array names{
-      "unknown",   "too few items", "B x T as asked for", "threads", "resident blocks",
-      "registers", "shared memory"};
+  constexpr std::array names{"unknown",         "too few items", "B x T as asked for", "threads",
+                             "resident blocks", "registers",     "shared memory"};
   return names[static_cast<std::size_t>(limit)];
 }
 
