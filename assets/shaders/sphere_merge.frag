@@ -22,8 +22,12 @@ void main() {
   gl_FragDepth = uintBitsToFloat(depth);
 #if defined(SURFACE)
   Body body = bodies[texelFetch(owners, pixel, 0).r];
-  vec3 point, normal;
-  sphere_at(sphere_shown((view * vec4(body.center_radius.xyz, 1.0)).xyz, body.center_radius.w, true), gl_FragCoord.xy, point, normal);
+  vec3 center = (view * vec4(body.center_radius.xyz, 1.0)).xyz, point, normal;
+  if (!sphere_at(sphere_shown(center, body.center_radius.w, true), gl_FragCoord.xy, point, normal)) {
+    // Rounded otherwise than in compute, the ray just misses: the normal of the outline there.
+    Ray ray = ray_through(gl_FragCoord.xy);
+    normal = normalize(ray.origin + dot(center - ray.origin, ray.direction) * ray.direction - center);
+  }
   out_albedo = vec4(body_color(colors, body.value, body.id), 1.0);
   out_normal = vec4(mat3(inverse_view) * normal * 0.5 + 0.5, 1.0);
 #endif
