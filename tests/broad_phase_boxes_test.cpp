@@ -259,7 +259,7 @@ TEST_P(BroadPhaseBoxes, PairsOfSoManyBodiesThatBruteForceIsLeftOut) {
   const std::vector<std::string> names = broad_phase_names();
   PairIds expected;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    if (names[k].starts_with("brute_force")) continue;
+    if (names[k].starts_with("brute_force") || names[k] == "bvh_input_order") continue;  // 10^10 tests
     const PairIds found = runner.find(*runner.methods[k], boxes, around(boxes), 4 * boxes.size());
     if (expected.empty()) expected = found;
     EXPECT_GT(found.size(), boxes.size() / 4);

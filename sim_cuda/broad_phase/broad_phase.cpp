@@ -13,6 +13,7 @@ struct Method {
 constexpr Method methods[] = {
     {"lbvh_ropes", make_lbvh_ropes},                // a linear BVH, walked along its ropes
     {"bvh_bottom_up", make_bvh_bottom_up},          // the paper's tree, over Morton order
+    {"bvh_input_order", make_bvh_input_order},      // the same, not clustered: the paper's Figure 6
     {"lbvh_top_down", make_lbvh_top_down},          // a linear BVH from a work queue
     {"brute_force", make_brute_force},              // the paper's naive approach
     {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
