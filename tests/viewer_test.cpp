@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <random>
+#include <regex>
 
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -41,15 +42,23 @@ class Viewer : public testing::Test {
     if (!lack.empty()) GTEST_SKIP() << lack;
   }
 
-  /// Closes the window; "" if all went well, else what went wrong. In a sanitized build libubsan.so itself
-  /// loses 112 bytes at the end, which the leak sanitizer reports: those alone are excused.
+  /// Whether the sanitizer found nothing but a few bytes that libraries lose on their way out: Mesa's
+  /// software renderer keeps 240. What a long run loses again and again is more, and what this program loses
+  /// has its name among the frames.
+  static bool only_others_leak(const std::string& said) {
+    static const std::regex summary(R"(SUMMARY: AddressSanitizer: (\d+) byte\(s\) leaked)");
+    static const std::regex ours(R"(\n +#\d+ 0x[0-9a-f]+ .*collidoscope)");
+    std::smatch bytes;
+    return std::regex_search(said, bytes, summary) && std::stoll(bytes[1]) < 1024 &&
+           !std::regex_search(said, ours);
+  }
+
+  /// Closes the window; "" if all went well, else what went wrong.
   static std::string close(WindowDriver& window) {
     const int status = window.end();
     const std::string said = window.errors();
-    const bool excused =
-        said.find("SUMMARY: AddressSanitizer: 112 byte(s) leaked in 2 allocation(s)") != said.npos;
     const bool clean = said.find("OpenGL refused") == said.npos && said.find("runtime error") == said.npos;
-    if (clean && (status == 0 || (status == 1 && excused))) return "";
+    if (clean && (status == 0 || (status == 1 && only_others_leak(said)))) return "";
     return "status " + std::to_string(status) + "\n" + said;
   }
 
@@ -193,6 +202,23 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 1; }));
   EXPECT_EQ(value("state_hash"), expected_hash(1, 500));
 
+  // Impulses are known where contacts are shown, and cost nothing where they are not.
+  EXPECT_EQ(value("max_impulse"), 0);
+  window.click("layers.contacts");
+  window.move(640, 20);
+  std::int64_t state = 1;
+  for (; state < 60 && value("max_impulse") == 0; ++state) {
+    window.key("s");
+    ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 1; }));
+  }
+  EXPECT_GT(value("max_impulse"), 0);
+  EXPECT_EQ(value("state_hash"), expected_hash(state, 500));
+  window.click("layers.contacts");
+  window.move(640, 20);
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 1; }));
+  EXPECT_EQ(value("max_impulse"), 0);
+
   // An error shows, and the program lives on with what it had.
   if (!cuda_available()) {
     window.click("settings.executor");
@@ -201,7 +227,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
     window.click("error.dismiss");
     EXPECT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_null(); }));
     window.key("s");
-    EXPECT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 2; }));
+    EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 2; }));
   }
 
   // Another size, and panels folded away.
@@ -242,6 +268,9 @@ class Walker {
         break;
       case 4:
         if (pick(4) == 0) resize();
+        break;
+      case 5:
+        choose_body(widgets);
         break;
       default:
         touch(widgets);
@@ -285,6 +314,18 @@ class Walker {
     window_.resize(width, height);
     // So small a window hides most of what there is to touch.
     if (width < 1000) window_.resize(1100, 720);
+  }
+
+  /// Of the many that are in the middle of the view.
+  void choose_body(const Json& widgets) {
+    if (!widgets.contains("scene")) return;
+    const Json& rect = widgets["scene"];
+    const auto near_middle = [&](std::size_t axis, double share) {
+      return static_cast<int>(rect[axis].get<double>() +
+                              (share + 0.01 * static_cast<double>(pick(20))) * rect[axis + 2].get<double>());
+    };
+    note("body");
+    window_.click_at(near_middle(0, 0.4), near_middle(1, 0.5));
   }
 
   void touch(const Json& widgets) {
@@ -340,7 +381,7 @@ TEST_F(Viewer, SurvivesARandomWalk) {
   if (seconds < 200 || steps < 400) return;
   // Within scrolled panels, lists that unfold, and what only a selected body shows.
   for (const char* name :
-       {"settings.seed", "view.picture", "timing.json", "run.speed.2 ×", "layers.color.order",
+       {"settings.seed", "view.picture", "timing.json", "run.speed.2 ×", "layers.color.order in the tree",
         "settings.variant.scaled", "settings.broad_phase.brute_force", "inspector.follow",
         "inspector.contact.0", "layers.levels", "graph.momentum", "scene"})
     EXPECT_TRUE(touched.contains(name) && touched.at(name) > 0) << name;

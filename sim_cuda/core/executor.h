@@ -132,7 +132,7 @@ class Executor {
     double occupancy;
     LaunchLimit limit;
   };
-  /// `threads` 0: the number, 256 at most, of which most run at once. Each kernel is asked about once.
+  /// `threads` 0: the number, 128 at most, of which most run at once. Each kernel is asked about once.
   const KernelFit& kernel_fit(const void* kernel, int threads, const char* name);
   /// (B, T) for so many items, with "auto" decided; notes it, if a step is being recorded.
   LaunchShape choose_shape(const void* kernel, const char* name, const Count& count);

@@ -40,6 +40,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                  {"last_level", workspace.layers.last_level},
                  {"color", static_cast<int>(workspace.layers.color)}}},
                {"drawn", {{"spheres", frame.spheres}, {"boxes", frame.boxes}, {"contacts", frame.contacts}}},
+               {"max_impulse", view.max_impulse},
                {"camera", frame.camera},
                {"orthographic", view.orthographic},
                {"ui_ms", frame.ui_ms},
