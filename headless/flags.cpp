@@ -182,6 +182,12 @@ constexpr Reader readers[] = {
        constexpr std::array<Named<int>, 2> widths{{{"30", 30}, {"63", 63}}};
        if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
      }},
+    {{"--sort", "NAME", "auto, library or radix: how keys are sorted; radix keeps to (B, T)", stepping},
+     [](Reading& in) {
+       constexpr std::array<Named<SortMethod>, 3> methods{
+           {{"auto", SortMethod::automatic}, {"library", SortMethod::library}, {"radix", SortMethod::radix}}};
+       if (const auto sort = in.value.one_of(methods)) in.options.run.sort = *sort;
+     }},
     {{"--initial-pair-capacity", "N", "room for pairs at the start, or auto; it grows", stepping},
      [](Reading& in) {
        if (in.value.text() == "auto")

@@ -15,6 +15,9 @@ enum class ExecutorKind { automatic, cpu, cuda };  ///< automatic: CUDA where th
 /// depend on each other.
 enum class LaneOrder { contiguous, strided, shuffled };
 
+/// How Morton keys are sorted. automatic: by counting in cells where there are few bodies, else the library.
+enum class SortMethod { automatic, library, radix };  ///< radix: radix_sort.h, which obeys (B, T)
+
 struct RunOptions {
   ExecutorKind executor = ExecutorKind::automatic;
   int gpu = 0;          ///< CUDA's number of the device
@@ -23,6 +26,7 @@ struct RunOptions {
   LaneOrder lane_order = LaneOrder::contiguous;
   std::string broad_phase = "lbvh_ropes";  ///< a name from broad_phase_names()
   int key_bits = 30;                       ///< Morton keys: 30 or 63
+  SortMethod sort = SortMethod::automatic;
   std::int64_t initial_pair_capacity = 0;  ///< 0: a guess from N; tests start too small on purpose
 };
 

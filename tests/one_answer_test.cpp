@@ -64,6 +64,24 @@ TEST_P(OneAnswer, WithEveryBroadPhaseAndKeySize) {
   }
 }
 
+TEST_P(OneAnswer, WithEverySortAtEveryLaunchShape) {
+  const Scene scene = box_collider(700);
+  const std::string expected = hash_after(scene, options(), 30);
+  for (const SortMethod sort : {SortMethod::automatic, SortMethod::library, SortMethod::radix})
+    for (const char* method : {"lbvh_ropes", "bvh_bottom_up", "lbvh_top_down"}) {
+      RunOptions o = options();
+      o.broad_phase = method;
+      o.sort = sort;
+      World world(scene, o);
+      // A running scene's (B, T) changes; the sort's table must have room for all of them.
+      for (const LaunchShape shape : {LaunchShape{2, 4}, {16, 16}, {64, 1024}}) {
+        world.set_launch_shape(shape);
+        world.step(10);
+      }
+      EXPECT_EQ(hex(world.state_hash()), expected) << method << ' ' << static_cast<int>(sort);
+    }
+}
+
 TEST_P(OneAnswer, WithCapacitiesTenTimesTooSmall) {
   Scene scene = box_collider(1000);
   scene.physics.substeps = 3;  // so that runs within a step overflow too

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/radix_sort.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/segment_sort.h"
 #include "tests/executors.h"
@@ -45,6 +46,39 @@ class Sort : public OnEachExecutor {
     std::sort(keys.begin(), keys.end());
     EXPECT_EQ(out.download(), keys);
   }
+
+  template <class Key>
+  void check_radix(LaunchShape shape, LaneOrder order, std::size_t count, int key_bits,
+                   std::uint64_t distinct) {
+    RunOptions o = options();
+    o.shape = shape;
+    o.lane_order = order;
+    Executor executor(o);
+    std::mt19937_64 random(count);
+    std::vector<Key> keys(count);
+    for (Key& key : keys)
+      key = static_cast<Key>((random() % distinct) * 0x9e3779b97f4a7c15u) & ((Key{1} << key_bits) - 1);
+    std::vector<std::uint32_t> values(count);
+    std::iota(values.begin(), values.end(), 0u);
+
+    Buffer<Key> in_place(executor, "keys"), spare(executor, "spare keys");
+    Buffer<std::uint32_t> value(executor, "values"), spare_value(executor, "spare values");
+    Buffer<std::byte> temporary(executor, "workspace");
+    in_place.upload(keys);
+    value.upload(values);
+    spare.resize_discarding(count);
+    spare_value.resize_discarding(count);
+    const auto n = static_cast<std::int64_t>(count);
+    temporary.resize_discarding(radix_sort_temporary_bytes(n));
+    radix_sort(executor, "sort", n, key_bits, in_place.data(), value.data(), spare.data(), spare_value.data(),
+               temporary.data());
+    executor.synchronize();
+
+    std::stable_sort(values.begin(), values.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
+    EXPECT_EQ(value.download(), values) << shape.blocks << " x " << shape.threads << ", " << count;
+    std::sort(keys.begin(), keys.end());
+    EXPECT_EQ(in_place.download(), keys);
+  }
 };
 ON_EACH_EXECUTOR(Sort);
 
@@ -55,6 +89,19 @@ TEST_P(Sort, IsStableForEveryKindOfKey) {
       check<std::uint32_t>(count, 30, distinct);
       check<std::uint64_t>(count, 63, distinct);
     }
+}
+
+/// (B, T), the order of lanes, and lengths about the least stretch of a lane and the groups of the sums.
+TEST_P(Sort, ByRadixIsTheSameAtEveryLaunchShape) {
+  for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {3, 37}, {16, 16}, {8, 64}, {64, 1024}, {0, 0}})
+    for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
+      for (const std::size_t count : {0u, 1u, 2u, 15u, 16u, 17u, 511u, 512u, 513u, 20000u}) {
+        if (GetParam() == ExecutorKind::cuda && order != LaneOrder::contiguous) continue;
+        for (const std::uint64_t distinct : {std::uint64_t{1}, std::uint64_t{7}, std::uint64_t{1} << 60}) {
+          check_radix<std::uint32_t>(shape, order, count, 30, distinct);
+          check_radix<std::uint64_t>(shape, order, count, 63, distinct);
+        }
+      }
 }
 
 class Scan : public OnEachExecutor {};

@@ -1,7 +1,8 @@
 #pragma once
 // `bench paper`: the term project's Tables 1 to 5 again, with the same (N, B, T) in the same box, its figures
-// beside ours, and its two claims put to the test. What it calls collision handling is all of our step but
-// the forwarding, so that ours has colouring and walls in it, which its has not.
+// beside ours, and its claims put to the test. What it calls collision handling is all of our step but
+// the forwarding, so that ours has colouring and walls in it, which its has not. The sort is the paper's too
+// (radix_sort.h), unless --sort says otherwise.
 
 #include "headless/command_line.h"
 

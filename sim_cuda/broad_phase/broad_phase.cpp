@@ -11,11 +11,12 @@ struct Method {
   std::unique_ptr<BroadPhase> (*make)(Executor&);
 };
 constexpr Method methods[] = {
-    {"lbvh_ropes", make_lbvh_ropes},                // a linear BVH, walked along its ropes
-    {"bvh_bottom_up", make_bvh_bottom_up},          // the paper's tree, over Morton order
-    {"bvh_input_order", make_bvh_input_order},      // the same, not clustered: the paper's Figure 6
-    {"lbvh_top_down", make_lbvh_top_down},          // a linear BVH from a work queue
-    {"brute_force", make_brute_force},              // the paper's naive approach
+    {"lbvh_ropes", make_lbvh_ropes},            // a linear BVH, walked along its ropes
+    {"bvh_bottom_up", make_bvh_bottom_up},      // the paper's tree, over Morton order
+    {"bvh_input_order", make_bvh_input_order},  // the same, not clustered: the paper's Figure 6
+    {"bvh_recursive", make_bvh_recursive},      // the paper's tree, its query by calls in place of a stack
+    {"lbvh_top_down", make_lbvh_top_down},      // a linear BVH from a work queue
+    {"brute_force", make_brute_force},          // the paper's naive approach
     {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
     {"uniform_grid", make_uniform_grid},            // cells by the largest body
     {"hierarchical_grid", make_hierarchical_grid},  // cells for each size of bodies

@@ -46,6 +46,7 @@ std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
 std::unique_ptr<BroadPhase> make_brute_force_tiled(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_input_order(Executor& executor);
+std::unique_ptr<BroadPhase> make_bvh_recursive(Executor& executor);
 std::unique_ptr<BroadPhase> make_hierarchical_grid(Executor& executor);
 std::unique_ptr<BroadPhase> make_lbvh_ropes(Executor& executor);
 std::unique_ptr<BroadPhase> make_uniform_grid(Executor& executor);

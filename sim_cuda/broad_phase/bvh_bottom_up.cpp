@@ -3,7 +3,9 @@
 // 2i+1 of the level below), so building it needs no queue and no atomics: one launch a level. A body's query
 // descends from the root with a stack in local memory (its 3.2.4).
 //
-// The same over the bodies as they come, by id (its Figure 6, left): what clustering is worth.
+// The same over the bodies as they come, by id (its Figure 6, left): what clustering is worth. And the same
+// with a query that calls itself instead of keeping a stack: what that is worth (its 3.2.4 expects five
+// times).
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
@@ -76,6 +78,34 @@ struct Descend {
   }
 };
 
+/// The same query, child after child by calls.
+struct DescendByCalls {
+  LevelTree tree;
+  PairSink sink;
+
+  /// Of one call on a GPU, in bytes: as compiled for compute capability 9.0 it is less.
+  static constexpr std::size_t call_frame = 160;
+
+  SIM_HD void descend(const Aabb& box, std::uint32_t slot, std::uint32_t level, std::uint32_t node,
+                      PairBatch& batch) const {
+    for (std::uint32_t child = 2 * node; child < 2 * node + 2 && child < tree.size[level]; ++child) {
+      const std::uint32_t last_leaf = ((child + 1) << level) - 1;
+      if (last_leaf <= slot || !overlap(box, tree.nodes[tree.first[level] + child])) continue;
+      if (level == 0)
+        batch.add(tree.leaf_body[child]);
+      else
+        descend(box, slot, level - 1, child, batch);
+    }
+  }
+  SIM_HD void operator()(int leaf) const {
+    const auto slot = static_cast<std::uint32_t>(leaf);
+    PairBatch batch(sink, tree.leaf_body[slot]);
+    if (tree.levels > 1)
+      descend(tree.nodes[slot], slot, static_cast<std::uint32_t>(tree.levels - 2), 0, batch);
+    batch.finish();
+  }
+};
+
 struct WriteTree {
   LevelTree tree;
   TreeSink sink;
@@ -113,14 +143,17 @@ class InputOrder {
   std::int64_t bodies_ = 0;
 };
 
-template <class Order>
+template <class Order, class Query = Descend>
 class BvhBottomUp final : public BroadPhase {
  public:
   explicit BvhBottomUp(Executor& executor)
       : executor_(executor),
         order_(executor),
         leaf_body_(executor, "leaf bodies"),
-        nodes_(executor, "tree nodes") {}
+        nodes_(executor, "tree nodes") {
+    if constexpr (std::is_same_v<Query, DescendByCalls>)
+      executor.reserve_call_stack(LevelTree::max_levels * DescendByCalls::call_frame);
+  }
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;
@@ -147,7 +180,7 @@ class BvhBottomUp final : public BroadPhase {
                                nodes_.data() + tree_.first[level]});
   }
 
-  void find_pairs(const PairSink& sink) override { executor_.run("pairs", bodies_, Descend{tree_, sink}); }
+  void find_pairs(const PairSink& sink) override { executor_.run("pairs", bodies_, Query{tree_, sink}); }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     executor_.run("tree", tree_nodes(), WriteTree{tree_, sink});
@@ -172,6 +205,12 @@ std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor) {
 
 std::unique_ptr<BroadPhase> make_bvh_input_order(Executor& executor) {
   return std::make_unique<BvhBottomUp<InputOrder>>(executor);
+}
+
+std::unique_ptr<BroadPhase> make_bvh_recursive(Executor& executor) {
+  if (executor.options().key_bits == 63)
+    return std::make_unique<BvhBottomUp<MortonOrder<std::uint64_t>, DescendByCalls>>(executor);
+  return std::make_unique<BvhBottomUp<MortonOrder<std::uint32_t>, DescendByCalls>>(executor);
 }
 
 }  // namespace collidoscope

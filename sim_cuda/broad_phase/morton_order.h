@@ -4,13 +4,15 @@
 //
 // Up to 2^21 bodies with 30-bit keys it is a counting sort: as many cells as bodies, one counter each, and
 // within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
-// place of a radix sort's eleven. Beyond, and for 63-bit keys, the library sorts.
+// place of a radix sort's eleven. Beyond, and for 63-bit keys, the library sorts; RunOptions::sort may say
+// otherwise.
 
 #include <cstdint>
 
 #include "sim_cuda/broad_phase/morton.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/radix_sort.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/sort.h"
 
@@ -111,16 +113,18 @@ class MortonOrder {
     for (Buffer<Key>* keys : {&keys_, &sorted_keys_}) keys->resize_discarding(n);
     for (Buffer<std::uint32_t>* ids : {&ids_, &order_}) ids->resize_discarding(n);
     cell_bits_ = 0;
-    if (sizeof(Key) == 4 && bodies <= most_cells)
+    const SortMethod method = executor_.options().sort;
+    if (method == SortMethod::automatic && sizeof(Key) == 4 && bodies <= most_cells)
       for (cell_bits_ = 6; (std::int64_t{1} << cell_bits_) < bodies;) ++cell_bits_;
     // More bits than cells that a body can call its own only cost passes of the sort.
     sorted_bits_ = sizeof(Key) == 8 ? 63 : bodies <= 1 << 24 ? 24 : 30;
     const std::size_t cells = cell_bits_ > 0 ? (std::size_t{1} << cell_bits_) + 1 : 0;
     count_.resize_discarding(cells);
     begin_.resize_discarding(cells);
-    temporary_.resize_discarding(cells > 0
-                                     ? scan_temporary_bytes(executor_, static_cast<std::int64_t>(cells) - 1)
-                                     : sort_temporary_bytes<Key>(executor_, bodies, sorted_bits_));
+    temporary_.resize_discarding(
+        cells > 0                     ? scan_temporary_bytes(executor_, static_cast<std::int64_t>(cells) - 1)
+        : method == SortMethod::radix ? radix_sort_temporary_bytes(bodies)
+                                      : sort_temporary_bytes<Key>(executor_, bodies, sorted_bits_));
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
@@ -128,10 +132,16 @@ class MortonOrder {
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit) {
     if (cell_bits_ == 0) {
-      executor_.run("keys", bodies_,
-                    MakeKeys<Key>{boxes, extent, key_bits - sorted_bits_, keys_.data(), ids_.data()});
-      sort_by_key(executor_, "sort", bodies_, sorted_bits_, keys_.data(), sorted_keys_.data(), ids_.data(),
-                  order_.data(), temporary_.data(), temporary_.bytes());
+      const bool in_place = executor_.options().sort == SortMethod::radix;
+      Key* const keys = in_place ? sorted_keys_.data() : keys_.data();
+      std::uint32_t* const ids = in_place ? order_.data() : ids_.data();
+      executor_.run("keys", bodies_, MakeKeys<Key>{boxes, extent, key_bits - sorted_bits_, keys, ids});
+      if (in_place)
+        radix_sort(executor_, "sort", bodies_, sorted_bits_, keys, ids, keys_.data(), ids_.data(),
+                   temporary_.data());
+      else
+        sort_by_key(executor_, "sort", bodies_, sorted_bits_, keys, sorted_keys_.data(), ids, order_.data(),
+                    temporary_.data(), temporary_.bytes());
       executor_.run("sort", bodies_, EmitInOrder<Emit>{order_.data(), emit});
       return;
     }

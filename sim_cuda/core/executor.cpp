@@ -111,6 +111,18 @@ void Executor::set_shape(LaunchShape shape) {
   options_.shape = shape;
 }
 
+void Executor::reserve_call_stack([[maybe_unused]] std::size_t bytes) {
+#if SIM_CUDA
+  if (!on_device_) return;
+  constexpr std::size_t usual = 1024;  // what a device gives at first
+  std::size_t now = 0;
+  check(cudaDeviceGetLimit(&now, cudaLimitStackSize), "ask for the size of a call stack");
+  if (now < usual + bytes)
+    check(cudaDeviceSetLimit(cudaLimitStackSize, usual + bytes),
+          "reserve " + std::to_string(usual + bytes) + " bytes of call stack for each thread");
+#endif
+}
+
 void* Executor::allocate(const char* name, std::size_t bytes) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;

@@ -74,6 +74,10 @@ class Executor {
   void fill(void* destination, int byte, std::size_t bytes);
   void synchronize();
 
+  /// Stages whose items call themselves need so many bytes of stack a thread beside the usual; outside a
+  /// step.
+  void reserve_call_stack(std::size_t bytes);
+
   /// The stage of what is enqueued from here on; what libraries launch themselves ignores (B, T):
   /// `own_shape`.
   void begin_stage(const char* name, bool own_shape = false);

@@ -1,0 +1,135 @@
+#include "sim_cuda/core/radix_sort.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace collidoscope {
+
+namespace {
+
+constexpr int digit_bits = 4;
+constexpr std::uint32_t digits = 1u << digit_bits;
+constexpr std::int64_t least_stretch = 16;  // records: with as many counters a thread, the table is no longer
+                                            // than the keys
+
+/// The records of a lane: neighbours, so that the order of equal keys is that of lanes.
+struct Stretches {
+  std::int64_t count, lanes;
+  SIM_HD std::int64_t begin(int lane) const { return count * lane / lanes; }
+};
+
+/// The table holds all lanes' zeros, then all lanes' ones, and so on: its running sums are where each goes.
+template <class Key>
+struct CountDigits {
+  Stretches stretches;
+  const Key* keys;
+  int shift;
+  std::uint32_t* table;
+  SIM_HD void operator()(int lane) const {
+    std::uint32_t counts[digits] = {};
+    for (std::int64_t i = stretches.begin(lane); i < stretches.begin(lane + 1); ++i)
+      ++counts[(keys[i] >> shift) & (digits - 1)];
+    for (std::uint32_t d = 0; d < digits; ++d) table[d * stretches.lanes + lane] = counts[d];
+  }
+};
+
+template <class Key>
+struct PutByDigit {
+  Stretches stretches;
+  const Key* keys;
+  const std::uint32_t* values;
+  int shift;
+  const std::uint32_t* table;
+  Key* put_keys;
+  std::uint32_t* put_values;
+  SIM_HD void operator()(int lane) const {
+    std::uint32_t next[digits];
+    for (std::uint32_t d = 0; d < digits; ++d) next[d] = table[d * stretches.lanes + lane];
+    for (std::int64_t i = stretches.begin(lane); i < stretches.begin(lane + 1); ++i) {
+      const std::uint32_t place = next[(keys[i] >> shift) & (digits - 1)]++;
+      put_keys[place] = keys[i];
+      put_values[place] = values[i];
+    }
+  }
+};
+
+// Running sums over a tree of groups, in the threads that (B, T) gives: sums of groups upwards, then
+// downwards the sum of all that is before.
+constexpr std::int64_t group = 32;
+constexpr std::int64_t groups_of(std::int64_t count) { return (count + group - 1) / group; }
+
+struct SumGroup {
+  const std::uint32_t* values;
+  std::int64_t count;
+  std::uint32_t* sums;
+  SIM_HD void operator()(int g) const {
+    std::uint32_t sum = 0;
+    for (std::int64_t i = g * group; i < (g + 1) * group && i < count; ++i) sum += values[i];
+    sums[g] = sum;
+  }
+};
+
+struct SumBefore {
+  std::uint32_t* values;
+  std::int64_t count;
+  const std::uint32_t* before;  ///< of each group; nullptr: there is one
+  SIM_HD void operator()(int g) const {
+    std::uint32_t sum = before == nullptr ? 0 : before[g];
+    for (std::int64_t i = g * group; i < (g + 1) * group && i < count; ++i) {
+      const std::uint32_t value = values[i];
+      values[i] = sum;
+      sum += value;
+    }
+  }
+};
+
+/// `values` become the sums of what is before each; `sums` has room for those of all levels.
+void running_sums(Executor& executor, const char* stage, std::uint32_t* values, std::int64_t count,
+                  std::uint32_t* sums) {
+  const std::int64_t groups = groups_of(count);
+  if (groups > 1) {
+    executor.run(stage, groups, SumGroup{values, count, sums});
+    running_sums(executor, stage, sums, groups, sums + groups);
+  }
+  executor.run(stage, groups, SumBefore{values, count, groups > 1 ? sums : nullptr});
+}
+
+std::int64_t most_lanes(std::int64_t count) { return (count + least_stretch - 1) / least_stretch; }
+
+}  // namespace
+
+std::size_t radix_sort_temporary_bytes(std::int64_t count) {
+  std::int64_t words = 0;
+  for (std::int64_t level = digits * most_lanes(count); level > 0; level = groups_of(level)) {
+    words += level;
+    if (level == 1) break;
+  }
+  return static_cast<std::size_t>(words) * sizeof(std::uint32_t);
+}
+
+template <class Key>
+void radix_sort(Executor& executor, const char* stage, std::int64_t count, int key_bits, Key* keys,
+                std::uint32_t* values, Key* spare_keys, std::uint32_t* spare_values, void* temporary) {
+  if (count == 0) return;
+  const LaunchShape shape = executor.options().shape;
+  const std::int64_t asked = std::int64_t{shape.blocks} * shape.threads;
+  const Stretches stretches{count, asked > 0 ? std::min(asked, most_lanes(count)) : most_lanes(count)};
+  auto* table = static_cast<std::uint32_t*>(temporary);
+  const std::int64_t entries = digits * stretches.lanes;
+  // An even number of passes ends where it began.
+  for (int shift = 0; shift < key_bits || shift % (2 * digit_bits) != 0; shift += digit_bits) {
+    executor.run(stage, stretches.lanes, CountDigits<Key>{stretches, keys, shift, table});
+    running_sums(executor, stage, table, entries, table + entries);
+    executor.run(stage, stretches.lanes,
+                 PutByDigit<Key>{stretches, keys, values, shift, table, spare_keys, spare_values});
+    std::swap(keys, spare_keys);
+    std::swap(values, spare_values);
+  }
+}
+
+template void radix_sort(Executor&, const char*, std::int64_t, int, std::uint32_t*, std::uint32_t*,
+                         std::uint32_t*, std::uint32_t*, void*);
+template void radix_sort(Executor&, const char*, std::int64_t, int, std::uint64_t*, std::uint32_t*,
+                         std::uint64_t*, std::uint32_t*, void*);
+
+}  // namespace collidoscope
