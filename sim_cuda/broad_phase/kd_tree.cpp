@@ -1,0 +1,261 @@
+// A k-d tree of bodies. Split rule: the object median of the centres along the axis on which they spread
+// most, level by level; equal coordinates part by id. The bodies have extent and would straddle a plane, so
+// each node keeps two, as in a bounding interval hierarchy (Waechter and Keller 2006): where its left half
+// ends and where its right half begins. They may overlap or leave a gap; nothing is cut, and no body stands
+// twice. A query compares one coordinate with each plane: exact, so no pair is lost.
+//
+// The three axes are sorted once. A node's centres then stand in three lists, each sorted along one axis: the
+// first and last of each say which axis is the longest, the middle of its list is the median. Each level
+// parts the three lists, every part keeping its order, by a scan (Wald and Havran 2006 on the CPU). With n
+// the shape is known (halved_tree.h), so a level is a fixed number of launches.
+
+#include <algorithm>
+#include <utility>
+
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/halved_tree.h"
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/scan.h"
+#include "sim_cuda/core/sort.h"
+
+namespace collidoscope {
+
+namespace {
+
+struct alignas(16) KdNode {
+  float left_max, right_min;  ///< m, on the axis: end of the left half, beginning of the right one
+  Cut cut;
+  std::uint32_t axis;
+
+  SIM_HD Reach reached_by(const HalvedLeaf& query) const {
+    return {query.min[axis] <= left_max, query.max[axis] >= right_min};
+  }
+};
+static_assert(sizeof(KdNode) == 16);
+
+struct MakeAxisKeys {
+  const Aabb* boxes;
+  int axis;
+  std::uint32_t *keys, *ids;
+  SIM_HD void operator()(int body) const {
+    keys[body] = ordered_bits(center_of(boxes[body], axis));
+    ids[body] = static_cast<std::uint32_t>(body);
+  }
+};
+
+/// Bodies by place, sorted within each node: along x, then the same along y, and along z.
+struct AxisLists {
+  Halving tree;
+  const std::uint32_t* bodies;
+  SIM_HD std::uint32_t body(std::uint32_t axis, std::uint32_t place) const {
+    return bodies[axis * tree.n + place];
+  }
+};
+
+struct ChooseAxis {
+  AxisLists lists;
+  int level;
+  const Aabb* boxes;
+  KdNode* nodes;
+  SIM_HD void operator()(int item) const {
+    const auto node = static_cast<std::uint32_t>(item);
+    const Halves halves = lists.tree.halves(level, node);
+    float longest = -1;
+    std::uint32_t axis = 0;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto coordinate = [&](std::uint32_t place) {
+        return center_of(boxes[lists.body(k, place)], static_cast<int>(k));
+      };
+      const float spread = coordinate(halves.end - 1) - coordinate(halves.first);
+      if (!(spread > longest)) continue;
+      longest = spread;
+      axis = k;
+    }
+    nodes[Halving::heap(level, node)].axis = axis;
+  }
+};
+
+/// Each place of the list of its node's axis tells its body on which side it stands.
+struct ChooseSide {
+  AxisLists lists;
+  int level;
+  const KdNode* nodes;
+  std::uint32_t* goes_left;  ///< by body: 1 or 0
+  SIM_HD void operator()(int item) const {
+    const auto place = static_cast<std::uint32_t>(item);
+    const std::uint32_t node = lists.tree.node_at(level, place);
+    const std::uint32_t axis = nodes[Halving::heap(level, node)].axis;
+    goes_left[lists.body(axis, place)] = place < lists.tree.begin(level + 1, 2 * node + 1);
+  }
+};
+
+struct ListSides {
+  const std::uint32_t *bodies, *goes_left;
+  std::uint32_t* left;
+  SIM_HD void operator()(int entry) const { left[entry] = goes_left[bodies[entry]]; }
+};
+
+struct PartLists {
+  AxisLists lists;
+  int level;
+  const std::uint32_t *left, *lefts_before;
+  std::uint32_t* parted;
+  SIM_HD void operator()(int item) const {
+    const auto entry = static_cast<std::uint32_t>(item);
+    const std::uint32_t list = entry / lists.tree.n * lists.tree.n, place = entry - list;
+    const Halves halves = lists.tree.halves(level, lists.tree.node_at(level, place));
+    const std::uint32_t lefts = lefts_before[entry] - lefts_before[list + halves.first];
+    const std::uint32_t to =
+        left[entry] != 0 ? halves.first + lefts : halves.middle + (place - halves.first - lefts);
+    parted[list + to] = lists.bodies[entry];
+  }
+};
+
+/// From the last level up: a node's box and, on its axis, where its halves end and begin.
+struct JoinHalves {
+  Halving tree;
+  int level;
+  const HalvedLeaf* leaves;
+  Aabb* boxes;
+  KdNode* nodes;
+  SIM_HD Aabb box_of(std::uint32_t node) const {
+    const std::uint32_t first = tree.begin(level + 1, node);
+    return tree.begin(level + 1, node + 1) - first == 1 ? leaves[first].box()
+                                                        : boxes[Halving::heap(level + 1, node)];
+  }
+  SIM_HD void operator()(int item) const {
+    const auto node = static_cast<std::uint32_t>(item), at = Halving::heap(level, node);
+    const Halves halves = tree.halves(level, node);
+    if (!halves.inner()) return;
+    const Aabb left = box_of(2 * node), right = box_of(2 * node + 1);
+    const std::uint32_t axis = nodes[at].axis;
+    boxes[at] = combine(left, right);
+    store_whole(&nodes[at], KdNode{left.max[axis], right.min[axis], Cut(halves), axis});
+  }
+};
+
+/// A node is drawn and measured as the region that its planes leave of the root's box: what a query enters.
+struct WriteRegions {
+  Halving tree;
+  int level;
+  const KdNode* nodes;
+  const HalvedLeaf* leaves;
+  const Aabb* root;
+  TreeSink sink;
+  SIM_HD void operator()(int item) const {
+    const auto node = static_cast<std::uint32_t>(item);
+    const Halves halves = tree.halves(level, node);
+    if (!halves.inner()) return;
+    const KdNode from = nodes[Halving::heap(level, node)];
+    const std::uint32_t number = tree.number(halves);
+    if (level == 0) {
+      sink.box[number] = *root;
+      sink.parent[number] = number;
+    }
+    for (std::uint32_t side = 0; side < 2; ++side) {
+      const Halves child = tree.halves(level + 1, 2 * node + side);
+      const std::uint32_t to = tree.number(child);
+      Aabb box = sink.box[number];
+      (side == 0 ? box.max : box.min)[from.axis] = side == 0 ? from.left_max : from.right_min;
+      if (!child.inner()) {
+        box = leaves[to].box();
+        sink.leaf_body[to] = leaves[to].body;
+      }
+      sink.box[to] = box;
+      sink.parent[to] = number;
+    }
+  }
+};
+
+struct WriteOneLeaf {
+  const HalvedLeaf* leaf;
+  TreeSink sink;
+  SIM_HD void operator()(int) const {
+    sink.box[0] = leaf->box();
+    sink.parent[0] = 0;
+    sink.leaf_body[0] = leaf->body;
+  }
+};
+
+class KdTree final : public BroadPhase {
+ public:
+  explicit KdTree(Executor& executor)
+      : executor_(executor),
+        keys_(executor, "sort keys"),
+        sorted_keys_(executor, "sorted keys"),
+        ids_(executor, "ids to sort"),
+        lists_(executor, "bodies along each axis"),
+        parted_(executor, "bodies along each axis"),
+        side_(executor, "sides of bodies"),
+        left_(executor, "bodies that go left"),
+        before_(executor, "bodies that go left"),
+        leaves_(executor, "leaves of the tree"),
+        nodes_(executor, "tree nodes"),
+        boxes_(executor, "boxes of the tree"),
+        temporary_(executor, "sort workspace") {}
+
+  void reserve(std::int64_t bodies) override {
+    tree_ = Halving(bodies);
+    const auto n = static_cast<std::size_t>(bodies);
+    for (Buffer<std::uint32_t>* each : {&keys_, &sorted_keys_, &ids_, &side_}) each->resize_discarding(n);
+    for (Buffer<std::uint32_t>* each : {&lists_, &parted_}) each->resize_discarding(3 * n);
+    for (Buffer<std::uint32_t>* each : {&left_, &before_}) each->resize_discarding(3 * n + 1);
+    leaves_.resize_discarding(n);
+    nodes_.resize_discarding(tree_.heap_size());
+    boxes_.resize_discarding(tree_.heap_size());
+    temporary_.resize_discarding(std::max(sort_temporary_bytes<std::uint32_t>(executor_, bodies, 32),
+                                          scan_temporary_bytes(executor_, 3 * bodies)));
+  }
+
+  void update(const Aabb* boxes, const Aabb*) override {
+    const std::int64_t n = tree_.n;
+    if (n == 0) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      executor_.run("keys", n, MakeAxisKeys{boxes, axis, keys_.data(), ids_.data()});
+      sort_by_key(executor_, "sort", n, 32, keys_.data(), sorted_keys_.data(), ids_.data(),
+                  lists_.data() + axis * n, temporary_.data(), temporary_.bytes());
+    }
+    std::uint32_t *list = lists_.data(), *parted = parted_.data();
+    for (int level = 0; level < tree_.levels; ++level) {
+      const AxisLists lists{tree_, list};
+      executor_.run("build", std::int64_t{1} << level, ChooseAxis{lists, level, boxes, nodes_.data()});
+      executor_.run("build", n, ChooseSide{lists, level, nodes_.data(), side_.data()});
+      executor_.run("build", 3 * n, ListSides{list, side_.data(), left_.data()});
+      exclusive_scan(executor_, "build", 3 * n, left_.data(), before_.data(), temporary_.data(),
+                     temporary_.bytes());
+      executor_.run("build", 3 * n, PartLists{lists, level, left_.data(), before_.data(), parted});
+      std::swap(list, parted);
+    }
+    executor_.run("build", n, MakeHalvedLeaves{boxes, list, leaves_.data()});
+    for (int level = tree_.levels - 1; level >= 0; --level)
+      executor_.run("build", std::int64_t{1} << level,
+                    JoinHalves{tree_, level, leaves_.data(), boxes_.data(), nodes_.data()});
+  }
+
+  void find_pairs(const PairSink& sink) override {
+    executor_.run("pairs", tree_.n, DescendHalves<KdNode>{nodes_.data(), leaves_.data(), tree_.n, sink});
+  }
+
+  std::int64_t tree_nodes() const override { return tree_.n > 0 ? 2 * std::int64_t{tree_.n} - 1 : 0; }
+  void write_tree(const TreeSink& sink) const override {
+    if (tree_.n == 1) executor_.run("tree", 1, WriteOneLeaf{leaves_.data(), sink});
+    for (int level = 0; level < tree_.levels; ++level)
+      executor_.run("tree", std::int64_t{1} << level,
+                    WriteRegions{tree_, level, nodes_.data(), leaves_.data(), boxes_.data() + 1, sink});
+  }
+
+ private:
+  Executor& executor_;
+  Halving tree_;
+  Buffer<std::uint32_t> keys_, sorted_keys_, ids_, lists_, parted_, side_, left_, before_;
+  Buffer<HalvedLeaf> leaves_;
+  Buffer<KdNode> nodes_;
+  Buffer<Aabb> boxes_;
+  Buffer<std::byte> temporary_;
+};
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> make_kd_tree(Executor& executor) { return std::make_unique<KdTree>(executor); }
+
+}  // namespace collidoscope
