@@ -17,6 +17,7 @@ constexpr Method methods[] = {
     {"bvh_recursive", make_bvh_recursive},      // the paper's tree, its query by calls in place of a stack
     {"lbvh_top_down", make_lbvh_top_down},      // a linear BVH from a work queue
     {"kd_tree", make_kd_tree},                  // medians along the longest axis
+    {"bsp", make_bsp},                          // medians along any direction
     {"brute_force", make_brute_force},          // the paper's naive approach
     {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
     {"uniform_grid", make_uniform_grid},            // cells by the largest body

@@ -44,6 +44,7 @@ std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& 
 // One factory per method, defined in the method's own file.
 std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
 std::unique_ptr<BroadPhase> make_brute_force_tiled(Executor& executor);
+std::unique_ptr<BroadPhase> make_bsp(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_input_order(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_recursive(Executor& executor);

@@ -1,0 +1,278 @@
+// A BSP tree of bodies: planes of any direction, level by level. Split rule: the normal is the principal axis
+// of the node's centres (of 64 of them, evenly spaced in the node's order), the longest direction of the
+// cloud; the plane stands at the median of the projections onto it. As in the k-d tree, bodies have extent:
+// each node keeps two planes of its normal, where the projected boxes of its left half end and where those of
+// its right half begin.
+//
+// No pair is lost, without any margin. A box projects onto the interval of
+//   low = n.x * (n.x < 0 ? max : min).x + (the same of y) + (the same of z), and high with min and max
+//   exchanged,
+// in float and in this order. Rounding is monotone: from a <= b follows fl(n * a) <= fl(n * b) for n >= 0,
+// and fl(a + c) <= fl(b + d) if c <= d too. Boxes A and B that overlap have a point in common; each term of
+// A's low is at most that of the point, which is at most that of B's high; hence so are the rounded sums:
+// low(A) <= high(B). The same of A and the largest high of many boxes. |n| <= 1 per component, so a product
+// is finite, and a sum that overflows does so monotonically: no NaN. (-ffp-contract=off, -fmad=false: every
+// stage rounds alike.) Empty boxes widen nothing. The last word is the leaf's, whose boxes are compared
+// exactly.
+
+#include <cmath>
+#include <utility>
+
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/halved_tree.h"
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/sort.h"
+
+namespace collidoscope {
+
+namespace {
+
+struct alignas(16) BspNode {
+  float normal[3];
+  Cut cut;
+  /// Ends of intervals as ordered_bits, so that the lowest bid wins: of the left half ~high, of the right one
+  /// low. All ones where it has nothing but empty boxes, which reads as NaN.
+  std::uint32_t left_max, right_min;
+  float middle;  ///< the mean of the centres, projected
+  std::uint32_t unused;
+
+  SIM_HD float low(const float* min, const float* max) const {
+    return term(0, max, min) + term(1, max, min) + term(2, max, min);
+  }
+  SIM_HD float high(const float* min, const float* max) const { return low(max, min); }
+  SIM_HD float term(int k, const float* if_negative, const float* if_positive) const {
+    return normal[k] * (normal[k] < 0 ? if_negative : if_positive)[k];
+  }
+
+  SIM_HD Reach reached_by(const HalvedLeaf& query) const {
+    return {low(query.min, query.max) <= from_ordered_bits(~left_max),
+            high(query.min, query.max) >= from_ordered_bits(right_min)};
+  }
+};
+static_assert(sizeof(BspNode) == 32);
+
+/// Sums over points about an origin: a symmetric matrix as xx, yy, zz, xy, yz, zx.
+struct Cloud {
+  double sum[3] = {}, square[6] = {};
+  std::uint32_t points = 0;
+
+  SIM_HD void add(const double* p) {
+    ++points;
+    for (int k = 0; k < 3; ++k) {
+      sum[k] += p[k];
+      square[k] += p[k] * p[k];
+      square[3 + k] += p[k] * p[(k + 1) % 3];
+    }
+  }
+  /// The direction in which the points spread most: the largest column of the covariance matrix after six
+  /// squarings, 64 steps of the power method from every axis at once. The x axis where they coincide.
+  SIM_HD void principal_axis(float* axis) const {
+    double m[6];
+    for (int k = 0; k < 3; ++k) {
+      m[k] = square[k] - sum[k] * sum[k] / points;
+      m[3 + k] = square[3 + k] - sum[k] * sum[(k + 1) % 3] / points;
+    }
+    axis[0] = 1;
+    axis[1] = axis[2] = 0;
+    for (int squaring = 0;; ++squaring) {
+      const double trace = m[0] + m[1] + m[2];
+      if (!(trace > 0)) return;
+      for (double& entry : m) entry /= trace;
+      if (squaring == 6) break;
+      const double xy = m[3] * m[3], yz = m[4] * m[4], zx = m[5] * m[5];
+      const double squared[6] = {m[0] * m[0] + xy + zx,
+                                 m[1] * m[1] + xy + yz,
+                                 m[2] * m[2] + yz + zx,
+                                 m[3] * (m[0] + m[1]) + m[5] * m[4],
+                                 m[4] * (m[1] + m[2]) + m[3] * m[5],
+                                 m[5] * (m[2] + m[0]) + m[4] * m[3]};
+      for (int k = 0; k < 6; ++k) m[k] = squared[k];
+    }
+    const double columns[3][3] = {{m[0], m[3], m[5]}, {m[3], m[1], m[4]}, {m[5], m[4], m[2]}};
+    const double* column = columns[m[0] >= m[1] && m[0] >= m[2] ? 0 : m[1] >= m[2] ? 1 : 2];
+    const double length = std::sqrt(column[0] * column[0] + column[1] * column[1] + column[2] * column[2]);
+    for (int k = 0; k < 3; ++k) axis[k] = clamp_to(static_cast<float>(column[k] / length), -1.0f, 1.0f);
+  }
+};
+
+struct ChoosePlane {
+  static constexpr std::uint32_t samples = 64;
+  Halving tree;
+  int level;
+  const Aabb* boxes;
+  const std::uint32_t* order;
+  BspNode* nodes;
+  SIM_HD void operator()(int item) const {
+    const auto number = static_cast<std::uint32_t>(item);
+    const Halves halves = tree.halves(level, number);
+    if (!halves.inner()) return;
+    const std::uint32_t size = halves.end - halves.first, points = min_of(size, samples);
+    double origin[3];
+    Cloud cloud;
+    for (std::uint32_t i = 0; i < points; ++i) {
+      const auto step = static_cast<std::uint32_t>((2 * std::uint64_t{i} + 1) * size / (2 * points));
+      const Aabb box = boxes[order[halves.first + step]];
+      double point[3];
+      for (int k = 0; k < 3; ++k) {
+        point[k] = static_cast<double>(center_of(box, k));
+        if (i == 0) origin[k] = point[k];
+        point[k] -= origin[k];
+      }
+      cloud.add(point);
+    }
+    BspNode node;
+    cloud.principal_axis(node.normal);
+    double middle = 0;
+    for (int k = 0; k < 3; ++k)
+      middle += static_cast<double>(node.normal[k]) * (origin[k] + cloud.sum[k] / cloud.points);
+    node.cut = Cut(halves);
+    node.left_max = node.right_min = ~0u;
+    node.middle = static_cast<float>(middle);
+    node.unused = 0;
+    store_whole(&nodes[Halving::heap(level, number)], node);
+  }
+};
+
+/// Sorts by node, then along its normal. The lower the level, the fewer bits are left for the latter and the
+/// fewer bodies need them; a float's leading bits are finest about 0, where the median is.
+struct MakePlaneKeys {
+  Halving tree;
+  int level;
+  const Aabb* boxes;
+  const std::uint32_t* order;
+  const BspNode* nodes;
+  std::uint32_t* keys;
+  SIM_HD void operator()(int item) const {
+    const auto place = static_cast<std::uint32_t>(item), number = tree.node_at(level, place);
+    float along = 0;
+    if (tree.halves(level, number).inner()) {
+      const BspNode node = load_whole(&nodes[Halving::heap(level, number)]);
+      const Aabb box = boxes[order[place]];
+      for (int k = 0; k < 3; ++k) along += node.normal[k] * center_of(box, k);
+      along -= node.middle;
+    }
+    keys[place] = static_cast<std::uint32_t>((std::uint64_t{number} << 32 | ordered_bits(along)) >> level);
+  }
+};
+
+/// Each box widens the half that it now stands in: integers, so the order of arrival does not matter.
+struct WidenHalves {
+  Halving tree;
+  int level;
+  const Aabb* boxes;
+  const std::uint32_t* order;
+  BspNode* nodes;
+  SIM_HD void operator()(int item) const {
+    const auto place = static_cast<std::uint32_t>(item), number = tree.node_at(level, place);
+    const Aabb box = boxes[order[place]];
+    if (!tree.halves(level, number).inner() || is_empty(box)) return;
+    BspNode& node = nodes[Halving::heap(level, number)];
+    if (place < node.cut.middle())
+      bid(&node.left_max, ~ordered_bits(node.high(box.min.data(), box.max.data())));
+    else
+      bid(&node.right_min, ordered_bits(node.low(box.min.data(), box.max.data())));
+  }
+  /// Looks first: few bids at a busy place are the lowest so far.
+  SIM_HD static void bid(std::uint32_t* lowest, std::uint32_t value) {
+    if (atomic_load(lowest) > value) atomic_min(lowest, value);
+  }
+};
+
+struct StartOrder {
+  std::uint32_t* order;
+  SIM_HD void operator()(int place) const { order[place] = static_cast<std::uint32_t>(place); }
+};
+
+/// Drawn and measured as boxes around what the planes part, from the last level up.
+struct WriteBoxes {
+  Halving tree;
+  int level;
+  const HalvedLeaf* leaves;
+  TreeSink sink;
+  SIM_HD void operator()(int item) const {
+    const auto node = static_cast<std::uint32_t>(item);
+    const Halves halves = tree.halves(level, node);
+    const std::uint32_t number = tree.number(halves);
+    if (level == 0) sink.parent[number] = number;
+    if (!halves.inner()) {
+      if (level == 0) write_leaf(number);
+      return;
+    }
+    Aabb around = Aabb::empty();
+    for (std::uint32_t side = 0; side < 2; ++side) {
+      const Halves child = tree.halves(level + 1, 2 * node + side);
+      const std::uint32_t from = tree.number(child);
+      if (!child.inner()) write_leaf(from);
+      around = combine(around, sink.box[from]);
+      sink.parent[from] = number;
+    }
+    sink.box[number] = around;
+  }
+  SIM_HD void write_leaf(std::uint32_t place) const {
+    sink.box[place] = leaves[place].box();
+    sink.leaf_body[place] = leaves[place].body;
+  }
+};
+
+class Bsp final : public BroadPhase {
+ public:
+  explicit Bsp(Executor& executor)
+      : executor_(executor),
+        keys_(executor, "sort keys"),
+        sorted_keys_(executor, "sorted keys"),
+        order_(executor, "bodies by node"),
+        sorted_order_(executor, "bodies by node"),
+        leaves_(executor, "leaves of the tree"),
+        nodes_(executor, "tree nodes"),
+        temporary_(executor, "sort workspace") {}
+
+  void reserve(std::int64_t bodies) override {
+    tree_ = Halving(bodies);
+    const auto n = static_cast<std::size_t>(bodies);
+    for (Buffer<std::uint32_t>* each : {&keys_, &sorted_keys_, &order_, &sorted_order_})
+      each->resize_discarding(n);
+    leaves_.resize_discarding(n);
+    nodes_.resize_discarding(tree_.heap_size());
+    temporary_.resize_discarding(sort_temporary_bytes<std::uint32_t>(executor_, bodies, 32));
+  }
+
+  void update(const Aabb* boxes, const Aabb*) override {
+    const std::int64_t n = tree_.n;
+    std::uint32_t *order = order_.data(), *sorted = sorted_order_.data();
+    executor_.run("build", n, StartOrder{order});
+    for (int level = 0; level < tree_.levels; ++level) {
+      executor_.run("build", std::int64_t{1} << level,
+                    ChoosePlane{tree_, level, boxes, order, nodes_.data()});
+      executor_.run("keys", n, MakePlaneKeys{tree_, level, boxes, order, nodes_.data(), keys_.data()});
+      sort_by_key(executor_, "sort", n, 32, keys_.data(), sorted_keys_.data(), order, sorted,
+                  temporary_.data(), temporary_.bytes());
+      std::swap(order, sorted);
+      executor_.run("build", n, WidenHalves{tree_, level, boxes, order, nodes_.data()});
+    }
+    executor_.run("build", n, MakeHalvedLeaves{boxes, order, leaves_.data()});
+  }
+
+  void find_pairs(const PairSink& sink) override {
+    executor_.run("pairs", tree_.n, DescendHalves<BspNode>{nodes_.data(), leaves_.data(), tree_.n, sink});
+  }
+
+  std::int64_t tree_nodes() const override { return tree_.n > 0 ? 2 * std::int64_t{tree_.n} - 1 : 0; }
+  void write_tree(const TreeSink& sink) const override {
+    for (int level = tree_.levels > 0 ? tree_.levels - 1 : 0; tree_.n > 0 && level >= 0; --level)
+      executor_.run("tree", std::int64_t{1} << level, WriteBoxes{tree_, level, leaves_.data(), sink});
+  }
+
+ private:
+  Executor& executor_;
+  Halving tree_;
+  Buffer<std::uint32_t> keys_, sorted_keys_, order_, sorted_order_;
+  Buffer<HalvedLeaf> leaves_;
+  Buffer<BspNode> nodes_;
+  Buffer<std::byte> temporary_;
+};
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> make_bsp(Executor& executor) { return std::make_unique<Bsp>(executor); }
+
+}  // namespace collidoscope
