@@ -72,21 +72,14 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.stages = times.stages;
   text.step_ms = times.step_median_ms;
   text.timings = request.timings;
-  if (layers.spheres) {
-    Legend legend = body_legend(layers.color, values, stats);
-    text.legend_title = legend.title;
-    text.legend_unit = legend.unit;
-    text.legend_min = legend.min;
-    text.legend_max = legend.max;
-    text.legend_goes_on = legend.goes_on;
-    text.legend_colors = std::move(legend.colors);
-  }
-  if (layers.boxes) {
+  if (layers.spheres) text.body_colors = color_key(body_legend(layers.color, values, stats));
+  if (layers.boxes) text.box_colors = color_key(box_legend(layers.box_color, values));
+  text.boxes_drawn = layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes;
+  if (layers.boxes && layers.box_color == NodeMetric::level) {
     const int last = std::min(layers.last_level, static_cast<int>(world.tree_level_sizes().size()) - 1);
     const std::vector<std::uint32_t> colors = level_legend();
     for (int level = layers.first_level; level <= last; ++level)
       text.levels.push_back({level, colors[static_cast<std::size_t>(level) % colors.size()]});
-    text.boxes_drawn = drawn.boxes;
   }
   text.contacts_shown = layers.contacts;
   text.contact_colors = contact_legend();
@@ -182,11 +175,8 @@ int run_capture(const CaptureRequest& request, World& world) {
       progress.update(world.steps());
     }
     const StepStats stats = world.measure();
-    if (request.layers.boxes || request.layers.contacts || request.layers.color == BodyColor::contacts ||
-        request.layers.color == BodyColor::order)
-      world.detect();
     link.publish(world, request.layers, renderer.instances());
-    const ValueRange values = value_range(renderer.scene(), request.layers.color, stats);
+    const ValueRange values = value_range(world, renderer.scene(), request.layers, stats);
     renderer.draw(camera, request.layers, values);
     const PublishCounts drawn = renderer.instances().counts;
     Image picture;
@@ -203,7 +193,8 @@ int run_capture(const CaptureRequest& request, World& world) {
                                  .string();
     write_png(panels ? picture : renderer.read_picture(), file);
     fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  contacts {}\n", file, request.width, request.height,
-               state, drawn.bodies, drawn.boxes, drawn.contacts);
+               state, drawn.bodies,
+               request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes, drawn.contacts);
     std::fflush(stdout);
   }
   return 0;

@@ -220,15 +220,30 @@ constexpr Reader readers[] = {
     {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", drawing},
      [](Reading& in) {
        collect(in.faults, [&] {
-         const BodyColor color = in.options.capture.layers.color;
-         in.options.capture.layers = parse_layers(std::string(in.value.text()));
-         in.options.capture.layers.color = color;
+         const FrameLayers before = in.options.capture.layers;
+         FrameLayers& layers = in.options.capture.layers;
+         layers = parse_layers(std::string(in.value.text()));
+         layers.color = before.color;
+         layers.box_color = before.box_color;
+         layers.box_low = before.box_low;
+         layers.box_high = before.box_high;
        });
      }},
-    {{"--color", "NAME", "speed, radius, id, contacts or order: what colours the bodies", drawing},
+    {{"--color", "NAME", "speed, radius, id, contacts, order, depth or visits: what colours the bodies",
+      drawing},
      [](Reading& in) {
        collect(in.faults,
                [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });
+     }},
+    {{"--box-color", "NAME", "level, sah, overlap, empty or visits: what colours the boxes", drawing},
+     [](Reading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.layers.box_color = parse_box_color(std::string(in.value.text())); });
+     }},
+    {{"--box-range", "LOW,HIGH", "values of the boxes that are drawn, by what colours them; HIGH may be inf",
+      drawing},
+     [](Reading& in) {
+       collect(in.faults, [&] { parse_box_range(std::string(in.value.text()), in.options.capture.layers); });
      }},
     {{"--size", "WxH", "pixels of a picture", drawing},
      [](Reading& in) {

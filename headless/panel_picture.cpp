@@ -8,8 +8,9 @@ namespace collidoscope {
 PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings)
     : frame_(width, height) {
   workspace_.settings = settings_of(world);
-  workspace_.layers = {layers.spheres, layers.boxes,       layers.contacts,   layers.grid,
-                       layers.walls,   layers.first_level, layers.last_level, layers.color};
+  workspace_.layers = {layers.spheres,   layers.boxes,       layers.contacts,   layers.grid,
+                       layers.walls,     layers.first_level, layers.last_level, layers.color,
+                       layers.box_color, layers.box_low,     layers.box_high};
   workspace_.playing = false;
   workspace_.hint = false;
   view_.with_times = timings;
@@ -36,13 +37,10 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
                         const std::vector<std::int64_t>& level_sizes, const ValueRange& range) {
   fill_view(world, stats, history, view_);
   view_.level_sizes = level_sizes;
-  const Legend legend = body_legend(workspace_.layers.color, range, stats);
-  if (workspace_.layers.spheres) view_.map_colors = legend.colors;
-  view_.legend_title = legend.title;
-  view_.legend_unit = legend.unit;
-  view_.legend_min = legend.min;
-  view_.legend_max = legend.max;
-  view_.legend_goes_on = legend.goes_on;
+  const ShownLayers& layers = workspace_.layers;
+  view_.body_colors = layers.spheres ? color_key(body_legend(layers.color, range, stats)) : ColorKey{};
+  view_.box_colors = layers.boxes ? color_key(box_legend(layers.box_color, range)) : ColorKey{};
+  view_.boxes_drawn = range.boxes;
   view_.level_colors = level_legend();
   view_.contact_colors = contact_legend();
   view_.max_impulse = range.max_impulse;

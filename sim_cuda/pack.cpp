@@ -56,9 +56,28 @@ struct ColorByOrder {
   SIM_HD void operator()(int leaf) const { out[leaf_body[leaf]].value = static_cast<float>(leaf); }
 };
 
+/// Nodes of one level.
+struct ColorByDepth {
+  const std::uint32_t* body;
+  float depth;  ///< levels below the root
+  BodyInstance* out;
+  SIM_HD void operator()(int node) const {
+    if (body[node] != TreeView::inner) out[body[node]].value = depth;
+  }
+};
+
+struct ColorByVisits {
+  const std::uint32_t* visits;
+  BodyInstance* out;
+  SIM_HD void operator()(int body) const { out[body].value = static_cast<float>(visits[body]); }
+};
+
 struct PackBoxes {
   const Aabb* boxes;
-  float depth;  ///< levels below the root
+  const std::uint32_t* children;
+  const float* values;  ///< null: the level
+  bool leaves;          ///< have values, too
+  float depth;          ///< levels below the root
   BoxInstance* out;
   SIM_HD void operator()(int node) const {
     BoxInstance record{};
@@ -67,6 +86,7 @@ struct PackBoxes {
       record.max[k] = boxes[node].max[k];
     }
     record.level = record.value = depth;
+    if (values != nullptr) record.value = leaves || children[node] > 0 ? values[node] : -1.0f;
     out[node] = record;
   }
 };
@@ -98,11 +118,15 @@ struct PackContacts {
   }
 };
 
-void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree) {
+void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree, const float* values) {
   BoxInstance* out = target.boxes;
+  const bool leaves = leaves_have(target.box_metric);
   for (int level = target.first_level; level <= target.last_level && level < tree.levels(); ++level) {
-    executor.run("publish", tree.level_size(level),
-                 PackBoxes{tree.box + tree.level_begin(level), static_cast<float>(level), out});
+    const std::uint32_t begin = tree.level_begin(level);
+    executor.run(
+        "publish", tree.level_size(level),
+        PackBoxes{tree.box + begin, tree.children + begin, values == nullptr ? nullptr : values + begin,
+                  leaves, static_cast<float>(level), out});
     out += tree.level_size(level);
   }
 }
@@ -112,8 +136,8 @@ void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView&
 template <class Real>
 void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
           Buffer<std::uint32_t>& counts) {
-  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree] = source;
-  if (target.boxes != nullptr) pack_boxes(executor, target, tree);
+  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree, values] = source;
+  if (target.boxes != nullptr) pack_boxes(executor, target, tree, values.of_node);
   if (target.contacts != nullptr)
     executor.run("publish", contact_count,
                  PackContacts<Real>{contacts, {bodies.position, bodies.radius}, impulses, target.contacts});
@@ -127,6 +151,13 @@ void pack(Executor& executor, const PublishTarget& target, const PackSource<Real
   }
   if (target.body_color == BodyColor::order && tree.nodes > 0)
     executor.run("publish", body_count, ColorByOrder{tree.leaf_body, target.bodies});
+  if (target.body_color == BodyColor::depth)
+    for (int level = 0; level < tree.levels(); ++level)
+      executor.run(
+          "publish", tree.level_size(level),
+          ColorByDepth{tree.body + tree.level_begin(level), static_cast<float>(level), target.bodies});
+  if (target.body_color == BodyColor::visits && values.of_body != nullptr)
+    executor.run("publish", body_count, ColorByVisits{values.of_body, target.bodies});
 }
 
 template void pack(Executor&, const PublishTarget&, const PackSource<float>&, Buffer<std::uint32_t>&);

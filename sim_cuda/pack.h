@@ -19,7 +19,8 @@ struct PackSource {
   ContactView<Real> contacts;
   Count contact_count;
   ImpulseView<Real> impulses;  ///< of the last step
-  TreeView tree;               ///< needed for boxes, and for bodies coloured by their order
+  TreeView tree;               ///< needed for boxes, and for bodies coloured by it
+  TreeValues values;
 };
 
 /// Only enqueues. `counts` is scratch, sized here where bodies are coloured by their contacts.

@@ -87,11 +87,11 @@ class TypedPipeline final : public Pipeline {
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
-  void publish(const PublishTarget& target, const TreeView& tree) override {
-    pack<Real>(
-        executor_, target,
-        {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(), tree},
-        publish_counts_);
+  void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values) override {
+    pack<Real>(executor_, target,
+               {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(),
+                tree, values},
+               publish_counts_);
   }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }
   void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) override;

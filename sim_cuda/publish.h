@@ -5,16 +5,18 @@
 
 #include <cstdint>
 
+#include "sim_cuda/tree_quality.h"
+
 namespace collidoscope {
 
 /// What BodyInstance::value holds; the renderer maps it to colour.
-enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order };
+enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order, depth, visits };
 
 struct BodyInstance {    // 48 bytes
   float center[3];       ///< m
   float radius;          ///< m; of a mesh: bounding radius
   float orientation[4];  ///< unit quaternion x y z w
-  float value;           ///< raw: m/s, m, id, contacts or place in the tree, by BodyColor
+  float value;  ///< raw, by BodyColor: m/s, m, id, contacts, place in the tree, level of the leaf, visits
   std::uint32_t id;
   std::uint32_t mesh;  ///< 0: sphere; k: mesh k - 1
   std::uint32_t padding;
@@ -24,7 +26,7 @@ struct BoxInstance {  // 32 bytes
   float min[3];       ///< m
   float level;        ///< depth from the root, which is 0
   float max[3];
-  float value;  ///< level for now; SAH share, overlap, visits... later
+  float value;  ///< of the metric asked for; -1 where the node has none
 };
 
 struct ContactInstance {  // 48 bytes
@@ -49,6 +51,7 @@ struct PublishTarget {
   BoxInstance* boxes = nullptr;
   std::int64_t box_capacity = 0;
   int first_level = 0, last_level = 0;  ///< inclusive, depth from the root; clipped to the levels there are
+  NodeMetric box_metric = NodeMetric::level;
   ContactInstance* contacts = nullptr;
   std::int64_t contact_capacity = 0;
 };

@@ -1,14 +1,42 @@
 #pragma once
 // How good a hierarchy is, in numbers. Plain data.
 
+#include <array>
 #include <cstdint>
-#include <string>
+#include <limits>
 #include <vector>
 
 namespace collidoscope {
 
 /// Of a node: what the tree panel colours, sorts and lists by.
 enum class NodeMetric : std::uint32_t { level, sah_share, sibling_overlap, empty_space, visits };
+
+/// Leaves have no children whose overlap or emptiness one could name.
+constexpr bool leaves_have(NodeMetric metric) {
+  return metric != NodeMetric::sibling_overlap && metric != NodeMetric::empty_space;
+}
+/// These span powers of ten, and are shown in even steps of their logarithm.
+constexpr bool is_logarithmic(NodeMetric metric) {
+  return metric == NodeMetric::sah_share || metric == NodeMetric::visits;
+}
+
+/// The nodes that somebody looks at: by level, and by the value of a metric; all inclusive.
+struct NodeSelection {
+  int first_level = 0, last_level = 63;
+  float low = 0, high = std::numeric_limits<float>::infinity();
+};
+
+/// How the values of a metric spread over the nodes of some levels; those that have none are left out.
+struct NodeSpread {
+  static constexpr std::size_t bins = 48;
+  std::int64_t count = 0;   ///< nodes that have a value
+  std::int64_t inside = 0;  ///< of them those from `low` to `high`
+  float least = 0, greatest = 0;
+  std::array<float, bins + 1>
+      edge{};  ///< ascending, of the logarithm in even steps where the metric calls for it
+  std::array<std::int64_t, bins>
+      nodes{};  ///< of each bin, which holds its lower edge; the last one holds both
+};
 
 struct NodeReport {
   std::uint32_t node = 0;  ///< its place, level by level from the root
@@ -34,7 +62,7 @@ struct TreeQuality {
   std::vector<std::int64_t> leaves;  ///< at each level
   double visits_mean = 0;            ///< per query
   double visits_p99 = 0;
-  std::int64_t visits_max = 0;
+  std::int64_t visits_min = 0, visits_max = 0;
   double warp_ratio =
       0;  ///< mean over 32 neighbours in the tree's order of their most visits, over visits_mean
   double expected_visits =

@@ -104,10 +104,12 @@ struct World::Impl {
   bool arranged = false;  // `tree` is that of the broad phase now
   TreeMeter meter{executor};
   TreeQuality quality;
-  bool metered = false;       // `quality` is that of `tree` now
-  bool detected = false;      // pairs and contacts are those of the current state
-  bool recording = false;     // steps note the impulses of contacts
-  bool impulses_new = false;  // they belong to the contacts in the list, and are not kept yet
+  bool metered = false;              // `quality` is that of `tree` now
+  std::vector<std::int64_t> leaves;  // at each level
+  bool leaves_known = false;         // of `tree` now
+  bool detected = false;             // pairs and contacts are those of the current state
+  bool recording = false;            // steps note the impulses of contacts
+  bool impulses_new = false;         // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
 };
 
@@ -241,7 +243,7 @@ namespace {
 RunTimes of_step(RunTimes times, int substeps) {
   std::erase_if(times.stages, [](const StageTime& s) {
     return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect" ||
-           s.name == "tree";
+           s.name == "tree" || s.name == "quality";
   });
   for (StageTime& s : times.stages) s.launches *= substeps;
   return times;
@@ -264,7 +266,7 @@ void World::detect() {
   do w.pipeline->detect();
   while (w.grow());
   w.detected = true;
-  w.arranged = w.metered = false;
+  w.arranged = w.metered = w.leaves_known = false;
 }
 
 StepStats World::measure() {
@@ -324,15 +326,33 @@ const TreeQuality& World::tree_quality() {
   return w.quality;
 }
 
-std::vector<NodeReport> World::ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count) {
+std::vector<NodeReport> World::ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count,
+                                            int from, int to) {
   tree_quality();
-  return impl_->meter.ranked(impl_->arranged_tree(), metric, first, count);
+  return impl_->meter.ranked(impl_->arranged_tree(), metric, first, count, from, to);
 }
 
-NodeReport World::tree_node(std::uint32_t place) {
+std::vector<NodeReport> World::tree_nodes_at(const std::vector<std::uint32_t>& places) {
   tree_quality();
-  if (place >= tree_nodes()) throw std::out_of_range("tree_node: there is no node " + std::to_string(place));
-  return impl_->meter.node(impl_->arranged_tree(), place);
+  for (const std::uint32_t place : places)
+    if (place >= tree_nodes())
+      throw std::out_of_range("tree_node: there is no node " + std::to_string(place));
+  return impl_->meter.nodes(impl_->arranged_tree(), places);
+}
+
+NodeReport World::tree_node(std::uint32_t place) { return tree_nodes_at({place}).front(); }
+
+NodeSpread World::node_spread(NodeMetric metric, const NodeSelection& selection) {
+  tree_quality();
+  return impl_->meter.spread(impl_->arranged_tree(), metric, selection);
+}
+
+const std::vector<std::int64_t>& World::tree_leaves() {
+  Impl& w = *impl_;
+  detect();
+  if (!w.leaves_known) w.leaves = w.meter.leaves(w.arranged_tree());
+  w.leaves_known = true;
+  return w.leaves;
 }
 
 std::vector<std::uint32_t> World::visited_nodes(std::uint32_t id, std::int64_t most) {
@@ -397,9 +417,15 @@ void World::publish(const PublishTarget& target) {
       (target.contacts != nullptr && target.contact_capacity < counts.contacts))
     throw std::logic_error("publish: the target is smaller than publish_counts() says");
   w.keep_impulses();
-  const bool by_order = target.bodies != nullptr && target.body_color == BodyColor::order;
-  if (by_order) detect();
-  w.pipeline->publish(target, boxes || by_order ? w.arranged_tree() : TreeView{});
+  const bool by_visits = target.bodies != nullptr && target.body_color == BodyColor::visits;
+  const bool by_tree = by_visits || (target.bodies != nullptr && (target.body_color == BodyColor::order ||
+                                                                  target.body_color == BodyColor::depth));
+  TreeValues values;
+  if (boxes && target.box_metric != NodeMetric::level && tree_quality().nodes > 0)
+    values.of_node = w.meter.values(target.box_metric);
+  if (by_visits && tree_quality().nodes > 0) values.of_body = w.meter.body_visits();
+  if (by_tree) detect();
+  w.pipeline->publish(target, boxes || by_tree ? w.arranged_tree() : TreeView{}, values);
   w.executor.synchronize();
 }
 

@@ -94,9 +94,17 @@ class World {
   /// Measures the tree of the current state, by sums over its nodes and a query of every body; once for each
   /// state. All zero where the method has no tree.
   const TreeQuality& tree_quality();
-  /// Nodes of the tree, the greatest by `metric` first; those from `first` on, at most `count`.
-  std::vector<NodeReport> ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count);
+  /// Nodes of the tree, the greatest by `metric` first; of those of the levels `from` to `to` the ones from
+  /// `first` on, at most `count`.
+  std::vector<NodeReport> ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count,
+                                       int from = 0, int to = 63);
   NodeReport tree_node(std::uint32_t place);  ///< place < tree_nodes()
+  /// At these places, each < tree_nodes().
+  std::vector<NodeReport> tree_nodes_at(const std::vector<std::uint32_t>& places);
+  /// Of the nodes in the selection's levels; `inside` counts those within its range, too.
+  NodeSpread node_spread(NodeMetric metric, const NodeSelection& selection);
+  /// Leaves at each level, without a measure of the tree.
+  const std::vector<std::int64_t>& tree_leaves();
   /// The places of the nodes that the query of a body tests, in its order; the first `most`.
   std::vector<std::uint32_t> visited_nodes(std::uint32_t id, std::int64_t most);
   /// Finds the pairs of the current state `repeats` times, from positions to the ordered list, plain and then

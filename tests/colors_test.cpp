@@ -11,11 +11,12 @@ double luminance(const Rgb& c) {
   return 0.2126 * std::pow(c.r, 2.2) + 0.7152 * std::pow(c.g, 2.2) + 0.0722 * std::pow(c.b, 2.2);
 }
 
-TEST(Colors, TheMapGrowsLighterWithoutAStep) {
-  for (std::size_t i = 1; i < 256; ++i) {
-    EXPECT_GT(luminance(color_map()[i]), luminance(color_map()[i - 1])) << i;
-    EXPECT_LT(luminance(color_map()[i]) - luminance(color_map()[i - 1]), 0.01) << i;
-  }
+TEST(Colors, TheMapsGrowLighterWithoutAStep) {
+  for (const auto& map : {color_map(), heat_map()})
+    for (std::size_t i = 1; i < 256; ++i) {
+      EXPECT_GT(luminance(map[i]), luminance(map[i - 1])) << i;
+      EXPECT_LT(luminance(map[i]) - luminance(map[i - 1]), 0.01) << i;
+    }
 }
 
 TEST(Colors, LevelsDifferFromEachOther) {

@@ -46,7 +46,22 @@ TEST(FrameLayers, EveryFaultHasItsLine) {
 
 TEST(FrameLayers, Colours) {
   EXPECT_EQ(parse_body_color("contacts"), BodyColor::contacts);
-  EXPECT_THROW(parse_body_color("depth"), InputError);
+  EXPECT_EQ(parse_body_color("depth"), BodyColor::depth);
+  EXPECT_THROW(parse_body_color("deep"), InputError);
+  EXPECT_EQ(parse_box_color("overlap"), NodeMetric::sibling_overlap);
+  EXPECT_THROW(parse_box_color("speed"), InputError);
+}
+
+TEST(FrameLayers, RangesOfBoxes) {
+  FrameLayers layers;
+  parse_box_range("0.25,1e3", layers);
+  EXPECT_EQ(layers.box_low, 0.25f);
+  EXPECT_EQ(layers.box_high, 1000.0f);
+  parse_box_range("7,inf", layers);
+  EXPECT_EQ(layers.box_high, std::numeric_limits<float>::infinity());
+  for (const char* wrong : {"", "3", "3,", ",3", "4,3", "-1,3", "a,b", "1,2,3", "nan,1", "0,nan", " 1,2"})
+    EXPECT_THROW(parse_box_range(wrong, layers), InputError) << wrong;
+  EXPECT_EQ(layers.box_low, 7.0f) << "what is wrong changes nothing";
 }
 
 }  // namespace

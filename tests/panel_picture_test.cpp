@@ -56,7 +56,7 @@ struct Desk {
     const StepStats stats = world.measure();
     DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
     link.publish(world, layers, renderer.instances());
-    const ValueRange range = value_range(renderer.scene(), layers.color, stats);
+    const ValueRange range = value_range(world, renderer.scene(), layers, stats);
     const double aspect = static_cast<double>(rect.width) / static_cast<double>(rect.height);
     renderer.draw(scene_camera({}, renderer.scene().bounds, aspect), layers, range);
     GuiPass gui(workspace_font_size(width, height, 1));
@@ -144,7 +144,7 @@ TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
   view.tree_nodes = 18'000;
   view.level_sizes.assign(18, 1000);
   view.level_colors.assign(8, 0xff00ff00u);
-  view.map_colors.assign(256, 0xff00ffffu);
+  view.body_colors.colors.assign(256, 0xff00ffffu);
   double fastest = 1e9;
   for (int round = 0; round < 40; ++round) {
     gui.begin(width, height);

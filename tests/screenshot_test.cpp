@@ -55,11 +55,11 @@ struct Example {
       text.shape = {16, 256};
       text.pairs = 1234567;
       text.stages = {{.name = "bounds"}, {.name = "sort"}};
-      text.legend_title = "value";
+      text.body_colors.title = "value";
       for (const Rgb& color : color_map())
-        text.legend_colors.push_back(0xff000000u | static_cast<PackedColor>(color.b * 255) << 16 |
-                                     static_cast<PackedColor>(color.g * 255) << 8 |
-                                     static_cast<PackedColor>(color.r * 255));
+        text.body_colors.colors.push_back(0xff000000u | static_cast<PackedColor>(color.b * 255) << 16 |
+                                          static_cast<PackedColor>(color.g * 255) << 8 |
+                                          static_cast<PackedColor>(color.r * 255));
       text.grid_spacing = 10;
       GuiPass gui(11);
       gui.begin(width, height);

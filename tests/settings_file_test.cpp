@@ -26,7 +26,8 @@ TEST(SettingsFile, ComesBackAsItWas) {
   before.layers.grid = false;
   before.layers.first_level = 2;
   before.layers.last_level = 5;
-  before.layers.color = BodyColor::contacts;
+  before.layers.color = BodyColor::visits;
+  before.layers.box_color = NodeMetric::empty_space;
   before.folds.right = false;
   before.folds.camera = false;
   Workspace after;

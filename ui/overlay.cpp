@@ -132,24 +132,21 @@ void draw_times(const Writer& write, const OverlayText& text, float right, float
   write.right(right, y, time(text.step_ms), bright);
 }
 
-void draw_color_bar(const Writer& write, const OverlayText& text, float x, float bottom) {
-  const float size = write.size(), width = size * 13, height = size * 0.6f;
+// Returns where it ends.
+float draw_color_bar(const Writer& write, const ColorKey& key, float x, float bottom) {
+  const float size = write.size(), width = std::max(size * 13, write.width(title_text(key))),
+              height = size * 0.6f;
   const float y = bottom - size * 1.3f - height;
-  const std::size_t n = text.legend_colors.size();
-  write.at(x, y - size * 1.45f,
-           text.legend_title + (text.legend_unit.empty() ? "" : " · " + text.legend_unit), plain);
+  const std::size_t n = key.colors.size();
+  write.at(x, y - size * 1.45f, title_text(key), plain);
   for (std::size_t i = 0; i < n; ++i) {
     const float from = x + width * static_cast<float>(i) / static_cast<float>(n);
     const float to = x + width * static_cast<float>(i + 1) / static_cast<float>(n);
-    write.list()->AddRectFilled({std::floor(from), y}, {std::floor(to), y + height}, text.legend_colors[i]);
+    write.list()->AddRectFilled({std::floor(from), y}, {std::floor(to), y + height}, key.colors[i]);
   }
-  const auto number = [](double value) {
-    return std::abs(value) >= 1e4 && value == std::floor(value) ? grouped(static_cast<std::int64_t>(value))
-                                                                : fmt::format("{:.4g}", value);
-  };
-  write.at(x, y + height + size * 0.25f, number(text.legend_min), plain);
-  write.right(x + width, y + height + size * 0.25f,
-              (text.legend_goes_on ? "≥ " : "") + number(text.legend_max), plain);
+  write.at(x, y + height + size * 0.25f, low_text(key), plain);
+  write.right(x + width, y + height + size * 0.25f, high_text(key), plain);
+  return x + width;
 }
 
 // From the right margin leftwards: grid, contacts, levels.
@@ -179,8 +176,9 @@ void draw_keys(const Writer& write, const OverlayText& text, float right, float 
     key("contacts", {contact_color});
   for (std::size_t i = text.levels.size(); i-- > 0;)
     key(std::to_string(text.levels[i].level), {text.levels[i].color});
-  if (!text.levels.empty())
-    key(grouped(text.boxes_drawn) + (text.boxes_drawn == 1 ? " box" : " boxes") + " of level", {});
+  const std::string boxes = grouped(text.boxes_drawn) + (text.boxes_drawn == 1 ? " box" : " boxes");
+  if (!text.levels.empty()) key(boxes + " of level", {});
+  if (!text.box_colors.title.empty()) key(boxes, {});
 }
 
 }  // namespace
@@ -202,11 +200,11 @@ void draw_overlay(const OverlayText& text, float width, float height) {
   draw_times(write, text, width - margin, margin, legend);
   write.end_plate();
   float keys_from = margin;
-  if (!text.legend_title.empty()) {
+  for (const ColorKey* key : {&text.body_colors, &text.box_colors}) {
+    if (key->title.empty()) continue;
     write.begin_plate();
-    draw_color_bar(write, text, margin, height - margin * 0.7f);
+    keys_from = draw_color_bar(write, *key, keys_from, height - margin * 0.7f) + write.size() * 2;
     write.end_plate();
-    keys_from += write.size() * 15;
   }
   write.begin_plate();
   draw_keys(write, text, width - margin, height - margin * 0.7f - write.size(), keys_from);

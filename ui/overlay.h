@@ -8,6 +8,7 @@
 
 #include "sim_cuda/core/launch_shape.h"
 #include "sim_cuda/step_stats.h"
+#include "ui/color_key.h"
 
 namespace collidoscope {
 
@@ -28,15 +29,12 @@ struct OverlayText {
   double step_ms = 0;    ///< median of whole steps
   bool timings = false;  ///< false: times are drawn as a dash, so that pictures repeat
 
-  std::string legend_title, legend_unit;  ///< no title: no colour bar
-  double legend_min = 0, legend_max = 1;
-  bool legend_goes_on = false;             ///< larger values are drawn as the greatest
-  std::vector<PackedColor> legend_colors;  ///< from least to greatest
+  ColorKey body_colors, box_colors;  ///< colour bars
   struct Level {
     int level;
     PackedColor color;
   };
-  std::vector<Level> levels;  ///< of the hierarchy, those drawn
+  std::vector<Level> levels;  ///< of the hierarchy, those drawn, where they are coloured so
   std::int64_t boxes_drawn = 0;
   bool contacts_shown = false;
   std::vector<PackedColor> contact_colors;  ///< from weak to strong

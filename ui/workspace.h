@@ -4,6 +4,7 @@
 // WorkspaceView from what it runs. No GL, no CUDA, no window.
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "sim_cuda/publish.h"
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "ui/color_key.h"
 
 namespace collidoscope {
 
@@ -39,6 +41,8 @@ struct ShownLayers {
   bool spheres = true, boxes = false, contacts = false, grid = true, walls = true;
   int first_level = 0, last_level = 63;  ///< of the hierarchy, inclusive; 0 is the root
   BodyColor color = BodyColor::speed;
+  NodeMetric box_color = NodeMetric::level;
+  float box_low = 0, box_high = std::numeric_limits<float>::infinity();  ///< boxes drawn, by that metric
 
   friend bool operator==(const ShownLayers&, const ShownLayers&) = default;
 };
@@ -114,11 +118,9 @@ struct WorkspaceView {
   std::vector<std::int64_t> level_sizes;  ///< boxes of each level of the tree, from the root
   const History* history = nullptr;
 
-  std::vector<std::uint32_t> level_colors;  ///< 0xAABBGGRR, repeating
-  std::vector<std::uint32_t> map_colors;    ///< of bodies, from least to greatest; empty: no legend
-  std::string legend_title, legend_unit;
-  double legend_min = 0, legend_max = 1;
-  bool legend_goes_on = false;
+  std::vector<std::uint32_t> level_colors;    ///< 0xAABBGGRR, repeating
+  ColorKey body_colors, box_colors;           ///< what their colours mean
+  std::int64_t boxes_drawn = 0;               ///< where they are not coloured by level
   std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
   double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
 

@@ -32,8 +32,9 @@ Workspace first_workspace(const Options& options) {
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) {
-    workspace.layers = {asked.spheres, asked.boxes,       asked.contacts,   asked.grid,
-                        asked.walls,   asked.first_level, asked.last_level, asked.color};
+    workspace.layers = {asked.spheres,   asked.boxes,       asked.contacts,   asked.grid,
+                        asked.walls,     asked.first_level, asked.last_level, asked.color,
+                        asked.box_color, asked.box_low,     asked.box_high};
   }
   return workspace;
 }
@@ -127,13 +128,9 @@ void App::fill(WorkspaceView& view) {
   view.view_scale = scene_.scale();
   view.display_path = scene_.display_path();
   view.cuda = cuda_;
-  const Legend& legend = scene_.legend();
-  view.map_colors = legend.colors;
-  view.legend_title = legend.title;
-  view.legend_unit = legend.unit;
-  view.legend_min = legend.min;
-  view.legend_max = legend.max;
-  view.legend_goes_on = legend.goes_on;
+  view.body_colors = color_key(scene_.body_legend());
+  view.box_colors = color_key(scene_.box_legend());
+  view.boxes_drawn = scene_.range().boxes;
   view.level_colors = level_legend();
   view.contact_colors = contact_legend();
   view.max_impulse = scene_.range().max_impulse;

@@ -21,6 +21,9 @@ FrameLayers frame_layers(const ShownLayers& shown) {
   layers.first_level = shown.first_level;
   layers.last_level = shown.last_level;
   layers.color = shown.color;
+  layers.box_color = shown.box_color;
+  layers.box_low = shown.box_low;
+  layers.box_high = shown.box_high;
   return layers;
 }
 
@@ -81,8 +84,9 @@ void SceneView::publish(LiveWorld& live, const Workspace& workspace) {
   const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
   link_->publish(live.world(), layers, renderer_->instances());
   path_name_ = display_path_name(link_->path());
-  range_ = value_range(renderer_->scene(), layers.color, stats);
-  legend_ = layers.spheres ? body_legend(layers.color, range_, stats) : Legend{};
+  range_ = value_range(live.world(), renderer_->scene(), layers, stats);
+  body_legend_ = layers.spheres ? collidoscope::body_legend(layers.color, range_, stats) : Legend{};
+  box_legend_ = layers.boxes ? collidoscope::box_legend(layers.box_color, range_) : Legend{};
   published_ = wanted;
 }
 

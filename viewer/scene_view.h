@@ -38,7 +38,8 @@ class SceneView {
   std::optional<std::uint32_t> pick(int x, int y);
 
   const std::string& display_path() const { return path_name_; }
-  const Legend& legend() const { return legend_; }
+  const Legend& body_legend() const { return body_legend_; }
+  const Legend& box_legend() const { return box_legend_; }
   const ValueRange& range() const { return range_; }
   const std::optional<BodyReport>& selected() const { return selected_; }
   /// Metres: of the scene's bounds.
@@ -71,7 +72,7 @@ class SceneView {
     friend bool operator==(const Published&, const Published&) = default;
   } published_;
   ValueRange range_;
-  Legend legend_;
+  Legend body_legend_, box_legend_;
 
   // Of which body and state `selected_` speaks.
   struct Inspected {

@@ -1,6 +1,9 @@
-// The twelve edges of a box as screen-space lines, coloured by level; thin and faint as levels deepen.
+// The twelve edges of a box as screen-space lines, coloured by level, thin and faint as levels deepen; or by the value
+// of a metric, thin and faint where that is small, so that the worst stand out.
 // Compiled thrice: lines (default), THIN, lines of one drawn pixel, and IDS, the six faces filled with the number of
 // the instance.
+uniform vec4 range;  // least and greatest value drawn
+
 #if defined(IDS)
 layout(location = 0) in vec4 min_level;
 layout(location = 1) in vec4 max_value;
@@ -17,16 +20,20 @@ void main() {
   upper[(axis + 1) % 3] = (corner & 1) == 1;
   upper[(axis + 2) % 3] = (corner & 2) == 2;
   gl_Position = projection * (view * vec4(mix(min_level.xyz, max_value.xyz, upper), 1.0));
+  if (max_value.w < range.x || max_value.w > range.y) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 }
 #else
 struct Box {
   vec4 min_level, max_value;
 };
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
+layout(binding = 0) uniform sampler2D colors;
 
 uniform int first, count;  // records to draw
 uniform float strength;  // opacity of this pass
 uniform vec4 levels;     // first and last level drawn
+uniform vec4 coloring;   // of values: from and scale; 0 coloured by level, 1 by value, 2 by its logarithm;
+                         // drawn pixels to each side of the worst
 
 flat out vec4 color;
 flat out float half_width;
@@ -52,14 +59,21 @@ void main() {
   float level = min_level.w;
   float depth_share = clamp((level - levels.x) / max(levels.y - levels.x, 1.0), 0.0, 1.0);
   color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.85, depth_share));
+  half_width = mix(1.4, 0.6, depth_share);
+  if (coloring.z > 0.0) {
+    float at = color_place(max_value.w, coloring.x, coloring.y, coloring.z == 2.0);
+    color = vec4(map_color(colors, at), strength * mix(0.4, 1.0, at));
+    half_width = mix(0.5, coloring.w, at * at);
+  }
 #if defined(THIN)
   half_width = 0.5;
   across = 0.0;
   gl_Position = projection * (view * vec4(vertex % vertices == 0 ? from : to, 1.0));
 #else
-  half_width = mix(1.4, 0.6, depth_share) * values.w;
+  half_width *= values.w;
   gl_Position = line_corner(from, to, half_width, vertex % vertices, across);
 #endif
   gl_Position.z *= 1.0008;  // lines on a surface win over it
+  if (max_value.w < range.x || max_value.w > range.y) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 }
 #endif

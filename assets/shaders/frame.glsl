@@ -9,7 +9,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 pixels;           // width, height, 1 / width, 1 / height of what is drawn into
   vec4 lens;             // half extents of the picture at distance 1 (orthographic: in m), 1 if perspective, near
   vec4 key;              // towards the key light, world; w: width of the shadow map, m
-  vec4 values;           // least value, 1 / (greatest - least), 1 if coloured by id, drawn pixels per picture pixel
+  vec4 values;           // least value, 1 / (greatest - least), 1 if coloured by id, 2 if by the logarithm, drawn pixels per picture pixel
   vec4 scale;            // reach of ambient occlusion m, grid spacing m, 1 / impulse of the strongest contact (0: unknown), unused
   vec4 level_colors[8];  // of the hierarchy's levels, repeating
   vec4 contact_colors[3];  // weak, middling, strong
@@ -108,13 +108,21 @@ float line_coverage(float across, float half_width) {
   return clamp(half_width + 0.5 - abs(across), 0.0, 1.0) * min(1.0, 2.0 * half_width);
 }
 
+// Where a value lies on the colour map, 0 to 1 (ColorScale in viewer/render/frame_uniforms.h).
+float color_place(float value, float from, float scale, bool logarithmic) {
+  return clamp(((logarithmic ? log(max(value, 1e-30)) : value) - from) * scale, 0.0, 1.0);
+}
+
+vec3 map_color(sampler2D colors, float at) {
+  return textureLod(colors, vec2((at * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb;
+}
+
 // A body's colour: of its value by the map in `colors`, or of its id: neighbours in number lie far apart on the
 // colour wheel, by steps of the golden angle.
 vec3 body_color(sampler2D colors, float value, uint id) {
-  if (values.z > 0.5) {
+  if (values.z == 1.0) {
     float turn = fract(float(id % 4096u) * 0.618034) * 6.2831853;
     return 0.58 + 0.30 * cos(turn - vec3(0.0, 2.0944, 4.1888));
   }
-  float at = clamp((value - values.x) * values.y, 0.0, 1.0);
-  return textureLod(colors, vec2((at * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb;
+  return map_color(colors, color_place(value, values.x, values.y, values.z == 2.0));
 }

@@ -91,7 +91,7 @@ class Desk {
     part("simulate");
     link_.publish(live_.world(), request_.layers, renderer_.instances());
     part("publish");
-    const ValueRange range = value_range(renderer_.scene(), request_.layers.color, live_.stats());
+    const ValueRange range = value_range(live_.world(), renderer_.scene(), request_.layers, live_.stats());
     renderer_.draw(camera_, request_.layers, range, &passes_);
     Renderer::finish();
     part("draw");

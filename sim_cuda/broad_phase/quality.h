@@ -23,10 +23,18 @@ struct QuerySums {
   std::int64_t met = 0;
 };
 
+/// Least and greatest of values, where there are any.
+struct ValueSpan {
+  float least = 0, greatest = 0;
+  std::uint32_t count = 0;
+};
+
 class TreeMeter {
  public:
   explicit TreeMeter(Executor& executor);
 
+  /// Leaves at each level; without measure(), too.
+  std::vector<std::int64_t> leaves(const TreeView& tree);
   /// All but `bytes`. Waits for the device.
   TreeQuality measure(const TreeView& tree, std::int64_t bodies);
   /// After measure() of the same tree: of each node by its place, in the executor's memory.
@@ -34,11 +42,12 @@ class TreeMeter {
   /// Of each body by its id: the boxes that its query tests.
   const std::uint32_t* body_visits() const { return body_visits_.data(); }
 
-  /// After measure(): nodes by a metric, the greatest first (by level: the deepest), ties by place; those
-  /// from `first` on, at most `count`.
+  /// After measure(): nodes of the levels `from` to `to` by a metric, the greatest first (by level: the
+  /// deepest), ties by place; those from `first` on, at most `count`.
   std::vector<NodeReport> ranked(const TreeView& tree, NodeMetric metric, std::int64_t first,
-                                 std::int64_t count);
-  NodeReport node(const TreeView& tree, std::uint32_t place);
+                                 std::int64_t count, int from = 0, int to = 63);
+  std::vector<NodeReport> nodes(const TreeView& tree, const std::vector<std::uint32_t>& places);
+  NodeSpread spread(const TreeView& tree, NodeMetric metric, const NodeSelection& selection);
   /// The nodes that the query of a body tests, in its order; the first `most`.
   std::vector<std::uint32_t> visited(const TreeView& tree, std::uint32_t body, std::int64_t most);
 
@@ -53,6 +62,9 @@ class TreeMeter {
   Buffer<NodeSums> node_sums_;
   Buffer<QuerySums> query_sums_;
   Buffer<std::uint32_t> key_, sorted_key_, id_, order_;
+  Buffer<ValueSpan> spans_;
+  Buffer<float> edges_;
+  Buffer<std::uint32_t> counts_;
   Buffer<std::byte> temporary_;
 };
 

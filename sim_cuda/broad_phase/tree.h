@@ -42,6 +42,12 @@ struct TreeView {
   std::uint32_t level_size(int level) const { return level_begin(level + 1) - level_begin(level); }
 };
 
+/// What was measured of it (TreeMeter), in the executor's memory; null where nobody asks for it.
+struct TreeValues {
+  const float* of_node = nullptr;          ///< of one metric, by place
+  const std::uint32_t* of_body = nullptr;  ///< boxes that its query tests, by id
+};
+
 class Tree {
  public:
   explicit Tree(Executor& executor);

@@ -43,6 +43,7 @@ std::string settings_text(const Workspace& workspace) {
                    {"first_level", layers.first_level},
                    {"last_level", layers.last_level},
                    {"color", static_cast<int>(layers.color)},
+                   {"box_color", static_cast<int>(layers.box_color)},
                    {"show_path", workspace.show_path}};
   for (const Switch& one : switches(layers, folds)) document["shown"][one.name] = one.value;
   return document.dump(2) + '\n';
@@ -61,13 +62,15 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
   if (document.value("theme", Json()) == "light") workspace.theme = Theme::light;
   number("font_scale", 0.6, 3, workspace.font_scale);
   number("speed", 0, 2, workspace.speed);
-  int first = 0, last = 63, color = 0;
+  int first = 0, last = 63, color = 0, box_color = 0;
   number("first_level", 0, 63, first);
   number("last_level", 0, 63, last);
-  number("color", 0, static_cast<int>(BodyColor::order), color);
+  number("color", 0, static_cast<int>(BodyColor::visits), color);
+  number("box_color", 0, static_cast<int>(NodeMetric::visits), box_color);
   workspace.layers.first_level = std::min(first, last);
   workspace.layers.last_level = std::max(first, last);
   workspace.layers.color = static_cast<BodyColor>(color);
+  workspace.layers.box_color = static_cast<NodeMetric>(box_color);
   if (document.value("show_path", Json()).is_boolean())
     workspace.show_path = document["show_path"].get<bool>();
   const Json shown = document.value("shown", Json::object());

@@ -4,31 +4,51 @@
 
 namespace collidoscope {
 
-const std::array<Rgb, 256>& color_map() {
-  // Viridis (Smith, van der Walt and Firing 2015), as the polynomial of degree six fitted by M. Zucker. Its
-  // darkest tenth is left out: it would drown in the backdrop.
-  static const std::array<Rgb, 256> map = [] {
-    static constexpr double c[7][3] = {{0.2777273272234177, 0.005407344544966578, 0.3340998053353061},
-                                       {0.1050930431085774, 1.404613529898575, 1.384590162594685},
-                                       {-0.3308618287255563, 0.214847559468213, 0.09509516302823659},
-                                       {-4.634230498983486, -5.799100973351585, -19.33244095627987},
-                                       {6.228269936347081, 14.17993336680509, 56.69055260068105},
-                                       {4.776384997670288, -13.74514537774601, -65.35303263337234},
-                                       {-5.435455855934631, 4.645852612178535, 26.3124352495832}};
-    std::array<Rgb, 256> result;
-    for (int i = 0; i < 256; ++i) {
-      const double t = 0.1 + 0.9 * i / 255;
-      double value[3];
-      for (int k = 0; k < 3; ++k) {
-        double sum = 0;
-        for (int n = 6; n >= 0; --n) sum = sum * t + c[n][k];
-        value[k] = std::clamp(sum, 0.0, 1.0);
-      }
-      result[static_cast<std::size_t>(i)] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
-                                             static_cast<float>(value[2])};
+namespace {
+
+// A polynomial of degree six over `from` to `to`, which 256 colours sample.
+std::array<Rgb, 256> sampled(const double (&c)[7][3], double from, double to) {
+  std::array<Rgb, 256> result;
+  for (int i = 0; i < 256; ++i) {
+    const double t = from + (to - from) * i / 255;
+    double value[3];
+    for (int k = 0; k < 3; ++k) {
+      double sum = 0;
+      for (int n = 6; n >= 0; --n) sum = sum * t + c[n][k];
+      value[k] = std::clamp(sum, 0.0, 1.0);
     }
-    return result;
-  }();
+    result[static_cast<std::size_t>(i)] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
+                                           static_cast<float>(value[2])};
+  }
+  return result;
+}
+
+// Viridis and inferno (Smith, van der Walt and Firing 2015), as fitted by M. Zucker.
+constexpr double viridis[7][3] = {{0.2777273272234177, 0.005407344544966578, 0.3340998053353061},
+                                  {0.1050930431085774, 1.404613529898575, 1.384590162594685},
+                                  {-0.3308618287255563, 0.214847559468213, 0.09509516302823659},
+                                  {-4.634230498983486, -5.799100973351585, -19.33244095627987},
+                                  {6.228269936347081, 14.17993336680509, 56.69055260068105},
+                                  {4.776384997670288, -13.74514537774601, -65.35303263337234},
+                                  {-5.435455855934631, 4.645852612178535, 26.3124352495832}};
+constexpr double inferno[7][3] = {{0.0002189403691192265, 0.001651004631001012, -0.01948089843709184},
+                                  {0.1065134194856116, 0.5639564367884091, 3.932712388889277},
+                                  {11.60249308247187, -3.972853965665698, -15.9423941062914},
+                                  {-41.70399613139459, 17.43639888205313, 44.35414519872813},
+                                  {77.162935699427, -33.40235894210092, -81.80730925738993},
+                                  {-71.31942824499214, 32.62606426397723, 73.20951985803202},
+                                  {25.13112622477341, -12.24266895238567, -23.07032500287172}};
+
+}  // namespace
+
+// What is darkest of either would drown in the backdrop, and is left out.
+const std::array<Rgb, 256>& color_map() {
+  static const std::array<Rgb, 256> map = sampled(viridis, 0.1, 1);
+  return map;
+}
+
+const std::array<Rgb, 256>& heat_map() {
+  static const std::array<Rgb, 256> map = sampled(inferno, 0.3, 0.97);
   return map;
 }
 
@@ -59,6 +79,26 @@ ColorMeaning color_meaning(BodyColor color) {
       return {"contacts of a body", ""};
     case BodyColor::order:
       return {"place in the tree's order", ""};
+    case BodyColor::depth:
+      return {"depth in the tree", ""};
+    case BodyColor::visits:
+      return {"boxes that a body's query tests", ""};
+  }
+  return {"", ""};
+}
+
+ColorMeaning color_meaning(NodeMetric metric) {
+  switch (metric) {
+    case NodeMetric::level:
+      return {"level", ""};
+    case NodeMetric::sah_share:
+      return {"share of SAH cost", ""};
+    case NodeMetric::sibling_overlap:
+      return {"overlap of siblings", ""};
+    case NodeMetric::empty_space:
+      return {"empty space", ""};
+    case NodeMetric::visits:
+      return {"visits", "queries"};
   }
   return {"", ""};
 }

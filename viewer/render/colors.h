@@ -14,6 +14,8 @@ struct Rgb {
 
 /// 256 colours from least to greatest value, even to the eye.
 const std::array<Rgb, 256>& color_map();
+/// The same for boxes, told apart from bodies.
+const std::array<Rgb, 256>& heat_map();
 /// The colour of a level of the hierarchy; neighbours are far apart, eight repeat.
 Rgb level_color(int level);
 
@@ -21,11 +23,12 @@ Rgb level_color(int level);
 /// of contacts whose impulse is not known.
 Rgb contact_color(double strength);
 
-/// What a body's colour means: the title and unit of the legend.
+/// What the colour of a body or a box means: the title and unit of the legend.
 struct ColorMeaning {
   const char* title;
   const char* unit;
 };
 ColorMeaning color_meaning(BodyColor color);
+ColorMeaning color_meaning(NodeMetric metric);
 
 }  // namespace collidoscope

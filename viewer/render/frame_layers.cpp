@@ -70,14 +70,42 @@ BodyColor parse_body_color(const std::string& text, const std::string& where) {
   static constexpr struct {
     const char* name;
     BodyColor color;
-  } names[] = {{"speed", BodyColor::speed},
-               {"radius", BodyColor::radius},
-               {"id", BodyColor::id},
-               {"contacts", BodyColor::contacts},
-               {"order", BodyColor::order}};
+  } names[] = {{"speed", BodyColor::speed},       {"radius", BodyColor::radius}, {"id", BodyColor::id},
+               {"contacts", BodyColor::contacts}, {"order", BodyColor::order},   {"depth", BodyColor::depth},
+               {"visits", BodyColor::visits}};
   for (const auto& known : names)
     if (text == known.name) return known.color;
-  throw InputError(where + ": '" + text + "': unknown colour; one of speed, radius, id, contacts, order");
+  throw InputError(where + ": '" + text +
+                   "': unknown colour; one of speed, radius, id, contacts, order, depth, visits");
+}
+
+NodeMetric parse_box_color(const std::string& text, const std::string& where) {
+  static constexpr struct {
+    const char* name;
+    NodeMetric metric;
+  } names[] = {{"level", NodeMetric::level},
+               {"sah", NodeMetric::sah_share},
+               {"overlap", NodeMetric::sibling_overlap},
+               {"empty", NodeMetric::empty_space},
+               {"visits", NodeMetric::visits}};
+  for (const auto& known : names)
+    if (text == known.name) return known.metric;
+  throw InputError(where + ": '" + text +
+                   "': unknown colour of boxes; one of level, sah, overlap, empty, visits");
+}
+
+void parse_box_range(const std::string& text, FrameLayers& layers, const std::string& where) {
+  const std::size_t comma = text.find(',');
+  const auto read = [&](std::size_t from, std::size_t to, float& value) {
+    const auto [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
+    return error == std::errc{} && end == text.data() + to && value >= 0;
+  };
+  float low = 0, high = 0;
+  if (comma == text.npos || !read(0, comma, low) || !read(comma + 1, text.size(), high) || low > high)
+    throw InputError(where + ": '" + text +
+                     "': not a range of values; LOW,HIGH with 0 <= LOW <= HIGH, such as 100,inf");
+  layers.box_low = low;
+  layers.box_high = high;
 }
 
 }  // namespace collidoscope

@@ -2,6 +2,7 @@
 // What a frame shows. Plain data: a frame is a function of the state, the camera and these layers, with no
 // randomness and no clock, so that the same three give the same bytes.
 
+#include <limits>
 #include <string>
 
 #include "sim_cuda/publish.h"
@@ -18,6 +19,9 @@ struct FrameLayers {
   bool overlay = true;  ///< text: scene, state, counts, stage times, legend
   bool ui = false;      ///< the viewer's panels around the picture, in the overlay's place
   BodyColor color = BodyColor::speed;
+  NodeMetric box_color = NodeMetric::level;
+  /// Of the boxes' metric: those outside are not drawn, and the colours span what is there of it.
+  float box_low = 0, box_high = std::numeric_limits<float>::infinity();
 
   friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
 };
@@ -27,7 +31,11 @@ struct FrameLayers {
 /// Throws InputError, one line per fault, each beginning with `where` (the flag's name).
 FrameLayers parse_layers(const std::string& text, const std::string& where = "--layers");
 
-/// speed, radius, id, contacts or order. Throws InputError.
+/// speed, radius, id, contacts, order, depth or visits. Throws InputError.
 BodyColor parse_body_color(const std::string& text, const std::string& where = "--color");
+/// level, sah, overlap, empty or visits. Throws InputError.
+NodeMetric parse_box_color(const std::string& text, const std::string& where = "--box-color");
+/// LOW,HIGH: 0 <= LOW <= HIGH, which may be `inf`. Throws InputError.
+void parse_box_range(const std::string& text, FrameLayers& layers, const std::string& where = "--box-range");
 
 }  // namespace collidoscope

@@ -72,11 +72,16 @@ void set_light(FrameUniforms& camera, const FrameUniforms& light) {
   camera.key[3] = light.key[3];
 }
 
+ColorScale color_scale(double min, double max, bool logarithmic) {
+  const double from = logarithmic ? std::log(min) : min, width = (logarithmic ? std::log(max) : max) - from;
+  return {from, width > 0 ? 1 / width : 0};
+}
+
 void set_values(FrameUniforms& uniforms, const ValueRange& range, bool by_id) {
-  const double width = range.max - range.min;
-  uniforms.values[0] = static_cast<float>(range.min);
-  uniforms.values[1] = width > 0 ? static_cast<float>(1 / width) : 0;
-  uniforms.values[2] = by_id ? 1 : 0;
+  const ColorScale bodies = color_scale(range.min, range.max, range.logarithmic);
+  uniforms.values[0] = static_cast<float>(bodies.from);
+  uniforms.values[1] = static_cast<float>(bodies.scale);
+  uniforms.values[2] = by_id ? 1 : range.logarithmic ? 2 : 0;
   uniforms.scale[2] = range.max_impulse > 0 ? static_cast<float>(1 / range.max_impulse) : 0;
 }
 

@@ -15,13 +15,26 @@ struct FrameUniforms {
 };
 static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + 11 * 16);
 
-/// The range of BodyInstance::value that the colour map spans.
+/// What the colour map spans: of BodyInstance::value, and of the metric of boxes.
 struct ValueRange {
   double min = 0, max = 1;
   /// N s, of a contact drawn as the strongest; the weakest has a thousandth of it. 0: none are known, and all
   /// contacts look alike.
   double max_impulse = 0;
+  bool logarithmic = false;  ///< in even steps of the logarithm; then min > 0
+  /// Of the boxes that are drawn, unless they are coloured by level: their number, and their values.
+  std::int64_t boxes = 0;
+  double box_min = 0, box_max = 1;
+  bool boxes_below = false;  ///< some of them are less than box_min
 };
+
+/// A value's place on the colour map, 0 to 1, is scale * (v - from), with v its logarithm or the value
+/// itself.
+struct ColorScale {
+  double from = 0, scale = 1;
+};
+/// Of no width: all values lie at the lower end.
+ColorScale color_scale(double min, double max, bool logarithmic);
 
 /// `width` x `height` pixels are drawn, `scale` x `scale` of them for each pixel of the picture.
 FrameUniforms camera_uniforms(const OrbitCamera& camera, const FrameScene& scene, int width, int height,

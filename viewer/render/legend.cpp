@@ -20,8 +20,23 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.unit = meaning.unit;
   legend.min = range.min;
   legend.max = range.max;
+  legend.logarithmic = range.logarithmic;
   legend.goes_on = color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
   for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
+  return legend;
+}
+
+Legend box_legend(NodeMetric metric, const ValueRange& range) {
+  Legend legend;
+  if (metric == NodeMetric::level || range.boxes == 0) return legend;
+  const ColorMeaning meaning = color_meaning(metric);
+  legend.title = meaning.title;
+  legend.unit = meaning.unit;
+  legend.min = range.box_min;
+  legend.max = range.box_max;
+  legend.logarithmic = is_logarithmic(metric);
+  legend.goes_below = range.boxes_below;
+  for (const Rgb& one : heat_map()) legend.colors.push_back(packed(one));
   return legend;
 }
 

@@ -15,11 +15,15 @@ struct Legend {
   std::string title, unit;  ///< no title: nothing to explain
   double min = 0, max = 1;
   bool goes_on = false;               ///< larger values are drawn as the greatest
+  bool goes_below = false;            ///< smaller values are drawn as the least
+  bool logarithmic = false;           ///< even steps of the logarithm
   std::vector<std::uint32_t> colors;  ///< from least to greatest
 };
 
 /// Of bodies coloured by `color` over `range` at the state of `stats`.
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats);
+/// Of boxes coloured by a metric other than their level, which level_legend() tells; else without a title.
+Legend box_legend(NodeMetric metric, const ValueRange& range);
 /// Colours of contacts from range.max_impulse / 1000 to range.max_impulse, in even steps of the logarithm.
 std::vector<std::uint32_t> contact_legend();
 /// Colours of the hierarchy's levels, which repeat after the last.

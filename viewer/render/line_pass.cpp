@@ -1,9 +1,11 @@
 #include "viewer/render/line_pass.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 
+#include "viewer/render/frame_uniforms.h"
 #include "viewer/render/gl/errors.h"
 
 namespace collidoscope {
@@ -52,8 +54,17 @@ void LinePass::draw_twice(const gl::Program& program, GLenum mode, GLsizei verti
   draw_records(program, mode, vertices, records);
 }
 
+void LinePass::set_colors(const gl::Program& program, const BoxColors& colors) {
+  const bool logarithmic = is_logarithmic(colors.metric);
+  const ColorScale scale = color_scale(colors.min, colors.max, logarithmic);
+  const float kind = colors.metric == NodeMetric::level ? 0 : logarithmic ? 2 : 1;
+  const float widest =
+      std::clamp(15 / std::sqrt(static_cast<float>(std::max<std::int64_t>(colors.count, 1))), 0.7f, 1.5f);
+  program.set("coloring", static_cast<float>(scale.from), static_cast<float>(scale.scale), kind, widest);
+}
+
 void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
-                          int last_level) const {
+                          int last_level, const BoxColors& colors) const {
   const std::int64_t count = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
   std::int64_t broad = 0;
   for (std::int64_t size : sizes) {
@@ -62,8 +73,11 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
   }
   // What is hidden adds up to a fog where there are many, so each is the fainter then.
   const float hidden = std::min(0.2f, 5.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
-  for (const gl::Program* program : {&box_, &thin_box_})
+  for (const gl::Program* program : {&box_, &thin_box_}) {
     program->set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
+    program->set("range", static_cast<float>(colors.low), static_cast<float>(colors.high), 0, 0);
+    set_colors(*program, colors);
+  }
   constexpr std::int64_t bytes = sizeof(BoxInstance);
   draw_twice(thin_box_, GL_LINES, 24, {boxes, bytes, broad, count - broad}, 0.95f, hidden);
   draw_twice(box_, GL_TRIANGLES, 72, {boxes, bytes, 0, broad}, 0.95f, hidden);
@@ -72,6 +86,8 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
 
 void LinePass::draw_walls(const gl::Buffer& boxes) const {
   box_.set("levels", 0, 0, 0, 0);
+  box_.set("range", -1, 1, 0, 0);
+  set_colors(box_, {});
   draw_twice(box_, GL_TRIANGLES, 72, {boxes, sizeof(BoxInstance), 0, 1}, 0.30f, 0.06f);
   gl::check("to draw the walls");
 }
@@ -82,8 +98,9 @@ void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) con
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 
-void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count) const {
+void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count, const BoxColors& colors) const {
   if (count <= 0) return;
+  box_ids_.set("range", static_cast<float>(colors.low), static_cast<float>(colors.high), 0, 0);
   box_layout_.bind(boxes.get(), sizeof(BoxInstance));
   box_ids_.use();
   glDrawArraysInstanced(GL_TRIANGLES, 0, 36, static_cast<GLsizei>(count));

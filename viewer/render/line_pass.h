@@ -3,6 +3,7 @@
 // what surfaces hide, then what lies before them. Many boxes are drawn in thin lines: a fog of broad ones
 // shows nothing, and a GPU with few raster units takes long over it. Owns its programs.
 
+#include <limits>
 #include <span>
 
 #include "viewer/render/gl/program.h"
@@ -11,18 +12,28 @@
 
 namespace collidoscope {
 
+/// What of BoxInstance::value is drawn, and in which colours.
+struct BoxColors {
+  NodeMetric metric = NodeMetric::level;
+  double min = 0, max = 1;  ///< that the colour map spans
+  /// Boxes whose value lies outside are not drawn: none of a metric that they do not have.
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  std::int64_t count = 0;  ///< of those: the fewer, the broader
+};
+
 class LinePass {
  public:
   LinePass();
   /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
   /// The records are those of levels first_level to last_level, in this order, `sizes[i]` of each. Upper
   /// levels are broad as long as they have no more than `most_broad_boxes` together.
+  /// The colour map of values is bound to texture unit 0.
   void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
-                  int last_level) const;
+                  int last_level, const BoxColors& colors = {}) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count) const;
   /// Into an id buffer: faces filled, 0x80000000 + place of the box in the buffer, nearest wins.
-  void draw_box_ids(const gl::Buffer& boxes, std::int64_t count) const;
+  void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, const BoxColors& colors = {}) const;
 
   static constexpr std::int64_t most_broad_boxes = 8192;
 
@@ -33,6 +44,7 @@ class LinePass {
   };
   void draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
                   float shown, float hidden) const;
+  static void set_colors(const gl::Program& program, const BoxColors& colors);
   static void draw_records(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records);
 
   gl::Program box_, thin_box_, contact_, box_ids_;

@@ -8,11 +8,11 @@
 namespace collidoscope {
 namespace {
 
-gl::TextureHandle color_map_texture() {
+gl::TextureHandle color_map_texture(const std::array<Rgb, 256>& map) {
   gl::TextureHandle texture = gl::make_texture("colour map", 256, 1, GL_RGBA8);
   std::vector<std::uint8_t> texels;
   const auto to_byte = [](float value) { return static_cast<std::uint8_t>(value * 255 + 0.5f); };
-  for (const Rgb& color : color_map())
+  for (const Rgb& color : map)
     texels.insert(texels.end(), {to_byte(color.r), to_byte(color.g), to_byte(color.b), 255});
   glTextureSubImage2D(texture.get(), 0, 0, 0, 256, 1, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
   glTextureParameteri(texture.get(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -30,6 +30,17 @@ void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
                      texels.begin() + static_cast<std::ptrdiff_t>(row) * (height - 1 - y));
 }
 
+BoxColors box_colors(const FrameLayers& layers, const ValueRange& values) {
+  if (layers.box_color == NodeMetric::level) return {};
+  // -1: has no such value.
+  return {layers.box_color,
+          values.box_min,
+          values.box_max,
+          static_cast<double>(layers.box_low),
+          static_cast<double>(layers.box_high),
+          values.boxes};
+}
+
 }  // namespace
 
 Renderer::Renderer(int width, int height, DrawOptions options)
@@ -37,7 +48,8 @@ Renderer::Renderer(int width, int height, DrawOptions options)
       software_(gl::is_software_renderer()),
       resolve_("fullscreen.vert", "resolve.frag"),
       nothing_{},
-      colors_(color_map_texture()) {
+      colors_(color_map_texture(color_map())),
+      heat_(color_map_texture(heat_map())) {
   light_.emplace(options.light);
   resize(width, height);
 }
@@ -139,8 +151,10 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.grid) planes_.draw_veils();
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
   mark("veils and walls");
+  glBindTextureUnit(0, heat_.get());
   if (layers.boxes)
-    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, layers.last_level);
+    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, layers.last_level,
+                      box_colors(layers, values));
   mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");

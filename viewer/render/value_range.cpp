@@ -13,7 +13,14 @@ double round_up(double value) {
   return std::ceil(value / unit - 1e-9) * unit;
 }
 
-ValueRange color_range(const FrameScene& scene, BodyColor color, const StepStats& stats) {
+// The levels that hold leaves, from the first to the last.
+ValueRange leaf_levels(World& world) {
+  const std::vector<std::int64_t>& leaves = world.tree_leaves();
+  const auto first = std::ranges::find_if(leaves, [](std::int64_t n) { return n > 0; });
+  return {static_cast<double>(first - leaves.begin()), static_cast<double>(std::ssize(leaves) - 1)};
+}
+
+ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, const StepStats& stats) {
   switch (color) {
     case BodyColor::speed: {
       // The map ends at 2.2 times the root mean square (weighed by mass): bodies of one speed lie in its
@@ -28,14 +35,51 @@ ValueRange color_range(const FrameScene& scene, BodyColor color, const StepStats
     case BodyColor::id:
     case BodyColor::order:
       return {0, static_cast<double>(std::max<std::int64_t>(scene.body_count, 2) - 1)};
+    case BodyColor::depth:
+      return world.tree_nodes() > 0 ? leaf_levels(world) : ValueRange{0, 0};
+    case BodyColor::visits: {
+      if (world.tree_nodes() == 0) return {0, 0};
+      const TreeQuality& tree = world.tree_quality();
+      ValueRange range{static_cast<double>(tree.visits_min), static_cast<double>(tree.visits_max)};
+      range.logarithmic = true;
+      return range;
+    }
   }
   return {};
 }
 
+// The edge of a bin that at most one node in fifty lies below.
+double low_end(const NodeSpread& spread) {
+  std::int64_t below = 0;
+  std::size_t bin = 0;
+  for (; bin + 1 < NodeSpread::bins; ++bin) {
+    below += spread.nodes[bin];
+    if (50 * below > spread.count) break;
+  }
+  return static_cast<double>(spread.edge[bin]);
+}
+
+void add_boxes(World& world, const FrameLayers& layers, ValueRange& range) {
+  if (!layers.boxes || layers.box_color == NodeMetric::level || world.tree_nodes() == 0) return;
+  const NodeSpread spread = world.node_spread(
+      layers.box_color, {layers.first_level, layers.last_level, layers.box_low, layers.box_high});
+  range.boxes = spread.inside;
+  range.box_max = static_cast<double>(std::min(layers.box_high, spread.greatest));
+  // A few boxes of next to nothing must not leave one colour to all others.
+  const double least = static_cast<double>(std::max(layers.box_low, spread.least));
+  range.box_min = std::max(least, low_end(spread));
+  if (is_logarithmic(layers.box_color))  // from zero no step leads anywhere
+    range.box_min = std::max(range.box_min, 1e-9 * range.box_max);
+  range.box_min = std::min(range.box_min, range.box_max);
+  range.boxes_below = range.box_min > least;
+}
+
 }  // namespace
 
-ValueRange value_range(const FrameScene& scene, BodyColor color, const StepStats& stats) {
-  ValueRange range = color_range(scene, color, stats);
+ValueRange value_range(World& world, const FrameScene& scene, const FrameLayers& layers,
+                       const StepStats& stats) {
+  ValueRange range = layers.spheres ? color_range(world, scene, layers.color, stats) : ValueRange{};
+  add_boxes(world, layers, range);
   if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
   return range;
 }

@@ -54,6 +54,7 @@ void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffe
   target.body_capacity = counts.bodies;
   target.body_color = layers.color;
   target.box_capacity = counts.boxes;
+  target.box_metric = layers.box_color;
   target.first_level = layers.first_level;
   target.last_level = layers.last_level;
   target.contact_capacity = counts.contacts;

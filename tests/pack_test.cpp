@@ -1,0 +1,179 @@
+// What is packed of a tree, its boxes and its bodies, against a person's measure of it.
+
+#include "sim_cuda/pack.h"
+
+#include "tests/brute_tree.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class PackedTree : public OnEachExecutor {
+ protected:
+  World world_of(const std::string& method, std::int64_t bodies = 150) {
+    RunOptions o = options();
+    o.broad_phase = method;
+    World world(box_collider(bodies), o);
+    world.step(5);
+    return world;
+  }
+  static std::vector<std::string> methods_with_trees() {
+    std::vector<std::string> methods;
+    for (const std::string& name : broad_phase_names())
+      if (name.find("bvh") != name.npos) methods.push_back(name);
+    return methods;
+  }
+  static std::vector<BoxInstance> boxes(World& world, NodeMetric metric, int first, int last) {
+    PublishTarget target;
+    target.box_capacity = world.publish_counts(first, last).boxes;
+    const std::size_t count = static_cast<std::size_t>(target.box_capacity);
+    target.boxes = static_cast<BoxInstance*>(world.scratch(count * sizeof(BoxInstance), 0));
+    target.first_level = first;
+    target.last_level = last;
+    target.box_metric = metric;
+    world.publish(target);
+    std::vector<BoxInstance> host(count);
+    world.copy_to_host(host.data(), target.boxes, count * sizeof host[0]);
+    return host;
+  }
+  static std::vector<BodyInstance> bodies(World& world, BodyColor color) {
+    PublishTarget target;
+    const std::size_t count = world.initial().size();
+    target.bodies = static_cast<BodyInstance*>(world.scratch(count * sizeof(BodyInstance), 0));
+    target.body_capacity = static_cast<std::int64_t>(count);
+    target.body_color = color;
+    world.publish(target);
+    std::vector<BodyInstance> host(count);
+    world.copy_to_host(host.data(), target.bodies, count * sizeof host[0]);
+    return host;
+  }
+};
+ON_EACH_EXECUTOR(PackedTree);
+
+TEST_P(PackedTree, BoxesCarryTheirMetric) {
+  for (const std::string& method : methods_with_trees()) {
+    World world = world_of(method);
+    const BruteTree brute(world);
+    for (const NodeMetric metric : every_metric)
+      for (const auto& [first, last] : {std::pair{0, 63}, {2, 5}}) {
+        const std::vector<BoxInstance> packed = boxes(world, metric, first, last);
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < brute.nodes.size(); ++i) {
+          const BruteTree::Node& node = brute.nodes[i];
+          if (node.level < first || node.level > last) continue;
+          ASSERT_LT(at, packed.size());
+          const bool has = node.children > 0 || leaves_have(metric);
+          const double expected = has ? brute.value(i, metric) : -1;
+          ASSERT_NEAR(packed[at].value, expected, 1e-5 * std::max(1e-3, std::abs(expected))) << method << i;
+          ASSERT_EQ(packed[at].level, static_cast<float>(node.level));
+          ++at;
+        }
+        EXPECT_EQ(at, packed.size());
+      }
+  }
+}
+
+TEST_P(PackedTree, BodiesCarryTheirDepthAndVisits) {
+  for (const std::string& method : methods_with_trees()) {
+    World world = world_of(method);
+    const BruteTree brute(world);
+    const std::vector<BodyInstance> by_depth = bodies(world, BodyColor::depth),
+                                    by_visits = bodies(world, BodyColor::visits);
+    for (std::size_t id = 0; id < by_depth.size(); ++id) {
+      EXPECT_EQ(by_depth[id].value, static_cast<float>(brute.body_level[id])) << method << id;
+      EXPECT_EQ(by_visits[id].value, static_cast<float>(brute.body_visits[id])) << method << id;
+    }
+    const TreeQuality& quality = world.tree_quality();
+    EXPECT_EQ(quality.visits_min, *std::ranges::min_element(brute.body_visits));
+    EXPECT_EQ(quality.visits_max, *std::ranges::max_element(brute.body_visits));
+    std::vector<std::int64_t> leaves(world.tree_levels().levels.size());
+    for (const int level : brute.body_level) ++leaves[static_cast<std::size_t>(level)];
+    EXPECT_EQ(world.tree_leaves(), leaves) << method;
+  }
+}
+
+TEST_P(PackedTree, WithoutATreeNothingIsPacked) {
+  World world = world_of("brute_force");
+  for (const BodyColor color : {BodyColor::depth, BodyColor::visits, BodyColor::order})
+    for (const BodyInstance& body : bodies(world, color)) EXPECT_EQ(body.value, 0);
+  EXPECT_TRUE(boxes(world, NodeMetric::visits, 0, 63).empty());
+  EXPECT_EQ(world.node_spread(NodeMetric::visits, {}).count, 0);
+  EXPECT_TRUE(world.tree_leaves().empty());
+}
+
+TEST_P(PackedTree, LookingAtTheTreeChangesNoState) {
+  World plain = world_of("lbvh_ropes"), watched = world_of("lbvh_ropes");
+  for (int k = 0; k < 5; ++k) {
+    plain.step();
+    watched.step();
+    boxes(watched, NodeMetric::sibling_overlap, 0, 63);
+    bodies(watched, BodyColor::visits);
+  }
+  EXPECT_EQ(watched.state_hash(), plain.state_hash());
+}
+
+TEST_P(PackedTree, TheSpreadCountsEveryNodeOnce) {
+  for (const std::string& method : methods_with_trees()) {
+    World world = world_of(method);
+    const BruteTree brute(world);
+    for (const NodeMetric metric : every_metric) {
+      NodeSelection selection;
+      selection.first_level = 1;
+      selection.last_level = 6;
+      std::vector<double> values;
+      for (std::size_t i = 0; i < brute.nodes.size(); ++i)
+        if (brute.nodes[i].level >= 1 && brute.nodes[i].level <= 6 &&
+            (brute.nodes[i].children > 0 || leaves_have(metric)))
+          values.push_back(brute.value(i, metric));
+      std::ranges::sort(values);
+      // Between two values, so that rounding decides nothing.
+      const std::size_t third = values.size() / 3;
+      std::size_t from = third;
+      while (from + 1 < values.size() && values[from + 1] - values[from] <= 1e-4 * values[from + 1]) ++from;
+      ASSERT_LT(from + 1, values.size());
+      selection.low = static_cast<float>((values[from] + values[from + 1]) / 2);
+      const NodeSpread spread = world.node_spread(metric, selection);
+      EXPECT_EQ(spread.count, std::ssize(values)) << method;
+      EXPECT_EQ(spread.inside, std::ssize(values) - static_cast<std::int64_t>(from) - 1) << method;
+      EXPECT_NEAR(spread.least, values.front(), 1e-5 * values.front());
+      EXPECT_NEAR(spread.greatest, values.back(), 1e-5 * values.back());
+      EXPECT_TRUE(std::ranges::is_sorted(spread.edge));
+      std::int64_t in_bins = 0;
+      for (const std::int64_t nodes : spread.nodes) in_bins += nodes;
+      EXPECT_EQ(in_bins, spread.count) << method;
+      EXPECT_GT(spread.nodes.front(), 0);
+      EXPECT_GT(spread.nodes.back(), 0);
+    }
+  }
+}
+
+// The worst that is named is the worst there is, for the tree that is bad on purpose, whatever levels are
+// asked for.
+TEST_P(PackedTree, TheWorstNodeNamedIsTheWorst) {
+  World world = world_of("bvh_input_order", 300);
+  const BruteTree brute(world);
+  for (const NodeMetric metric : every_metric)
+    for (const auto& [first, last] : {std::pair{0, 63}, {1, 3}, {4, 4}}) {
+      double worst = -1;
+      for (std::size_t i = 0; i < brute.nodes.size(); ++i)
+        if (brute.nodes[i].level >= first && brute.nodes[i].level <= last)
+          worst = std::max(worst, brute.value(i, metric));
+      const std::vector<NodeReport> named = world.ranked_nodes(metric, 0, 1, first, last);
+      ASSERT_EQ(named.size(), 1u);
+      const BruteTree::Node& node = brute.nodes[named[0].node];
+      EXPECT_NEAR(brute.value(named[0].node, metric), worst, 1e-6 * worst);
+      EXPECT_TRUE(node.level >= first && node.level <= last);
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(named[0].min[k], node.box.min[k]);
+        EXPECT_EQ(named[0].max[k], node.box.max[k]);
+      }
+      EXPECT_EQ(named[0].children, node.children);
+      EXPECT_EQ(named[0].visits, node.visits);
+      EXPECT_NEAR(named[0].sibling_overlap, node.sibling_overlap, 1e-6);
+      EXPECT_NEAR(named[0].empty_space, node.empty_space, 1e-6);
+    }
+}
+
+}  // namespace
+}  // namespace collidoscope
