@@ -16,6 +16,7 @@ constexpr Method methods[] = {
     {"bvh_input_order", make_bvh_input_order},  // the same, not clustered: the paper's Figure 6
     {"bvh_recursive", make_bvh_recursive},      // the paper's tree, its query by calls in place of a stack
     {"lbvh_top_down", make_lbvh_top_down},      // a linear BVH from a work queue
+    {"ploc", make_ploc},                        // nearest neighbours merged, along its ropes
     {"kd_tree", make_kd_tree},                  // medians along the longest axis
     {"bsp", make_bsp},                          // medians along any direction
     {"brute_force", make_brute_force},          // the paper's naive approach
