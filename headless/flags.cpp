@@ -312,6 +312,9 @@ constexpr Reader readers[] = {
     {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching},
      [](Reading& in) { read_path(in.value, in.options.bench.markdown); }},
 
+    {{"--plot", "FILE.png", "a chart of the suite", benching},
+     [](Reading& in) { read_path(in.value, in.options.bench.plot); }},
+
     {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
      [](Reading& in) { in.options.view.reset_ui = true; }},
     {{"--automation", "FILE", "a line of JSON for each frame: state, and where each widget is", viewing},

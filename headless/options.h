@@ -31,7 +31,7 @@ struct BenchRequest {
   std::vector<Variant> variants;
   std::vector<std::int64_t> sizes;  ///< numbers of bodies
   std::int64_t repeats = 50;        ///< of what is timed
-  std::string csv, markdown;        ///< files, or empty
+  std::string csv, markdown, plot;  ///< files, or empty
 };
 
 /// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows

@@ -393,6 +393,19 @@ BroadPhaseTimes World::time_broad_phase(int repeats) {
   return times;
 }
 
+std::vector<float> World::time_tree_queries(int repeats) {
+  Impl& w = *impl_;
+  std::vector<float> times;
+  if (tree_quality().nodes == 0) return times;
+  const TreeView& tree = w.arranged_tree();
+  constexpr int warm_up = 3;
+  for (int k = -warm_up; k < repeats; ++k) {
+    const double ms = w.milliseconds_of([&] { w.meter.enqueue_queries(tree); });
+    if (k >= 0) times.push_back(static_cast<float>(ms));
+  }
+  return times;
+}
+
 std::int64_t World::broad_phase_bytes() const { return impl_->pipeline->broad_phase_bytes(); }
 
 PublishCounts World::publish_counts(int first_level, int last_level) {

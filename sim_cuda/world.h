@@ -110,6 +110,10 @@ class World {
   /// Finds the pairs of the current state `repeats` times, from positions to the ordered list, plain and then
   /// with a time taken after each stage; in ms. Moves nothing.
   BroadPhaseTimes time_broad_phase(int repeats);
+  /// Of the tree of the current state: one and the same query for whatever method's tree, of every body;
+  /// `repeats` times in ms. What is left of a method's own time is its layout and its traversal. No tree:
+  /// none.
+  std::vector<float> time_tree_queries(int repeats);
   std::int64_t broad_phase_bytes() const;                         ///< of the method alone
   PublishCounts publish_counts(int first_level, int last_level);  ///< an empty range: no boxes
   /// Packs what is drawn into the target's memory; returns when the device has written it.

@@ -10,6 +10,7 @@
 
 #include "headless/bench/result_files.h"
 #include "headless/bench/spread.h"
+#include "headless/chart_picture.h"
 #include "headless/progress.h"
 #include "headless/report.h"
 #include "sim_cuda/core/error.h"
@@ -290,6 +291,34 @@ std::string rows_csv(const std::vector<Row>& rows) {
   return text;
 }
 
+/// Table 5's speed-up over B T: the paper's dashed, ours, and what all of the threads would give.
+Chart chart_of(const std::vector<Row>& rows, const std::string& device) {
+  Chart chart;
+  chart.title = "Speed-up of the whole step over B T threads (Table 5, tree built bottom-up)";
+  chart.note = device + "; dashed: the paper's NVIDIA GTX 940M";
+  chart.x = {"threads in all, B T", short_number, true};
+  chart.y = {"speed-up over 2 blocks of 4", short_number, true};
+  ChartSeries ideal{"linear", 0xff888888, {{8, 1}, {256, 32}}};
+  ideal.marks = false;
+  chart.series.push_back(ideal);
+  for (const bool of_paper : {false, true})
+    for (const Row& r : rows) {
+      if (r.cell.table != 5) continue;
+      const std::string name = fmt::format("N = {}{}", grouped(r.cell.bodies), of_paper ? ", paper" : "");
+      auto series = std::ranges::find(chart.series, name, &ChartSeries::name);
+      if (series == chart.series.end()) {
+        chart.series.push_back({name, 0, {}, true, of_paper, !of_paper});
+        series = chart.series.end() - 1;
+        series->color = chart_color(chart.series.size() - 2);
+        for (const ChartSeries& ours : chart.series)
+          if (of_paper && name.starts_with(ours.name + ",")) series->color = ours.color;
+      }
+      series->points.push_back(
+          {static_cast<double>(r.cell.blocks * r.cell.threads), speed_up(rows, r, of_paper)});
+    }
+  return chart;
+}
+
 }  // namespace
 
 int bench_paper(const CommandLine& line) {
@@ -345,6 +374,7 @@ int bench_paper(const CommandLine& line) {
     recursions.push_back({largest, shape, query_ms("bvh_bottom_up"), query_ms("bvh_recursive")});
     write();
   }
+  files.plot(chart_of(rows, device));
   fmt::print("{}", options.json == "-" ? rows_json(rows, recursions, device)
                                        : whole_text(rows, recursions, device, false));
   return 0;

@@ -5,12 +5,16 @@
 #include "headless/bench/broad_phases.h"
 #include "headless/bench/frames.h"
 #include "headless/bench/paper.h"
+#include "headless/bench/predictors.h"
+#include "headless/bench/scaling.h"
 
 namespace collidoscope {
 namespace {
 
 constexpr Suite every[] = {
     {"broad-phases", "each broad phase, over variants and numbers of bodies", bench_broad_phases},
+    {"scaling", "how the time of each broad phase grows with N, fitted", bench_scaling},
+    {"predictors", "which measure of a tree's quality predicts the time of its queries", bench_predictors},
     {"paper", "the Tables 1 to 5 of the term project that this program carries on", bench_paper},
     {"frames", "what a frame of the live view costs: simulate, publish, draw, panels", bench_frames},
 };

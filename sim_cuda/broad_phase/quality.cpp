@@ -171,6 +171,24 @@ struct Query {
   }
 };
 
+/// The query alone.
+struct CountMet {
+  TreeView tree;
+  const std::uint32_t* leaf_node;
+  std::uint32_t* met;
+  SIM_HD void operator()(int place) const {
+    const std::uint32_t leaf = leaf_node[place];
+    const Aabb box = tree.box[leaf];
+    std::uint32_t found = 0;
+    walk(tree, [&](std::uint32_t node) {
+      const bool hit = overlap(box, tree.box[node]);
+      found += hit && node != leaf && tree.children[node] == 0;
+      return hit;
+    });
+    met[place] = found;
+  }
+};
+
 struct LeafNodes {
   TreeView tree;
   const std::uint32_t* place_of_body;
@@ -435,6 +453,11 @@ NodeSpread TreeMeter::spread(const TreeView& tree, NodeMetric metric, const Node
   std::copy_n(counts.begin(), NodeSpread::bins, result.nodes.begin());
   result.inside = counts.back();
   return result;
+}
+
+void TreeMeter::enqueue_queries(const TreeView& tree) {
+  executor_.run("query", static_cast<std::int64_t>(leaf_node_.size()),
+                CountMet{tree, leaf_node_.data(), met_.data()});
 }
 
 const float* TreeMeter::values(NodeMetric metric) const {

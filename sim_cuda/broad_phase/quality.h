@@ -37,6 +37,9 @@ class TreeMeter {
   std::vector<std::int64_t> leaves(const TreeView& tree);
   /// All but `bytes`. Waits for the device.
   TreeQuality measure(const TreeView& tree, std::int64_t bodies);
+  /// After measure() of the same tree: enqueues one and the same query for whatever tree, of every body, from
+  /// the root, along children, siblings and parents; for those who time it.
+  void enqueue_queries(const TreeView& tree);
   /// After measure() of the same tree: of each node by its place, in the executor's memory.
   const float* values(NodeMetric metric) const;
   /// Of each body by its id: the boxes that its query tests.

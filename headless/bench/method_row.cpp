@@ -1,0 +1,139 @@
+#include "headless/bench/method_row.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "headless/chart_picture.h"
+#include "headless/progress.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+/// What tests nearly every body against every other is left out beyond this: 5e9 tests, seconds on a CPU.
+constexpr std::int64_t most_for_all_pairs = 100'000;
+bool tests_all_pairs(const std::string& method) {
+  return method.starts_with("brute_force") || method == "bvh_input_order";
+}
+
+}  // namespace
+
+MethodRow measure_method(const Scene& scene, const RunOptions& options, int repeats) {
+  World world(scene, options);
+  const BroadPhaseTimes times = world.time_broad_phase(repeats);
+  MethodRow row;
+  row.method = options.broad_phase;
+  row.variant = name_of(variant_names, scene.generators[0].variant);
+  row.bodies = static_cast<std::int64_t>(world.initial().size());
+  row.pairs = world.measure().pairs;
+  row.bytes = world.broad_phase_bytes();
+  row.repeats = repeats;
+  const auto in_us = [](std::vector<float> samples) {
+    for (float& ms : samples) ms *= 1000;
+    return spread_of(samples);
+  };
+  row.whole = in_us(times.whole);
+  for (const BroadPhaseTimes::Stage& stage : times.stages) {
+    row.stages.push_back({stage.name, in_us(stage.ms).median, stage.launches, stage.own_shape});
+    row.launches += stage.launches;
+  }
+  return row;
+}
+
+nlohmann::ordered_json json_of(const MethodRow& row) {
+  nlohmann::ordered_json json{
+      {"method", row.method},     {"variant", row.variant},  {"bodies", row.bodies},
+      {"pairs", row.pairs},       {"bytes", row.bytes},      {"floor_bytes", row.floor_bytes()},
+      {"launches", row.launches}, {"repeats", row.repeats},  {"median_us", row.whole.median},
+      {"p5_us", row.whole.p5},    {"p95_us", row.whole.p95}, {"stages", nlohmann::ordered_json::array()}};
+  for (const MethodRow::Stage& stage : row.stages)
+    json["stages"].push_back({{"name", stage.name},
+                              {"median_us", stage.median_us},
+                              {"launches", stage.launches},
+                              {"own_shape", stage.own_shape}});
+  return json;
+}
+
+std::string csv_of(const std::vector<MethodRow>& rows) {
+  std::string text =
+      "method,variant,bodies,pairs,bytes,floor_bytes,launches,repeats,median_us,p5_us,p95_us\n";
+  for (const MethodRow& r : rows)
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f}\n", r.method, r.variant, r.bodies, r.pairs,
+                    r.bytes, r.floor_bytes(), r.launches, r.repeats, r.whole.median, r.whole.p5, r.whole.p95);
+  return text;
+}
+
+std::string stages_text(const MethodRow& row) {
+  std::vector<std::string> parts;
+  for (const MethodRow::Stage& stage : row.stages)
+    parts.push_back(fmt::format("{}{} {:.1f}", stage.name, stage.own_shape ? "*" : "", stage.median_us));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+BenchMachine machine_of(const World& world) {
+  return {world.on_gpu() ? "cuda" : "cpu", world.device_name(), world.launch_shape()};
+}
+
+std::string text_of(const BenchMachine& machine) {
+  const auto number = [](int n) { return n > 0 ? std::to_string(n) : "auto"; };
+  return fmt::format("{}, B {}, T {}", machine.device, number(machine.shape.blocks),
+                     number(machine.shape.threads));
+}
+
+Chart chart_of_methods(const std::string& title, const BenchMachine& machine,
+                       const std::vector<MethodRow>& rows) {
+  Chart chart;
+  chart.title = title;
+  chart.note = text_of(machine) + "; median, 5th to 95th percentile";
+  chart.x = {"bodies", short_number, true};
+  chart.y = {"µs", short_number, true};
+  const bool variants =
+      std::ranges::any_of(rows, [&](const MethodRow& r) { return r.variant != rows[0].variant; });
+  for (const MethodRow& r : rows) {
+    const std::string name = variants ? r.method + ", " + r.variant : r.method;
+    auto series = std::ranges::find(chart.series, name, &ChartSeries::name);
+    if (series == chart.series.end()) {
+      chart.series.push_back({name, chart_color(chart.series.size()), {}});
+      series = chart.series.end() - 1;
+    }
+    ChartPoint point{static_cast<double>(r.bodies), r.whole.median};
+    point.y_low = r.whole.p5;
+    point.y_high = r.whole.p95;
+    series->points.push_back(point);
+  }
+  return chart;
+}
+
+void sweep(const CommandLine& line, std::vector<std::int64_t> sizes, std::vector<std::string> methods,
+           const std::function<void(const SweepPoint&)>& visit) {
+  SweepPoint point{load_scene(line), line.options.run};
+  if (point.scene.generators.size() != 1)
+    throw InputError(point.scene.name + ": bench " + line.suite +
+                     " varies the number of bodies: a scene with one generator is needed");
+  auto& generator = point.scene.generators[0];
+  const BenchRequest& request = line.options.bench;
+  if (!request.methods.empty()) methods = request.methods;
+  if (!request.sizes.empty()) sizes = request.sizes;
+  const std::vector<Variant> variants =
+      request.variants.empty() ? std::vector{generator.variant} : request.variants;
+
+  Progress progress("rows", std::ssize(sizes) * std::ssize(variants) * std::ssize(methods));
+  std::int64_t done = 0;
+  for (const std::int64_t bodies : sizes)
+    for (const Variant variant : variants)
+      for (const std::string& method : methods) {
+        progress.update(done++);
+        if (tests_all_pairs(method) && bodies > most_for_all_pairs) continue;
+        generator.count = bodies;
+        generator.variant = variant;
+        point.run.broad_phase = method;
+        visit(point);
+      }
+}
+
+}  // namespace collidoscope

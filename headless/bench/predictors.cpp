@@ -1,0 +1,208 @@
+#include "headless/bench/predictors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "headless/bench/method_row.h"
+#include "headless/bench/rank_correlation.h"
+#include "headless/bench/result_files.h"
+#include "headless/chart_picture.h"
+#include "headless/report.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Row {
+  std::string method, variant;
+  TreeQuality quality;
+  double own_ns = 0, same_ns = 0;  ///< of a query: the method's own, with the ordering of pairs; and the same
+};
+
+/// What may predict the time: larger should mean slower.
+struct Measure {
+  const char* name;
+  double (*of)(const TreeQuality&);
+};
+constexpr Measure measures[] = {
+    {"SAH cost", [](const TreeQuality& q) { return q.sah; }},
+    {"EPO", [](const TreeQuality& q) { return q.epo; }},
+    {"0.29 SAH + 0.71 EPO", [](const TreeQuality& q) { return q.sah_epo; }},
+    {"sibling overlap, mean", [](const TreeQuality& q) { return q.sibling_overlap; }},
+    {"empty space, mean", [](const TreeQuality& q) { return q.empty_space; }},
+    {"levels", [](const TreeQuality& q) { return static_cast<double>(q.levels); }},
+    {"nodes", [](const TreeQuality& q) { return static_cast<double>(q.nodes); }},
+    {"expected visits", [](const TreeQuality& q) { return q.expected_visits; }},
+    {"visits, mean", [](const TreeQuality& q) { return q.visits_mean; }},
+    {"visits, 99th percentile", [](const TreeQuality& q) { return q.visits_p99; }},
+    {"visits, most", [](const TreeQuality& q) { return static_cast<double>(q.visits_max); }},
+    {"visits, warp's most, mean", [](const TreeQuality& q) { return q.warp_ratio * q.visits_mean; }},
+    {"warp's most / mean", [](const TreeQuality& q) { return q.warp_ratio; }},
+    {"box tests a true pair", [](const TreeQuality& q) { return q.tests_per_pair; }},
+};
+
+/// Correlation of one measure with the time of a query. Over all rows; and of the trees of one scene (one
+/// variant and N, at least three trees), the mean over scenes: there only the tree differs.
+struct Score {
+  const char* name;
+  double own_within = 0, own_all = 0, same_within = 0, same_all = 0;
+};
+
+double correlation(const std::vector<const Row*>& rows, const Measure& measure, double Row::*time) {
+  std::vector<double> x, y;
+  for (const Row* r : rows) {
+    x.push_back(measure.of(r->quality));
+    y.push_back(r->*time);
+  }
+  return rank_correlation(x, y);
+}
+
+std::vector<Score> scores_of(const std::vector<Row>& rows) {
+  std::vector<const Row*> all;
+  std::map<std::pair<std::string, std::int64_t>, std::vector<const Row*>> scenes;
+  for (const Row& r : rows) {
+    all.push_back(&r);
+    scenes[{r.variant, r.quality.bodies}].push_back(&r);
+  }
+  std::erase_if(scenes, [](const auto& scene) { return scene.second.size() < 3; });
+  std::vector<Score> scores;
+  for (const Measure& m : measures) {
+    const auto within = [&](double Row::*time) {
+      double sum = 0;
+      for (const auto& scene : scenes) sum += correlation(scene.second, m, time);
+      return scenes.empty() ? 0 : sum / static_cast<double>(scenes.size());
+    };
+    scores.push_back({m.name, within(&Row::own_ns), correlation(all, m, &Row::own_ns), within(&Row::same_ns),
+                      correlation(all, m, &Row::same_ns)});
+  }
+  std::ranges::stable_sort(scores, std::greater<>(), &Score::same_within);
+  return scores;
+}
+
+Row measure(const SweepPoint& at, int repeats) {
+  World world(at.scene, at.run);
+  Row row;
+  row.method = at.run.broad_phase;
+  row.variant = name_of(variant_names, at.scene.generators[0].variant);
+  row.quality = world.tree_quality();
+  if (row.quality.nodes == 0) return row;
+  const double ns_a_body = 1e6 / static_cast<double>(row.quality.bodies);
+  row.same_ns = ns_a_body * spread_of(world.time_tree_queries(repeats)).median;
+  for (const BroadPhaseTimes::Stage& stage : world.time_broad_phase(repeats).stages)
+    if (stage.name == "pairs") row.own_ns = ns_a_body * spread_of(stage.ms).median;
+  return row;
+}
+
+std::string results_json(const BenchMachine& machine, const std::vector<Row>& rows) {
+  Json json{
+      {"suite", "predictors"},          {"executor", machine.executor},     {"device", machine.device},
+      {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads}, {"correlations", Json::array()},
+      {"rows", Json::array()}};
+  for (const Score& s : scores_of(rows))
+    json["correlations"].push_back({{"measure", s.name},
+                                    {"same_query_within_scenes", s.same_within},
+                                    {"same_query_all", s.same_all},
+                                    {"own_query_within_scenes", s.own_within},
+                                    {"own_query_all", s.own_all}});
+  for (const Row& r : rows) {
+    Json row{{"method", r.method},       {"variant", r.variant},       {"bodies", r.quality.bodies},
+             {"pairs", r.quality.pairs}, {"same_query_ns", r.same_ns}, {"own_query_ns", r.own_ns}};
+    for (const Measure& m : measures) row[m.name] = m.of(r.quality);
+    json["rows"].push_back(row);
+  }
+  return json_text(json);
+}
+
+std::string results_csv(const std::vector<Row>& rows) {
+  std::string text = "method,variant,bodies,pairs,same_query_ns,own_query_ns";
+  for (const Measure& m : measures) text += fmt::format(",\"{}\"", m.name);
+  text += '\n';
+  for (const Row& r : rows) {
+    text += fmt::format("{},{},{},{},{:.3f},{:.3f}", r.method, r.variant, r.quality.bodies, r.quality.pairs,
+                        r.same_ns, r.own_ns);
+    for (const Measure& m : measures) text += fmt::format(",{:.6g}", m.of(r.quality));
+    text += '\n';
+  }
+  return text;
+}
+
+std::string results_text(const BenchMachine& machine, const std::vector<Row>& rows, bool markdown) {
+  std::string text = fmt::format(
+      "{}; {} trees. Spearman's rank correlation of each measure with the time of a query: 1 ranks them all "
+      "alike.\n"
+      "Same query: one traversal over every method's tree, arranged alike. Own: the method's, with the "
+      "ordering of "
+      "pairs.\nWithin: of the trees of one scene, the mean over scenes.\n\n",
+      text_of(machine), rows.size());
+  text +=
+      markdown
+          ? "| measure | same query, within | same query, all | own query, within | own query, all |\n"
+            "|---|---:|---:|---:|---:|\n"
+          : fmt::format("{:<28}{:>12}{:>12}{:>12}{:>12}\n", "", "same,", "same,", "own,", "own,") +
+                fmt::format("{:<28}{:>12}{:>12}{:>12}{:>12}\n", "measure", "within", "all", "within", "all");
+  for (const Score& s : scores_of(rows))
+    text += markdown ? fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", s.name, s.same_within,
+                                   s.same_all, s.own_within, s.own_all)
+                     : fmt::format("{:<28}{:>12.2f}{:>12.2f}{:>12.2f}{:>12.2f}\n", s.name, s.same_within,
+                                   s.same_all, s.own_within, s.own_all);
+  return text;
+}
+
+/// The time of the same query over the measure that predicts it best.
+Chart chart_of(const BenchMachine& machine, const std::vector<Row>& rows) {
+  const Score best = scores_of(rows).front();
+  const Measure& measure =
+      *std::ranges::find_if(measures, [&](const Measure& m) { return m.name == best.name; });
+  Chart chart;
+  chart.title = fmt::format(
+      "What predicts the time of a query best: {} (rank correlation {:.2f} within scenes, {:.2f} overall)",
+      best.name, best.same_within, best.same_all);
+  chart.note = text_of(machine) + "; one and the same query over every tree, median";
+  chart.x = {best.name, short_number, true};
+  chart.y = {"ns a query", short_number, true};
+  for (const Row& r : rows) {
+    auto series = std::ranges::find(chart.series, r.method, &ChartSeries::name);
+    if (series == chart.series.end()) {
+      chart.series.push_back({r.method, chart_color(chart.series.size()), {}, false});
+      series = chart.series.end() - 1;
+    }
+    series->points.push_back({measure.of(r.quality), r.same_ns});
+  }
+  return chart;
+}
+
+}  // namespace
+
+int bench_predictors(const CommandLine& line) {
+  const ResultFiles files(line.options);
+  std::vector<std::string> methods = broad_phase_names();
+  std::erase(methods, "bvh_recursive");  // the tree of bvh_bottom_up
+  CommandLine swept = line;
+  if (swept.options.bench.variants.empty())
+    swept.options.bench.variants = {Variant::paper, Variant::scaled, Variant::equal};
+  std::vector<Row> rows;
+  BenchMachine machine;
+  sweep(swept, {1'000, 5'000, 20'000, 50'000}, methods, [&](const SweepPoint& at) {
+    if (machine.device.empty()) machine = machine_of(World(at.scene, at.run));
+    Row row = measure(at, static_cast<int>(line.options.bench.repeats));
+    if (row.quality.nodes == 0) return;
+    rows.push_back(row);
+    files.write(results_json(machine, rows), results_csv(rows), results_text(machine, rows, true));
+  });
+  if (rows.empty())
+    throw InputError("bench predictors: none of these methods has a tree, or there are no bodies");
+  fmt::print("{}",
+             line.options.json == "-" ? results_json(machine, rows) : results_text(machine, rows, false));
+  files.plot(chart_of(machine, rows));
+  return 0;
+}
+
+}  // namespace collidoscope

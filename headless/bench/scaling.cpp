@@ -1,0 +1,117 @@
+#include "headless/bench/scaling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "headless/bench/growth.h"
+#include "headless/bench/method_row.h"
+#include "headless/bench/result_files.h"
+#include "headless/report.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Line {
+  std::string method, variant;
+  std::vector<Sample> samples;  ///< us
+  Growth growth;
+};
+
+std::vector<Line> lines_of(const std::vector<MethodRow>& rows) {
+  std::vector<Line> lines;
+  for (const MethodRow& r : rows) {
+    auto line = std::ranges::find_if(
+        lines, [&](const Line& l) { return l.method == r.method && l.variant == r.variant; });
+    if (line == lines.end()) line = lines.insert(lines.end(), {r.method, r.variant, {}, {}});
+    line->samples.push_back({static_cast<double>(r.bodies), r.whole.median});
+  }
+  for (Line& line : lines) line.growth = fit_growth(line.samples);
+  return lines;
+}
+
+std::string results_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+  Json json{{"suite", "scaling"},
+            {"executor", machine.executor},
+            {"device", machine.device},
+            {"blocks", machine.shape.blocks},
+            {"threads", machine.shape.threads},
+            {"growth", Json::array()},
+            {"rows", Json::array()}};
+  for (const Line& line : lines_of(rows))
+    json["growth"].push_back({{"method", line.method},
+                              {"variant", line.variant},
+                              {"fixed_us", line.growth.fixed},
+                              {"scale_us", line.growth.scale},
+                              {"exponent", line.growth.exponent},
+                              {"exponent_least", line.growth.exponent_least},
+                              {"exponent_most", line.growth.exponent_most},
+                              {"relative_error", line.growth.error}});
+  for (const MethodRow& row : rows) json["rows"].push_back(json_of(row));
+  return json_text(json);
+}
+
+std::string exponent_text(const Growth& g) {
+  return fmt::format("{:.2f} ({:.2f} to {:.2f})", g.exponent, g.exponent_least, g.exponent_most);
+}
+double ns_a_body(const Line& line) { return 1000 * line.samples.back().time / line.samples.back().n; }
+
+std::string growth_text(const std::vector<MethodRow>& rows) {
+  std::string text = fmt::format("{:<20}{:<8}{:>12}{:>24}{:>12}{:>18}\n", "method", "variant", "fixed µs",
+                                 "exponent of N", "fit within", "ns a body, last");
+  for (const Line& line : lines_of(rows))
+    text +=
+        fmt::format("{:<20}{:<8}{:>11.1f}{:>24}{:>10.1f} %{:>18.2f}\n", line.method, line.variant,
+                    line.growth.fixed, exponent_text(line.growth), 100 * line.growth.error, ns_a_body(line));
+  return text;
+}
+
+std::string results_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+  std::string text = fmt::format(
+      "{}; µs = fixed + scale N^exponent, fitted; in brackets the exponents without each N in turn.\n\n"
+      "| variant | method | fixed, µs | exponent | fit within | ns a body at N = {} |\n"
+      "|---|---|---:|---:|---:|---:|\n",
+      text_of(machine), grouped(rows.back().bodies));
+  for (const Line& line : lines_of(rows))
+    text += fmt::format("| `{}` | `{}` | {:.1f} | {} | {:.1f} % | {} |\n", line.variant, line.method,
+                        line.growth.fixed, exponent_text(line.growth), 100 * line.growth.error,
+                        line.samples.back().n == static_cast<double>(rows.back().bodies)
+                            ? fmt::format("{:.2f}", ns_a_body(line))
+                            : "–");
+  return text;
+}
+
+Chart chart_of(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+  Chart chart = chart_of_methods("Growth with N: from positions to the ordered list of pairs", machine, rows);
+  const std::vector<Line> lines = lines_of(rows);  // in the order of the chart's series
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    if (lines[k].growth.exponent > 0)
+      chart.series[k].name += fmt::format("  N^{:.2f}", lines[k].growth.exponent);
+  return chart;
+}
+
+}  // namespace
+
+int bench_scaling(const CommandLine& line) {
+  const ResultFiles files(line.options);
+  std::vector<MethodRow> rows;
+  BenchMachine machine;
+  sweep(line, {1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000}, broad_phase_names(),
+        [&](const SweepPoint& at) {
+          if (rows.empty()) machine = machine_of(World(at.scene, at.run));
+          rows.push_back(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
+          files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
+        });
+  if (line.options.json == "-")
+    fmt::print("{}", results_json(machine, rows));
+  else
+    fmt::print("{}\n{}", text_of(machine), growth_text(rows));
+  files.plot(chart_of(machine, rows));
+  return 0;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,80 @@
+// Charts against goldens, and what a chart must not fall over.
+
+#include "ui/chart.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "headless/chart_picture.h"
+#include "tests/golden.h"
+
+namespace collidoscope {
+namespace {
+
+Chart growth(bool logarithmic) {
+  Chart chart;
+  chart.title = "Three ways to grow";
+  chart.note = "a machine; median, 5th to 95th percentile";
+  chart.x = {"bodies", short_number, logarithmic};
+  chart.y = {"µs", short_number, logarithmic};
+  const std::pair<const char*, double> ways[] = {
+      {"square root", 0.5}, {"linear", 1}, {"nearly linear", 1.02}};
+  for (const auto& [name, exponent] : ways) {
+    ChartSeries series{name, chart_color(chart.series.size()), {}};
+    series.dashed = exponent == 1;
+    for (const double n : {1e3, 3e3, 1e4, 3e4, 1e5}) {
+      const double t = 0.1 * std::pow(n, exponent);
+      ChartPoint point{n, t};
+      point.y_low = 0.8 * t;
+      point.y_high = 1.4 * t;
+      series.points.push_back(point);
+    }
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+TEST(Chart, LooksAsItDidOnLogarithmicAxes) {
+  EXPECT_EQ(check_golden("chart_log", ChartPicture(900, 560).draw(growth(true))), "");
+}
+
+TEST(Chart, LooksAsItDidOnPlainAxes) {
+  EXPECT_EQ(check_golden("chart_plain", ChartPicture(900, 560).draw(growth(false))), "");
+}
+
+TEST(Chart, LeavesOutWhatHasNoPlace) {
+  Chart with = growth(true), without = growth(true);
+  for (const double nowhere : {no_value, 0.0, -5.0, std::numeric_limits<double>::infinity()}) {
+    with.series[0].points.push_back({nowhere, 10});
+    with.series[0].points.push_back({1e4, nowhere});
+  }
+  ChartPicture picture(900, 560);
+  EXPECT_EQ(picture.draw(with), picture.draw(without));
+}
+
+TEST(Chart, HoldsWithNothingOneOrTheSamePoints) {
+  for (const bool logarithmic : {false, true}) {
+    Chart chart = growth(logarithmic);
+    for (ChartSeries& series : chart.series) series.points.resize(1);
+    EXPECT_EQ(ChartPicture(300, 200).draw(chart).width, 300);
+    for (ChartSeries& series : chart.series) series.points = {{7, 7}, {7, 7}};
+    EXPECT_EQ(ChartPicture(300, 200).draw(chart).width, 300);
+    chart.series[0].points.clear();
+    EXPECT_EQ(ChartPicture(300, 200).draw(chart).width, 300);
+    chart.series.clear();
+    EXPECT_EQ(ChartPicture(20, 20).draw(chart).width, 20);
+  }
+}
+
+TEST(Chart, WritesShortNumbers) {
+  EXPECT_EQ(short_number(950), "950");
+  EXPECT_EQ(short_number(1000), "1k");
+  EXPECT_EQ(short_number(2'500'000), "2.5M");
+  EXPECT_EQ(short_number(0.0125), "0.0125");
+  EXPECT_EQ(short_number(-3e9), "-3G");
+  EXPECT_EQ(short_number(0), "0");
+}
+
+}  // namespace
+}  // namespace collidoscope
