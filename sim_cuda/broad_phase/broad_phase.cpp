@@ -16,6 +16,7 @@ constexpr Method methods[] = {
     {"bvh_input_order", make_bvh_input_order},  // the same, not clustered: the paper's Figure 6
     {"bvh_recursive", make_bvh_recursive},      // the paper's tree, its query by calls in place of a stack
     {"lbvh_top_down", make_lbvh_top_down},      // a linear BVH from a work queue
+    {"refit", make_refit},                      // the linear BVH kept from step to step, until it decays
     {"ploc", make_ploc},                        // nearest neighbours merged, along its ropes
     {"kd_tree", make_kd_tree},                  // medians along the longest axis
     {"bsp", make_bsp},                          // medians along any direction

@@ -52,6 +52,7 @@ std::unique_ptr<BroadPhase> make_hierarchical_grid(Executor& executor);
 std::unique_ptr<BroadPhase> make_kd_tree(Executor& executor);
 std::unique_ptr<BroadPhase> make_lbvh_ropes(Executor& executor);
 std::unique_ptr<BroadPhase> make_ploc(Executor& executor);
+std::unique_ptr<BroadPhase> make_refit(Executor& executor);
 std::unique_ptr<BroadPhase> make_uniform_grid(Executor& executor);
 std::unique_ptr<BroadPhase> make_lbvh_top_down(Executor& executor);
 

@@ -131,31 +131,36 @@ class MortonOrder {
   /// Calls emit(place, body) once for each place 0 .. bodies - 1, in the stage "sort". `extent`: morton.h.
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit) {
+    sort(boxes, extent, emit, bodies_);
+  }
+  /// If `items` is all bodies. If it is 0, nothing is emitted, and keys() stay those of the last sort.
+  template <class Emit>
+  void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items) {
     if (cell_bits_ == 0) {
       const bool in_place = executor_.options().sort == SortMethod::radix;
       Key* const keys = in_place ? sorted_keys_.data() : keys_.data();
       std::uint32_t* const ids = in_place ? order_.data() : ids_.data();
-      executor_.run("keys", bodies_, MakeKeys<Key>{boxes, extent, key_bits - sorted_bits_, keys, ids});
+      executor_.run("keys", items, MakeKeys<Key>{boxes, extent, key_bits - sorted_bits_, keys, ids});
       if (in_place)
         radix_sort(executor_, "sort", bodies_, sorted_bits_, keys, ids, keys_.data(), ids_.data(),
                    temporary_.data());
       else
         sort_by_key(executor_, "sort", bodies_, sorted_bits_, keys, sorted_keys_.data(), ids, order_.data(),
                     temporary_.data(), temporary_.bytes());
-      executor_.run("sort", bodies_, EmitInOrder<Emit>{order_.data(), emit});
+      executor_.run("sort", items, EmitInOrder<Emit>{order_.data(), emit});
       return;
     }
     const int shift = key_bits - cell_bits_;
     executor_.begin_stage("keys");
     count_.fill_zero();
-    executor_.run("keys", bodies_,
+    executor_.run("keys", items,
                   CountCells<Key>{boxes, extent, shift, keys_.data(), count_.data(), ids_.data()});
     exclusive_scan(executor_, "sort", std::int64_t{1} << cell_bits_, count_.data(), begin_.data(),
                    temporary_.data(), temporary_.bytes());
-    executor_.run("sort", bodies_,
+    executor_.run("sort", items,
                   ScatterToCells<Key>{keys_.data(), shift, begin_.data(), ids_.data(), order_.data()});
     executor_.run(
-        "sort", bodies_,
+        "sort", items,
         SettleCells<Key, Emit>{keys_.data(), shift, begin_.data(), order_.data(), sorted_keys_.data(), emit});
   }
 #endif
