@@ -175,6 +175,7 @@ int run_capture(const CaptureRequest& request, World& world) {
       progress.update(world.steps());
     }
     const StepStats stats = world.measure();
+    if (panels) panels->refresh(world, renderer);
     link.publish(world, request.layers, renderer.instances());
     const ValueRange values = value_range(world, renderer.scene(), request.layers, stats);
     renderer.draw(camera, request.layers, values);

@@ -1,6 +1,7 @@
 #include "headless/panel_picture.h"
 
 #include "viewer/live/fill_view.h"
+#include "viewer/live/tree_marks.h"
 #include "viewer/render/legend.h"
 
 namespace collidoscope {
@@ -13,6 +14,11 @@ PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int wi
                        layers.box_color, layers.box_low,     layers.box_high};
   workspace_.playing = false;
   workspace_.hint = false;
+  if (layers.tree) {  // long as it is, it takes the others' room
+    Folds& folds = workspace_.folds;
+    folds.tree = true;
+    folds.timing = folds.numbers = folds.inspector = false;
+  }
   view_.with_times = timings;
   view_.cuda = world.on_gpu();
 }
@@ -26,6 +32,13 @@ void PanelPicture::set_renderer(const std::string& renderer, bool software, cons
   view_.renderer = renderer;
   view_.software = software;
   view_.display_path = display_path;
+}
+
+void PanelPicture::refresh(World& world, Renderer& renderer) {
+  tree_.refresh(world, 0, workspace_);
+  selected_.reset();
+  if (workspace_.selection) selected_ = world.inspect(*workspace_.selection);
+  renderer.set_marks(tree_marks(workspace_, selected_ ? &*selected_ : nullptr, tree_.facts()));
 }
 
 void PanelPicture::record(World& world) {
@@ -44,6 +57,9 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
   view_.level_colors = level_legend();
   view_.contact_colors = contact_legend();
   view_.max_impulse = range.max_impulse;
+  view_.mark_colors = mark_legend();
+  view_.tree = tree_.facts();
+  view_.selected = selected_ ? &*selected_ : nullptr;
   // Pictures without times are the same on every machine.
   if (!view_.with_times) view_.device = "this machine";
 }

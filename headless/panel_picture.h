@@ -3,10 +3,12 @@
 // the same 3D view. Owns the workspace and the window's framebuffer; needs ImGui's context and the GL context
 // that were current when it was made.
 
+#include <optional>
 #include <string>
 
 #include "ui/workspace.h"
 #include "viewer/live/live_world.h"
+#include "viewer/live/tree_inspector.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/frame_uniforms.h"
 #include "viewer/render/gui_pass.h"
@@ -25,6 +27,9 @@ class PanelPicture {
   static ScreenRect scene_rect(int width, int height);
 
   Workspace& workspace() { return workspace_; }
+  /// Before the 3D view is drawn: measures the tree where its panel is unfolded, meets what is wished for of
+  /// it, and marks the selection.
+  void refresh(World& world, Renderer& renderer);
   /// What draws, as the status line says it.
   void set_renderer(const std::string& renderer, bool software, const std::string& display_path);
   /// After each step: graphs show it.
@@ -45,6 +50,8 @@ class PanelPicture {
   Workspace workspace_;
   WorkspaceView view_;
   History history_;
+  TreeInspector tree_;
+  std::optional<BodyReport> selected_;
   WindowFrame frame_;
 };
 

@@ -3,6 +3,7 @@
 // where there is one, straight into memory that the renderer owns (mapped GL buffers or plain memory): the
 // simulator has never heard of GL. Plain data, shared with shaders: sizes are part of the contract.
 
+#include <cstddef>
 #include <cstdint>
 
 #include "sim_cuda/tree_quality.h"
@@ -28,6 +29,18 @@ struct BoxInstance {  // 32 bytes
   float max[3];
   float value;  ///< of the metric asked for; -1 where the node has none
 };
+
+/// What a box that is drawn on top of the picture is: its value.
+enum class BoxMark : std::uint32_t {
+  path,  ///< holds the selected body; coloured by its level
+  node,  ///< selected
+  left,
+  right,  ///< its children, in turn
+  met,
+  apart,   ///< visited by a query, which overlaps it, or not
+  current  ///< the one of these that is looked at
+};
+constexpr std::size_t box_marks = 7;
 
 struct ContactInstance {  // 48 bytes
   float point[3];         ///< m, midway between the two surfaces

@@ -41,8 +41,9 @@ struct NodeSpread {
 struct NodeReport {
   std::uint32_t node = 0;  ///< its place, level by level from the root
   int level = 0;
-  std::uint32_t children = 0;  ///< 0: a leaf
-  std::uint32_t body = 0;      ///< of a leaf
+  std::uint32_t children = 0;     ///< 0: a leaf
+  std::uint32_t first_child = 0;  ///< place; the others follow it
+  std::uint32_t body = 0;         ///< of a leaf
   float min[3] = {}, max[3] = {};
   double sah_share = 0;        ///< of the tree's whole SAH cost
   double sibling_overlap = 0;  ///< area of its children's common part over its own; of a leaf 0

@@ -362,6 +362,12 @@ std::vector<std::uint32_t> World::visited_nodes(std::uint32_t id, std::int64_t m
   return impl_->meter.visited(impl_->arranged_tree(), id, most);
 }
 
+std::int64_t World::visits_of(std::uint32_t id) {
+  if (id >= impl_->initial.size())
+    throw std::out_of_range("visits_of: there is no body " + std::to_string(id));
+  return tree_quality().nodes > 0 ? impl_->meter.visits_of(id) : 0;
+}
+
 BroadPhaseTimes World::time_broad_phase(int repeats) {
   Impl& w = *impl_;
   detect();  // grows what is too small

@@ -107,6 +107,7 @@ class World {
   const std::vector<std::int64_t>& tree_leaves();
   /// The places of the nodes that the query of a body tests, in its order; the first `most`.
   std::vector<std::uint32_t> visited_nodes(std::uint32_t id, std::int64_t most);
+  std::int64_t visits_of(std::uint32_t id);  ///< how many they are; 0 without a tree
   /// Finds the pairs of the current state `repeats` times, from positions to the ordered list, plain and then
   /// with a time taken after each stage; in ms. Moves nothing.
   BroadPhaseTimes time_broad_phase(int repeats);

@@ -55,6 +55,7 @@ struct Desk {
     renderer.set_scene(frame_scene(world.scene(), world.initial()));
     const StepStats stats = world.measure();
     DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
+    panels.refresh(world, renderer);
     link.publish(world, layers, renderer.instances());
     const ValueRange range = value_range(world, renderer.scene(), layers, stats);
     const double aspect = static_cast<double>(rect.width) / static_cast<double>(rect.height);
@@ -80,6 +81,39 @@ TEST(PanelPicture, Light) {
   EXPECT_EQ(check_golden("workspace_light", desk.draw()), "");
 }
 
+FrameLayers tree_layers(NodeMetric metric) {
+  FrameLayers layers{.spheres = true, .boxes = true, .first_level = 3, .ui = true, .tree = true};
+  layers.box_color = metric;
+  return layers;
+}
+
+// The worst node in the table is selected: thick in the picture, its children in two colours.
+TEST(PanelPicture, TreeWithItsWorstNode) {
+  test_context();
+  Desk desk(tree_layers(NodeMetric::empty_space));
+  desk.layers.box_low = 0.7f;
+  Workspace& workspace = desk.panels.workspace();
+  workspace.layers.box_low = 0.7f;
+  workspace.tree.sort = NodeMetric::empty_space;
+  workspace.tree.rank = 0;
+  const Image picture = desk.draw();
+  EXPECT_TRUE(workspace.tree.node.has_value());
+  EXPECT_EQ(check_golden("workspace_tree", picture), "");
+}
+
+// The query of a body, halfway: met and apart in two colours, the current box bright.
+TEST(PanelPicture, TreeWithAQuery) {
+  test_context();
+  Desk desk(tree_layers(NodeMetric::visits));
+  desk.layers.boxes = desk.panels.workspace().layers.boxes = false;
+  Workspace& workspace = desk.panels.workspace();
+  workspace.theme = Theme::light;
+  workspace.selection = 17;
+  workspace.tree.query = true;
+  workspace.tree.visit = 20;
+  EXPECT_EQ(check_golden("workspace_query", desk.draw()), "");
+}
+
 TEST(PanelPicture, RepeatsItself) {
   test_context();
   Desk desk, other;
@@ -88,19 +122,47 @@ TEST(PanelPicture, RepeatsItself) {
 
 TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
   test_context();
-  Desk desk;
-  desk.draw();
-  std::set<std::string> names;
-  for (const auto& [name, rect] : desk.panels.workspace().widgets) {
-    EXPECT_TRUE(names.insert(name).second) << name;
-    EXPECT_TRUE(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= width && rect.y + rect.height <= height)
-        << name;
-    EXPECT_TRUE(rect.width > 0 && rect.height > 0) << name;
+  std::set<std::string> all;
+  for (const bool tree : {false, true}) {
+    Desk desk(tree ? tree_layers(NodeMetric::visits) : FrameLayers{.spheres = true, .boxes = true});
+    desk.panels.workspace().selection = 3;
+    desk.panels.workspace().tree.query = true;
+    desk.draw();
+    std::set<std::string> names;
+    for (const auto& [name, rect] : desk.panels.workspace().widgets) {
+      EXPECT_TRUE(names.insert(name).second) << name;
+      EXPECT_TRUE(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= width &&
+                  rect.y + rect.height <= height)
+          << name;
+      EXPECT_TRUE(rect.width > 0 && rect.height > 0) << name;
+    }
+    all.merge(names);
   }
-  for (const char* name : {"run.play", "run.step", "settings.bodies", "settings.blocks.slider",
-                           "settings.threads.auto", "layers.spheres", "layers.levels", "timing.csv",
-                           "graph.energy", "graph.momentum", "fold.left", "scene"})
-    EXPECT_TRUE(names.contains(name)) << name;
+  for (const char* name : {"run.play",
+                           "run.step",
+                           "settings.bodies",
+                           "settings.blocks.slider",
+                           "settings.threads.auto",
+                           "layers.spheres",
+                           "layers.levels",
+                           "layers.box_color",
+                           "timing.csv",
+                           "tree.method",
+                           "tree.levels",
+                           "tree.boxes",
+                           "tree.color",
+                           "tree.spread",
+                           "tree.auto",
+                           "tree.sort.visits",
+                           "tree.row.7",
+                           "tree.page.next",
+                           "tree.next",
+                           "tree.query.at",
+                           "graph.energy",
+                           "graph.momentum",
+                           "fold.left",
+                           "scene"})
+    EXPECT_TRUE(all.contains(name)) << name;
 }
 
 TEST(PanelPicture, TheLayoutFitsAnyWindow) {
@@ -145,6 +207,21 @@ TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
   view.level_sizes.assign(18, 1000);
   view.level_colors.assign(8, 0xff00ff00u);
   view.body_colors.colors.assign(256, 0xff00ffffu);
+  workspace.folds.tree = true;
+  workspace.layers.box_color = NodeMetric::visits;
+  workspace.selection = 3;
+  workspace.tree.query = true;
+  TreeFacts facts;  // of a tree of 100,000 bodies
+  facts.quality.nodes = facts.ranked = facts.spread.count = 199'999;
+  facts.quality.leaves.assign(18, 5000);
+  facts.spread.greatest = 100'000;
+  for (std::size_t i = 0; i <= NodeSpread::bins; ++i) facts.spread.edge[i] = static_cast<float>(i) * 2000;
+  facts.spread.nodes.fill(4000);
+  facts.rows.resize(TreeFacts::page);
+  facts.queried = 3;
+  facts.visits = 30'000;
+  facts.visited.resize(TreeFacts::most_visited);
+  view.tree = &facts;
   double fastest = 1e9;
   for (int round = 0; round < 40; ++round) {
     gui.begin(width, height);

@@ -45,7 +45,8 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     choose_box_color(workspace, "layers.box_color");
-    draw_color_key(view.box_colors);
+    const bool told = workspace.folds.right && workspace.folds.tree;  // by the histogram there
+    if (!told) draw_color_key(view.box_colors);
   }
   static constexpr std::array<std::pair<BodyColor, const char*>, 7> colors{
       {{BodyColor::speed, "speed"},

@@ -8,30 +8,11 @@
 
 namespace collidoscope {
 
-namespace {
-
-// Two rows of text side by side.
-struct Pairs {
-  void operator()(const char* label, const std::string& value, const char* help = nullptr) {
-    const float half = 0.5f * ImGui::GetWindowContentRegionWidth(), pad = ImGui::GetStyle().WindowPadding.x;
-    const float left = second ? pad + half : pad, name = ImGui::GetFontSize() * 6.6f - pad;
-    if (second) ImGui::SameLine(left);
-    faint_text(label);
-    if (help != nullptr) explain(help);
-    ImGui::SameLine(left + name);
-    ImGui::TextUnformatted(value.c_str());
-    second = !second;
-  }
-  bool second = false;
-};
-
-}  // namespace
-
 void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "numbers", "Energy, momentum, counts", workspace.folds.numbers))
     return end_panel();
   const StepStats& s = view.stats;
-  Pairs row;
+  TextPairs row;
   row("N", grouped_number(s.bodies));
   row("memory", bytes_text(view.allocated_bytes), "Of the executor: what the simulation has allocated");
   row("pairs", grouped_number(s.pairs), "Boxes that overlap, found by the last step");

@@ -12,6 +12,8 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view);   ///< 
 void draw_camera_panel(Workspace& workspace, const WorkspaceView& view);   ///< views, theme, size of text
 void draw_timing_panel(Workspace& workspace, const WorkspaceView& view);   ///< the table of stages
 void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view);  ///< counts, energy, momentum
+void draw_tree_panel(Workspace& workspace,
+                     const WorkspaceView& view);  ///< how good the tree is, and where not
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view);  ///< the selected body
 void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view);     ///< over time, along the bottom
 void draw_status_line(Workspace& workspace, const WorkspaceView& view);

@@ -8,6 +8,7 @@
 #include "sim_cuda/scene/names.h"
 #include "ui/launch_text.h"
 #include "ui/panels.h"
+#include "ui/tree_widgets.h"
 #include "ui/widgets.h"
 
 namespace collidoscope {
@@ -126,14 +127,7 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
              view.cuda ? "What runs the stages; never changes the result"
                        : "What runs the stages; CUDA is not available here");
   row_label("broad phase", "How pairs are found; never changes the result");
-  if (begin_choice("##broad_phase", s.broad_phase.c_str())) {
-    for (const std::string& name : view.broad_phases) {
-      if (ImGui::Selectable(name.c_str(), name == s.broad_phase)) s.broad_phase = name;
-      track(workspace, ("settings.broad_phase." + name).c_str());
-    }
-    ImGui::EndCombo();
-  }
-  track(workspace, "settings.broad_phase");
+  choose_broad_phase(workspace, view, "settings.broad_phase");
 
   ImGui::Spacing();
   faint_text("These change the result");

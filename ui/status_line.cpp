@@ -73,7 +73,7 @@ void draw_help(Workspace& workspace) {
                                             {"Shift F", "see everything"},
                                             {"1  3  7", "from the front, side, top"},
                                             {"5", "with or without perspective"},
-                                            {"click", "select a body; nothing: deselect"},
+                                            {"click", "select a body, or a box; nothing: deselect"},
                                             {"Escape", "deselect"},
                                             {"P", "picture of the window, in captures/"},
                                             {"Tab", "fold all panels away, and back"},

@@ -10,13 +10,6 @@
 namespace collidoscope {
 namespace {
 
-void number_cell(const std::string& text) {
-  ImGui::TableNextColumn();
-  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text.c_str()).x;
-  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  ImGui::TextUnformatted(text.c_str());
-}
-
 void time_cells(const TimeSummary& times, bool shown) {
   for (double ms : {times.now, times.median, times.p95})
     number_cell(shown && times.samples > 0 ? short_time(ms) : "–");

@@ -102,6 +102,18 @@ void draw_color_key(const ColorKey& key) {
   if (!key.colors.empty()) draw_color_bar(key.colors, low_text(key), title_text(key), high_text(key));
 }
 
+void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const char* name) {
+  std::string& chosen = workspace.settings.broad_phase;
+  if (begin_choice((std::string("##") + name).c_str(), chosen.c_str())) {
+    for (const std::string& method : view.broad_phases) {
+      if (ImGui::Selectable(method.c_str(), method == chosen)) chosen = method;
+      track(workspace, (std::string(name) + "." + method).c_str());
+    }
+    ImGui::EndCombo();
+  }
+  track(workspace, name);
+}
+
 void choose_box_color(Workspace& workspace, const char* name) {
   static constexpr std::array<std::pair<NodeMetric, const char*>, 5> choices{
       {{NodeMetric::level, "level"},
@@ -116,6 +128,7 @@ void choose_box_color(Workspace& workspace, const char* name) {
     for (const auto& [metric, text] : choices) {
       if (ImGui::Selectable(text, metric == layers.box_color) && metric != layers.box_color) {
         layers.box_color = metric;
+        if (metric != NodeMetric::level) workspace.tree.sort = metric;
         layers.box_low = 0;  // another metric has other values
         layers.box_high = std::numeric_limits<float>::infinity();
       }

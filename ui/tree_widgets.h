@@ -1,6 +1,6 @@
 #pragma once
-// What the panels of layers and of the tree share: which levels are shown, and what colours the boxes. Free
-// functions, between ImGui::NewFrame() and Render().
+// What the panels of settings, layers and the tree share: how pairs are found, which levels are shown, and
+// what colours the boxes. Free functions, between ImGui::NewFrame() and Render().
 
 #include "ui/workspace.h"
 
@@ -16,6 +16,8 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
 /// Boxes that are drawn, where they are, by level and by the range of what colours them.
 std::int64_t boxes_shown(const Workspace& workspace, const WorkspaceView& view);
 
+/// A list of broad phases, tracked as `name` and `name.<choice>`.
+void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const char* name);
 /// A list of what can colour the boxes, tracked as `name` and `name.<choice>`.
 void choose_box_color(Workspace& workspace, const char* name);
 

@@ -54,6 +54,24 @@ void row_text(const char* label, const std::string& value, const char* help) {
   ImGui::TextUnformatted(value.c_str());
 }
 
+void TextPairs::operator()(const char* label, const std::string& value, const char* help) {
+  const float half = 0.5f * ImGui::GetWindowContentRegionWidth(), pad = ImGui::GetStyle().WindowPadding.x;
+  const float left = second_ ? pad + half : pad, name = ImGui::GetFontSize() * 6.6f - pad;
+  if (second_) ImGui::SameLine(left);
+  faint_text(label);
+  if (help != nullptr) explain(help);
+  ImGui::SameLine(left + name);
+  ImGui::TextUnformatted(value.c_str());
+  second_ = !second_;
+}
+
+void number_cell(const std::string& text) {
+  ImGui::TableNextColumn();
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text.c_str()).x;
+  if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
+  ImGui::TextUnformatted(text.c_str());
+}
+
 bool begin_choice(const char* id, const char* chosen) {
   if (!ImGui::BeginCombo(id, chosen)) return false;
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();

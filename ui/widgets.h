@@ -21,6 +21,16 @@ void end_panel();
 void row_label(const char* label, const char* help = nullptr);
 /// A row of text.
 void row_text(const char* label, const std::string& value, const char* help = nullptr);
+/// Two rows of text side by side: each call is the next half.
+class TextPairs {
+ public:
+  void operator()(const char* label, const std::string& value, const char* help = nullptr);
+
+ private:
+  bool second_ = false;
+};
+/// Text at the right end of a cell of a table.
+void number_cell(const std::string& text);
 /// A list to choose from, folded to what is chosen; Escape folds it again. Draw the choices if it says true,
 /// and end it with ImGui::EndCombo().
 bool begin_choice(const char* id, const char* chosen);

@@ -16,6 +16,7 @@
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "ui/color_key.h"
+#include "ui/tree_facts.h"
 
 namespace collidoscope {
 
@@ -54,7 +55,8 @@ enum class Theme { dark, light };
 struct Folds {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
-       inspector = true;
+       inspector = true,
+       tree = false;  ///< measuring takes time
 
   friend bool operator==(const Folds&, const Folds&) = default;
 };
@@ -79,6 +81,8 @@ struct Workspace {
   std::optional<std::uint32_t> selection;  ///< id of a body
   bool follow = false;                     ///< the camera goes with it
   bool show_path = true;                   ///< its boxes in the tree are drawn
+
+  TreeWishes tree;
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
@@ -125,6 +129,8 @@ struct WorkspaceView {
   double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
 
   const BodyReport* selected = nullptr;
+  const TreeFacts* tree = nullptr;         ///< null: nobody asked
+  std::vector<std::uint32_t> mark_colors;  ///< by BoxMark
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
   std::vector<std::pair<float, float>> outline;
   bool orthographic = false;

@@ -97,7 +97,8 @@ void App::frame(double seconds) {
   WorkspaceView view;
   guarded([&] {
     picture_.resize(width, height);
-    scene_.draw(live_, workspace_, std::max(static_cast<int>(rect.width), 1),
+    tree_.refresh(live_.world(), live_.generation(), workspace_);
+    scene_.draw(live_, workspace_, tree_, std::max(static_cast<int>(rect.width), 1),
                 std::max(static_cast<int>(rect.height), 1));
     picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
                    scene_.height());
@@ -135,6 +136,8 @@ void App::fill(WorkspaceView& view) {
   view.contact_colors = contact_legend();
   view.max_impulse = scene_.range().max_impulse;
   view.orthographic = scene_.camera().orthographic;
+  view.mark_colors = mark_legend();
+  view.tree = tree_.facts();
   if (scene_.selected()) view.selected = &*scene_.selected();
   const ScreenRect rect = scene_view_rect(workspace_, static_cast<float>(window_.width()),
                                           static_cast<float>(window_.height()), ImGui::GetFontSize());

@@ -13,6 +13,7 @@
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"
 #include "viewer/live/live_world.h"
+#include "viewer/live/tree_inspector.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"
 #include "viewer/scene_view.h"
@@ -61,6 +62,7 @@ class App {
   GuiInput input_;
   WindowFrame picture_;
   SceneView scene_;
+  TreeInspector tree_;
   Workspace workspace_;
   std::optional<Automation> automation_;
   std::string renderer_name_, picture_file_;

@@ -92,6 +92,7 @@ void App::handle_key(const InputEvent& event) {
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // closes that
       workspace_.help = false;
       workspace_.selection.reset();
+      workspace_.tree.node.reset();
       workspace_.follow = false;
       break;
     case GLFW_KEY_TAB: {
@@ -119,6 +120,7 @@ void App::handle_button(const InputEvent& event) {
   const auto body = scene_.pick(static_cast<int>(mouse_x_ - static_cast<double>(at.x)),
                                 static_cast<int>(mouse_y_ - static_cast<double>(at.y)));
   workspace_.selection = body;
+  workspace_.tree.node.reset();
   if (!body) workspace_.follow = false;
 }
 

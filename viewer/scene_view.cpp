@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "viewer/camera_control.h"
+#include "viewer/live/tree_marks.h"
 #include "viewer/render/gl/errors.h"
 #include "viewer/render/value_range.h"
 
@@ -50,11 +51,10 @@ void SceneView::follow_world(LiveWorld& live) {
 
 void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
   if (!workspace.selection || *workspace.selection >= live.world().initial().size()) {
-    if (selected_) renderer_->set_marks({});
     selected_.reset();
     return;
   }
-  const Inspected wanted{live.generation(), live.world().steps(), *workspace.selection, workspace.show_path};
+  const Inspected wanted{live.generation(), live.world().steps(), *workspace.selection};
   if (selected_ && wanted == inspected_) return;
   const bool same = selected_ && selected_->id == wanted.id;
   const Vector3d before = same ? selected_->X : Vector3d(0, 0, 0);
@@ -62,19 +62,19 @@ void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
   selected_ = live.world().inspect(wanted.id);
   inspected_ = wanted;
   if (workspace.follow) camera_.target = same ? camera_.target + selected_->X - before : selected_->X;
-  std::vector<BoxInstance> marks;
-  if (workspace.show_path)
-    for (std::size_t i = selected_->path.size(); i-- > 0;) {  // from the root: upper levels are drawn on top
-      const TreeLevels::Box& box = selected_->path[i];
-      BoxInstance mark{};
-      for (int axis = 0; axis < 3; ++axis) {
-        mark.min[axis] = box.min[axis];
-        mark.max[axis] = box.max[axis];
-      }
-      mark.level = static_cast<float>(selected_->path.size() - 1 - i);
-      marks.push_back(mark);
-    }
-  renderer_->set_marks(marks);
+}
+
+void SceneView::mark(const Workspace& workspace, const TreeInspector& tree) {
+  node_.reset();
+  const TreeFacts* facts = tree.facts();
+  if (facts != nullptr && facts->node)
+    node_ = Bounds{Eigen::Map<const Vector3f>(facts->node->min).cast<double>(),
+                   Eigen::Map<const Vector3f>(facts->node->max).cast<double>()};
+  const Marked wanted{selected_ ? inspected_ : Inspected{}, workspace.show_path, tree.version(),
+                      static_cast<int>(workspace.tree.visit)};
+  if (wanted == marked_) return;
+  renderer_->set_marks(tree_marks(workspace, selected_ ? &*selected_ : nullptr, facts));
+  marked_ = wanted;
 }
 
 void SceneView::publish(LiveWorld& live, const Workspace& workspace) {
@@ -90,7 +90,8 @@ void SceneView::publish(LiveWorld& live, const Workspace& workspace) {
   published_ = wanted;
 }
 
-void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int height) {
+void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, int width,
+                     int height) {
   using Clock = std::chrono::steady_clock;
   width_ = width;
   height_ = height;
@@ -108,10 +109,10 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, int width, int
     camera_set_ = true;
   }
   follow_selection(live, workspace);
+  mark(workspace, tree);
   publish(live, workspace);
 
-  Drawn wanted{published_,  selected_ ? inspected_ : Inspected{}, camera_, options, width, height,
-               drawn_.scale};
+  Drawn wanted{published_, marked_, camera_, options, width, height, drawn_.scale};
   const Clock::time_point start = Clock::now();
   const auto since = std::chrono::duration<double>(start - changed_).count();
   if (!(wanted == drawn_)) {
@@ -143,6 +144,10 @@ void SceneView::meet_wish(CameraWish wish) {
     case CameraWish::none:
       break;
     case CameraWish::frame_selection:
+      if (node_) {
+        camera_ = frame_all(*node_, aspect(), camera_);
+        break;
+      }
       if (selected_) {
         const Vector3d room = Vector3d(1, 1, 1) * (4 * selected_->radius);
         camera_ = frame_all({selected_->X - room, selected_->X + room}, aspect(), camera_);

@@ -9,6 +9,7 @@
 
 #include "ui/workspace.h"
 #include "viewer/live/live_world.h"
+#include "viewer/live/tree_inspector.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
@@ -23,7 +24,7 @@ class SceneView {
 
   /// Brings camera and buffers to what is to be drawn, and draws it for `width` x `height` pixels: on a slow
   /// renderer fewer while it changes, and nothing while it does not.
-  void draw(LiveWorld& live, const Workspace& workspace, int width, int height);
+  void draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
   /// Pixels drawn for each of them, along an axis.
@@ -50,6 +51,7 @@ class SceneView {
  private:
   void follow_world(LiveWorld& live);
   void follow_selection(LiveWorld& live, const Workspace& workspace);
+  void mark(const Workspace& workspace, const TreeInspector& tree);
   void publish(LiveWorld& live, const Workspace& workspace);
   double aspect() const { return static_cast<double>(width_) / height_; }
 
@@ -79,15 +81,23 @@ class SceneView {
     int generation = -1;
     std::int64_t step = -1;
     std::uint32_t id = 0;
-    bool path = false;
     friend bool operator==(const Inspected&, const Inspected&) = default;
   } inspected_;
   std::optional<BodyReport> selected_;
 
+  // Of what the boxes on top of the picture are.
+  struct Marked {
+    Inspected body;
+    bool path = false;
+    int tree = -1, visit = 0;
+    friend bool operator==(const Marked&, const Marked&) = default;
+  } marked_;
+  std::optional<Bounds> node_;  ///< selected
+
   // What the picture shows: it is drawn anew only when it changes.
   struct Drawn {
     Published state;
-    Inspected marked;
+    Marked marked;
     OrbitCamera camera;
     DrawOptions options;
     int width = 0, height = 0;

@@ -32,7 +32,7 @@ layout(binding = 0) uniform sampler2D colors;
 uniform int first, count;  // records to draw
 uniform float strength;  // opacity of this pass
 uniform vec4 levels;     // first and last level drawn
-uniform vec4 coloring;   // of values: from and scale; 0 coloured by level, 1 by value, 2 by its logarithm;
+uniform vec4 coloring;   // of values: from and scale; 0 coloured by level, 1 by value, 2 by its logarithm, 3: a mark;
                          // drawn pixels to each side of the worst
 
 flat out vec4 color;
@@ -60,7 +60,13 @@ void main() {
   float depth_share = clamp((level - levels.x) / max(levels.y - levels.x, 1.0), 0.0, 1.0);
   color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.85, depth_share));
   half_width = mix(1.4, 0.6, depth_share);
-  if (coloring.z > 0.0) {
+  if (coloring.z == 3.0) {
+    int mark = int(max_value.w);
+    if (mark > 0) {
+      color = vec4(marks[mark].rgb, strength);
+      half_width = marks[mark].w;
+    }
+  } else if (coloring.z > 0.0) {
     float at = color_place(max_value.w, coloring.x, coloring.y, coloring.z == 2.0);
     color = vec4(map_color(colors, at), strength * mix(0.4, 1.0, at));
     half_width = mix(0.5, coloring.w, at * at);

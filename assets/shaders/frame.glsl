@@ -13,6 +13,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 scale;            // reach of ambient occlusion m, grid spacing m, 1 / impulse of the strongest contact (0: unknown), unused
   vec4 level_colors[8];  // of the hierarchy's levels, repeating
   vec4 contact_colors[3];  // weak, middling, strong
+  vec4 marks[7];           // colours of boxes drawn on top, and pixels to each side of their lines
 };
 
 struct Ray {

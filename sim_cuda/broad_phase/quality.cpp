@@ -31,7 +31,7 @@ namespace {
 
 struct GatheredNode {
   Aabb box;
-  std::uint32_t children, body;
+  std::uint32_t children, first_child, body;
   float sah_share, overlap, empty;
   std::uint32_t visits;
 };
@@ -271,8 +271,9 @@ struct GatherNode {
   GatheredNode* out;
   SIM_HD void operator()(int item) const {
     const std::uint32_t node = place[item];
-    out[item] = {tree.box[node], tree.children[node], tree.body[node], sah_share[node],
-                 overlap[node],  empty[node],         visits[node]};
+    out[item] = {tree.box[node],  tree.children[node], tree.first_child[node],
+                 tree.body[node], sah_share[node],     overlap[node],
+                 empty[node],     visits[node]};
   }
 };
 
@@ -514,6 +515,7 @@ std::vector<NodeReport> TreeMeter::nodes(const TreeView& tree, const std::vector
     report.level =
         static_cast<int>(std::ranges::upper_bound(*tree.first, report.node) - tree.first->begin()) - 1;
     report.children = node.children;
+    report.first_child = node.children == 0 ? 0 : node.first_child;
     report.body = node.children == 0 ? node.body : 0;
     for (int k = 0; k < 3; ++k) {
       report.min[k] = node.box.min[k];
@@ -525,6 +527,12 @@ std::vector<NodeReport> TreeMeter::nodes(const TreeView& tree, const std::vector
     report.visits = node.visits;
   }
   return reports;
+}
+
+std::int64_t TreeMeter::visits_of(std::uint32_t body) const {
+  std::uint32_t visits = 0;
+  executor_.copy_to_host(&visits, body_visits_.data() + body, sizeof visits);
+  return visits;
 }
 
 std::vector<std::uint32_t> TreeMeter::visited(const TreeView& tree, std::uint32_t body, std::int64_t most) {

@@ -44,6 +44,7 @@ class TreeMeter {
   const float* values(NodeMetric metric) const;
   /// Of each body by its id: the boxes that its query tests.
   const std::uint32_t* body_visits() const { return body_visits_.data(); }
+  std::int64_t visits_of(std::uint32_t body) const;
 
   /// After measure(): nodes of the levels `from` to `to` by a metric, the greatest first (by level: the
   /// deepest), ties by place; those from `first` on, at most `count`.

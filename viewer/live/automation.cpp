@@ -9,6 +9,33 @@
 
 namespace collidoscope {
 
+namespace {
+
+/// What the panel of the tree says; null while it is folded.
+nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.tree == nullptr) return nullptr;
+  const TreeFacts& facts = *view.tree;
+  const TreeWishes& wishes = workspace.tree;
+  Json tree = {{"step", facts.step},
+               {"nodes", facts.quality.nodes},
+               {"sah", facts.quality.sah},
+               {"took_ms", facts.took_ms},
+               {"sort", static_cast<int>(wishes.sort)},
+               {"first", facts.first},
+               {"ranked", facts.ranked},
+               {"range", {workspace.layers.box_low, workspace.layers.box_high}},
+               {"inside", facts.spread.inside},
+               {"visit", static_cast<int>(wishes.visit)},
+               {"visits", facts.visits}};
+  tree["node"] = wishes.node ? Json(*wishes.node) : Json(nullptr);
+  for (const NodeReport& row : facts.rows)
+    tree["rows"].push_back({{"node", row.node}, {"visits", row.visits}});
+  return tree;
+}
+
+}  // namespace
+
 Automation::Automation(const std::string& file) : stream_(file, std::ios::trunc) {
   if (!stream_) throw InputError("--automation: '" + file + "' cannot be written");
 }
@@ -38,7 +65,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                  {"walls", workspace.layers.walls},
                  {"first_level", workspace.layers.first_level},
                  {"last_level", workspace.layers.last_level},
-                 {"color", static_cast<int>(workspace.layers.color)}}},
+                 {"color", static_cast<int>(workspace.layers.color)},
+                 {"box_color", static_cast<int>(workspace.layers.box_color)}}},
                {"drawn", {{"spheres", frame.spheres}, {"boxes", frame.boxes}, {"contacts", frame.contacts}}},
                {"max_impulse", view.max_impulse},
                {"camera", frame.camera},
@@ -52,6 +80,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"notice", workspace.notice}};
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
+  line["tree"] = tree_json(workspace, view);
   line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
   Json widgets = Json::object();
   for (const auto& [name, rect] : workspace.widgets)

@@ -59,6 +59,26 @@ Rgb level_color(int level) {
   return palette[level & 7];
 }
 
+MarkStyle mark_style(BoxMark mark) {
+  switch (mark) {
+    case BoxMark::path:
+      break;
+    case BoxMark::node:
+      return {{1.00f, 1.00f, 1.00f}, 2.6f};
+    case BoxMark::left:
+      return {{0.30f, 0.85f, 1.00f}, 1.5f};
+    case BoxMark::right:
+      return {{0.96f, 0.45f, 0.85f}, 1.5f};
+    case BoxMark::met:
+      return {{0.45f, 0.92f, 0.50f}, 0.9f};
+    case BoxMark::apart:
+      return {{0.95f, 0.36f, 0.33f}, 0.7f};
+    case BoxMark::current:
+      return {{1.00f, 1.00f, 1.00f}, 2.6f};
+  }
+  return {{1, 1, 1}, 1};
+}
+
 Rgb contact_color(double strength) {
   static constexpr Rgb ramp[3] = {{0.52f, 0.12f, 0.26f}, {1.00f, 0.27f, 0.24f}, {1.00f, 0.93f, 0.80f}};
   const double at = std::clamp(2 * strength, 0.0, 2.0);

@@ -19,6 +19,13 @@ const std::array<Rgb, 256>& heat_map();
 /// The colour of a level of the hierarchy; neighbours are far apart, eight repeat.
 Rgb level_color(int level);
 
+/// Of a box that is drawn on top (of a path: level_color()), and pixels to each side of its lines.
+struct MarkStyle {
+  Rgb color;
+  float half_width;
+};
+MarkStyle mark_style(BoxMark mark);
+
 /// The colour of a contact's mark: `strength` 0 (weak) to 1; between three colours, of which 0.5 is the one
 /// of contacts whose impulse is not known.
 Rgb contact_color(double strength);

@@ -53,13 +53,14 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
         faults.push_back(
             where + ": '" + name +
             "': not a range of levels; bvh, bvh:A or bvh:A-B with 0 <= A <= B <= 63, such as bvh:2-5");
-    } else if (name == "ui") {
+    } else if (name == "ui" || name == "ui:tree") {
       layers.ui = true;
+      layers.tree = name == "ui:tree";
     } else {
-      faults.push_back(
-          where + ": '" + name +
-          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, grid, walls, overlay, no-grid, "
-          "no-walls, no-overlay");
+      faults.push_back(where + ": '" + name +
+                       "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, ui:tree, grid, walls, "
+                       "overlay, no-grid, "
+                       "no-walls, no-overlay");
     }
   }
   if (!faults.empty()) throw InputError(faults);

@@ -18,6 +18,7 @@ struct FrameLayers {
   bool walls = true;    ///< the edges of the scene's box
   bool overlay = true;  ///< text: scene, state, counts, stage times, legend
   bool ui = false;      ///< the viewer's panels around the picture, in the overlay's place
+  bool tree = false;    ///< of them the tree's unfolded
   BodyColor color = BodyColor::speed;
   NodeMetric box_color = NodeMetric::level;
   /// Of the boxes' metric: those outside are not drawn, and the colours span what is there of it.
@@ -26,9 +27,9 @@ struct FrameLayers {
   friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
 };
 
-/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, ui, grid, walls,
-/// overlay, and no-grid, no-walls, no-overlay: those three are the setting and are drawn unless switched off.
-/// Throws InputError, one line per fault, each beginning with `where` (the flag's name).
+/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, ui, ui:tree, grid,
+/// walls, overlay, and no-grid, no-walls, no-overlay: those three are the setting and are drawn unless
+/// switched off. Throws InputError, one line per fault, each beginning with `where` (the flag's name).
 FrameLayers parse_layers(const std::string& text, const std::string& where = "--layers");
 
 /// speed, radius, id, contacts, order, depth or visits. Throws InputError.

@@ -51,6 +51,10 @@ FrameUniforms camera_uniforms(const OrbitCamera& camera, const FrameScene& scene
     const Rgb color = contact_color(0.5 * k);
     store(result.contact_colors[k], color.r, color.g, color.b, 1);
   }
+  for (std::size_t k = 0; k < box_marks; ++k) {
+    const auto [color, half_width] = mark_style(static_cast<BoxMark>(k));
+    store(result.marks[k], color.r, color.g, color.b, half_width);
+  }
   return result;
 }
 

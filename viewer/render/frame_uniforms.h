@@ -1,6 +1,7 @@
 #pragma once
 // The uniform block of all shaders (assets/shaders/frame.glsl), and how a camera and a scene fill it.
 
+#include "sim_cuda/publish.h"
 #include "viewer/render/frame_scene.h"
 #include "viewer/render/gl/buffer.h"
 #include "viewer/render/orbit_camera.h"
@@ -11,9 +12,9 @@ namespace collidoscope {
 struct FrameUniforms {
   float view[16], projection[16], inverse_view[16], light_clip[16];
   float pixels[4], lens[4], key[4], values[4], scale[4];
-  float level_colors[8][4], contact_colors[3][4];
+  float level_colors[8][4], contact_colors[3][4], marks[box_marks][4];
 };
-static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + 11 * 16);
+static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + (11 + box_marks) * 16);
 
 /// What the colour map spans: of BodyInstance::value, and of the metric of boxes.
 struct ValueRange {

@@ -46,6 +46,13 @@ std::vector<std::uint32_t> contact_legend() {
   return colors;
 }
 
+std::vector<std::uint32_t> mark_legend() {
+  std::vector<std::uint32_t> colors;
+  for (std::size_t k = 0; k < box_marks; ++k)
+    colors.push_back(packed(mark_style(static_cast<BoxMark>(k)).color));
+  return colors;
+}
+
 std::vector<std::uint32_t> level_legend() {
   std::vector<std::uint32_t> colors;
   for (int level = 0; level < 8; ++level) colors.push_back(packed(level_color(level)));

@@ -26,6 +26,8 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
 Legend box_legend(NodeMetric metric, const ValueRange& range);
 /// Colours of contacts from range.max_impulse / 1000 to range.max_impulse, in even steps of the logarithm.
 std::vector<std::uint32_t> contact_legend();
+/// Colours of marks, by BoxMark.
+std::vector<std::uint32_t> mark_legend();
 /// Colours of the hierarchy's levels, which repeat after the last.
 std::vector<std::uint32_t> level_legend();
 

@@ -84,6 +84,16 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
 
+void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
+  box_.set("levels", 0, 0, 0, 0);
+  box_.set("range", 0, box_marks, 0, 0);
+  box_.set("coloring", 0, 0, 3, 0);
+  // They are what somebody looks for: seen through what hides them, unless they are many.
+  const float hidden = std::min(0.45f, 20.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
+  draw_twice(box_, GL_TRIANGLES, 72, {boxes, sizeof(BoxInstance), 0, count}, 0.95f, hidden);
+  gl::check("to draw " + std::to_string(count) + " marks");
+}
+
 void LinePass::draw_walls(const gl::Buffer& boxes) const {
   box_.set("levels", 0, 0, 0, 0);
   box_.set("range", -1, 1, 0, 0);

@@ -30,6 +30,8 @@ class LinePass {
   /// The colour map of values is bound to texture unit 0.
   void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
                   int last_level, const BoxColors& colors = {}) const;
+  /// Boxes whose value is a BoxMark; those that come first lie on top.
+  void draw_marks(const gl::Buffer& boxes, std::int64_t count) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count) const;
   /// Into an id buffer: faces filled, 0x80000000 + place of the box in the buffer, nearest wins.

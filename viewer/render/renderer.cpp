@@ -158,7 +158,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");
-  if (mark_count_ > 0) lines_.draw_boxes(marks_, std::span(&mark_count_, 1), 0, 0);
+  if (mark_count_ > 0) lines_.draw_marks(marks_, mark_count_);
 
   resolve();
   gl::check("to draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));

@@ -45,8 +45,7 @@ class Renderer {
   /// Filled by whoever publishes, before draw().
   InstanceBuffers& instances() { return instances_; }
 
-  /// Boxes that draw() draws on top, whatever the layers are: the path of a body in the tree. Their colours
-  /// are those of their levels.
+  /// Boxes that draw() draws on top, whatever the layers are; of each, the value is its BoxMark.
   void set_marks(std::span<const BoxInstance> boxes);
 
   /// `clock`: told of each pass, if somebody measures.

@@ -1,0 +1,114 @@
+// The panel of the tree: how good it is in numbers, what colours its boxes and how that spreads, its worst
+// nodes, and what the query of a body visits. Measured only while the panel is unfolded.
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "ui/panels.h"
+#include "ui/tree_parts.h"
+#include "ui/tree_widgets.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+// Leaves of each level, over the cells of the bar that chooses levels.
+void draw_depths(Workspace& workspace, const WorkspaceView& view) {
+  const std::vector<std::int64_t>& leaves = view.tree->quality.leaves;
+  const float width = ImGui::GetContentRegionAvail().x, height = 1.8f * ImGui::GetFontSize();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::InvisibleButton("depths", {width, height});
+  const std::int64_t most = std::max<std::int64_t>(*std::ranges::max_element(leaves), 1);
+  const float cell = width / static_cast<float>(leaves.size());
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.55f), 3);
+  for (std::size_t level = 0; level < leaves.size(); ++level) {
+    const float x = at.x + cell * static_cast<float>(level);
+    const float bar = height * static_cast<float>(leaves[level]) / static_cast<float>(most);
+    if (leaves[level] > 0)
+      list->AddRectFilled({x + 1, at.y + height - std::max(bar, 1.5f)}, {x + cell - 1, at.y + height},
+                          ImGui::GetColorU32(ImGuiCol_SliderGrab), 1);
+  }
+  if (ImGui::IsItemHovered()) {
+    const auto level =
+        std::min(static_cast<std::size_t>(std::max((ImGui::GetIO().MousePos.x - at.x) / cell, 0.0f)),
+                 leaves.size() - 1);
+    const std::int64_t boxes = level < view.level_sizes.size() ? view.level_sizes[level] : 0;
+    explain(fmt::format("Leaves by depth: at level {} {} of {} boxes are leaves, each holds one body", level,
+                        grouped_number(leaves[level]), grouped_number(boxes))
+                .c_str());
+  }
+  draw_level_bar(workspace, view, "tree.levels");
+}
+
+void draw_quality(const WorkspaceView& view) {
+  const TreeQuality& q = view.tree->quality;
+  TextPairs row;
+  const auto number = [](double value) { return fmt::format("{:.4g}", value); };
+  row("SAH", number(q.sah),
+      "Areas of all boxes, those of leaves twice, over the root's: what a random ray costs");
+  row("EPO", number(q.epo),
+      "End point overlap: of the area of the bodies' boxes, how much lies in boxes that do not hold them, "
+      "leaves counted twice (Aila, Karras, Laine 2013)");
+  row("overlap", number(q.sibling_overlap),
+      "Surface of what siblings have in common, over their parent's: mean of inner nodes");
+  row("empty", number(q.empty_space), "Part of a box that no child fills: mean of inner nodes");
+  row("visits", number(q.visits_mean), "Boxes that the query of a body tests from the root: mean");
+  row("p99", number(q.visits_p99), "99 of 100 queries visit no more");
+  row("most", grouped_number(q.visits_max), "Visits of the longest query");
+  row("per warp", fmt::format("× {:.3g}", q.warp_ratio),
+      "Mean over 32 neighbours in the tree's order of their most visits, over the mean: a warp waits for its "
+      "longest query");
+  row("expected", number(q.expected_visits),
+      "Visits of a query placed at random: Σ Π(extent + 2·half extent)/V");
+  row("per pair", number(q.tests_per_pair),
+      "Box tests of all queries for each true pair, which both its bodies meet");
+  row("boxes", grouped_number(q.nodes));
+  row("memory", bytes_text(q.bytes), "Of the broad phase, tree and all");
+}
+
+}  // namespace
+
+void draw_tree_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "tree", "Tree", workspace.folds.tree)) return end_panel();
+  row_label("method", "How pairs are found; never changes the result");
+  choose_broad_phase(workspace, view, "tree.method");
+  if (view.tree == nullptr) {
+    faint_text("not measured yet");
+    return end_panel();
+  }
+  const TreeFacts& facts = *view.tree;
+  if (facts.quality.nodes == 0) {
+    faint_text("this method has no tree");
+    return end_panel();
+  }
+  draw_quality(view);
+  faint_text(view.with_times
+                 ? fmt::format("state {}, measured in {} ms{}", facts.step, short_time(facts.took_ms),
+                               facts.took_ms > 20 && workspace.playing ? ", now and then" : "")
+                 : fmt::format("state {}", facts.step));
+  explain(
+      "Only while this panel is unfolded, or something is coloured by the tree. A run that plays is measured "
+      "at "
+      "most a fifth of the time for the panel; colours are of the very state that is drawn, whatever that "
+      "takes");
+  ImGui::Spacing();
+  draw_depths(workspace, view);
+  ImGui::Checkbox("boxes", &workspace.layers.boxes);
+  track(workspace, "tree.boxes");
+  ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("by");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  choose_box_color(workspace, "tree.color");
+  draw_tree_spread(workspace, view);
+  ImGui::Spacing();
+  draw_tree_table(workspace, view);
+  draw_tree_selection(workspace, view);
+  end_panel();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "ui/tree_parts.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+// What a mark's colour means.
+void key(const WorkspaceView& view, BoxMark mark, const char* text) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float size = ImGui::GetFontSize();
+  const auto kind = static_cast<std::size_t>(mark);
+  const ImU32 color = kind < view.mark_colors.size() ? view.mark_colors[kind] : 0xffa0a0a0u;
+  ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 0.3f * size},
+                                            {at.x + 0.55f * size, at.y + 0.85f * size}, color, 2);
+  ImGui::Dummy({0.95f * size, size});
+  ImGui::SameLine(0, 0);
+  faint_text(text);
+}
+
+void draw_node(Workspace& workspace, const WorkspaceView& view) {
+  const TreeFacts& facts = *view.tree;
+  if (!facts.node) return;
+  key(view, BoxMark::node, fmt::format("node {}, level {}", facts.node->node, facts.node->level).c_str());
+  ImGui::SameLine();
+  key(view, BoxMark::left, "");
+  ImGui::SameLine(0, 0);
+  key(view, BoxMark::right, "children");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("frame")) workspace.camera_wish = CameraWish::frame_selection;
+  track(workspace, "tree.frame");
+  explain("F: the camera goes there");
+  faint_text(size_text(*facts.node));
+}
+
+void draw_query(Workspace& workspace, const WorkspaceView& view) {
+  const TreeFacts& facts = *view.tree;
+  TreeWishes& wishes = workspace.tree;
+  ImGui::Checkbox("query of the selected body", &wishes.query);
+  track(workspace, "tree.query");
+  explain("The boxes that its query tests, from the root, in order; in place of its path");
+  if (!wishes.query) return;
+  if (!workspace.selection || facts.visited.empty()) {
+    faint_text("click a body, or a leaf in the table");
+    return;
+  }
+  const auto count = static_cast<int>(facts.visited.size());
+  if (wishes.playing) {
+    // The whole of it in at most ten seconds, and no faster than an eye can follow where they are few.
+    wishes.visit += static_cast<double>(ImGui::GetIO().DeltaTime) * std::max(5.0, count / 10.0);
+    if (wishes.visit >= count) wishes.playing = false;
+  }
+  int at = std::clamp(static_cast<int>(wishes.visit), 1, count);
+  if (ImGui::Button(wishes.playing ? "pause" : "play ")) {
+    wishes.playing = !wishes.playing;
+    if (wishes.playing && at == count) wishes.visit = 1;
+  }
+  track(workspace, "tree.query.play");
+  ImGui::SameLine();
+  for (const auto& [name, label, by] :
+       {std::tuple{"tree.query.back", "<", -1}, std::tuple{"tree.query.on", ">", 1}}) {
+    if (ImGui::Button(label)) wishes.visit = std::clamp(at + by, 1, count);
+    track(workspace, name);
+    ImGui::SameLine();
+  }
+  ImGui::SetNextItemWidth(-1);
+  at = std::clamp(static_cast<int>(wishes.visit), 1, count);
+  if (ImGui::SliderInt("##visit", &at, 1, count, "visit %d",
+                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
+    wishes.visit = at;
+  track(workspace, "tree.query.at");
+  const TreeFacts::Visited& visited = facts.visited[static_cast<std::size_t>(at) - 1];
+  const NodeReport& node = visited.node;
+  key(view, visited.met ? BoxMark::met : BoxMark::apart,
+      fmt::format("{} of {}: {}, level {}: {}", at, grouped_number(facts.visits),
+                  node.children > 0 ? fmt::format("node {}", node.node) : fmt::format("body {}", node.body),
+                  node.level,
+                  !visited.met                        ? "apart"
+                  : node.children > 0                 ? "overlaps, go down"
+                  : node.body == *workspace.selection ? "itself"
+                                                      : "a pair")
+          .c_str());
+  if (facts.visits > count) faint_text(fmt::format("the first {} are kept", grouped_number(count)));
+}
+
+}  // namespace
+
+void draw_tree_selection(Workspace& workspace, const WorkspaceView& view) {
+  draw_node(workspace, view);
+  draw_query(workspace, view);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+
+#include "ui/tree_parts.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+/// A metric as the table has it.
+struct Column {
+  NodeMetric metric;
+  const char *name, *help;
+};
+constexpr std::array<Column, 5> columns{
+    {{NodeMetric::level, "lvl", "Level: the root's is 0"},
+     {NodeMetric::sah_share, "SAH", "Share of the tree's SAH cost: what its area adds to a query's"},
+     {NodeMetric::sibling_overlap, "overlap", "Surface of what its children have in common, over its own"},
+     {NodeMetric::empty_space, "empty", "Part of its volume that no child fills"},
+     {NodeMetric::visits, "visits", "Queries that test its box"}}};
+
+std::string value_text(const NodeReport& node, NodeMetric metric) {
+  const auto share = [](double value) {
+    return value >= 0.0995 ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.2g} %", 100 * value);
+  };
+  const bool leaf = node.children == 0;
+  switch (metric) {
+    case NodeMetric::level:
+      return std::to_string(node.level);
+    case NodeMetric::sah_share:
+      return node.sah_share < 1e-6 ? "<0.0001 %" : share(node.sah_share);
+    case NodeMetric::sibling_overlap:
+      return leaf ? "–" : fmt::format("{:.3f}", node.sibling_overlap);
+    case NodeMetric::empty_space:
+      return leaf ? "–" : fmt::format("{:.3f}", node.empty_space);
+    case NodeMetric::visits:
+      return grouped_number(node.visits);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string size_text(const NodeReport& node) {
+  const auto side = [&](int k) {
+    return static_cast<double>(node.max[k]) - static_cast<double>(node.min[k]);
+  };
+  return fmt::format("{:.4g} × {:.4g} × {:.4g} m", side(0), side(1), side(2));
+}
+
+void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
+  const TreeFacts& facts = *view.tree;
+  TreeWishes& wishes = workspace.tree;
+  if (ImGui::BeginTable("nodes", 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
+    ImGui::TableSetupColumn("node", ImGuiTableColumnFlags_WidthStretch);
+    for (const Column& column : columns) ImGui::TableSetupColumn(column.name);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    faint_text("worst first");
+    for (const Column& column : columns) {
+      ImGui::TableNextColumn();
+      const bool sorted = wishes.sort == column.metric;
+      if (ImGui::Selectable(column.name, sorted)) {
+        wishes.sort = column.metric;
+        wishes.first = 0;
+      }
+      track(workspace, (std::string("tree.sort.") + column.name).c_str());
+      explain((std::string(column.help) + ". Click: the greatest first").c_str());
+    }
+    for (std::size_t i = 0; i < facts.rows.size(); ++i) {
+      const NodeReport& node = facts.rows[i];
+      const bool leaf = node.children == 0;
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      const bool chosen = leaf ? workspace.selection == node.body : wishes.node == node.node;
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(
+              leaf ? fmt::format("body {}", node.body).c_str() : std::to_string(node.node).c_str(), chosen,
+              ImGuiSelectableFlags_SpanAllColumns)) {
+        wishes.rank = facts.first + static_cast<std::int64_t>(i);
+        workspace.playing = false;
+      }
+      ImGui::PopID();
+      track(workspace, ("tree.row." + std::to_string(i)).c_str());
+      explain(fmt::format("{}. {}. A click selects {}, and pauses: the next state has another tree",
+                          size_text(node), leaf ? "A leaf" : fmt::format("{} children", node.children),
+                          leaf ? "the body" : "it")
+                  .c_str());
+      for (const Column& column : columns) number_cell(value_text(node, column.metric));
+    }
+    ImGui::EndTable();
+  }
+  const auto shown = static_cast<std::int64_t>(facts.rows.size());
+  const auto turn = [&](const char* name, const char* label, const char* help, bool can, std::int64_t to) {
+    if (!can) ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 0.4f);
+    if (ImGui::SmallButton(label) && can) wishes.first = to;
+    if (!can) ImGui::PopStyleVar();
+    track(workspace, name);
+    explain(help);
+    ImGui::SameLine();
+  };
+  turn("tree.page.first", "|<", "The worst", facts.first > 0, 0);
+  turn("tree.page.previous", "<", "The page before", facts.first > 0,
+       std::max<std::int64_t>(facts.first - TreeFacts::page, 0));
+  turn("tree.page.next", ">", "The next page", facts.first + shown < facts.ranked,
+       facts.first + TreeFacts::page);
+  // The selected one's neighbours in the order of the table, wherever their page is.
+  std::optional<std::int64_t> rank;
+  for (std::int64_t i = 0; i < shown; ++i) {
+    const NodeReport& node = facts.rows[static_cast<std::size_t>(i)];
+    if (node.children == 0 ? workspace.selection == node.body : wishes.node == node.node)
+      rank = facts.first + i;
+  }
+  for (const auto& [name, label, help, by] :
+       {std::tuple{"tree.previous", "previous", "Selects the node before, in the order of the table", -1},
+        std::tuple{"tree.next", "next", "Selects the next node, in the order of the table", 1}}) {
+    if (ImGui::SmallButton(label) && facts.ranked > 0) {
+      wishes.rank = std::clamp<std::int64_t>(rank ? *rank + by : facts.first, 0, facts.ranked - 1);
+      workspace.playing = false;
+    }
+    track(workspace, name);
+    explain(help);
+    ImGui::SameLine();
+  }
+  faint_text(fmt::format("{}–{} of {}", grouped_number(std::min(facts.first + 1, facts.ranked)),
+                         grouped_number(facts.first + shown), grouped_number(facts.ranked)));
+}
+
+}  // namespace collidoscope
