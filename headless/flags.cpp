@@ -188,6 +188,13 @@ constexpr Reader readers[] = {
            {{"auto", SortMethod::automatic}, {"library", SortMethod::library}, {"radix", SortMethod::radix}}};
        if (const auto sort = in.value.one_of(methods)) in.options.run.sort = *sort;
      }},
+    {{"--memory-limit", "BYTES", "at most so much memory of the device, or auto: what there is", stepping},
+     [](Reading& in) {
+       if (in.value.text() == "auto")
+         in.options.run.memory_limit = 0;
+       else if (const auto n = in.value.whole(1, std::int64_t{1} << 50, or_auto))
+         in.options.run.memory_limit = *n;
+     }},
     {{"--initial-pair-capacity", "N", "room for pairs at the start, or auto; it grows", stepping},
      [](Reading& in) {
        if (in.value.text() == "auto")

@@ -57,13 +57,35 @@ struct World::Impl {
     pipeline->reserve(capacity);
   }
 
+  /// Bytes beyond those that are free; 0: there is room.
+  std::int64_t lacking(Capacity capacity) {
+    const std::int64_t more = executor.rehearse([&] { pipeline->reserve(capacity); });
+    executor.rehearse([&] { pipeline->reserve(pipeline->capacity()); });
+    return std::max<std::int64_t>(more - executor.available_bytes(), 0);
+  }
+
   /// After an overflow: grows what was too small. Returns whether there was one.
   bool grow() {
     const StepControl control = pipeline->control();
     if (!control.overflow) return false;
     const Capacity now = pipeline->capacity();
-    reserve({grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
-             grown(control.contacts_needed, now.contacts, "contacts", 64)});
+    Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
+                    grown(control.contacts_needed, now.contacts, "contacts", 64)};
+    if (lacking(wanted) > 0) {
+      // Without room to spare, then. Where even that is too much, nothing has changed.
+      wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
+                std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
+      if (const std::int64_t bytes = lacking(wanted); bytes > 0)
+        throw MachineError("a step found " + std::to_string(control.pairs_needed) + " pairs" +
+                           (control.pairs > 0
+                                ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
+                                : ", which take at least ") +
+                           std::to_string(executor.allocated_bytes() + executor.available_bytes() + bytes) +
+                           " bytes with the rest of the scene; " + executor.device_name() + " gives " +
+                           std::to_string(executor.allocated_bytes() + executor.available_bytes()) +
+                           ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
+    }
+    reserve(wanted);
     pipeline->clear_overflow();
     return true;
   }

@@ -1,6 +1,7 @@
 #include "sim_cuda/world.h"
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/host_memory.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 
@@ -164,6 +165,57 @@ TEST_P(Worlds, StagesSayWhatTheyWereLaunchedAs) {
     EXPECT_EQ(asked.chunk, 11);
     EXPECT_EQ(asked.threads, 2);
   }
+}
+
+TEST_P(Worlds, SayHowManyBytesTheyLackAndLiveOn) {
+  const Scene scene = box_collider(3000);
+  World roomy(scene, options());
+  roomy.step(20);
+  ASSERT_GT(roomy.measure().pairs, 3000);
+
+  RunOptions o = options();
+  o.initial_pair_capacity = 16;
+  const std::int64_t without_pairs = World(scene, o).allocated_bytes();
+  o.memory_limit = without_pairs + 20'000;
+  World tight(scene, o);
+  const std::uint64_t before = tight.state_hash();
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    try {
+      tight.step(20);
+      FAIL() << "there was no room for " << roomy.measure().pairs << " pairs";
+    } catch (const MachineError& error) {
+      const std::string line = error.what();
+      EXPECT_NE(line.find(" pairs, which take at least "), std::string::npos) << line;
+      EXPECT_NE(line.find("gives " + std::to_string(o.memory_limit)), std::string::npos) << line;
+    }
+    EXPECT_EQ(tight.state_hash(), before);
+    EXPECT_LE(tight.allocated_bytes(), o.memory_limit);
+  }
+
+  // What is just enough is enough, though it leaves nothing over to grow by.
+  o.memory_limit = 0;
+  World grown(scene, o);
+  grown.step(20);
+  o.memory_limit = grown.allocated_bytes();
+  std::int64_t least = without_pairs, most = o.memory_limit;
+  while (most - least > 1000) {
+    o.memory_limit = (least + most) / 2;
+    try {
+      World world(scene, o);
+      world.step(20);
+      EXPECT_EQ(world.state_hash(), roomy.state_hash());
+      EXPECT_LE(world.allocated_bytes(), o.memory_limit);
+      most = o.memory_limit;
+    } catch (const MachineError&) {
+      least = o.memory_limit;
+    }
+  }
+  EXPECT_LT(most, grown.allocated_bytes()) << "growing by half was not given up where it does not fit";
+}
+
+TEST(HostMemory, IsThereAndNotEndless) {
+  EXPECT_GT(free_host_bytes(), std::int64_t{1} << 24);
+  EXPECT_LT(free_host_bytes(), std::int64_t{1} << 50);
 }
 
 }  // namespace

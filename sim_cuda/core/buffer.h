@@ -32,6 +32,9 @@ class Buffer {
   /// Makes room for exactly `size` elements of undefined value, unless that is the size already.
   void resize_discarding(std::size_t size) {
     if (size == size_) return;
+    if (executor_->rehearsing())
+      return executor_->count_rehearsed(static_cast<std::int64_t>(size * sizeof(T)) -
+                                        static_cast<std::int64_t>(bytes()));
     executor_->release(data_, bytes());
     data_ = nullptr;
     size_ = 0;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/host_memory.h"
 
 #if SIM_CUDA
 #include <nvtx3/nvToolsExt.h>
@@ -123,6 +124,28 @@ void Executor::reserve_call_stack([[maybe_unused]] std::size_t bytes) {
 #endif
 }
 
+std::int64_t Executor::available_bytes() const {
+  std::int64_t free_bytes = 0;
+#if SIM_CUDA
+  if (on_device_) {
+    std::size_t free = 0, total = 0;
+    check(cudaMemGetInfo(&free, &total), "ask for the free memory of the device");
+    free_bytes = static_cast<std::int64_t>(free);
+  }
+#endif
+  if (!on_device_) free_bytes = free_host_bytes();
+  if (options_.memory_limit > 0) free_bytes = std::min(free_bytes, options_.memory_limit - allocated_bytes_);
+  return std::max<std::int64_t>(free_bytes, 0);
+}
+
+std::int64_t Executor::rehearse(const std::function<void()>& reserve) {
+  rehearsing_ = true;
+  rehearsed_bytes_ = 0;
+  reserve();
+  rehearsing_ = false;
+  return rehearsed_bytes_;
+}
+
 void* Executor::allocate(const char* name, std::size_t bytes) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;
@@ -131,6 +154,11 @@ void* Executor::allocate(const char* name, std::size_t bytes) {
                        "', beside " + std::to_string(allocated_bytes_) +
                        " already taken; it answered: " + answer);
   };
+  // A host hands out more than it has and then ends whoever uses it, so that large requests are asked about.
+  constexpr std::size_t large = std::size_t{64} << 20;
+  if ((options_.memory_limit > 0 || (!on_device_ && bytes >= large)) &&
+      static_cast<std::int64_t>(bytes) > available_bytes())
+    refuse(std::to_string(available_bytes()) + " bytes are free");
   if (!on_device_) {
     memory = ::operator new(bytes, host_alignment, std::nothrow);
     if (memory == nullptr) refuse("out of memory");
@@ -189,7 +217,7 @@ void Executor::copy_to_host(void* host_destination, const void* source, std::siz
 }
 
 void Executor::fill(void* destination, int byte, std::size_t bytes) {
-  if (bytes == 0) return;
+  if (bytes == 0 || rehearsing_) return;
 #if SIM_CUDA
   if (on_device_)
     return check(cudaMemsetAsync(destination, byte, bytes, stream_),

@@ -67,6 +67,14 @@ class Executor {
   void release(void* memory, std::size_t bytes);
   std::int64_t allocated_bytes() const { return allocated_bytes_; }
 
+  /// Bytes that may still be taken: what the machine has free, within RunOptions::memory_limit.
+  std::int64_t available_bytes() const;
+  /// By how much allocated_bytes() would change if `reserve` were called. While it is, buffers keep their
+  /// size and their contents, and fills do nothing.
+  std::int64_t rehearse(const std::function<void()>& reserve);
+  bool rehearsing() const { return rehearsing_; }
+  void count_rehearsed(std::int64_t bytes) { rehearsed_bytes_ += bytes; }
+
   // Copies and fills, in the order of the stages. The copies return when they are done; fill() is only
   // enqueued.
   void copy_to_executor(void* destination, const void* host_source, std::size_t bytes);
@@ -120,6 +128,8 @@ class Executor {
   bool on_device_ = false;
   std::string device_name_;
   std::int64_t allocated_bytes_ = 0;
+  bool rehearsing_ = false;
+  std::int64_t rehearsed_bytes_ = 0;
   ThreadTeam team_;
   StageClock clock_;
 
