@@ -188,6 +188,41 @@ TEST(IdBuffer, ABoxInTheWrongPlaceIsFound) {
   EXPECT_GT(found.wrong, 100);
 }
 
+// From straight above, four pixels to the metre: where each edge is, is known.
+TEST(IdBuffer, TheNearestEdgeOfABoxIsPicked) {
+  test_context();
+  TestBodies bodies = test_spheres(1, 5, 6);
+  bodies.instances[0] = sphere_instance({50, 50, 90}, 5, 0, 0);
+  OrbitCamera camera;
+  camera.orthographic = true;
+  camera.field_of_view = 1;
+  camera.distance = height / 8.0 / std::tan(0.5);
+  camera.target = {50, 50, 50};
+  camera.elevation = std::numbers::pi / 2;
+  camera.azimuth = -std::numbers::pi / 2;
+  Renderer renderer(width, height);
+  renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
+  std::vector<BoxInstance> boxes{box_instance({20, 20, 40}, {80, 80, 60}, 0),
+                                 box_instance({21.75, 21.75, 45}, {50, 50, 55}, 1)};
+  boxes[0].value = 7;
+  boxes[1].value = 3;
+  renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
+  renderer.instances().upload(std::span<const BoxInstance>(boxes));
+  const auto at = [&](double x, double y, IdLayers layers = {}) {
+    return renderer.pick_box(camera, layers, static_cast<int>(width / 2.0 + 4 * (x - 50)),
+                             static_cast<int>(height / 2.0 - 4 * (y - 50)), 6);
+  };
+  EXPECT_EQ(at(20, 40), 0u);
+  EXPECT_EQ(at(19, 40), 0u) << "four pixels beside it";
+  EXPECT_EQ(at(21.25, 40), 1u) << "the nearer of two";
+  EXPECT_EQ(at(35, 35), std::nullopt) << "faces are not edges";
+  EXPECT_EQ(at(50, 48), std::nullopt) << "a body hides it";
+  EXPECT_EQ(at(50, 48, {.bodies = false}), 1u);
+  EXPECT_EQ(at(19, 40, {.high = 5}), std::nullopt) << "what is not drawn is not picked";
+  EXPECT_EQ(at(21.25, 40, {.low = 5}), 0u) << "farther off, but drawn";
+  EXPECT_EQ(at(-1000, 40), std::nullopt);
+}
+
 TEST(IdBuffer, MeshBodiesAreWhereTheirFacesAre) {
   test_context();
   // A regular octahedron of radius 10 in a turned pose, between two spheres: three runs of the body array.

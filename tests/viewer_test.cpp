@@ -4,88 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <random>
-#include <regex>
 
-#include "sim_cuda/core/assets.h"
-#include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/world.h"
 #include "tests/run_program.h"
-#include "tests/window_driver.h"
-#include "viewer/render/image.h"
+#include "tests/viewer_fixture.h"
 
 namespace collidoscope {
 namespace {
-
-using Json = nlohmann::json;
-
-/// What the headless program computes: the hash of the Box Collider after that many steps.
-std::string expected_hash(std::int64_t steps, std::int64_t bodies) {
-  Scene scene = read_scene(asset("scenes/box_collider.json").string());
-  scene.generators[0].count = bodies;
-  World world(scene, RunOptions{});
-  world.step(static_cast<int>(steps));
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(world.state_hash()));
-  return text;
-}
-
-class Viewer : public testing::Test {
- protected:
-  void SetUp() override {
-    const std::string lack = window_tests_lack();
-    if (!lack.empty()) GTEST_SKIP() << lack;
-  }
-
-  /// Whether the sanitizer found nothing but a few bytes that libraries lose on their way out: Mesa's
-  /// software renderer keeps 240. What a long run loses again and again is more, and what this program loses
-  /// has its name among the frames.
-  static bool only_others_leak(const std::string& said) {
-    static const std::regex summary(R"(SUMMARY: AddressSanitizer: (\d+) byte\(s\) leaked)");
-    static const std::regex ours(R"(\n +#\d+ 0x[0-9a-f]+ .*collidoscope)");
-    std::smatch bytes;
-    return std::regex_search(said, bytes, summary) && std::stoll(bytes[1]) < 1024 &&
-           !std::regex_search(said, ours);
-  }
-
-  /// Closes the window; "" if all went well, else what went wrong.
-  static std::string close(WindowDriver& window) {
-    const int status = window.end();
-    const std::string said = window.errors();
-    const bool clean = said.find("OpenGL refused") == said.npos && said.find("runtime error") == said.npos;
-    if (clean && (status == 0 || (status == 1 && only_others_leak(said)))) return "";
-    return "status " + std::to_string(status) + "\n" + said;
-  }
-
-  /// A picture of the window, by the key P.
-  static Image picture(WindowDriver& window) {
-    const std::string before = window.frame()["picture"];
-    window.key("p");
-    EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["picture"] != before; }));
-    return read_png(window.file(window.frame()["picture"]));
-  }
-
-  /// Share of the 3D view's pixels that differ.
-  static double difference(const Image& a, const Image& b, const Json& frame) {
-    EXPECT_EQ(a.rgba.size(), b.rgba.size());
-    const Json& rect = frame["widgets"]["scene"];
-    const int x0 = rect[0].get<int>(), y0 = rect[1].get<int>(), w = rect[2].get<int>(),
-              h = rect[3].get<int>();
-    int changed = 0;
-    for (int y = y0; y < y0 + h - 60; ++y)  // notices stand at the bottom
-      for (int x = x0; x < x0 + w; ++x) {
-        const std::size_t at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(a.width) +
-                                    static_cast<std::size_t>(x));
-        changed += std::abs(a.rgba[at] - b.rgba[at]) + std::abs(a.rgba[at + 1] - b.rgba[at + 1]) > 12;
-      }
-    return static_cast<double>(changed) / (static_cast<double>(w) * (h - 60));
-  }
-};
 
 TEST(ViewerCommandLine, SpeaksBeforeItNeedsAWindow) {
   const std::filesystem::path program = program_folder() / "collidoscope";
@@ -383,7 +312,8 @@ TEST_F(Viewer, SurvivesARandomWalk) {
   for (const char* name :
        {"settings.seed", "view.picture", "timing.json", "run.speed.2 ×", "layers.color.order in the tree",
         "settings.variant.scaled", "settings.broad_phase.brute_force", "inspector.follow",
-        "inspector.contact.0", "layers.levels", "graph.momentum", "scene"})
+        "inspector.contact.0", "layers.levels", "panel.tree", "tree.row.0", "tree.spread", "graph.momentum",
+        "scene"})
     EXPECT_TRUE(touched.contains(name) && touched.at(name) > 0) << name;
 }
 

@@ -62,22 +62,23 @@ void draw_error_bar(Workspace& workspace) {
 
 void draw_help(Workspace& workspace) {
   if (!workspace.help) return;
-  static constexpr const char* keys[][2] = {{"Space", "play, pause"},
-                                            {"S", "one step"},
-                                            {"R", "restart"},
-                                            {"drag", "turn about the target"},
-                                            {"right drag", "pan"},
-                                            {"wheel", "zoom to the pointer"},
-                                            {"W A S D Q E, right button held", "fly"},
-                                            {"F", "see the selection, else everything"},
-                                            {"Shift F", "see everything"},
-                                            {"1  3  7", "from the front, side, top"},
-                                            {"5", "with or without perspective"},
-                                            {"click", "select a body, or a box; nothing: deselect"},
-                                            {"Escape", "deselect"},
-                                            {"P", "picture of the window, in captures/"},
-                                            {"Tab", "fold all panels away, and back"},
-                                            {"F1", "these keys"}};
+  static constexpr const char* keys[][2] = {
+      {"Space", "play, pause"},
+      {"S", "one step"},
+      {"R", "restart"},
+      {"drag", "turn about the target"},
+      {"right drag", "pan"},
+      {"wheel", "zoom to the pointer"},
+      {"W A S D Q E, right button held", "fly"},
+      {"F", "see the selection, else everything"},
+      {"Shift F", "see everything"},
+      {"1  3  7", "from the front, side, top"},
+      {"5", "with or without perspective"},
+      {"click", "select a body, or, with the tree unfolded, a box; nothing: deselect"},
+      {"Escape", "deselect"},
+      {"P", "picture of the window, in captures/"},
+      {"Tab", "fold all panels away, and back"},
+      {"F1", "these keys"}};
   const ScreenRect& at = workspace.scene_view;
   ImGui::SetNextWindowPos({at.x + 0.5f * at.width, at.y + 0.5f * at.height}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::Begin("Keys", &workspace.help,

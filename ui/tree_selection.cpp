@@ -50,8 +50,9 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
   }
   const auto count = static_cast<int>(facts.visited.size());
   if (wishes.playing) {
-    // The whole of it in at most ten seconds, and no faster than an eye can follow where they are few.
-    wishes.visit += static_cast<double>(ImGui::GetIO().DeltaTime) * std::max(5.0, count / 10.0);
+    // The whole of it in at most five seconds, and no faster than an eye can follow where they are few.
+    const double more = static_cast<double>(ImGui::GetIO().DeltaTime) * std::max(5.0, count / 5.0);
+    wishes.visit = std::min(wishes.visit + more, static_cast<double>(count));
     if (wishes.visit >= count) wishes.playing = false;
   }
   int at = std::clamp(static_cast<int>(wishes.visit), 1, count);
@@ -90,8 +91,10 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
 }  // namespace
 
 void draw_tree_selection(Workspace& workspace, const WorkspaceView& view) {
+  ImGui::PushID("selection");  // the table has buttons of the same faces
   draw_node(workspace, view);
   draw_query(workspace, view);
+  ImGui::PopID();
 }
 
 }  // namespace collidoscope

@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "viewer/app.h"
@@ -117,11 +118,19 @@ void App::handle_button(const InputEvent& event) {
   constexpr double click = 4;  // pixels that a hand moves while it clicks
   if (!was_ours || event.code != GLFW_MOUSE_BUTTON_LEFT || moved_ > click) return;
   const ScreenRect& at = workspace_.scene_view;
-  const auto body = scene_.pick(static_cast<int>(mouse_x_ - static_cast<double>(at.x)),
-                                static_cast<int>(mouse_y_ - static_cast<double>(at.y)));
-  workspace_.selection = body;
+  const SceneView::Picked picked = scene_.pick(static_cast<int>(mouse_x_ - static_cast<double>(at.x)),
+                                               static_cast<int>(mouse_y_ - static_cast<double>(at.y)));
+  workspace_.selection = picked.body;
   workspace_.tree.node.reset();
-  if (!body) workspace_.follow = false;
+  if (!picked.body) workspace_.follow = false;
+  if (!picked.box || tree_.facts() == nullptr) return;  // only its panel tells what a node is
+  workspace_.playing = false;                           // the next state has another tree
+  const std::vector<std::int64_t>& sizes = live_.level_sizes(true);
+  std::int64_t place = *picked.box;
+  for (int level = 0; level < std::min(workspace_.layers.first_level, static_cast<int>(sizes.size()));
+       ++level)
+    place += sizes[static_cast<std::size_t>(level)];
+  workspace_.tree.node = static_cast<std::uint32_t>(place);
 }
 
 void App::handle_move(const InputEvent& event) {

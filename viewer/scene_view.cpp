@@ -172,11 +172,22 @@ void SceneView::meet_wish(CameraWish wish) {
   }
 }
 
-std::optional<std::uint32_t> SceneView::pick(int x, int y) {
-  if (!renderer_ || renderer_->instances().counts.bodies == 0) return std::nullopt;
-  const std::uint32_t id =
-      renderer_->pick(camera_, {}, x * renderer_->width() / width_, y * renderer_->height() / height_);
-  return id > 0 ? std::optional(id - 1) : std::nullopt;
+SceneView::Picked SceneView::pick(int x, int y) {
+  if (!renderer_) return {};
+  x = x * renderer_->width() / width_;
+  y = y * renderer_->height() / height_;
+  const ShownLayers& shown = published_.layers;
+  IdLayers layers;
+  layers.bodies = shown.spheres;
+  if (layers.bodies)
+    if (const std::uint32_t id = renderer_->pick(camera_, layers, x, y)) return {id - 1, std::nullopt};
+  if (!shown.boxes) return {};
+  if (shown.box_color != NodeMetric::level) {
+    layers.low = static_cast<double>(shown.box_low);
+    layers.high = static_cast<double>(shown.box_high);
+  }
+  constexpr int reach = 4;  // pixels by which a hand misses a line
+  return {std::nullopt, renderer_->pick_box(camera_, layers, x, y, reach)};
 }
 
 std::vector<std::pair<double, double>> SceneView::outline() const {

@@ -35,8 +35,12 @@ class SceneView {
   /// From now on the camera is somebody's choice: a new window size keeps it.
   void camera_was_moved() { camera_moved_ = true; }
   void meet_wish(CameraWish wish);
-  /// The body at a pixel of the view.
-  std::optional<std::uint32_t> pick(int x, int y);
+  /// The body at a pixel of the view; where there is none, the box whose edge is near.
+  struct Picked {
+    std::optional<std::uint32_t> body;
+    std::optional<std::uint32_t> box;  ///< place among those that are drawn, from the first level drawn
+  };
+  Picked pick(int x, int y);
 
   const std::string& display_path() const { return path_name_; }
   const Legend& body_legend() const { return body_legend_; }

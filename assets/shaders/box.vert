@@ -1,7 +1,7 @@
 // The twelve edges of a box as screen-space lines, coloured by level, thin and faint as levels deepen; or by the value
 // of a metric, thin and faint where that is small, so that the worst stand out.
-// Compiled thrice: lines (default), THIN, lines of one drawn pixel, and IDS, the six faces filled with the number of
-// the instance.
+// Compiled four times: lines (default), THIN, lines of one drawn pixel, and IDS, the six faces filled with the number of
+// the instance, or EDGES, its lines.
 uniform vec4 range;  // least and greatest value drawn
 
 #if defined(IDS)
@@ -12,11 +12,17 @@ flat out uint body;
 
 void main() {
   body = 0x80000000u + uint(gl_InstanceID);
+#if defined(EDGES)
+  int corner = gl_VertexID >> 1, axis = corner >> 2;
+  bvec3 upper;
+  upper[axis] = (gl_VertexID & 1) == 1;
+#else
   int face = gl_VertexID / 6, axis = face >> 1;
   const int order[6] = int[6](0, 1, 2, 2, 1, 3);
   int corner = order[gl_VertexID % 6];
   bvec3 upper;
   upper[axis] = (face & 1) == 1;
+#endif
   upper[(axis + 1) % 3] = (corner & 1) == 1;
   upper[(axis + 2) % 3] = (corner & 2) == 2;
   gl_Position = projection * (view * vec4(mix(min_level.xyz, max_value.xyz, upper), 1.0));

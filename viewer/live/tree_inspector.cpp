@@ -37,7 +37,7 @@ void TreeInspector::refresh(World& world, int generation, Workspace& workspace) 
   if (again) measure(world, now);
   fill_table(world, workspace);
   fill_spread(world, workspace.layers);
-  fill_node(world, wishes);
+  fill_node(world, workspace);
   fill_query(world, workspace);
   if (again) {
     facts_->took_ms = std::chrono::duration<double, std::milli>(Clock::now() - measured_at_).count();
@@ -70,6 +70,9 @@ void TreeInspector::fill_table(World& world, Workspace& workspace) {
     if (*wishes.rank < wishes.first || *wishes.rank >= wishes.first + TreeFacts::page)
       wishes.first = *wishes.rank / TreeFacts::page * TreeFacts::page;
   }
+  const bool other_levels = table_.first >= 0 && (table_.first_level != layers.first_level ||
+                                                  table_.last_level != layers.last_level);
+  if (other_levels && !wishes.rank) wishes.first = 0;
   wishes.first = std::clamp<std::int64_t>(wishes.first, 0, last / TreeFacts::page * TreeFacts::page);
   const Table wanted{wishes.sort, wishes.first, layers.first_level, layers.last_level};
   if (!(wanted == table_)) {
@@ -104,7 +107,8 @@ void TreeInspector::fill_spread(World& world, const ShownLayers& layers) {
   ++version_;
 }
 
-void TreeInspector::fill_node(World& world, TreeWishes& wishes) {
+void TreeInspector::fill_node(World& world, Workspace& workspace) {
+  TreeWishes& wishes = workspace.tree;
   if (wishes.node && *wishes.node >= static_cast<std::uint64_t>(facts_->quality.nodes)) wishes.node.reset();
   if (facts_->node.has_value() == wishes.node.has_value() &&
       (!wishes.node || facts_->node->node == *wishes.node))
@@ -113,7 +117,13 @@ void TreeInspector::fill_node(World& world, TreeWishes& wishes) {
   facts_->children.clear();
   ++version_;
   if (!wishes.node) return;
-  facts_->node = world.tree_node(*wishes.node);
+  const NodeReport node = world.tree_node(*wishes.node);
+  if (node.children == 0) {  // picked in the picture
+    workspace.selection = node.body;
+    wishes.node.reset();
+    return;
+  }
+  facts_->node = node;
   std::vector<std::uint32_t> places;
   for (std::uint32_t k = 0; k < facts_->node->children; ++k) places.push_back(facts_->node->first_child + k);
   facts_->children = world.tree_nodes_at(places);

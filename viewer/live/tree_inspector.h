@@ -13,7 +13,7 @@ namespace collidoscope {
 class TreeInspector {
  public:
   /// Brings facts() to the current state and to what the panel wishes for, where it is due, and meets those
-  /// wishes that select something. `generation`: another one, another World.
+  /// wishes that select something; a leaf selects its body. `generation`: another one, another World.
   void refresh(World& world, int generation, Workspace& workspace);
   const TreeFacts* facts() const { return facts_ ? &*facts_ : nullptr; }
   /// Changes whenever the facts do.
@@ -44,7 +44,7 @@ class TreeInspector {
   void measure(World& world, const State& now);
   void fill_table(World& world, Workspace& workspace);
   void fill_spread(World& world, const ShownLayers& layers);
-  void fill_node(World& world, TreeWishes& wishes);
+  void fill_node(World& world, Workspace& workspace);
   void fill_query(World& world, const Workspace& workspace);
 
   std::optional<TreeFacts> facts_;

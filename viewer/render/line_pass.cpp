@@ -15,6 +15,7 @@ LinePass::LinePass()
       thin_box_("box.vert", "line.frag", "#define THIN\n"),
       contact_("contact.vert", "contact.frag"),
       box_ids_("box.vert", "id.frag", "#define IDS\n"),
+      edge_ids_("box.vert", "id.frag", "#define IDS\n#define EDGES\n"),
       nothing_{},
       box_layout_{{0, 4, offsetof(BoxInstance, min)}, {1, 4, offsetof(BoxInstance, max)}} {}
 
@@ -108,12 +109,14 @@ void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) con
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 
-void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count, const BoxColors& colors) const {
+void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low,
+                            double high) const {
   if (count <= 0) return;
-  box_ids_.set("range", static_cast<float>(colors.low), static_cast<float>(colors.high), 0, 0);
+  const gl::Program& program = edges ? edge_ids_ : box_ids_;
+  program.set("range", static_cast<float>(low), static_cast<float>(high), 0, 0);
   box_layout_.bind(boxes.get(), sizeof(BoxInstance));
-  box_ids_.use();
-  glDrawArraysInstanced(GL_TRIANGLES, 0, 36, static_cast<GLsizei>(count));
+  program.use();
+  glDrawArraysInstanced(edges ? GL_LINES : GL_TRIANGLES, 0, edges ? 24 : 36, static_cast<GLsizei>(count));
   gl::check("to draw the ids of " + std::to_string(count) + " boxes");
 }
 

@@ -34,8 +34,9 @@ class LinePass {
   void draw_marks(const gl::Buffer& boxes, std::int64_t count) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count) const;
-  /// Into an id buffer: faces filled, 0x80000000 + place of the box in the buffer, nearest wins.
-  void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, const BoxColors& colors = {}) const;
+  /// Into an id buffer: faces filled or edges one pixel wide, 0x80000000 + place of the box in the buffer,
+  /// nearest wins; of boxes whose value lies from `low` to `high`.
+  void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low, double high) const;
 
   static constexpr std::int64_t most_broad_boxes = 8192;
 
@@ -49,7 +50,7 @@ class LinePass {
   static void set_colors(const gl::Program& program, const BoxColors& colors);
   static void draw_records(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records);
 
-  gl::Program box_, thin_box_, contact_, box_ids_;
+  gl::Program box_, thin_box_, contact_, box_ids_, edge_ids_;
   gl::VertexLayout nothing_, box_layout_;
 };
 

@@ -214,7 +214,34 @@ void Renderer::draw_id_target(const OrbitCamera& camera, const IdLayers& layers)
   glDepthFunc(GL_GREATER);
   glDisable(GL_BLEND);
   if (layers.bodies) bodies_.draw(instances_, BodyPass::Output::ids, colors_.get(), *ids_, false);
-  if (layers.boxes) lines_.draw_box_ids(instances_.boxes, instances_.counts.boxes);
+  if (layers.boxes)
+    lines_.draw_box_ids(instances_.boxes, instances_.counts.boxes, layers.edges, layers.low, layers.high);
+}
+
+std::optional<std::uint32_t> Renderer::pick_box(const OrbitCamera& camera, IdLayers layers, int x, int y,
+                                                int reach) {
+  layers.boxes = layers.edges = true;
+  draw_id_target(camera, layers);
+  const int left = std::max(x - reach, 0), right = std::min(x + reach, width() - 1);
+  const int top = std::max(y - reach, 0), bottom = std::min(y + reach, height() - 1);
+  if (left > right || top > bottom) return std::nullopt;
+  const int columns = right - left + 1, rows = bottom - top + 1;
+  std::vector<std::uint32_t> ids(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glGetTextureSubImage(ids_->color(), 0, left, height() - 1 - bottom, 0, columns, rows, 1, GL_RED_INTEGER,
+                       GL_UNSIGNED_INT, static_cast<GLsizei>(ids.size() * sizeof ids[0]), ids.data());
+  gl::check("to read ids back");
+  std::optional<std::uint32_t> nearest;
+  int least = reach * reach + 1;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const std::uint32_t id = ids[static_cast<std::size_t>(row * columns + column)];
+      const int dx = left + column - x, dy = bottom - row - y, away = dx * dx + dy * dy;
+      if ((id & 0x80000000u) == 0 || away >= least) continue;
+      least = away;
+      nearest = id & 0x7fffffffu;
+    }
+  return nearest;
 }
 
 std::uint32_t Renderer::pick(const OrbitCamera& camera, const IdLayers& layers, int x, int y) {

@@ -4,6 +4,7 @@
 // made.
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,6 +25,9 @@ namespace collidoscope {
 struct IdLayers {
   bool bodies = true;  ///< id + 1
   bool boxes = false;  ///< 0x80000000 + place in the published boxes, faces filled; nearest wins
+  bool edges = false;  ///< of boxes the edges alone
+  /// Of boxes those whose value lies between.
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
 class Renderer {
@@ -62,6 +66,9 @@ class Renderer {
   std::vector<std::uint32_t> draw_ids(const OrbitCamera& camera, const IdLayers& layers);
   /// The one at a pixel, counted from the top left corner; nothing else is read back.
   std::uint32_t pick(const OrbitCamera& camera, const IdLayers& layers, int x, int y);
+  /// The place in the published boxes of the one with an edge nearest to a pixel, at most `reach` pixels
+  /// away, of those that neither bodies nor other edges hide.
+  std::optional<std::uint32_t> pick_box(const OrbitCamera& camera, IdLayers layers, int x, int y, int reach);
 
  private:
   void draw_id_target(const OrbitCamera& camera, const IdLayers& layers);
