@@ -107,7 +107,7 @@ int bvh_command(const CommandLine& line) {
   std::optional<OutputFile> file;
   if (!options.json.empty() && options.json != "-") file.emplace("--json", options.json);
   const std::vector<std::string> methods =
-      options.bench.methods.empty() ? broad_phase_names() : options.bench.methods;
+      options.bench.methods.empty() ? broad_phase_names(options.run.executor) : options.bench.methods;
 
   std::vector<Measured> trees;
   std::optional<World> first;  // makes the steps; the others take its state

@@ -23,8 +23,9 @@ class BroadPhaseBoxes : public OnEachExecutor {
           boxes(executor, "boxes"),
           extent(executor, "extent"),
           control(executor, "control"),
-          list(executor) {
-      for (const std::string& name : broad_phase_names()) methods.push_back(make_broad_phase(name, executor));
+          list(executor),
+          names(broad_phase_names(options.executor)) {
+      for (const std::string& name : names) methods.push_back(make_broad_phase(name, executor));
     }
     void start(BroadPhase& method, std::size_t bodies, std::size_t pairs) {
       control.upload({StepControl{}});
@@ -62,6 +63,7 @@ class BroadPhaseBoxes : public OnEachExecutor {
     Buffer<Aabb> boxes, extent;
     Buffer<StepControl> control;
     PairList list;
+    std::vector<std::string> names;
     std::vector<std::unique_ptr<BroadPhase>> methods;
   };
 
@@ -83,10 +85,9 @@ class BroadPhaseBoxes : public OnEachExecutor {
   void expect_all_pairs(const std::vector<Aabb>& boxes, const Aabb& extent, std::size_t how) {
     const PairIds expected = by_definition(boxes);
     Runner& runner = *runners_[how % runners_.size()];
-    const std::vector<std::string> names = broad_phase_names();
-    for (std::size_t k = 0; k < names.size(); ++k)
+    for (std::size_t k = 0; k < runner.names.size(); ++k)
       ASSERT_EQ(runner.find(*runner.methods[k], boxes, extent, expected.size()), expected)
-          << names[k] << " of " << boxes.size() << " boxes, run " << how % runners_.size();
+          << runner.names[k] << " of " << boxes.size() << " boxes, run " << how % runners_.size();
   }
   void expect_all_pairs(const std::vector<Aabb>& boxes) {
     for (std::size_t how = 0; how < runners_.size(); ++how) expect_all_pairs(boxes, around(boxes), how);
@@ -182,7 +183,7 @@ TEST_P(BroadPhaseBoxes, PairsAfterAnyMotion) {
           box.max += step;
         }
         ASSERT_EQ(runner.pairs_of(*method, boxes, around(boxes)), by_definition(boxes))
-            << broad_phase_names()[static_cast<std::size_t>(&method - runner.methods.data())] << ", move "
+            << runner.names[static_cast<std::size_t>(&method - runner.methods.data())] << ", move "
             << move << ", run " << how;
       }
     }
@@ -292,7 +293,7 @@ TEST_P(BroadPhaseBoxes, PairsOfSoManyBodiesThatBruteForceIsLeftOut) {
     boxes.push_back(cube(x, y, z, i == 140000 ? 5.0f : 0.1f + uniform(1)));
   }
   Runner& runner = *runners_[0];
-  const std::vector<std::string> names = broad_phase_names();
+  const std::vector<std::string>& names = runner.names;
   PairIds expected;
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (names[k].starts_with("brute_force") || names[k] == "bvh_input_order") continue;  // 10^10 tests

@@ -1,5 +1,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 
+#include <algorithm>
+
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/bounds.h"
 #include "tests/executors.h"
@@ -34,7 +36,7 @@ PairIds by_definition(World& world) {
 class BroadPhases : public OnEachExecutor {
  protected:
   void expect_all_pairs(const Scene& scene) {
-    for (const std::string& method : broad_phase_names())
+    for (const std::string& method : broad_phase_names(GetParam()))
       for (const int bits : {30, 63}) {
         RunOptions o = options();
         o.broad_phase = method;
@@ -91,7 +93,7 @@ TEST_P(BroadPhases, FindAllPairsOfAdversarialScenes) {
 }
 
 TEST_P(BroadPhases, TreesHoldTheirBodies) {
-  for (const std::string& method : broad_phase_names())
+  for (const std::string& method : broad_phase_names(GetParam()))
     for (const std::int64_t count : {1, 2, 777}) {
       RunOptions o = options();
       o.broad_phase = method;
@@ -120,6 +122,21 @@ TEST_P(BroadPhases, TreesHoldTheirBodies) {
         }
       }
     }
+}
+
+TEST_P(BroadPhases, WhatNeedsTheCpuIsRefusedElsewhere) {
+  const std::vector<std::string> here = broad_phase_names(GetParam());
+  for (const std::string& method : broad_phase_names()) {
+    RunOptions o = options();
+    o.broad_phase = method;
+    if (std::find(here.begin(), here.end(), method) != here.end()) {
+      EXPECT_NO_THROW(World(box_collider(10), o)) << method;
+    } else {
+      EXPECT_EQ(method, "bullet_dbvt");
+      EXPECT_EQ(GetParam(), ExecutorKind::cuda);
+      EXPECT_THROW(World(box_collider(10), o), MachineError);
+    }
+  }
 }
 
 TEST(BroadPhase, UnknownNamesListTheKnown) {

@@ -59,7 +59,7 @@ TEST_P(Quality, OfAnOverlapByHand) {
 }
 
 TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
-  for (const std::string& method : broad_phase_names()) {
+  for (const std::string& method : broad_phase_names(GetParam())) {
     World world = world_of(box_collider(500), method);
     if (world.tree_nodes() == 0) continue;
     const TreeQuality q = world.tree_quality();

@@ -48,10 +48,11 @@ void print_row(const MethodRow& r) {
 
 int bench_broad_phases(const CommandLine& line) {
   const ResultFiles files(line.options);
+  const std::vector<std::string> methods = broad_phase_names(line.options.run.executor);
   const bool table = line.options.json != "-";
   std::vector<MethodRow> rows;
   BenchMachine machine;
-  sweep(line, {1'000, 10'000, 100'000}, broad_phase_names(), [&](const SweepPoint& at) {
+  sweep(line, {1'000, 10'000, 100'000}, methods, [&](const SweepPoint& at) {
     if (rows.empty()) {
       machine = machine_of(World(at.scene, at.run));
       if (table)

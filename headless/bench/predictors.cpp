@@ -183,7 +183,7 @@ Chart chart_of(const BenchMachine& machine, const std::vector<Row>& rows) {
 
 int bench_predictors(const CommandLine& line) {
   const ResultFiles files(line.options);
-  std::vector<std::string> methods = broad_phase_names();
+  std::vector<std::string> methods = broad_phase_names(line.options.run.executor);
   std::erase(methods, "bvh_recursive");  // the tree of bvh_bottom_up
   CommandLine swept = line;
   if (swept.options.bench.variants.empty())

@@ -98,14 +98,14 @@ Chart chart_of(const BenchMachine& machine, const std::vector<MethodRow>& rows) 
 
 int bench_scaling(const CommandLine& line) {
   const ResultFiles files(line.options);
+  const std::vector<std::string> methods = broad_phase_names(line.options.run.executor);
   std::vector<MethodRow> rows;
   BenchMachine machine;
-  sweep(line, {1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000}, broad_phase_names(),
-        [&](const SweepPoint& at) {
-          if (rows.empty()) machine = machine_of(World(at.scene, at.run));
-          rows.push_back(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
-          files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
-        });
+  sweep(line, {1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000}, methods, [&](const SweepPoint& at) {
+    if (rows.empty()) machine = machine_of(World(at.scene, at.run));
+    rows.push_back(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
+    files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
+  });
   if (line.options.json == "-")
     fmt::print("{}", results_json(machine, rows));
   else

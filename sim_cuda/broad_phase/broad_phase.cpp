@@ -9,6 +9,7 @@ namespace {
 struct Method {
   const char* name;
   std::unique_ptr<BroadPhase> (*make)(Executor&);
+  bool cpu_only = false;
 };
 constexpr Method methods[] = {
     {"lbvh_ropes", make_lbvh_ropes},            // a linear BVH, walked along its ropes
@@ -20,7 +21,10 @@ constexpr Method methods[] = {
     {"ploc", make_ploc},                        // nearest neighbours merged, along its ropes
     {"kd_tree", make_kd_tree},                  // medians along the longest axis
     {"bsp", make_bsp},                          // medians along any direction
-    {"brute_force", make_brute_force},          // the paper's naive approach
+#if SIM_BULLET
+    {"bullet_dbvt", make_bullet_dbvt, true},  // Bullet's own, from step to step; the paper's 3.2.3
+#endif
+    {"brute_force", make_brute_force},              // the paper's naive approach
     {"brute_force_tiled", make_brute_force_tiled},  // the same from shared memory
     {"uniform_grid", make_uniform_grid},            // cells by the largest body
     {"hierarchical_grid", make_hierarchical_grid},  // cells for each size of bodies
@@ -33,10 +37,22 @@ std::vector<std::string> broad_phase_names() {
   return names;
 }
 
+std::vector<std::string> broad_phase_names(ExecutorKind kind) {
+  const bool on_gpu = kind != ExecutorKind::cpu && cuda_available();
+  std::vector<std::string> names;
+  for (const Method& m : methods)
+    if (!(m.cpu_only && on_gpu)) names.emplace_back(m.name);
+  return names;
+}
+
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor) {
   std::string known;
   for (const Method& m : methods) {
-    if (name == m.name) return m.make(executor);
+    if (name == m.name) {
+      if (m.cpu_only && executor.on_device())
+        throw MachineError("--broad-phase " + name + " runs on the CPU alone: --executor cpu");
+      return m.make(executor);
+    }
     known += (known.empty() ? "" : ", ") + std::string(m.name);
   }
   throw InputError("--broad-phase: '" + name + "' is unknown; one of " + known);

@@ -38,13 +38,15 @@ class BroadPhase {
   virtual void write_tree(const TreeSink&) const {}
 };
 
-/// Throws InputError for an unknown name; the line lists the known ones.
+/// Throws InputError for an unknown name; the line lists the known ones. Throws MachineError for what cannot
+/// run on this executor.
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor);
 
 // One factory per method, defined in the method's own file.
 std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
 std::unique_ptr<BroadPhase> make_brute_force_tiled(Executor& executor);
 std::unique_ptr<BroadPhase> make_bsp(Executor& executor);
+std::unique_ptr<BroadPhase> make_bullet_dbvt(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_bottom_up(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_input_order(Executor& executor);
 std::unique_ptr<BroadPhase> make_bvh_recursive(Executor& executor);

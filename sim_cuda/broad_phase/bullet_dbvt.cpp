@@ -1,0 +1,172 @@
+// The incremental tree of the paper's section 3.2.3, by Bullet itself (btDbvt): boxes larger than the bodies,
+// by a margin; a body that leaves its box is taken out and put in again; each step re-inserts one more leaf
+// to keep the tree in shape. All that is one after another, on one thread of the CPU. Compiled where
+// libbullet-dev is; never by nvcc.
+//
+// Bullet's boxes, of its own number type, hold ours exactly: floats fit in it, margins only add, and merging
+// takes least and greatest. So it finds a superset, of which ours takes the pairs that overlap exactly.
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+
+#include <vector>
+
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/pair_sink.h"
+
+namespace collidoscope {
+
+namespace {
+
+/// Of a box's sides. Bullet adds 0.05 m, which suits bodies of a metre.
+constexpr btScalar margin = btScalar(0.05);
+
+btDbvtVolume volume_of(const Aabb& box) {
+  const auto point = [](const Vector3f& p) {
+    return btVector3(static_cast<btScalar>(p.x()), static_cast<btScalar>(p.y()),
+                     static_cast<btScalar>(p.z()));
+  };
+  return btDbvtVolume::FromMM(point(box.min), point(box.max));
+}
+
+Aabb box_of(const btDbvtVolume& volume) {
+  Aabb box;
+  for (int k = 0; k < 3; ++k) {
+    box.min[k] = round_down(volume.Mins()[k]);
+    box.max[k] = round_up(volume.Maxs()[k]);
+  }
+  return box;
+}
+
+class BulletDbvt final : public BroadPhase {
+ public:
+  explicit BulletDbvt(Executor& executor) : executor_(executor) {}
+
+  void reserve(std::int64_t bodies) override {
+    tree_.clear();
+    leaves_.assign(static_cast<std::size_t>(bodies), nullptr);
+  }
+
+  void update(const Aabb* boxes, const Aabb*) override {
+    executor_.begin_stage("build", true);
+    executor_.count_launches(1);
+    boxes_ = boxes;
+    for (btDbvtNode*& leaf : leaves_) {
+      const Aabb& box = boxes[body_of(leaf)];
+      if (is_empty(box)) {
+        if (leaf != nullptr) tree_.remove(leaf);
+        leaf = nullptr;
+        continue;
+      }
+      btDbvtVolume volume = volume_of(box);
+      if (leaf == nullptr) {
+        leaf = tree_.insert(volume, &leaf);
+      } else if (!leaf->volume.Contain(volume)) {
+        volume.Expand(volume.Lengths() * margin);
+        tree_.update(leaf, volume);
+      }
+    }
+    tree_.optimizeIncremental(1);
+  }
+
+  void find_pairs(const PairSink& sink) override {
+    executor_.begin_stage("pairs", true);
+    executor_.count_launches(1);
+    struct Meet final : btDbvt::ICollide {
+      using ICollide::Process;
+      void Process(const btDbvtNode* a, const btDbvtNode* b) override {
+        const std::uint32_t x = method->body_of(a), y = method->body_of(b);
+        if (overlap(method->boxes_[x], method->boxes_[y])) sink->add(x, y);
+      }
+      const BulletDbvt* method = nullptr;
+      const PairSink* sink = nullptr;
+    } meet;
+    meet.method = this;
+    meet.sink = &sink;
+    tree_.collideTT(tree_.m_root, tree_.m_root, meet);
+  }
+
+  std::int64_t tree_nodes() const override {
+    return std::ssize(leaves_) + walk([](const btDbvtNode*, std::uint32_t, std::uint32_t) {});
+  }
+
+  void write_tree(const TreeSink& sink) const override {
+    walk([&](const btDbvtNode* node, std::uint32_t number, std::uint32_t parent) {
+      sink.parent[number] = parent;
+      if (node == nullptr) {
+        sink.box[number] = tree_.empty() ? Aabb::empty() : box_of(tree_.m_root->volume);
+      } else if (node->isinternal()) {
+        sink.box[number] = box_of(node->volume);
+      } else {
+        sink.leaf_body[number] = body_of(node);
+        sink.box[number] = boxes_[sink.leaf_body[number]];
+      }
+    });
+    // Those that are not in Bullet's tree.
+    auto number = static_cast<std::uint32_t>(tree_.m_leaves);
+    for (std::uint32_t body = 0; body < leaves_.size(); ++body) {
+      if (leaves_[body] != nullptr) continue;
+      sink.leaf_body[number] = body;
+      sink.box[number] = Aabb::empty();
+      sink.parent[number] = leaves_.size() > 1 ? static_cast<std::uint32_t>(leaves_.size()) : number;
+      ++number;
+    }
+  }
+
+ private:
+  static constexpr int deepest = 60;
+
+  std::uint32_t body_of(btDbvtNode* const& leaf) const {
+    return static_cast<std::uint32_t>(&leaf - leaves_.data());
+  }
+  std::uint32_t body_of(const btDbvtNode* node) const {
+    return body_of(*static_cast<btDbvtNode**>(node->data));
+  }
+
+  /// visit(node, number, parent's number), parents first, children from left to right, numbers as in
+  /// TreeSink; returns how many are inner. Where boxes are empty, a root (null) joins them and Bullet's tree.
+  /// Bodies that coincide make that a list: what is too deep for a TreeView stands under the last ancestor
+  /// that is not.
+  template <class Visit>
+  std::int64_t walk(const Visit& visit) const {
+    struct Entry {
+      const btDbvtNode* node;
+      std::uint32_t parent;
+      int depth;
+    };
+    constexpr std::uint32_t none = ~std::uint32_t{0};
+    const auto n = static_cast<std::uint32_t>(leaves_.size());
+    std::uint32_t leaf = 0, inner = n, top = none;
+    if (n > 1 && static_cast<std::uint32_t>(tree_.m_leaves) < n) {
+      top = inner++;
+      visit(nullptr, top, top);
+    }
+    std::vector<Entry> waiting;
+    if (!tree_.empty()) waiting.push_back({tree_.m_root, top, 0});
+    while (!waiting.empty()) {
+      const Entry at = waiting.back();
+      waiting.pop_back();
+      std::uint32_t number = at.parent;
+      if (at.node->isleaf() || at.depth < deepest) {
+        number = at.node->isleaf() ? leaf++ : inner++;
+        visit(at.node, number, at.parent == none ? number : at.parent);
+      }
+      if (at.node->isleaf()) continue;
+      waiting.push_back({at.node->childs[1], number, at.depth + 1});
+      waiting.push_back({at.node->childs[0], number, at.depth + 1});
+    }
+    return inner - n;
+  }
+
+  Executor& executor_;
+  const Aabb* boxes_ = nullptr;
+  btDbvt tree_;
+  std::vector<btDbvtNode*> leaves_;  ///< by body; null where the box is empty
+};
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> make_bullet_dbvt(Executor& executor) {
+  return std::make_unique<BulletDbvt>(executor);
+}
+
+}  // namespace collidoscope
