@@ -108,12 +108,12 @@ TEST(TreeInspector, ARankSelectsANodeOrABodyUntilTheNextState) {
   ASSERT_EQ(facts.children.size(), facts.node->children);
   const std::vector<BoxInstance> marks = tree_marks(workspace, nullptr, &facts);
   ASSERT_EQ(marks.size(), 3u);
-  EXPECT_EQ(marks[0].value, static_cast<float>(BoxMark::node));
-  EXPECT_EQ(marks[1].value, static_cast<float>(BoxMark::left));
-  EXPECT_EQ(marks[2].value, static_cast<float>(BoxMark::right));
+  EXPECT_EQ(marks[0].value, static_cast<float>(BoxMark::left));
+  EXPECT_EQ(marks[1].value, static_cast<float>(BoxMark::right));
+  EXPECT_EQ(marks[2].value, static_cast<float>(BoxMark::node));
   for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(marks[0].min[k], std::min(marks[1].min[k], marks[2].min[k])) << "they fill it";
-    EXPECT_EQ(marks[0].max[k], std::max(marks[1].max[k], marks[2].max[k]));
+    EXPECT_EQ(marks[2].min[k], std::min(marks[0].min[k], marks[1].min[k])) << "they fill it";
+    EXPECT_EQ(marks[2].max[k], std::max(marks[0].max[k], marks[1].max[k]));
   }
   // The last by level is the root; the deepest are leaves.
   workspace.tree.sort = NodeMetric::level;

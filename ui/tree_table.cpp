@@ -77,12 +77,14 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
       ImGui::TableNextColumn();
       const bool chosen = leaf ? workspace.selection == node.body : wishes.node == node.node;
       ImGui::PushID(static_cast<int>(i));
+      ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetColorU32(ImGuiCol_ButtonActive, 0.6f));
       if (ImGui::Selectable(
               leaf ? fmt::format("body {}", node.body).c_str() : std::to_string(node.node).c_str(), chosen,
               ImGuiSelectableFlags_SpanAllColumns)) {
         wishes.rank = facts.first + static_cast<std::int64_t>(i);
         workspace.playing = false;
       }
+      ImGui::PopStyleColor();
       ImGui::PopID();
       track(workspace, ("tree.row." + std::to_string(i)).c_str());
       explain(fmt::format("{}. {}. A click selects {}, and pauses: the next state has another tree",

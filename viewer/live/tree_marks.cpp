@@ -26,9 +26,9 @@ std::vector<BoxInstance> tree_marks(const Workspace& workspace, const BodyReport
     marks.push_back(mark(node, static_cast<std::size_t>(node.level), kind));
   };
   if (facts != nullptr && facts->node) {
-    add(*facts->node, BoxMark::node);
     for (std::size_t k = 0; k < facts->children.size(); ++k)
       add(facts->children[k], k % 2 == 0 ? BoxMark::left : BoxMark::right);
+    add(*facts->node, BoxMark::node);  // broader than theirs, its lines show beside those that they share
   }
   if (body == nullptr) return marks;
   if (facts != nullptr && facts->queried == body->id) {
