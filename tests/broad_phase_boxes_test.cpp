@@ -183,8 +183,8 @@ TEST_P(BroadPhaseBoxes, PairsAfterAnyMotion) {
           box.max += step;
         }
         ASSERT_EQ(runner.pairs_of(*method, boxes, around(boxes)), by_definition(boxes))
-            << runner.names[static_cast<std::size_t>(&method - runner.methods.data())] << ", move "
-            << move << ", run " << how;
+            << runner.names[static_cast<std::size_t>(&method - runner.methods.data())] << ", move " << move
+            << ", run " << how;
       }
     }
   }

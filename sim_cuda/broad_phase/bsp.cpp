@@ -1,5 +1,5 @@
 // A BSP tree of bodies: planes of any direction, level by level. Split rule: the normal is the principal axis
-// of the node's centres (of 64 of them, evenly spaced in the node's order), the longest direction of the
+// of the node's centres (of 32 of them, evenly spaced in the node's order), the longest direction of the
 // cloud; the plane stands at the median of the projections onto it. As in the k-d tree, bodies have extent:
 // each node keeps two planes of its normal, where the projected boxes of its left half end and where those of
 // its right half begin.
@@ -96,7 +96,7 @@ struct Cloud {
 };
 
 struct ChoosePlane {
-  static constexpr std::uint32_t samples = 64;
+  static constexpr std::uint32_t samples = 32;
   Halving tree;
   int level;
   const Aabb* boxes;
