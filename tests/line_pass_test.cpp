@@ -90,6 +90,72 @@ TEST(LinePass, BuffersLargerThanAShaderReachesAreDrawnToTheEnd) {
   EXPECT_EQ(changed_near(picture, nothing, 90, 90, 20), 0);
 }
 
+/// A box full of spheres, the box of each and those around every eight of them, and as many contacts.
+struct Crowd {
+  TestBodies spheres = test_spheres(40'000, 2.5, 3);
+  std::vector<BoxInstance> boxes;
+  std::vector<ContactInstance> contacts;
+
+  Crowd() {
+    boxes.push_back(box_instance({0, 0, 0}, {100, 100, 100}, 0));
+    for (const BodyInstance& body : spheres.instances) {
+      const Vector3d center(body.center[0], body.center[1], body.center[2]);
+      const double r = body.radius;
+      if (boxes.size() % 8 == 0)
+        boxes.push_back(box_instance(center - Vector3d::Constant(3), center + Vector3d::Constant(4), 2));
+      boxes.push_back(box_instance(center - Vector3d::Constant(r), center + Vector3d::Constant(r), 2));
+      ContactInstance contact{};
+      for (int k = 0; k < 3; ++k) contact.point[k] = body.center[k] + (k == 0 ? body.radius : 0);
+      contact.normal[0] = 1;
+      contact.radius = body.radius;
+      contacts.push_back(contact);
+    }
+  }
+};
+
+/// Draws it with or without what is hidden.
+struct CrowdPicture {
+  Renderer renderer;
+  CrowdPicture(const Crowd& crowd, bool cull, int samples)
+      : renderer(width, height, {.supersampling = samples, .light = Quality::quick, .cull_lines = cull}) {
+    renderer.set_scene(frame_scene(crowd.spheres.scene, crowd.spheres.initial));
+    renderer.instances().upload(std::span<const BodyInstance>(crowd.spheres.instances));
+    renderer.instances().upload(std::span<const BoxInstance>(crowd.boxes));
+    renderer.instances().upload(std::span<const ContactInstance>(crowd.contacts));
+  }
+  Image draw(const OrbitCamera& camera, const FrameLayers& layers) {
+    renderer.draw(camera, layers, {0, 1});
+    return renderer.read_picture();
+  }
+};
+
+TEST(LinePass, WhatIsLeftOutBeforeItIsDrawnWouldNotHaveBeenSeen) {
+  test_context();
+  const Crowd crowd;
+  ASSERT_GT(static_cast<std::int64_t>(crowd.boxes.size()), LinePass::most_broad_boxes);
+  const FrameLayers everything{.spheres = true, .boxes = true, .last_level = 2, .contacts = true},
+      lines_alone{.boxes = true, .last_level = 2, .contacts = true, .grid = false};
+  const OrbitCamera all = frame_all({{0, 0, 0}, {100, 100, 100}}, 4.0 / 3, {});
+  OrbitCamera inside = all, near = all, beside = all, flat = all;
+  inside.distance = 20;  // among the bodies: some reach before the near plane
+  near.distance = 90;
+  beside.target += Vector3d(90, 40, 0);  // half of it outside of the picture
+  flat.orthographic = true;
+  CrowdPicture culled(crowd, true, 1), whole(crowd, false, 1);
+  for (const OrbitCamera& camera : {all, inside, near, beside, flat})
+    for (const FrameLayers& layers : {everything, lines_alone})
+      EXPECT_TRUE(culled.draw(camera, layers) == whole.draw(camera, layers))
+          << "distance " << camera.distance;
+  EXPECT_TRUE(CrowdPicture(crowd, true, 2).draw(near, everything) ==
+              CrowdPicture(crowd, false, 2).draw(near, everything));
+  // There are boxes and contacts in these pictures.
+  FrameLayers no_boxes = everything, no_contacts = everything;
+  no_boxes.boxes = no_contacts.contacts = false;
+  const Image both = culled.draw(all, everything);
+  EXPECT_FALSE(both == culled.draw(all, no_boxes));
+  EXPECT_FALSE(both == culled.draw(all, no_contacts));
+}
+
 constexpr int size = 200;
 
 /// One contact in the middle of the box, seen along its normal: the ring, and of the needle only its end.

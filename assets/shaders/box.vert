@@ -1,7 +1,7 @@
 // The twelve edges of a box as screen-space lines, coloured by level, thin and faint as levels deepen; or by the value
 // of a metric, thin and faint where that is small, so that the worst stand out.
-// Compiled four times: lines (default), THIN, lines of one drawn pixel, and IDS, the six faces filled with the number of
-// the instance, or EDGES, its lines.
+// Compiled four times: lines (default); THIN, lines of one drawn pixel, of those boxes that line_cull.comp lists; and
+// IDS, the six faces filled with the number of the instance, or EDGES, its lines.
 uniform vec4 range;  // least and greatest value drawn
 
 #if defined(IDS)
@@ -35,7 +35,16 @@ struct Box {
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 layout(binding = 0) uniform sampler2D colors;
 
-uniform int first, count;  // records to draw
+uniform int first;       // record to begin with
+#if defined(THIN)
+layout(std430, binding = 3) readonly buffer Listed {
+  uint command[4];
+  uint count;     // of those that may be seen
+  uint listed[];  // their places behind the first
+};
+#else
+uniform int count;       // records to draw
+#endif
 uniform float strength;  // opacity of this pass
 uniform vec4 levels;     // first and last level drawn
 uniform vec4 coloring;   // of values: from and scale; 0 coloured by level, 1 by value, 2 by its logarithm, 3: a mark;
@@ -52,7 +61,12 @@ void main() {
   const int vertices = 6;
 #endif
   // Backwards: where edges coincide, the line of the upper level lies on top, and is the thicker one.
-  int place = first + count - 1 - gl_VertexID / (12 * vertices), vertex = gl_VertexID % (12 * vertices);
+  int from_last = gl_VertexID / (12 * vertices), vertex = gl_VertexID % (12 * vertices);
+#if defined(THIN)
+  int place = first + int(listed[count - 1 - from_last]);
+#else
+  int place = first + count - 1 - from_last;
+#endif
   vec4 min_level = boxes[place].min_level, max_value = boxes[place].max_value;
   int edge = vertex / vertices, axis = edge >> 2;
   bvec3 upper;

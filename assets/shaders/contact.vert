@@ -8,6 +8,13 @@ struct Contact {
 };
 layout(std430, binding = 0) readonly buffer Contacts { Contact contacts[]; };
 
+#if defined(LISTED)
+layout(std430, binding = 3) readonly buffer Listed {
+  uint command[4];
+  uint count;
+  uint listed[];  // places behind the first of those that may be seen
+};
+#endif
 uniform int first;       // record to begin with
 uniform float strength;  // opacity of this pass
 
@@ -18,7 +25,11 @@ noperspective out float across;
 out vec2 in_ring;                  // -1 to 1
 
 void main() {
+#if defined(LISTED)
+  Contact contact = contacts[first + int(listed[gl_VertexID / 12])];
+#else
   Contact contact = contacts[first + gl_VertexID / 12];
+#endif
   int vertex = gl_VertexID % 12;
   float size = contact.size;
   vec3 point = contact.point_penetration.xyz, normal = contact.normal_impulse.xyz;

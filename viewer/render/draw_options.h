@@ -23,6 +23,7 @@ struct DrawOptions {
   int supersampling = 2;  ///< 1 to 4; that many pixels squared are drawn for each
   Quality light = Quality::full;
   SphereMethod spheres = SphereMethod::automatic;
+  bool cull_lines = true;  ///< the picture is the same without
 
   friend bool operator==(const DrawOptions&, const DrawOptions&) = default;
 };

@@ -10,10 +10,15 @@
 
 namespace collidoscope {
 
+namespace {
+constexpr float least_visible = 0.5f / 255;  // of an opacity: less changes no colour of 8 bits
+}
+
 LinePass::LinePass()
     : box_("box.vert", "line.frag"),
       thin_box_("box.vert", "line.frag", "#define THIN\n"),
       contact_("contact.vert", "contact.frag"),
+      listed_contact_("contact.vert", "contact.frag", "#define LISTED\n"),
       box_ids_("box.vert", "id.frag", "#define IDS\n"),
       edge_ids_("box.vert", "id.frag", "#define IDS\n#define EDGES\n"),
       nothing_{},
@@ -35,17 +40,31 @@ void LinePass::draw_records(const gl::Program& program, GLenum mode, GLsizei ver
   }
 }
 
+void LinePass::look_at(const gl::Target& surfaces, bool cull) { cull_.look_at(surfaces, cull); }
+
+void LinePass::draw_listed(const gl::Program& program, LineCull::Kind kind, GLenum mode, GLsizei vertices,
+                           const Records& records, float strength, float low, float high) {
+  constexpr std::int64_t block = 1 << 20;  // as in draw_records()
+  for (std::int64_t end = records.first + records.count; end > records.first;) {
+    const std::int64_t start = (end - 1) / block * block, first = std::max(start, records.first);
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, records.buffer.get(), start * records.bytes,
+                      (end - start) * records.bytes);
+    cull_.list(kind, static_cast<int>(first - start), static_cast<int>(end - first), vertices, low, high);
+    program.set("first", static_cast<int>(first - start));
+    program.set("strength", strength);
+    prepare(program);
+    glDepthFunc(GL_GEQUAL);
+    glDrawArraysIndirect(mode, nullptr);
+    end = first;
+  }
+}
+
 void LinePass::draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
                           float shown, float hidden) const {
   if (records.count <= 0) return;
-  program.use();
-  nothing_.bind(0, 0);
-  glEnable(GL_BLEND);
-  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-  glEnable(GL_DEPTH_TEST);
-  glDepthMask(GL_FALSE);
+  prepare(program);
   // Depth is reversed: less is farther. What changes no colour of 8 bits is not drawn.
-  if (hidden >= 0.5f / 255) {
+  if (hidden >= least_visible) {
     glDepthFunc(GL_LESS);
     program.set("strength", hidden);
     draw_records(program, mode, vertices, records);
@@ -53,6 +72,15 @@ void LinePass::draw_twice(const gl::Program& program, GLenum mode, GLsizei verti
   glDepthFunc(GL_GEQUAL);
   program.set("strength", shown);
   draw_records(program, mode, vertices, records);
+}
+
+void LinePass::prepare(const gl::Program& program) const {
+  program.use();
+  nothing_.bind(0, 0);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
 }
 
 void LinePass::set_colors(const gl::Program& program, const BoxColors& colors) {
@@ -65,7 +93,7 @@ void LinePass::set_colors(const gl::Program& program, const BoxColors& colors) {
 }
 
 void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
-                          int last_level, const BoxColors& colors) const {
+                          int last_level, const BoxColors& colors) {
   const std::int64_t count = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
   std::int64_t broad = 0;
   for (std::int64_t size : sizes) {
@@ -80,7 +108,10 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
     set_colors(*program, colors);
   }
   constexpr std::int64_t bytes = sizeof(BoxInstance);
-  draw_twice(thin_box_, GL_LINES, 24, {boxes, bytes, broad, count - broad}, 0.95f, hidden);
+  // So many that none is seen through what hides it: only those that may be seen at all are drawn.
+  if (count > broad)
+    draw_listed(thin_box_, LineCull::Kind::boxes, GL_LINES, 24, {boxes, bytes, broad, count - broad}, 0.95f,
+                static_cast<float>(colors.low), static_cast<float>(colors.high));
   draw_twice(box_, GL_TRIANGLES, 72, {boxes, bytes, 0, broad}, 0.95f, hidden);
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
@@ -103,9 +134,13 @@ void LinePass::draw_walls(const gl::Buffer& boxes) const {
   gl::check("to draw the walls");
 }
 
-void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) const {
+void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) {
   const float hidden = std::min(0.3f, 70.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
-  draw_twice(contact_, GL_TRIANGLES, 12, {contacts, sizeof(ContactInstance), 0, count}, 1.0f, hidden);
+  const Records records{contacts, sizeof(ContactInstance), 0, count};
+  if (hidden < least_visible && count > 0)
+    draw_listed(listed_contact_, LineCull::Kind::contacts, GL_TRIANGLES, 12, records, 1.0f);
+  else
+    draw_twice(contact_, GL_TRIANGLES, 12, records, 1.0f, hidden);
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 

@@ -9,6 +9,7 @@
 #include "viewer/render/gl/program.h"
 #include "viewer/render/gl/vertex_layout.h"
 #include "viewer/render/instance_buffers.h"
+#include "viewer/render/line_cull.h"
 
 namespace collidoscope {
 
@@ -24,16 +25,19 @@ struct BoxColors {
 class LinePass {
  public:
   LinePass();
+  /// Before the others, in each frame: the surfaces whose depth hides lines. `cull`: whether lines that they
+  /// hide are left out before they are drawn (line_cull.h); the picture is the same.
+  void look_at(const gl::Target& surfaces, bool cull);
   /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
   /// The records are those of levels first_level to last_level, in this order, `sizes[i]` of each. Upper
   /// levels are broad as long as they have no more than `most_broad_boxes` together.
   /// The colour map of values is bound to texture unit 0.
   void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
-                  int last_level, const BoxColors& colors = {}) const;
+                  int last_level, const BoxColors& colors = {});
   /// Boxes whose value is a BoxMark; those that come first lie on top.
   void draw_marks(const gl::Buffer& boxes, std::int64_t count) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
-  void draw_contacts(const gl::Buffer& contacts, std::int64_t count) const;
+  void draw_contacts(const gl::Buffer& contacts, std::int64_t count);
   /// Into an id buffer: faces filled or edges one pixel wide, 0x80000000 + place of the box in the buffer,
   /// nearest wins; of boxes whose value lies from `low` to `high`.
   void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low, double high) const;
@@ -48,9 +52,14 @@ class LinePass {
   void draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
                   float shown, float hidden) const;
   static void set_colors(const gl::Program& program, const BoxColors& colors);
+  /// What may be seen of them.
+  void draw_listed(const gl::Program& program, LineCull::Kind kind, GLenum mode, GLsizei vertices,
+                   const Records& records, float strength, float low = 0, float high = 0);
+  void prepare(const gl::Program& program) const;
   static void draw_records(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records);
 
-  gl::Program box_, thin_box_, contact_, box_ids_, edge_ids_;
+  gl::Program box_, thin_box_, contact_, listed_contact_, box_ids_, edge_ids_;
+  LineCull cull_;
   gl::VertexLayout nothing_, box_layout_;
 };
 

@@ -151,6 +151,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.grid) planes_.draw_veils();
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
   mark("veils and walls");
+  if (layers.boxes || layers.contacts) lines_.look_at(*surface_, options_.cull_lines);
   glBindTextureUnit(0, heat_.get());
   if (layers.boxes)
     lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, layers.last_level,
