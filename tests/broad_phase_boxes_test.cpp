@@ -43,7 +43,7 @@ class BroadPhaseBoxes : public OnEachExecutor {
     PairIds find(BroadPhase& method, const std::vector<Aabb>& host_boxes, const Aabb& host_extent,
                  std::size_t pairs) {
       start(method, host_boxes.size(), pairs);
-      const PairIds first = pairs_of(method, host_boxes, host_extent);
+      PairIds first = pairs_of(method, host_boxes, host_extent);
       EXPECT_EQ(pairs_of(method, host_boxes, host_extent), first);  // an update leaves no trace in the next
       return first;
     }

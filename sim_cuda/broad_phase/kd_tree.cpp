@@ -227,9 +227,11 @@ class KdTree final : public BroadPhase {
       std::swap(list, parted);
     }
     executor_.run("build", n, MakeHalvedLeaves{boxes, list, leaves_.data()});
-    for (int level = tree_.levels - 1; level >= 0; --level)
+    for (int up = 1; up <= tree_.levels; ++up) {
+      const int level = tree_.levels - up;
       executor_.run("build", std::int64_t{1} << level,
                     JoinHalves{tree_, level, leaves_.data(), boxes_.data(), nodes_.data()});
+    }
   }
 
   void find_pairs(const PairSink& sink) override {
