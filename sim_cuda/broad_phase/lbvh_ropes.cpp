@@ -7,6 +7,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/broad_phase/parting.h"
 #include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {
@@ -47,20 +48,6 @@ struct MakeLeaf {
     met[place] = none;
   }
 };
-
-/// Where two neighbouring leaves part: the higher the bit in which their keys differ, the nearer the root.
-/// Equal keys part by their places. For 30-bit keys both fit in one word.
-struct WideParting {
-  std::uint64_t keys;
-  std::uint32_t places;
-  SIM_HD friend bool operator<(const WideParting& a, const WideParting& b) {
-    return a.keys < b.keys || (a.keys == b.keys && a.places < b.places);
-  }
-};
-SIM_HD inline std::uint64_t parting_of(std::uint32_t keys, std::uint32_t places) {
-  return std::uint64_t{keys} << 32 | places;
-}
-SIM_HD inline WideParting parting_of(std::uint64_t keys, std::uint32_t places) { return {keys, places}; }
 
 template <class Key>
 struct Climb {

@@ -457,7 +457,7 @@ NodeSpread TreeMeter::spread(const TreeView& tree, NodeMetric metric, const Node
 }
 
 void TreeMeter::enqueue_queries(const TreeView& tree) {
-  executor_.run("query", static_cast<std::int64_t>(leaf_node_.size()),
+  executor_.run("quality", static_cast<std::int64_t>(leaf_node_.size()),
                 CountMet{tree, leaf_node_.data(), met_.data()});
 }
 

@@ -11,6 +11,7 @@
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
+#include "sim_cuda/broad_phase/parting.h"
 #include "sim_cuda/broad_phase/rope_tree.h"
 #include "sim_cuda/core/reduce.h"
 
@@ -37,15 +38,6 @@ struct PlaceBody {
   SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { leaves[place].child = body; }
 };
 
-/// Where two neighbouring leaves part: the higher, the nearer the root. Equal keys part by their places.
-struct Parting {
-  std::uint64_t keys;
-  std::uint32_t places;
-  SIM_HD friend bool operator<(const Parting& a, const Parting& b) {
-    return a.keys < b.keys || (a.keys == b.keys && a.places < b.places);
-  }
-};
-
 /// Leaves climb; where two subtrees meet, the second to come links them and goes on (Apetrei 2014). The node
 /// that parts leaves i and i + 1 is n + i.
 template <class Key>
@@ -56,9 +48,9 @@ struct LinkNodes {
   TreeLinks links;
   std::uint32_t* met;  ///< by parting: `none`, or the far end of the subtree that came first
 
-  SIM_HD Parting parting(std::uint32_t i) const {
-    if (i >= n - 1) return {~std::uint64_t{0}, none};  // i = -1 too
-    return {keys[i] ^ keys[i + 1], i ^ (i + 1)};
+  SIM_HD auto parting(std::uint32_t i) const {
+    if (i >= n - 1) return parting_of(~Key{0}, none);  // i = -1 too
+    return parting_of(keys[i] ^ keys[i + 1], i ^ (i + 1));
   }
   SIM_HD void operator()(int item) const {
     std::uint32_t first = static_cast<std::uint32_t>(item), last = first, at = first;

@@ -139,10 +139,13 @@ std::int64_t Executor::available_bytes() const {
 }
 
 std::int64_t Executor::rehearse(const std::function<void()>& reserve) {
+  struct UntilTheEnd {  // of the rehearsal, however it ends
+    bool& on;
+    ~UntilTheEnd() { on = false; }
+  } rehearsal{rehearsing_};
   rehearsing_ = true;
   rehearsed_bytes_ = 0;
   reserve();
-  rehearsing_ = false;
   return rehearsed_bytes_;
 }
 
