@@ -1,150 +1,169 @@
 // A linear BVH in one bottom-up launch: the leaves, in Morton order, climb; where two meet, the second goes
 // on (Apetrei 2014) with the node numbers of Karras 2012, which tell each node where its right neighbour
-// stands: its rope (Prokopenko & Lebrun-Grandié 2024). A query starts at its own leaf's rope and walks right,
-// down into what it overlaps and along the ropes past what it does not, so that it needs no stack and finds
-// each pair once (half traversal).
+// stands: its rope (Prokopenko & Lebrun-Grandié 2024), by which queries walk.
+//
+// On a GPU the leaves of a warp join each other first, without a word to memory. Box of boxes: nothing
+// rounds, and the tree is the same.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
-#include "sim_cuda/broad_phase/pair_sink.h"
 #include "sim_cuda/broad_phase/parting.h"
+#include "sim_cuda/broad_phase/rope_walk.h"
 #include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {
 
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
+constexpr std::uint32_t none = RopedNode::none;
 
-/// 32 bytes: a GPU reads it in two loads from one sector. Inner nodes are 0 .. n-2, the root is 0; leaf k is
-/// n - 1 + k.
-struct alignas(16) RopeNode {
-  float min[3];
-  std::uint32_t child;  ///< the left one; of a leaf: the id of its body
-  float max[3];
-  std::uint32_t rope;  ///< the node to the right of this subtree; none: it was the last
+/// Of leaves first .. last, on its way up.
+struct Subtree {
+  std::uint32_t first, last;
+  std::uint32_t left, right;  ///< heights of the partings at either end
+  RopedNode node;
+
+  /// The sibling of a left child is to the right.
+  SIM_HD bool is_left() const { return right < left; }
+  SIM_HD bool is_root() const { return left == right; }
 };
-static_assert(sizeof(RopeNode) == 32);
 
-SIM_HD inline bool overlap(const RopeNode& a, const RopeNode& b) {
-  return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] && b.min[1] <= a.max[1] &&
-         a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
-}
+/// What the child that comes first at a parting leaves for the other.
+struct Word {
+  static constexpr std::uint64_t nobody = ~std::uint64_t{0};
+  std::uint32_t far, height;  ///< its other end, and the parting there
 
-struct MakeLeaf {
-  const Aabb* boxes;
-  RopeNode* leaves;
-  std::uint32_t* met;
-  SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const {
-    const Aabb box = boxes[body];
-    RopeNode leaf;
-    for (int k = 0; k < 3; ++k) {
-      leaf.min[k] = box.min[k];
-      leaf.max[k] = box.max[k];
+  SIM_HD std::uint64_t packed() const { return std::uint64_t{height} << 32 | far; }
+  SIM_HD static Word unpacked(std::uint64_t word) {
+    return {static_cast<std::uint32_t>(word), static_cast<std::uint32_t>(word >> 32)};
+  }
+};
+
+/// Over n leaves. Inner node n + k: a left child has the number k of its last leaf, a right one that of its
+/// first, the root 0.
+struct Climb {
+  std::uint32_t n;
+  RopedNode* nodes;
+  std::uint64_t* words;  ///< by parting
+
+  /// A subtree grows by its sibling and is stored.
+  SIM_HD void join(Subtree& own, const Word& word, const RopedNode& sibling) const {
+    const bool is_left = own.is_left();
+    const std::uint32_t split = is_left ? own.last : own.first - 1;
+    if (is_left) {
+      own.last = word.far;
+      own.right = word.height;
+      own.node.rope = sibling.rope;
+    } else {
+      own.first = word.far;
+      own.left = word.height;
     }
-    leaf.child = body;
-    leaf.rope = none;
-    store_whole(&leaves[place], leaf);
-    met[place] = none;
+    for (int k = 0; k < 3; ++k) {
+      own.node.min[k] = min_of(own.node.min[k], sibling.min[k]);
+      own.node.max[k] = max_of(own.node.max[k], sibling.max[k]);
+    }
+    own.node.child = split == own.first ? split : n + split;
+    store_whole(&nodes[n + (own.is_root() ? 0 : own.is_left() ? own.last : own.first)], own.node);
+  }
+
+  /// A subtree joins the neighbour from which it parts lower in the tree, until it is the whole. Who comes
+  /// first leaves word and stops, the second goes on.
+  SIM_HD void climb(Subtree own) const {
+    while (!own.is_root()) {
+      const bool is_left = own.is_left();
+      const std::uint32_t split = is_left ? own.last : own.first - 1;
+      const Word mine = is_left ? Word{own.first, own.left} : Word{own.last, own.right};
+      const std::uint64_t there = atomic_swap(&words[split], mine.packed());
+      if (there == Word::nobody) return;
+      words[split] = Word::nobody;  // both were here
+      const Word its = Word::unpacked(there);
+      const std::uint32_t place = is_left ? split + 1 : split;
+      join(own, its, load_fresh(&nodes[its.far == place ? place : n + place]));
+    }
   }
 };
 
 template <class Key>
-struct Climb {
-  using Parting = decltype(parting_of(Key{}, 0u));
+struct Build {
   const Key* keys;
-  std::uint32_t n;
-  RopeNode* nodes;
-  std::uint32_t* met;  ///< at each parting, the far end of the subtree that came first
+  const std::uint32_t* body_at;
+  const Aabb* boxes;
+  Climb above;
 
-  /// Between leaves i and i + 1; beyond both ends, the highest.
-  SIM_HD Parting parting(std::uint32_t i) const {
-    if (i >= n - 1) return parting_of(~Key{0}, none);  // i = -1 too
-    return parting_of(keys[i] ^ keys[i + 1], i ^ (i + 1));
+  SIM_HD std::uint32_t height(std::uint32_t i) const { return parting_height(keys, above.n, i); }
+  /// To the right of the parting stands a left child, or, if the next parting is higher, a leaf.
+  SIM_HD std::uint32_t rope(std::uint32_t place, std::uint32_t right) const {
+    if (place == above.n - 1) return none;
+    return height(place + 1) < right ? above.n + place + 1 : place + 1;
   }
-  /// Of a subtree whose last leaf is `last`: the right child of the node that parts there. It starts with
-  /// leaf last + 1, and is this leaf alone if that parts from the next one higher up.
-  SIM_HD std::uint32_t rope(std::uint32_t last, const Parting& right) const {
-    if (last == n - 1) return none;
-    const bool leaf = !(parting(last + 1) < right);
-    return leaf ? n - 1 + last + 1 : last + 1;
+  SIM_HD Subtree leaf(std::uint32_t place) const {
+    Subtree leaf{place, place, height(place - 1), height(place), {}};
+    leaf.node.child = body_at[place];
+    leaf.node.set_box(boxes[leaf.node.child]);
+    leaf.node.rope = rope(place, leaf.right);
+    store_whole(&above.nodes[place], leaf.node);
+    return leaf;
   }
+  SIM_HD void operator()(int item) const { above.climb(leaf(static_cast<std::uint32_t>(item))); }
+};
 
-  SIM_HD void operator()(int item) const {
-    std::uint32_t first = static_cast<std::uint32_t>(item), last = first;
-    RopeNode node = load_fresh(&nodes[n - 1 + first]);
-    Parting left = parting(first - 1), right = parting(last);
-    nodes[n - 1 + first].rope = rope(last, right);
-    while (first > 0 || last < n - 1) {
-      // A subtree joins the neighbour from which it parts lower in the tree. Who comes first leaves the other
-      // end of the subtree and stops.
-      const bool is_left = right < left;
-      const std::uint32_t split = is_left ? last : first - 1;
-      const std::uint32_t far = atomic_swap(&met[split], is_left ? first : last);
-      if (far == none) return;
-      std::uint32_t sibling;
-      if (is_left) {
-        sibling = far == split + 1 ? n - 1 + far : split + 1;
-        last = far;
-      } else {
-        sibling = far == split ? n - 1 + far : split;
-        first = far;
-      }
-      const RopeNode other = load_fresh(&nodes[sibling]);
+#if defined(__CUDACC__)
+
+/// The leaves of a warp join each other first, in step: a subtree is held by the lane of its first leaf, so
+/// that the sibling of a left child is the next that is held. What is left over, which reaches beyond the
+/// warp, meets in the device's memory.
+template <class Key>
+__global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
+  constexpr std::uint32_t warp_size = 32;
+  const std::uint32_t n = build.above.n, lane = threadIdx.x % warp_size;
+  const std::uint32_t lanes = min(warp_size, blockDim.x - (threadIdx.x - lane));
+  const std::uint32_t all = lanes == warp_size ? ~0u : (1u << lanes) - 1;
+  const std::uint64_t stride = std::uint64_t{gridDim.x} * blockDim.x;
+  std::uint64_t begin = std::uint64_t{blockIdx.x} * blockDim.x + (threadIdx.x - lane);
+  for (; begin < n; begin += stride) {
+    bool holds = begin + lane < n;
+    Subtree own = build.leaf(holds ? static_cast<std::uint32_t>(begin) + lane : n - 1);
+    for (;;) {
+      const bool is_left = own.is_left();
+      const std::uint32_t held = __ballot_sync(all, holds), lefts = __ballot_sync(all, is_left);
+      const std::uint32_t before = held & ((1u << lane) - 1), after = held & ~((2u << lane) - 1);
+      const int previous = 31 - __clz(static_cast<int>(before)), next = __ffs(static_cast<int>(after)) - 1;
+      const bool joins = holds && is_left && after != 0 && !(lefts >> next & 1);
+      if (__ballot_sync(all, joins) == 0) break;
+      if (!is_left && before != 0 && (lefts >> previous & 1)) holds = false;
+      const int from = joins ? next : static_cast<int>(lane);
+      RopedNode sibling;
       for (int k = 0; k < 3; ++k) {
-        node.min[k] = min_of(node.min[k], other.min[k]);
-        node.max[k] = max_of(node.max[k], other.max[k]);
+        sibling.min[k] = __shfl_sync(all, own.node.min[k], from);
+        sibling.max[k] = __shfl_sync(all, own.node.max[k], from);
       }
-      left = parting(first - 1);
-      right = parting(last);
-      node.child = split == first ? n - 1 + split : split;
-      node.rope = rope(last, right);
-      // Karras: a left child has the number of its last leaf, a right one that of its first, the root 0.
-      store_whole(&nodes[first > 0 || last < n - 1 ? (right < left ? last : first) : 0], node);
+      sibling.rope = __shfl_sync(all, own.node.rope, from);
+      const Word word{__shfl_sync(all, own.last, from), __shfl_sync(all, own.right, from)};
+      if (joins) build.above.join(own, word, sibling);
     }
+    __syncwarp(all);  // what the others stored is there for those who meet its parents
+    if (holds) build.above.climb(own);
   }
-};
+}
 
-struct WalkRight {
-  const RopeNode* nodes;
-  std::uint32_t n;
-  PairSink sink;
-  SIM_HD void operator()(int leaf) const {
-    const RopeNode query = load_whole(&nodes[n - 1 + static_cast<std::uint32_t>(leaf)]);
-    PairBatch batch(sink, query.child);
-    for (std::uint32_t at = query.rope; at != none;) {
-      const RopeNode node = load_whole(&nodes[at]);
-      const bool hit = overlap(query, node), is_leaf = at >= n - 1;
-      if (hit && is_leaf) batch.add(node.child);
-      at = hit && !is_leaf ? node.child : node.rope;
-    }
-    batch.finish();
-  }
-};
+#endif
 
 /// A right child is where the rope of the left one leads; parents tell their children.
 struct WriteTree {
-  const RopeNode* nodes;
+  const RopedNode* nodes;
   std::uint32_t n;
   TreeSink sink;
-  SIM_HD std::uint32_t number(std::uint32_t node) const { return node < n - 1 ? n + node : node - (n - 1); }
   SIM_HD void operator()(int item) const {
     const auto node = static_cast<std::uint32_t>(item);
-    const RopeNode from = nodes[node];
-    Aabb box;
-    for (int k = 0; k < 3; ++k) {
-      box.min[k] = from.min[k];
-      box.max[k] = from.max[k];
-    }
-    const std::uint32_t to = number(node);
-    sink.box[to] = box;
-    if (node == 0) sink.parent[to] = to;
-    if (node >= n - 1) {
-      sink.leaf_body[to] = from.child;
+    const RopedNode from = nodes[node];
+    sink.box[node] = from.box();
+    if (node < n) {
+      sink.leaf_body[node] = from.child;
     } else {
-      sink.parent[number(from.child)] = to;
-      sink.parent[number(nodes[from.child].rope)] = to;
+      sink.parent[from.child] = node;
+      sink.parent[nodes[from.child].rope] = node;
     }
+    if (node == (n > 1 ? n : 0)) sink.parent[node] = node;
   }
 };
 
@@ -155,22 +174,26 @@ class LbvhRopes final : public BroadPhase {
       : executor_(executor),
         order_(executor),
         nodes_(executor, "tree nodes"),
-        met_(executor, "tree climbers") {}
+        words_(executor, "words of tree climbers") {}
 
   void reserve(std::int64_t bodies) override {
     n_ = static_cast<std::uint32_t>(bodies);
     order_.reserve(bodies);
     nodes_.resize_discarding(n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0);
-    met_.resize_discarding(n_);
+    words_.resize_discarding(n_);
+    executor_.fill(words_.data(), 0xff, words_.bytes());  // nobody
   }
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
-    order_.sort(boxes, extent, MakeLeaf{boxes, nodes_.data() + n_ - 1, met_.data()});
-    executor_.run("build", n_, Climb<Key>{order_.keys(), n_, nodes_.data(), met_.data()});
+    order_.sort(boxes, extent);
+    const Build<Key> build{order_.keys(), order_.bodies(), boxes, {n_, nodes_.data(), words_.data()}};
+#if defined(__CUDACC__)
+    if (executor_.on_device())
+      return executor_.run_kernel("build", {n_, false, nullptr}, build_by_warp<Key>, build);
+#endif
+    executor_.run("build", n_, build);
   }
-  void find_pairs(const PairSink& sink) override {
-    executor_.run("pairs", n_, WalkRight{nodes_.data(), n_, sink});
-  }
+  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     executor_.run("tree", tree_nodes(), WriteTree{nodes_.data(), n_, sink});
@@ -180,8 +203,8 @@ class LbvhRopes final : public BroadPhase {
   Executor& executor_;
   std::uint32_t n_ = 0;
   MortonOrder<Key> order_;
-  Buffer<RopeNode> nodes_;
-  Buffer<std::uint32_t> met_;
+  Buffer<RopedNode> nodes_;
+  Buffer<std::uint64_t> words_;
 };
 
 }  // namespace

@@ -30,11 +30,6 @@ SIM_HD inline bool overlap(const QueueNode& a, const QueueNode& b) {
          a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
 }
 
-struct NoteBody {
-  std::uint32_t* order;
-  SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { order[place] = body; }
-};
-
 /// The queue: where each level begins, and how many nodes it has.
 struct Levels {
   std::uint32_t *begin, *size;
@@ -193,7 +188,6 @@ class LbvhTopDown final : public BroadPhase {
   explicit LbvhTopDown(Executor& executor)
       : executor_(executor),
         order_(executor),
-        body_(executor, "ids in Morton order"),
         levels_(executor, "levels of the queue"),
         first_(executor, "first places of nodes"),
         parent_(executor, "parents of nodes"),
@@ -204,7 +198,6 @@ class LbvhTopDown final : public BroadPhase {
   void reserve(std::int64_t bodies) override {
     n_ = static_cast<std::uint32_t>(bodies);
     order_.reserve(bodies);
-    body_.resize_discarding(n_);
     leaf_.resize_discarding(n_);
     levels_.resize_discarding(2 * (most_levels + 1));
     const std::size_t nodes = n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0;
@@ -214,7 +207,7 @@ class LbvhTopDown final : public BroadPhase {
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
-    order_.sort(boxes, extent, NoteBody{body_.data()});
+    order_.sort(boxes, extent);
     const Levels levels{levels_.data(), levels_.data() + most_levels + 1};
     executor_.begin_stage("build");
     levels_.fill_zero();
@@ -222,8 +215,8 @@ class LbvhTopDown final : public BroadPhase {
     // As many levels as the keys and the number of bodies allow; those that the tree does not have are empty.
     for (int level = 0; level < levels_needed(); ++level)
       executor_.run("build", Count(levels.size + level, widest(level)),
-                    SplitNodes<Key>{order_.keys(), body_.data(), level, levels, first_.data(), parent_.data(),
-                                    met_.data(), leaf_.data(), nodes_.data()});
+                    SplitNodes<Key>{order_.keys(), order_.bodies(), level, levels, first_.data(),
+                                    parent_.data(), met_.data(), leaf_.data(), nodes_.data()});
     executor_.run("build", n_, Refit{boxes, parent_.data(), met_.data(), nodes_.data(), leaf_.data()});
   }
 
@@ -257,7 +250,7 @@ class LbvhTopDown final : public BroadPhase {
   Executor& executor_;
   std::uint32_t n_ = 0;
   MortonOrder<Key> order_;
-  Buffer<std::uint32_t> body_, levels_, first_, parent_, met_, leaf_;
+  Buffer<std::uint32_t> levels_, first_, parent_, met_, leaf_;
   Buffer<QueueNode> nodes_;
 };
 

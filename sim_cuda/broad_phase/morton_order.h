@@ -8,6 +8,7 @@
 // otherwise.
 
 #include <cstdint>
+#include <type_traits>
 
 #include "sim_cuda/broad_phase/morton.h"
 #include "sim_cuda/core/atomics.h"
@@ -94,6 +95,11 @@ struct EmitInOrder {
   SIM_HD void operator()(int place) const { emit(static_cast<std::uint32_t>(place), order[place]); }
 };
 
+struct NoteBody {
+  std::uint32_t* body_at;
+  SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { body_at[place] = body; }
+};
+
 template <class Key>
 class MortonOrder {
  public:
@@ -133,6 +139,8 @@ class MortonOrder {
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit) {
     sort(boxes, extent, emit, bodies_);
   }
+  /// For those who read bodies() afterwards.
+  void sort(const Aabb* boxes, const Aabb* extent) { sort(boxes, extent, NoteBody{bodies_by_place()}); }
   /// If `items` is all bodies. If it is 0, nothing is emitted, and keys() stay those of the last sort.
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items) {
@@ -147,7 +155,8 @@ class MortonOrder {
       else
         sort_by_key(executor_, "sort", bodies_, sorted_bits_, keys, sorted_keys_.data(), ids, order_.data(),
                     temporary_.data(), temporary_.bytes());
-      executor_.run("sort", items, EmitInOrder<Emit>{order_.data(), emit});
+      if constexpr (!std::is_same_v<Emit, NoteBody>)  // that is what the sort has done
+        executor_.run("sort", items, EmitInOrder<Emit>{order_.data(), emit});
       return;
     }
     const int shift = key_bits - cell_bits_;
@@ -167,8 +176,12 @@ class MortonOrder {
 
   /// By place, ascending; after sort().
   const Key* keys() const { return sorted_keys_.data(); }
+  /// By place, after the sort() that emits nothing.
+  const std::uint32_t* bodies() const { return cell_bits_ > 0 ? ids_.data() : order_.data(); }
 
  private:
+  std::uint32_t* bodies_by_place() { return cell_bits_ > 0 ? ids_.data() : order_.data(); }
+
   static constexpr int key_bits = sizeof(Key) == 4 ? 30 : 63;
   static constexpr std::int64_t most_cells = 1 << 21;  // their counters stay in a GPU's cache
 

@@ -15,6 +15,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/rope_tree.h"
+#include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {
 
@@ -206,9 +207,7 @@ class Ploc final : public BroadPhase {
     executor_.run("build", tree_nodes(), TieRopes{links, nodes_.data()});
   }
 
-  void find_pairs(const PairSink& sink) override {
-    executor_.run("pairs", n_, WalkRopes{nodes_.data(), n_, sink});
-  }
+  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     if (n_ > 0) write_rope_tree(executor_, n_, nodes_.data(), {link_.data()}, sink);

@@ -14,6 +14,7 @@
 #include "sim_cuda/broad_phase/parting.h"
 #include "sim_cuda/broad_phase/rope_tree.h"
 #include "sim_cuda/core/reduce.h"
+#include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {
 
@@ -48,14 +49,11 @@ struct LinkNodes {
   TreeLinks links;
   std::uint32_t* met;  ///< by parting: `none`, or the far end of the subtree that came first
 
-  SIM_HD auto parting(std::uint32_t i) const {
-    if (i >= n - 1) return parting_of(~Key{0}, none);  // i = -1 too
-    return parting_of(keys[i] ^ keys[i + 1], i ^ (i + 1));
-  }
+  SIM_HD std::uint32_t height(std::uint32_t i) const { return parting_height(keys, n, i); }
   SIM_HD void operator()(int item) const {
     std::uint32_t first = static_cast<std::uint32_t>(item), last = first, at = first;
     while (first > 0 || last < n - 1) {
-      const bool is_left = parting(last) < parting(first - 1);
+      const bool is_left = height(last) < height(first - 1);
       const std::uint32_t split = is_left ? last : first - 1;
       RopedNode& above = nodes[n + split];
       (is_left ? above.child : above.rope) = at;  // until the ropes are tied, the right child
@@ -161,9 +159,7 @@ class RefitBvh final : public BroadPhase {
     executor_.run("build", 1, Judge{area, n_, upkeep});
   }
 
-  void find_pairs(const PairSink& sink) override {
-    executor_.run("pairs", n_, WalkRopes{nodes_.data(), n_, sink});
-  }
+  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     if (n_ > 0) write_rope_tree(executor_, n_, nodes_.data(), {link_.data()}, sink);

@@ -1,41 +1,14 @@
 #pragma once
-// A binary tree whose queries need no stack: each node has a rope to the node right of its subtree
-// (Prokopenko & Lebrun-Grandie 2024). A query starts at its own leaf's rope and walks right, down into what
-// it overlaps and along the ropes past what it does not, so that it finds each pair once (half traversal).
-//
-// Leaves are the nodes 0 .. n-1 in any order, inner nodes n .. 2n-2. Whoever builds the tree gives each pair
-// of siblings its links; the ropes follow from these in one launch.
+// Ropes (rope_walk.h) for trees that are not built from left to right. Whoever builds one gives each pair of
+// siblings its links; the ropes follow from these in one launch, and so does what write_tree() asks for.
 
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/broad_phase/rope_walk.h"
+#include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/buffer.h"
-#include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {
-
-/// 32 bytes: a GPU reads it in two loads from one sector.
-struct alignas(16) RopedNode {
-  static constexpr std::uint32_t none = ~std::uint32_t{0};
-
-  float min[3];
-  std::uint32_t child;  ///< the left one; of a leaf: the id of its body
-  float max[3];
-  std::uint32_t rope;  ///< none: nothing is to the right
-
-  SIM_HD Aabb box() const { return {Vector3f(min[0], min[1], min[2]), Vector3f(max[0], max[1], max[2])}; }
-  SIM_HD void set_box(const Aabb& box) {
-    for (int k = 0; k < 3; ++k) {
-      min[k] = box.min[k];
-      max[k] = box.max[k];
-    }
-  }
-  SIM_HD friend bool overlap(const RopedNode& a, const RopedNode& b) {
-    return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] && b.min[1] <= a.max[1] &&
-           a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
-  }
-};
-static_assert(sizeof(RopedNode) == 32);
 
 /// The way up: a left child's link is its sibling, a right child's its parent, the root's `none`.
 struct TreeLinks {
@@ -61,23 +34,6 @@ struct TieRopes {
     std::uint32_t at = static_cast<std::uint32_t>(item);
     while (!links.is_root(at) && !links.is_left(at)) at = links.parent(at);
     nodes[item].rope = links.link[at];
-  }
-};
-
-struct WalkRopes {
-  const RopedNode* nodes;
-  std::uint32_t n;
-  PairSink sink;
-  SIM_HD void operator()(int leaf) const {
-    const RopedNode query = load_whole(&nodes[leaf]);
-    PairBatch batch(sink, query.child);
-    for (std::uint32_t at = query.rope; at != RopedNode::none;) {
-      const RopedNode node = load_whole(&nodes[at]);
-      const bool hit = overlap(query, node), is_leaf = at < n;
-      if (hit && is_leaf) batch.add(node.child);
-      at = hit && !is_leaf ? node.child : node.rope;
-    }
-    batch.finish();
   }
 };
 

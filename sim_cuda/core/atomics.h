@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <type_traits>
 
 #include "sim_cuda/core/host_device.h"
 
@@ -52,12 +53,12 @@ SIM_HD inline std::uint64_t atomic_take(std::uint64_t* counter, std::uint32_t nu
 
 /// Puts a value and returns the one before; what others wrote before they put theirs is seen after it, and
 /// what this thread wrote is seen by who gets its value.
-SIM_HD inline std::uint32_t atomic_swap(std::uint32_t* target, std::uint32_t value) {
+template <class T>
+SIM_HD T atomic_swap(T* target, std::type_identity_t<T> value) {
 #if defined(__CUDA_ARCH__)
-  return cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>(*target).exchange(
-      value, cuda::memory_order_acq_rel);
+  return cuda::atomic_ref<T, cuda::thread_scope_device>(*target).exchange(value, cuda::memory_order_acq_rel);
 #else
-  return std::atomic_ref<std::uint32_t>(*target).exchange(value, std::memory_order_acq_rel);
+  return std::atomic_ref<T>(*target).exchange(value, std::memory_order_acq_rel);
 #endif
 }
 

@@ -304,15 +304,21 @@ void Executor::count_loop(std::int64_t items, std::int64_t lanes) {
 }
 
 #if SIM_CUDA
-const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads, const char* name) {
+const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads, const char* name,
+                                                SharedBytes shared) {
   const auto known = fits_.find({kernel, threads});
   if (known != fits_.end()) return known->second;
   const std::string doing = std::string("work out the occupancy of stage ") + name;
   cudaFuncAttributes attributes{};
   check(cudaFuncGetAttributes(&attributes, kernel), doing);
+  const auto shared_bytes = [&](int block) { return shared != nullptr ? shared(block) : 0; };
+  constexpr std::size_t granted = 48 << 10;  // without being asked
+  if (const std::size_t most = shared_bytes(max_threads_); most > granted)
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(most)),
+          doing);
   const auto resident = [&](int block) {
     int blocks = 0;
-    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, block, 0), doing);
+    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, block, shared_bytes(block)), doing);
     return blocks;
   };
   int best = threads, most = 0;
@@ -324,28 +330,32 @@ const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads,
   KernelFit fit{};
   fit.threads = best;
   fit.registers = attributes.numRegs;
-  fit.shared_bytes = static_cast<int>(attributes.sharedSizeBytes);
+  fit.shared_bytes = static_cast<int>(attributes.sharedSizeBytes + shared_bytes(best));
   fit.resident_blocks = resident(best);
   fit.occupancy = static_cast<double>(fit.resident_blocks * 32 * ((best + 31) / 32)) / limits_.threads;
   fit.limit = residency_limit(limits_, best, fit.shared_bytes, fit.resident_blocks);
   return fits_.emplace(std::pair{kernel, threads}, fit).first->second;
 }
 
-LaunchShape Executor::choose_shape(const void* kernel, const char* name, const Count& count) {
-  const std::int64_t items = count.bound;
-  const KernelFit& fit = kernel_fit(kernel, options_.shape.threads, name);
+LaunchShape Executor::choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
+                                   SharedBytes shared) {
+  const KernelFit& fit = kernel_fit(kernel, options_.shape.threads, name, shared);
   const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;
   LaunchShape shape{options_.shape.blocks, fit.threads};
   // A thread for each item: the hardware hands blocks out as others end, which evens out queries of unequal
-  // length. Where the bound is only a capacity, no more than run at once: most would find nothing to do.
-  if (shape.blocks == 0)
-    shape.blocks = static_cast<int>(count.counter == nullptr ? needed : std::min(needed, resident));
+  // length.
+  if (shape.blocks == 0) shape.blocks = static_cast<int>(at_once ? std::min(needed, resident) : needed);
   if (recording_ != nullptr)
     clock_.add_launch(stage_entry_, {items, shape.blocks, shape.threads, 0, fit.resident_blocks,
                                      multiprocessors_, fit.registers, fit.shared_bytes, fit.occupancy,
                                      launch_limit(shape.blocks, needed, resident, fit.limit)});
   return shape;
+}
+
+void Executor::check_launch(const char* name, LaunchShape shape) {
+  check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
+                                   " blocks of " + std::to_string(shape.threads) + " threads");
 }
 #endif
 

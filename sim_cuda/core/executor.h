@@ -109,6 +109,18 @@ class Executor {
   cudaStream_t stream() const { return stream_; }
 #endif
 
+#if defined(__CUDACC__)
+  /// How a kernel that is no stage, but works with warps or shared memory, is launched as B blocks of T.
+  struct KernelNeeds {
+    std::int64_t threads;                          ///< that would have something to do
+    bool at_once;                                  ///< "auto": no more than run at once
+    std::size_t (*shared_bytes)(int T) = nullptr;  ///< of a block of T threads
+  };
+  template <class... Parameters, class... Arguments>
+  void run_kernel(const char* name, const KernelNeeds& needs, void (*kernel)(Parameters...),
+                  const Arguments&... arguments);
+#endif
+
  private:
   friend class StepGraph;
 
@@ -146,10 +158,13 @@ class Executor {
     double occupancy;
     LaunchLimit limit;
   };
+  using SharedBytes = std::size_t (*)(int threads);  ///< that a block takes when it is launched; may be null
   /// `threads` 0: the number, 128 at most, of which most run at once. Each kernel is asked about once.
-  const KernelFit& kernel_fit(const void* kernel, int threads, const char* name);
+  const KernelFit& kernel_fit(const void* kernel, int threads, const char* name, SharedBytes shared);
   /// (B, T) for so many items, with "auto" decided; notes it, if a step is being recorded.
-  LaunchShape choose_shape(const void* kernel, const char* name, const Count& count);
+  LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
+                           SharedBytes shared);
+  void check_launch(const char* name, LaunchShape shape);
   std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
   int multiprocessors_ = 0;
@@ -260,10 +275,23 @@ __global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const St
 
 template <class Stage>
 void Executor::launch(const char* name, const Count& count, const Stage& stage) {
-  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(&run_stage<Stage>), name, count);
+  // Where the count is only a capacity, no more than run at once: most would find nothing to do.
+  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(&run_stage<Stage>), name, count.bound,
+                                         count.counter != nullptr, nullptr);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
-  check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
-                                   " blocks of " + std::to_string(shape.threads) + " threads");
+  check_launch(name, shape);
+}
+
+template <class... Parameters, class... Arguments>
+void Executor::run_kernel(const char* name, const KernelNeeds& needs, void (*kernel)(Parameters...),
+                          const Arguments&... arguments) {
+  if (needs.threads == 0) return;
+  begin_stage(name);
+  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(kernel), name, needs.threads,
+                                         needs.at_once, needs.shared_bytes);
+  const std::size_t shared = needs.shared_bytes != nullptr ? needs.shared_bytes(shape.threads) : 0;
+  kernel<<<shape.blocks, shape.threads, shared, stream_>>>(arguments...);
+  check_launch(name, shape);
 }
 
 #endif

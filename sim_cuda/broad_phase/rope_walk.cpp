@@ -1,0 +1,156 @@
+#include "sim_cuda/broad_phase/rope_walk.h"
+
+#include "sim_cuda/core/whole_record.h"
+
+namespace collidoscope {
+
+namespace {
+
+constexpr std::uint32_t none = RopedNode::none;
+
+/// One query by one thread.
+struct WalkRopes {
+  const RopedNode* nodes;
+  std::uint32_t n;
+  PairSink sink;
+  SIM_HD void operator()(int leaf) const {
+    const RopedNode query = load_whole(&nodes[leaf]);
+    PairBatch batch(sink, query.child);
+    for (std::uint32_t at = query.rope; at != none;) {
+      const RopedNode node = load_whole(&nodes[at]);
+      const bool hit = overlap(query, node), is_leaf = at < n;
+      if (hit && is_leaf) batch.add(node.child);
+      at = hit && !is_leaf ? node.child : node.rope;
+    }
+    batch.finish();
+  }
+};
+
+#if defined(__CUDACC__)
+
+// The same walks, shared by the lanes of a warp. A walk is a range of the tree, from a node to a rope: who
+// goes down into a node has the node's subtree before it and, from the node's rope on, a rest that another
+// lane can take. So a warp has its own range of queries, and as long as a lane has nothing to do it takes the
+// next one, or, when all are taken, the rest of another lane's: the longest query ends with the others.
+//
+// That pays while there are fewer queries than a GPU has room for, where all wait for the longest. Beyond,
+// they hide each other's waiting, and neighbours that start together read the same nodes, which is worth
+// more: one thread a query.
+
+constexpr std::uint32_t warp_size = 32;
+constexpr std::int64_t lanes_a_query = 4;        // no more: dividing costs time too
+constexpr std::uint32_t idle_lanes_to_wait = 4;  // before work is handed out
+constexpr std::uint32_t most_shared =
+    200'000;  // queries: on an H200, which runs 8,448 warps at once, both are as fast
+
+/// The rest of a walk.
+struct Walk {
+  std::uint32_t leaf, at, end;  ///< whose query; the node to visit next; done when at == end
+};
+
+/// What a warp keeps in shared memory.
+struct WarpSpace {
+  uint2 found[2 * warp_size];  ///< pairs that wait for the sink
+  Walk rest[warp_size];        ///< offered by lanes that have more than they need
+};
+
+std::size_t warp_space(int threads) {
+  return sizeof(WarpSpace) * ((static_cast<std::size_t>(threads) + warp_size - 1) / warp_size);
+}
+
+__global__ void __launch_bounds__(1024)
+    walk_ropes_together(const RopedNode* nodes, std::uint32_t n, PairSink sink) {
+  extern __shared__ WarpSpace spaces[];
+  const std::uint32_t warp = threadIdx.x / warp_size, lane = threadIdx.x % warp_size;
+  const std::uint32_t lanes = min(warp_size, blockDim.x - warp * warp_size);
+  const std::uint32_t all = lanes == warp_size ? ~0u : (1u << lanes) - 1, below = (1u << lane) - 1;
+  WarpSpace& space = spaces[warp];
+  const auto count = [](std::uint32_t mask) { return static_cast<std::uint32_t>(__popc(mask)); };
+
+  const std::uint32_t warps = (blockDim.x + warp_size - 1) / warp_size;
+  const std::uint64_t team = std::uint64_t{blockIdx.x} * warps + warp;
+  const std::uint64_t teams = std::uint64_t{gridDim.x} * warps;
+  auto next = static_cast<std::uint32_t>(n * team / teams);
+  const auto last = static_cast<std::uint32_t>(n * (team + 1) / teams);
+
+  Walk walk{0, none, none};
+  std::uint32_t rope = none;  // where this lane's walk can be divided; `walk.end`: nowhere
+  RopedNode query{};
+  std::uint32_t held = 0;
+  const auto give = [&](std::uint32_t pairs) {
+    std::uint64_t place = 0;
+    if (lane == 0) place = atomic_add(sink.total, std::uint64_t{pairs});
+    place = __shfl_sync(all, place, 0);
+    held -= pairs;
+    if (lane < pairs) sink.put(place + lane, space.found[held + lane].x, space.found[held + lane].y);
+    __syncwarp(all);
+  };
+
+  for (;;) {
+    const bool idle = walk.at == walk.end;
+    const std::uint32_t idlers = __ballot_sync(all, idle);
+    if (idlers == all && next == last) break;
+    if (idlers == all || count(idlers) >= idle_lanes_to_wait) {
+      const std::uint32_t rank = count(idlers & below);
+      if (next < last) {
+        if (idle && rank < last - next) {
+          walk = {next + rank, none, none};
+          query = load_whole(&nodes[walk.leaf]);
+          walk.at = query.rope;
+          rope = none;
+        }
+        next += min(count(idlers), last - next);
+      } else {
+        const bool has_more = walk.at != walk.end && rope != walk.end;
+        const std::uint32_t givers = __ballot_sync(all, has_more);
+        const std::uint32_t number = count(givers & below);
+        if (has_more && number < count(idlers)) {
+          space.rest[number] = {walk.leaf, rope, walk.end};
+          walk.end = rope;
+        }
+        __syncwarp(all);
+        if (idle && rank < count(givers)) {
+          walk = space.rest[rank];
+          rope = walk.end;
+          query = load_whole(&nodes[walk.leaf]);
+        }
+        __syncwarp(all);
+      }
+    }
+
+    bool found = false;
+    std::uint32_t other = 0;
+    if (walk.at != walk.end) {
+      const RopedNode node = load_whole(&nodes[walk.at]);
+      const bool hit = overlap(query, node), is_leaf = walk.at < n;
+      found = hit && is_leaf;
+      other = node.child;
+      const bool down = hit && !is_leaf;
+      if (down) rope = node.rope;
+      walk.at = down ? node.child : node.rope;
+      if (walk.at == rope) rope = walk.end;  // there is nothing before it any more
+    }
+    const std::uint32_t finders = __ballot_sync(all, found);
+    if (finders == 0) continue;
+    if (found) space.found[held + count(finders & below)] = {query.child, other};
+    held += count(finders);
+    __syncwarp(all);
+    if (held >= lanes) give(lanes);
+  }
+  if (held > 0) give(held);
+}
+
+#endif
+
+}  // namespace
+
+void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink) {
+#if defined(__CUDACC__)
+  if (executor.on_device() && n <= most_shared)
+    return executor.run_kernel("pairs", {lanes_a_query * n, true, warp_space}, walk_ropes_together, nodes, n,
+                               sink);
+#endif
+  executor.run("pairs", n, WalkRopes{nodes, n, sink});
+}
+
+}  // namespace collidoscope

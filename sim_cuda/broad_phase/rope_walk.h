@@ -1,0 +1,40 @@
+#pragma once
+// A binary tree whose queries need no stack: each node has a rope to the node right of its subtree
+// (Prokopenko & Lebrun-Grandie 2024). A query starts at its own leaf's rope and walks right, down into what
+// it overlaps and along the ropes past what it does not, so that it finds each pair once (half traversal).
+//
+// Leaves are the nodes 0 .. n-1 in any order, inner nodes n .. 2n-2.
+
+#include <cstdint>
+
+#include "sim_cuda/broad_phase/pair_sink.h"
+
+namespace collidoscope {
+
+/// 32 bytes: a GPU reads it in two loads from one sector.
+struct alignas(16) RopedNode {
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  float min[3];
+  std::uint32_t child;  ///< the left one; of a leaf: the id of its body
+  float max[3];
+  std::uint32_t rope;  ///< none: nothing is to the right
+
+  SIM_HD Aabb box() const { return {Vector3f(min[0], min[1], min[2]), Vector3f(max[0], max[1], max[2])}; }
+  SIM_HD void set_box(const Aabb& box) {
+    for (int k = 0; k < 3; ++k) {
+      min[k] = box.min[k];
+      max[k] = box.max[k];
+    }
+  }
+  SIM_HD friend bool overlap(const RopedNode& a, const RopedNode& b) {
+    return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] && b.min[1] <= a.max[1] &&
+           a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
+  }
+};
+static_assert(sizeof(RopedNode) == 32);
+
+/// BroadPhase::find_pairs of such a tree over n bodies, in the stage "pairs".
+void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink);
+
+}  // namespace collidoscope
