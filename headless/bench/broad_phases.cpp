@@ -6,8 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "headless/bench/method_row.h"
+#include "headless/bench/peer_cubql.h"
 #include "headless/bench/result_files.h"
 #include "headless/report.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/dynamics/bounds.h"
+#include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -38,6 +42,33 @@ std::string results_markdown(const BenchMachine& machine, const std::vector<Meth
   return text;
 }
 
+/// The work of `ours`, by cuBQL. Throws MachineError where it finds other pairs.
+MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
+  const InitialBodies bodies = initial_bodies(scene);
+  std::vector<Vector3f> position(bodies.size());
+  std::vector<float> radius(bodies.size());
+  std::vector<Aabb> boxes(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    position[k] = bodies.position[k].cast<float>();
+    radius[k] = static_cast<float>(bodies.radius[k]);
+  }
+  const Bounds<float> bounds{position.data(), radius.data(), boxes.data()};
+  for (std::size_t k = 0; k < bodies.size(); ++k) bounds(static_cast<int>(k));
+  const PeerTimes times = time_cubql(boxes, ours.repeats);
+  if (times.pairs != ours.pairs)
+    throw MachineError(fmt::format("cuBQL finds {} pairs among {} bodies where there are {}", times.pairs,
+                                   bodies.size(), ours.pairs));
+  MethodRow row = ours;
+  row.method = "cuBQL, unordered";
+  row.bytes = times.bytes;
+  row.launches = 0;
+  row.stages.clear();
+  std::vector<float> us(times.ms);
+  for (float& time : us) time *= 1000;
+  row.whole = spread_of(us);
+  return row;
+}
+
 void print_row(const MethodRow& r) {
   fmt::print("{:>12} {:<8}{:<20}{:>12.1f}{:>12.1f}{:>12.1f}{:>14}{:>5}  {}\n", grouped(r.bodies), r.variant,
              r.method, r.whole.median, r.whole.p5, r.whole.p95, grouped(r.pairs), r.launches, stages_text(r));
@@ -59,8 +90,13 @@ int bench_broad_phases(const CommandLine& line) {
         fmt::print("{}\n{:>12} {:<8}{:<20}{:>12}{:>12}{:>12}{:>14}{:>5}  stages, µs (timed apart)\n",
                    machine.device, "N", "variant", "method", "median µs", "p5", "p95", "pairs", "runs");
     }
-    rows.push_back(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
-    if (table) print_row(rows.back());
+    const auto add = [&](MethodRow row) {
+      rows.push_back(std::move(row));
+      if (table) print_row(rows.back());
+    };
+    add(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
+    if (has_cubql() && machine.executor == "cuda" && at.run.broad_phase == methods.front())
+      add(measure_cubql(at.scene, rows.back()));
     files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
   });
   if (!table) fmt::print("{}", results_json(machine, rows));
