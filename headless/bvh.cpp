@@ -20,6 +20,7 @@ using Json = nlohmann::ordered_json;
 
 struct Measured {
   std::string method;
+  int key_bits = 0;  ///< 0: it has none
   TreeQuality quality;
   double build_us = 0, query_us = 0;  ///< medians; the query with the ordering of its pairs
 };
@@ -27,6 +28,7 @@ struct Measured {
 Measured measure(World& world, int repeats) {
   Measured m;
   m.method = world.options().broad_phase;
+  m.key_bits = world.key_bits();
   m.quality = world.tree_quality();
   for (const BroadPhaseTimes::Stage& stage : world.time_broad_phase(repeats).stages) {
     const double us = 1000 * spread_of(stage.ms).median;
@@ -39,6 +41,7 @@ Measured measure(World& world, int repeats) {
 Json json_of(const Measured& m) {
   const TreeQuality& q = m.quality;
   return {{"method", m.method},
+          {"key_bits", m.key_bits > 0 ? Json(m.key_bits) : Json(nullptr)},
           {"nodes", q.nodes},
           {"levels", q.levels},
           {"bytes", q.bytes},
@@ -78,6 +81,7 @@ std::string text_of(const std::vector<Measured>& trees) {
   };
   const auto number = [](double value) { return fmt::format("{:.4g}", value); };
   row("", [](const Measured& m) { return m.method; });
+  row("bits of a Morton key", [](const Measured& m) { return m.key_bits > 0 ? grouped(m.key_bits) : "-"; });
   row("nodes", [](const Measured& m) { return grouped(m.quality.nodes); });
   row("levels", [](const Measured& m) { return grouped(m.quality.levels); });
   row("bytes of the method", [](const Measured& m) { return grouped(m.quality.bytes); });

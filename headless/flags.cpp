@@ -177,9 +177,9 @@ constexpr Reader readers[] = {
      [](Reading& in) {
        if (const auto name = in.value.word(broad_phase_names())) in.options.run.broad_phase = *name;
      }},
-    {{"--key-bits", "K", "bits of a Morton key, 30 or 63", stepping},
+    {{"--key-bits", "K", "bits of a Morton key, 30 or 63, or auto: 63 where bodies could crowd", stepping},
      [](Reading& in) {
-       constexpr std::array<Named<int>, 2> widths{{{"30", 30}, {"63", 63}}};
+       constexpr std::array<Named<int>, 3> widths{{{"auto", 0}, {"30", 30}, {"63", 63}}};
        if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
      }},
     {{"--sort", "NAME", "auto, library or radix: how keys are sorted; radix keeps to (B, T)", stepping},

@@ -113,6 +113,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .executor = world.on_gpu() ? "cuda" : "cpu",
                    .device = world.device_name(),
                    .broad_phase = world.options().broad_phase,
+                   .key_bits = world.key_bits(),
                    .solver = std::string(name_of(solver_names, scene.physics.solver)),
                    .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
                    .precision = std::string(name_of(precision_names, scene.physics.precision)),
@@ -150,6 +151,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["substeps"] = report.substeps;
   json["iterations"] = report.iterations;
   json["broad_phase"] = report.broad_phase;
+  json["key_bits"] = report.key_bits > 0 ? Json(report.key_bits) : Json(nullptr);
   json["solver"] = report.solver;
   json["integrator"] = report.integrator;
   json["precision"] = report.precision;
@@ -201,9 +203,11 @@ std::string title_text(const RunReport& report) {
                   report.variant.empty() ? "" : ", ", report.variant, grouped(report.final.step), step);
   if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
   return text +
-         fmt::format("\non {} ({}), B {}, T {}\n{}, {}, {}, effects {}\n", report.executor, report.device,
+         fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,
                      count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
-                     report.broad_phase, report.solver, report.precision,
+                     report.broad_phase,
+                     report.key_bits > 0 ? fmt::format(" by keys of {} bits", report.key_bits) : "",
+                     report.solver, report.precision,
                      report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
 }
 

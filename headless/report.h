@@ -20,7 +20,9 @@ struct RunReport {
   std::string variant;  ///< of its generator; empty where it has none
   std::optional<std::uint64_t> seed;
   std::string executor;  ///< cpu or cuda: what ran, not what was asked for
-  std::string device, broad_phase, solver, integrator, precision;
+  std::string device, broad_phase;
+  int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
+  std::string solver, integrator, precision;
   std::vector<std::string> effects;
   LaunchShape shape;  ///< zeros are "auto"
   int substeps = 1, iterations = 1;

@@ -25,7 +25,7 @@ struct RunOptions {
   LaunchShape shape;
   LaneOrder lane_order = LaneOrder::contiguous;
   std::string broad_phase = "lbvh_ropes";  ///< a name from broad_phase_names()
-  int key_bits = 30;                       ///< Morton keys: 30 or 63
+  int key_bits = 0;  ///< Morton keys: 30 or 63; 0: what the scene calls for (key_bits.h)
   SortMethod sort = SortMethod::automatic;
   std::int64_t memory_limit = 0;           ///< bytes in the executor's memory space; 0: what there is
   std::int64_t initial_pair_capacity = 0;  ///< 0: a guess from N; tests start too small on purpose

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <functional>
 
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/key_bits.h"
 #include "sim_cuda/broad_phase/quality.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
@@ -16,11 +18,17 @@ namespace {
 
 constexpr std::int64_t max_list = 2147483647;  // pairs and contacts are counted in 32 bits
 
-void require_valid(const Scene& scene) {
+const Scene& valid(const Scene& scene) {
   std::vector<std::string> lines;
   for (const Fault& fault : validate(scene))
     lines.push_back(scene.name + ": " + fault.path + ": " + fault.message);
   if (!lines.empty()) throw InputError(lines);
+  return scene;
+}
+
+RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies) {
+  if (options.key_bits == 0) options.key_bits = key_bits_called_for(bodies);
+  return options;
 }
 
 /// About four times what a packing of such spheres shows, so that most scenes never grow.
@@ -39,9 +47,11 @@ std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what
 }  // namespace
 
 struct World::Impl {
-  Impl(const Scene& s, const RunOptions& options) : scene(s), executor(options) {
-    require_valid(scene);
-    initial = initial_bodies(scene);
+  Impl(const Scene& s, const RunOptions& asked)
+      : scene(valid(s)),
+        options(asked),
+        initial(initial_bodies(scene)),
+        executor(with_key_bits(asked, initial)) {
     effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
     pipeline = make_pipeline(executor, scene, initial, effects);
     const std::int64_t guess = options.initial_pair_capacity > 0
@@ -115,8 +125,9 @@ struct World::Impl {
   double milliseconds_of(const std::function<void()>& work);
 
   Scene scene;
-  Executor executor;  // before everything that lives on it
+  RunOptions options;  // as asked for
   InitialBodies initial;
+  Executor executor;  // before everything that lives on it
   Effects effects;
   std::unique_ptr<Pipeline> pipeline;
   std::unique_ptr<StepGraph> plain, instrumented;
@@ -194,13 +205,16 @@ World& World::operator=(World&&) noexcept = default;
 
 const Scene& World::scene() const { return impl_->scene; }
 const InitialBodies& World::initial() const { return impl_->initial; }
-const RunOptions& World::options() const { return impl_->executor.options(); }
+const RunOptions& World::options() const { return impl_->options; }
+int World::key_bits() const {
+  return has_morton_keys(impl_->options.broad_phase) ? impl_->executor.options().key_bits : 0;
+}
 Effects World::effects() const { return impl_->effects; }
 bool World::on_gpu() const { return impl_->executor.on_device(); }
 int World::gpu() const { return impl_->executor.gpu(); }
 std::string World::device_name() const { return impl_->executor.device_name(); }
 std::int64_t World::allocated_bytes() const { return impl_->executor.allocated_bytes(); }
-LaunchShape World::launch_shape() const { return impl_->executor.options().shape; }
+LaunchShape World::launch_shape() const { return impl_->options.shape; }
 std::int64_t World::steps() const { return impl_->steps; }
 
 void World::step(int count) {
@@ -234,6 +248,7 @@ std::vector<ContactImpulse> World::impulses() {
 void World::set_launch_shape(LaunchShape shape) {
   Impl& w = *impl_;
   w.executor.set_shape(shape);
+  w.options.shape = shape;
   w.plain.reset();  // a recorded step has the old shape in it
   w.instrumented.reset();
 }

@@ -41,7 +41,8 @@ class World {
 
   const Scene& scene() const;
   const InitialBodies& initial() const;  ///< bodies at state 0: radii, masses and meshes never change
-  const RunOptions& options() const;
+  const RunOptions& options() const;     ///< as asked for
+  int key_bits() const;                  ///< of the broad phase's Morton keys: 30 or 63; 0: it has none
   Effects effects() const;
   bool on_gpu() const;
   int gpu() const;                       ///< CUDA's number of the device, -1 on the CPU

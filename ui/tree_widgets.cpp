@@ -112,6 +112,11 @@ void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const c
     ImGui::EndCombo();
   }
   track(workspace, name);
+  if (view.key_bits > 0)
+    explain(fmt::format("In the order of Morton keys of {} bits: 63 where bodies could crowd in the cells of "
+                        "30, unless --key-bits says otherwise",
+                        view.key_bits)
+                .c_str());
 }
 
 void choose_box_color(Workspace& workspace, const char* name) {

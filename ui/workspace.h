@@ -112,6 +112,7 @@ struct WorkspaceView {
   bool cuda = false;                      ///< can be chosen
   std::vector<std::string> broad_phases;  ///< names, the default first
   std::vector<std::string> effects;
+  int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
 
   StepStats stats;
   double time = 0;              ///< s of simulated time
