@@ -119,7 +119,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .precision = std::string(name_of(precision_names, scene.physics.precision)),
                    .effects = names_of(world.effects()),
                    .shape = world.launch_shape(),
-                   .substeps = scene.physics.substeps,
+                   .substeps = substeps_in_effect(scene.physics),
                    .iterations = scene.physics.iterations,
                    .time_step = scene.physics.time_step,
                    .initial = initial,

@@ -8,11 +8,11 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/bounds.h"
 #include "sim_cuda/dynamics/measure.h"
-#include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/inspect.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/pack.h"
-#include "sim_cuda/solver/impulse.h"
+#include "sim_cuda/solver/contact_impulses.h"
+#include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/walls.h"
 
 namespace collidoscope {
@@ -36,34 +36,21 @@ class TypedPipeline final : public Pipeline {
  public:
   TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial, Effects effects);
 
+  int runs_per_step() const override { return solver_->runs_per_step(); }
+
   void run() override {
-    detect();
-    solver_.solve(contacts_.view(), solver_bodies(), restitution_, iterations_, impulses_.data(),
-                  control_.data());
-    if (plane_count_ > 0) executor_.run("walls", body_count_, walls());
-    move();
+    detect(foresight());
+    solver_->advance(contacts_.view(), impulses_.data());
     executor_.run("move", 1, Commit{control_.data()});
   }
 
-  void find_pairs() override {
-    executor_.run("bounds", body_count_,
-                  Bounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
-    const Aabb* extent = extent_.data();
-    if (!box_ && body_count_ > 0)
-      extent = reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
-    broad_phase_->update(boxes_.data(), extent);
-    pairs_.find(*broad_phase_, control_.data());
-  }
-
-  void detect() override {
-    find_pairs();
-    contacts_.find(pairs_.view(), spheres(), control_.data());
-  }
+  void find_pairs() override { find_pairs({}); }
+  void detect() override { detect({}); }
 
   void reserve(Capacity capacity) override {
     pairs_.reserve(body_count_, capacity.pairs);
     contacts_.reserve(body_count_, capacity.contacts);
-    solver_.reserve(body_count_, capacity.contacts);
+    solver_->reserve(capacity.contacts);
     measurer_.reserve(body_count_, capacity.contacts);
     impulses_.reserve(capacity.contacts);
   }
@@ -72,6 +59,9 @@ class TypedPipeline final : public Pipeline {
   void record_impulses(bool on) override { impulses_.enable(on); }
   void keep_impulses() override { impulses_.keep(contacts_.view().bodies, control_.data()); }
   std::vector<ContactImpulse> impulses() override;
+
+  SolverMemory memory() override { return solver_->memory(); }
+  void remember(const SolverMemory& memory) override { solver_->remember(memory); }
 
   StepControl control() override { return control_.download()[0]; }
   void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
@@ -105,39 +95,22 @@ class TypedPipeline final : public Pipeline {
  private:
   Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
   SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
-  SolverBodies<Real> solver_bodies() const {
-    return {state_.position.data(), state_.velocity.data(), state_.inverse_mass.data(), state_.radius.data()};
+  Foresight<Real> foresight() const {
+    const Real time = solver_->foresight();
+    if (!(time > 0)) return {};
+    using std::sqrt;
+    return {state_.velocity.data(), time, time * time * sqrt(gravity_.dot(gravity_))};
   }
-  ResolveWalls<Real> walls() const {
-    return {state_.view(),        planes_.data(), plane_count_, restitution_, gravity_, h_,
-            state_.ledger.data(), control_.data()};
-  }
-  void move() {
-    const auto with = [&]<bool gravity, bool rotation, bool boxed>() {
-      const Vector3<Real> low = box_ ? box_->min.cast<Real>() : Vector3<Real>(0, 0, 0);
-      const Vector3<Real> high = box_ ? box_->max.cast<Real>() : Vector3<Real>(0, 0, 0);
-      executor_.run("move", body_count_,
-                    MoveBodies<Real, gravity, rotation, boxed>{state_.view(), gravity_, low, high, h_,
-                                                               control_.data()});
-    };
-    const auto with_box = [&]<bool gravity, bool rotation>() {
-      box_ ? with.template operator()<gravity, rotation, true>()
-           : with.template operator()<gravity, rotation, false>();
-    };
-    if (effects_.gravity)
-      effects_.rotation ? with_box.template operator()<true, true>()
-                        : with_box.template operator()<true, false>();
-    else
-      effects_.rotation ? with_box.template operator()<false, true>()
-                        : with_box.template operator()<false, false>();
+  void find_pairs(const Foresight<Real>& foresight);
+  void detect(const Foresight<Real>& foresight) {
+    find_pairs(foresight);
+    contacts_.find(pairs_.view(), spheres(), foresight, control_.data());
   }
 
   Executor& executor_;
   const std::int64_t body_count_;
   const Effects effects_;
   const std::optional<Box> box_;
-  const int iterations_;
-  const Real h_;           // s
   Vector3<Real> gravity_;  // m/s^2, zero where the effect is off
   BodyBuffers<Real> state_;
   Buffer<std::uint32_t> mesh_;  // 0: sphere; empty where all are
@@ -150,7 +123,7 @@ class TypedPipeline final : public Pipeline {
   std::int64_t broad_phase_bytes_ = 0;
   PairList pairs_;
   ContactList<Real> contacts_;
-  ImpulseSolver<Real> solver_;
+  std::unique_ptr<ContactSolver<Real>> solver_;
   ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
   Measurer<Real> measurer_;
@@ -186,7 +159,8 @@ std::vector<WallPlane<Real>> wall_planes(const Scene& scene, const std::optional
 /// contacts rest.
 double bounce_threshold(const Physics& physics, bool gravity) {
   if (physics.restitution_threshold) return *physics.restitution_threshold;
-  return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step / physics.substeps
+  return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step /
+                       substeps_in_effect(physics)
                  : 0;
 }
 
@@ -197,8 +171,6 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       body_count_(static_cast<std::int64_t>(initial.size())),
       effects_(effects),
       box_(initial.box),
-      iterations_(scene.physics.iterations),
-      h_(static_cast<Real>(scene.physics.time_step) / static_cast<Real>(scene.physics.substeps)),
       gravity_(effects.gravity ? Vector3<Real>(scene.physics.gravity.cast<Real>()) : Vector3<Real>(0, 0, 0)),
       state_(executor),
       mesh_(executor, "meshes of bodies"),
@@ -209,7 +181,6 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       broad_phase_(make_broad_phase(executor.options().broad_phase, executor)),
       pairs_(executor),
       contacts_(executor),
-      solver_(executor),
       impulses_(executor),
       control_(executor, "step control"),
       measurer_(executor),
@@ -254,6 +225,13 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   plane_count_ = static_cast<int>(planes_.size());
   if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
 
+  control_.upload({StepControl{}});
+  solver_ = make_contact_solver<Real>(
+      scene.physics.solver, executor,
+      {state_.view(), body_count_, restitution_, planes_.data(), plane_count_, state_.ledger.data(), gravity_,
+       effects, box_, static_cast<Real>(scene.physics.time_step), substeps_in_effect(scene.physics),
+       scene.physics.iterations, control_.data()});
+
   boxes_.resize_discarding(n);
   if (box_)
     extent_.upload({Aabb{box_->min.cast<float>(), box_->max.cast<float>()}});
@@ -262,7 +240,22 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   const std::int64_t before = executor.allocated_bytes();
   broad_phase_->reserve(body_count_);
   broad_phase_bytes_ = executor.allocated_bytes() - before;
-  control_.upload({StepControl{}});
+}
+
+template <class Real>
+void TypedPipeline<Real>::find_pairs(const Foresight<Real>& foresight) {
+  if (foresight.velocity != nullptr)
+    executor_.run("bounds", body_count_,
+                  SweptBounds<Real>{state_.position.data(), foresight.velocity, state_.radius.data(),
+                                    foresight.time, foresight.slack, boxes_.data()});
+  else
+    executor_.run("bounds", body_count_,
+                  Bounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
+  const Aabb* extent = extent_.data();
+  if (!box_ && body_count_ > 0)
+    extent = reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
+  broad_phase_->update(boxes_.data(), extent);
+  pairs_.find(*broad_phase_, control_.data());
 }
 
 template <class Real>

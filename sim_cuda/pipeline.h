@@ -12,6 +12,7 @@
 #include "sim_cuda/publish.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/solver_memory.h"
 #include "sim_cuda/step_stats.h"
 #include "sim_cuda/world.h"
 
@@ -30,8 +31,9 @@ class Pipeline {
   virtual void reserve(Capacity capacity) = 0;
   virtual Capacity capacity() const = 0;
 
-  /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, solve, walls, move; h = time_step /
-  /// substeps.
+  /// How many runs make a step: all substeps, or one, where the solver substeps within it.
+  virtual int runs_per_step() const = 0;
+  /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, and what the solver makes of them.
   virtual void run() = 0;
   /// Enqueues bounds to contacts only: nothing moves.
   virtual void detect() = 0;
@@ -61,6 +63,9 @@ class Pipeline {
   /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
   /// worlds have walls.
   virtual void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) = 0;
+  /// What the solver remembers of the steps before, and the same of another world, put in its place.
+  virtual SolverMemory memory() = 0;
+  virtual void remember(const SolverMemory& memory) = 0;
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 

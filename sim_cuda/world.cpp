@@ -187,7 +187,7 @@ double World::Impl::milliseconds_of(const std::function<void()>& work) {
 
 bool World::Impl::run_plain(std::uint32_t target) {
   StepGraph& g = graph(false);
-  const bool whole = target - committed == static_cast<std::uint32_t>(scene.physics.substeps);
+  const bool whole = target - committed == static_cast<std::uint32_t>(pipeline->runs_per_step());
   const double milliseconds = milliseconds_of([&] {
     for (std::uint32_t run = committed; run != target; ++run) g.launch();
   });
@@ -221,7 +221,7 @@ void World::step(int count) {
   Impl& w = *impl_;
   for (int k = 0; k < count; ++k) {
     const bool with_events = w.steps % 2 == 1;
-    const std::uint32_t target = w.committed + static_cast<std::uint32_t>(w.scene.physics.substeps);
+    const std::uint32_t target = w.committed + static_cast<std::uint32_t>(w.pipeline->runs_per_step());
     w.detected = false;
     while (!(with_events ? w.run_instrumented(target) : w.run_plain(target))) w.grow();
     ++w.steps;
@@ -263,7 +263,12 @@ void World::adopt(World& other) {
   states.orientation.resize(common);
   states.angular_velocity.resize(common);
   if (ledgers.size() > common) ledgers.resize(common);
+  w.plain.reset();  // what the solver remembers may move
+  w.instrumented.reset();
   w.pipeline->set_bodies(states, ledgers);
+  SolverMemory memory = other.impl_->pipeline->memory();
+  std::erase_if(memory.contacts, [common](const ContactImpulse& c) { return c.b >= common; });
+  w.pipeline->remember(memory);
   w.steps = other.steps();
   w.detected = false;
 }
@@ -276,24 +281,24 @@ BodyReport World::inspect(std::uint32_t id) {
 
 namespace {
 
-/// Of the stages of a step alone, with the launches of all its substeps.
-RunTimes of_step(RunTimes times, int substeps) {
+/// Of the stages of a step alone, with the launches of all its runs.
+RunTimes of_step(RunTimes times, int runs) {
   std::erase_if(times.stages, [](const StageTime& s) {
     return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect" ||
            s.name == "tree" || s.name == "quality";
   });
-  for (StageTime& s : times.stages) s.launches *= substeps;
+  for (StageTime& s : times.stages) s.launches *= runs;
   return times;
 }
 
 }  // namespace
 
 RunTimes World::times() const {
-  return of_step(impl_->executor.clock().times(), impl_->scene.physics.substeps);
+  return of_step(impl_->executor.clock().times(), impl_->pipeline->runs_per_step());
 }
 
 RunTimes World::latest_times() const {
-  return of_step(impl_->executor.clock().latest(), impl_->scene.physics.substeps);
+  return of_step(impl_->executor.clock().latest(), impl_->pipeline->runs_per_step());
 }
 
 void World::detect() {

@@ -12,6 +12,7 @@
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/solver_memory.h"
 #include "sim_cuda/step_stats.h"
 #include "sim_cuda/tree_quality.h"
 
@@ -22,12 +23,6 @@ namespace collidoscope {
 struct BodyStates {
   std::vector<Vector3d> position, velocity, angular_velocity;
   std::vector<Quaterniond> orientation;
-};
-
-/// A contact of the last step and what it gave.
-struct ContactImpulse {
-  std::uint32_t a, b;  ///< ids, a < b
-  double impulse;      ///< N s, along the normal, >= 0
 };
 
 class World {
@@ -58,10 +53,10 @@ class World {
   /// (B, T) for the steps from now on. Throws MachineError beyond the device's limits, and changes nothing
   /// then.
   void set_launch_shape(LaunchShape shape);
-  /// Takes the state of all bodies that both worlds have (ids below both N), the step count and the ledgers
-  /// of the walls from `other`, whatever executor, precision or settings it has: how a running scene changes
-  /// them. Bodies beyond keep their initial state. With the same physical settings and N, the run goes on bit
-  /// for bit as `other` would have.
+  /// Takes the state of all bodies that both worlds have (ids below both N), the step count, the ledgers of
+  /// the walls and what a solver of the same kind remembers from `other`, whatever executor, precision or
+  /// settings it has: how a running scene changes them. Bodies beyond keep their initial state. With the same
+  /// physical settings and N, the run goes on bit for bit as `other` would have.
   void adopt(World& other);
 
   /// One body, read from the device; `id` < N. Detects, so that contacts and path fit the current state.
@@ -82,8 +77,9 @@ class World {
   /// Whether steps note the normal impulse of each contact: in publish(), inspect(), measure() and
   /// impulses(). Off at first, and then it costs nothing; never changes the state.
   void record_impulses(bool on);
-  /// The contacts of the last step, by a, then b, each with the sum over the iterations; of several substeps,
-  /// the last one. Empty where that step was not recorded.
+  /// The contacts of the last step, by a, then b, each with the sum over the iterations: with `impulse`, of
+  /// the last substep; with `soft_step`, of all of them, contacts that gave nothing among them. Empty where
+  /// that step was not recorded.
   std::vector<ContactImpulse> impulses();
 
   /// Finds boxes, tree, pairs and contacts of the *current* state without moving it, so that what is drawn

@@ -15,7 +15,7 @@ TEST(Names, ThereAndBack) {
 
 TEST(Names, EitherOf) {
   EXPECT_EQ(either_of({}), "");
-  EXPECT_EQ(either_of(names_in(solver_names)), "impulse");
+  EXPECT_EQ(either_of(names_in(integrator_names)), "semi_implicit_euler");
   EXPECT_EQ(either_of(names_in(precision_names)), "f32 or f64");
   EXPECT_EQ(either_of(names_in(variant_names)), "paper, scaled or equal");
 }
@@ -33,8 +33,8 @@ TEST(Names, NearestIsWithinAThirdOfTheWord) {
 }
 
 TEST(Names, UnknownNameSaysWhatIsKnown) {
-  EXPECT_EQ(unknown_name("solver", "soft_step", names_in(solver_names)),
-            "unknown solver \"soft_step\"; \"impulse\" is the only one");
+  EXPECT_EQ(unknown_name("integrator", "rk4", names_in(integrator_names)),
+            "unknown integrator \"rk4\"; \"semi_implicit_euler\" is the only one");
   EXPECT_EQ(unknown_name("variant", "papr", names_in(variant_names)),
             "unknown variant \"papr\"; did you mean \"paper\"? (paper, scaled or equal)");
   EXPECT_EQ(unknown_name("variant", "huge", names_in(variant_names)),

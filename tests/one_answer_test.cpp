@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim_cuda/scene/names.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 
@@ -30,10 +31,11 @@ class OneAnswer : public OnEachExecutor {};
 ON_EACH_EXECUTOR(OneAnswer);
 
 TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
-  for (const Precision precision : {Precision::f32, Precision::f64}) {
+  for (int kind = 0; kind < 4; ++kind) {
     Scene scene = box_collider(700);  // 700 is no multiple of any B x T
     scene.generators[0].radius_max = 7;
-    scene.physics.precision = precision;
+    scene.physics.precision = kind % 2 ? Precision::f64 : Precision::f32;
+    scene.physics.solver = kind < 2 ? Solver::impulse : Solver::soft_step;
     const std::string expected = hash_after(scene, options(), 40);
     for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}, {8, 64}, {3, 37}, {0, 0}})
       for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
@@ -51,8 +53,13 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 }
 
 TEST_P(OneAnswer, WithEveryBroadPhaseAndKeySize) {
-  for (const Scene& scene : {project_scene("giant_among_dust"), project_scene("all_coincident"),
-                             project_scene("mixed_materials"), box_collider(900)}) {
+  std::vector<Scene> scenes{project_scene("giant_among_dust"), project_scene("all_coincident"),
+                            project_scene("mixed_materials"), project_scene("slope"), box_collider(900)};
+  for (std::size_t k = 5; k-- > 0;) {
+    scenes.push_back(scenes[k]);
+    scenes.back().physics.solver = Solver::soft_step;
+  }
+  for (const Scene& scene : scenes) {
     const std::string expected = hash_after(scene, options(), 30);
     for (const std::string& method : broad_phase_names(GetParam()))
       for (const int bits : {30, 63}) {
@@ -82,8 +89,27 @@ TEST_P(OneAnswer, WithEverySortAtEveryLaunchShape) {
     }
 }
 
-TEST_P(OneAnswer, WithCapacitiesTenTimesTooSmall) {
+class OneAnswerOfASolver : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>> {
+ protected:
+  RunOptions options() const {
+    RunOptions o;
+    o.executor = std::get<0>(GetParam());
+    return o;
+  }
+};
+std::string executor_and_solver(const testing::TestParamInfo<std::tuple<ExecutorKind, Solver>>& each) {
+  const auto [kind, solver] = each.param;
+  return std::string(kind == ExecutorKind::cuda ? "cuda_" : "cpu_") +
+         std::string(name_of(solver_names, solver));
+}
+INSTANTIATE_TEST_SUITE_P(Executors, OneAnswerOfASolver,
+                         testing::Combine(testing::ValuesIn(executors()),
+                                          testing::Values(Solver::impulse, Solver::soft_step)),
+                         executor_and_solver);
+
+TEST_P(OneAnswerOfASolver, WithCapacitiesTenTimesTooSmall) {
   Scene scene = box_collider(1000);
+  scene.physics.solver = std::get<1>(GetParam());
   scene.physics.substeps = 3;  // so that runs within a step overflow too
   World roomy(scene, options());
   roomy.step(30);
@@ -100,8 +126,9 @@ TEST_P(OneAnswer, WithCapacitiesTenTimesTooSmall) {
   }
 }
 
-TEST_P(OneAnswer, DetectingMeasuringAndPublishingChangeNothing) {
-  const Scene scene = box_collider(500);
+TEST_P(OneAnswerOfASolver, DetectingMeasuringAndPublishingChangeNothing) {
+  Scene scene = box_collider(500);
+  scene.physics.solver = std::get<1>(GetParam());
   World plain(scene, options()), watched(scene, options());
   plain.step(20);
   for (int k = 0; k < 20; ++k) {
@@ -152,11 +179,12 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
   if (std::ifstream in(file); in) golden = nlohmann::ordered_json::parse(in);
   const bool update = std::getenv("UPDATE_GOLDENS") != nullptr && GetParam() == ExecutorKind::cpu;
   for (const std::string& name : scenes)
-    for (const Precision precision : {Precision::f32, Precision::f64}) {
+    for (int kind = 0; kind < 4; ++kind) {
       Scene scene = project_scene(name);
-      scene.physics.precision = precision;
+      scene.physics.precision = kind % 2 ? Precision::f64 : Precision::f32;
+      scene.physics.solver = kind < 2 ? Solver::impulse : Solver::soft_step;
       const std::string hash = hash_after(scene, options(), golden_steps);
-      const std::string key = precision == Precision::f32 ? "f32" : "f64";
+      const std::string key = std::string(kind < 2 ? "" : "soft_step ") + (kind % 2 ? "f64" : "f32");
       if (update)
         golden[name][key] = hash;
       else

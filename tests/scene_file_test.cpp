@@ -155,8 +155,8 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:28: \"orientation\" is a list of four numbers, the quaternion [w, x, y, z], not of 3 "
             "values"},
         // names
-        Bad{"\"solver\": \"soft_step\"}",
-            "s:2:11: unknown solver \"soft_step\"; \"impulse\" is the only one"},
+        Bad{"\"solver\": \"soft_stop\"}",
+            "s:2:11: unknown solver \"soft_stop\"; did you mean \"soft_step\"? (impulse or soft_step)"},
         Bad{"\"integrator\": \"rk4\"}", "s:2:15: unknown integrator \"rk4\""},
         Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
         Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},
@@ -312,8 +312,9 @@ class RandomScene {
       p.steps_per_second = 1 + static_cast<int>(random_() % 1000);
       p.time_step = 1.0 / *p.steps_per_second;
     }
-    p.substeps = 1 + static_cast<int>(random_() % 1000);
+    if (coin()) p.substeps = 1 + static_cast<int>(random_() % 1000);
     p.iterations = 1 + static_cast<int>(random_() % 1000);
+    p.solver = pick({Solver::impulse, Solver::soft_step});
     p.precision = pick({Precision::f32, Precision::f64});
     if (coin()) p.effects = Effects{.gravity = coin(), .rotation = coin()};
     if (coin()) p.restitution_threshold = real(0, 2);
@@ -385,7 +386,7 @@ std::string bits(const Scene& s) {
   whole(s.box.has_value());
   if (s.box) vec(s.box->min), vec(s.box->max);
   const Physics& p = s.physics;
-  vec(p.gravity), real(p.time_step), whole(p.steps_per_second.value_or(-1)), whole(p.substeps),
+  vec(p.gravity), real(p.time_step), whole(p.steps_per_second.value_or(-1)), whole(p.substeps.value_or(-1)),
       whole(p.iterations);
   whole(static_cast<int>(p.solver)), whole(static_cast<int>(p.integrator)),
       whole(static_cast<int>(p.precision));

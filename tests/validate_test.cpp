@@ -65,7 +65,7 @@ TEST(Validate, NamesEveryFault) {
       {"time_step", "must be 1/steps_per_second", [](Scene& s) { s.physics.steps_per_second = 31; }},
       {"substeps", "must be a whole number from 1 to 1000", [](Scene& s) { s.physics.substeps = 0; }},
       {"iterations", "must be a whole number from 1 to 1000", [](Scene& s) { s.physics.iterations = 1001; }},
-      {"solver", "must be impulse", [](Scene& s) { s.physics.solver = static_cast<Solver>(7); }},
+      {"solver", "must be impulse or soft_step", [](Scene& s) { s.physics.solver = static_cast<Solver>(7); }},
       {"integrator", "must be", [](Scene& s) { s.physics.integrator = static_cast<Integrator>(7); }},
       {"precision", "must be f32 or f64", [](Scene& s) { s.physics.precision = static_cast<Precision>(7); }},
       {"restitution_threshold", "must lie in [0, 1e+09] m/s",

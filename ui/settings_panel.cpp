@@ -149,6 +149,12 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   choice_row(workspace, "settings.precision", "precision", precisions, s.precision,
              "Of everything that is simulated");
 
+  static constexpr std::array<std::pair<Solver, const char*>, 2> solvers{
+      {{Solver::impulse, "impulse"}, {Solver::soft_step, "soft_step"}}};
+  choice_row(workspace, "settings.solver", "solver", solvers, s.solver,
+             "What contacts do. impulse: the paper's, which lets piles sink. soft_step: contacts are soft, "
+             "steps go in substeps, and piles come to rest");
+
   if (view.generated) {
     ImGui::Spacing();
     faint_text("These start the run again");

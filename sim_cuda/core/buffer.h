@@ -1,7 +1,7 @@
 #pragma once
 // Buffer<T>: an array in an executor's memory space. The buffer is the canonical copy; every move of data
-// between spaces has a name (upload, download). Contents after growing are undefined: what must survive is
-// copied by name.
+// between spaces has a name (upload, download). Contents after growing are undefined, unless it is
+// said that they are kept.
 
 #include <cstdint>
 #include <span>
@@ -40,6 +40,13 @@ class Buffer {
     size_ = 0;
     data_ = static_cast<T*>(executor_->allocate(name_, size * sizeof(T)));
     size_ = size;
+  }
+  /// The same, but what there was stays, as far as there is room; by way of the host.
+  void resize_keeping(std::size_t size) {
+    if (size == size_ || executor_->rehearsing()) return resize_discarding(size);
+    const std::vector<T> kept = download(size < size_ ? size : size_);
+    resize_discarding(size);
+    if (!kept.empty()) executor_->copy_to_executor(data_, kept.data(), kept.size() * sizeof(T));
   }
   void upload(const std::vector<T>& host) {
     resize_discarding(host.size());

@@ -2,10 +2,14 @@
 // Forwarding: the paper's FORWARDDYNAMICS (its 3.1) by semi-implicit Euler. Momentum first, then position
 // with the new velocity, then rotation by the angular momentum.
 
+#include <optional>
+
 #include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
 
@@ -61,5 +65,12 @@ struct MoveBodies {
       rotate_freely<Real>(bodies.orientation[body], bodies.angular_velocity[body], bodies.inertia[body], h);
   }
 };
+
+/// Enqueues the stage "move" with just the effects that are on. `gravity` in m/s^2, `h` in s; `box`: none
+/// where there are no walls.
+template <class Real>
+void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
+                 const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
+                 const StepControl* control);
 
 }  // namespace collidoscope

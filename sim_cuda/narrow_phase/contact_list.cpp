@@ -1,27 +1,45 @@
 #include "sim_cuda/narrow_phase/contact_list.h"
 
 #include "sim_cuda/core/scan.h"
-#include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
 
 namespace {
 
-template <class Real>
+/// Whether a body touches others, or may soon.
+template <class Real, bool foreseeing>
+struct TouchTest {
+  SphereView<Real> spheres;
+  Foresight<Real> foresight;
+  Vector3<Real> x, v;
+  Real r;
+  SIM_HD TouchTest(const SphereView<Real>& all, const Foresight<Real>& soon, int body)
+      : spheres(all), foresight(soon), x(all.position[body]), r(all.radius[body]) {
+    if constexpr (foreseeing) v = soon.velocity[body];
+  }
+  SIM_HD bool with(std::uint32_t other) const {
+    const Vector3<Real> y = spheres.position[other];
+    const Real s = spheres.radius[other];
+    if constexpr (foreseeing)
+      return spheres_will_touch<Real>(x, r, v, y, s, foresight.velocity[other], foresight);
+    else
+      return spheres_touch<Real>(x, r, y, s);
+  }
+};
+
+template <class Real, bool foreseeing>
 struct CountContacts {
   PairView pairs;
   SphereView<Real> spheres;
+  Foresight<Real> foresight;
   const StepControl* control;
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    const Vector3<Real> x = spheres.position[body];
-    const Real r = spheres.radius[body];
+    const TouchTest<Real, foreseeing> touch(spheres, foresight, body);
     std::uint32_t touching = 0;
-    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
-      const std::uint32_t other = pairs.second[k];
-      touching += spheres_touch<Real>(x, r, spheres.position[other], spheres.radius[other]);
-    }
+    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k)
+      touching += touch.with(pairs.second[k]);
     count[body] = touching;
   }
 };
@@ -41,26 +59,24 @@ struct AcceptContacts {
   }
 };
 
-template <class Real>
+template <class Real, bool foreseeing>
 struct WriteContacts {
   PairView pairs;
   SphereView<Real> spheres;
+  Foresight<Real> foresight;
   const std::uint32_t* offset;
   const StepControl* control;
   Pair* bodies_of;
   Vector3<Real>* normal;
   SIM_HD void operator()(int body) const {
     if (control->overflow || offset[body] == offset[body + 1]) return;
-    const Vector3<Real> x = spheres.position[body];
-    const Real r = spheres.radius[body];
+    const TouchTest<Real, foreseeing> touch(spheres, foresight, body);
     std::uint32_t at = offset[body];
     for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
       const std::uint32_t other = pairs.second[k];
-      const Vector3<Real> y = spheres.position[other];
-      const Real s = spheres.radius[other];
-      if (!spheres_touch<Real>(x, r, y, s)) continue;
+      if (!touch.with(other)) continue;
       bodies_of[at] = {static_cast<std::uint32_t>(body), other};
-      normal[at] = separate<Real>(x, r, y, s).normal;
+      normal[at] = separate<Real>(touch.x, touch.r, spheres.position[other], spheres.radius[other]).normal;
       ++at;
     }
   }
@@ -89,14 +105,24 @@ void ContactList<Real>::reserve(std::int64_t bodies, std::int64_t capacity) {
 }
 
 template <class Real>
-void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres, StepControl* control) {
-  executor_.run("contacts", bodies_, CountContacts<Real>{pairs, spheres, control, count_.data()});
+void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres,
+                             const Foresight<Real>& foresight, StepControl* control) {
+  foresight.velocity != nullptr ? list<true>(pairs, spheres, foresight, control)
+                                : list<false>(pairs, spheres, foresight, control);
+}
+
+template <class Real>
+template <bool foreseeing>
+void ContactList<Real>::list(const PairView& pairs, const SphereView<Real>& spheres,
+                             const Foresight<Real>& foresight, StepControl* control) {
+  executor_.run("contacts", bodies_,
+                CountContacts<Real, foreseeing>{pairs, spheres, foresight, control, count_.data()});
   exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
                  temporary_.bytes());
   executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
-  executor_.run(
-      "contacts", bodies_,
-      WriteContacts<Real>{pairs, spheres, offset_.data(), control, bodies_of_.data(), normal_.data()});
+  executor_.run("contacts", bodies_,
+                WriteContacts<Real, foreseeing>{pairs, spheres, foresight, offset_.data(), control,
+                                                bodies_of_.data(), normal_.data()});
 }
 
 template class ContactList<float>;

@@ -7,6 +7,7 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
+#include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
 
@@ -30,12 +31,17 @@ class ContactList {
   /// Outside the step. `capacity` in contacts.
   void reserve(std::int64_t bodies, std::int64_t capacity);
   std::int64_t capacity() const { return static_cast<std::int64_t>(bodies_of_.size()); }
-  /// Tests all pairs. Where the capacity is too small: control->overflow, contacts_needed, and an empty list,
-  /// as for pairs.
-  void find(const PairView& pairs, const SphereView<Real>& spheres, StepControl* control);
+  /// Tests all pairs; those count as well that `foresight` says may touch soon. Where the capacity is too
+  /// small: control->overflow, contacts_needed, and an empty list, as for pairs.
+  void find(const PairView& pairs, const SphereView<Real>& spheres, const Foresight<Real>& foresight,
+            StepControl* control);
   ContactView<Real> view() const { return {bodies_of_.data(), normal_.data()}; }
 
  private:
+  template <bool foreseeing>
+  void list(const PairView& pairs, const SphereView<Real>& spheres, const Foresight<Real>& foresight,
+            StepControl* control);
+
   Executor& executor_;
   std::int64_t bodies_ = 0;
   Buffer<std::uint32_t> count_;

@@ -14,6 +14,29 @@ SIM_HD bool spheres_touch(const Vector3<Real>& a, Real radius_a, const Vector3<R
   return d.dot(d) <= reach * reach;
 }
 
+/// What a contact must foresee, beside what touches now. None: `velocity` is null.
+template <class Real>
+struct Foresight {
+  const Vector3<Real>* velocity = nullptr;  ///< m/s, by id
+  Real time = 0;                            ///< s
+  Real slack = 0;                           ///< m: |acceleration| time^2 of what pulls
+};
+
+/// Whether two spheres may touch within the foreseen time while they move smoothly: while each is
+/// accelerated by no more than gravity less what holds it up. The relative acceleration of two such bodies is
+/// at most |g|: frictionless support leaves of g the part within a plane, so each acceleration lies in the
+/// ball over the diameter g. So the gap shrinks by at most time |v_b - v_a| + |g| time^2 (semi-implicit
+/// Euler's own K (K + 1) / (2 K^2) is at most 1).
+template <class Real>
+SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& velocity_a,
+                               const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
+                               const Foresight<Real>& foresight) {
+  const Vector3<Real> way = velocity_b - velocity_a;
+  using std::sqrt;
+  const Real margin = foresight.time * sqrt(way.dot(way)) + foresight.slack;
+  return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
+}
+
 /// The unit normal from a to b, and the gap along it (m; negative where they overlap). Coincident centres, or
 /// centres so close that the squared distance underflows, are pushed apart along +z.
 template <class Real>

@@ -14,7 +14,8 @@
 namespace collidoscope {
 
 enum class Precision { f32, f64 };
-enum class Solver { impulse };
+/// The paper's immediate impulses, or soft contacts in substeps.
+enum class Solver { impulse, soft_step };
 enum class Integrator { semi_implicit_euler };
 
 /// The closed container; its six inner faces are walls of the material "default".
@@ -81,7 +82,7 @@ struct Physics {
   Vector3d gravity{0, 0, -9.81};        ///< m/s^2
   double time_step = 1.0 / 30;          ///< s, > 0
   std::optional<int> steps_per_second;  ///< set where the scene said so; then time_step is 1/steps_per_second
-  int substeps = 1;                     ///< K >= 1: the pipeline runs K times at time_step / K
+  std::optional<int> substeps;          ///< K, 1 to 1000, each over time_step / K; unset: "auto"
   int iterations = 1;                   ///< sweeps of the solver over all contacts, 1 to 1000
   Solver solver = Solver::impulse;
   Integrator integrator = Integrator::semi_implicit_euler;
@@ -89,6 +90,11 @@ struct Physics {
   std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for
   std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h
 };
+
+/// K as set, or what "auto" comes to: soft_step lives of its substeps, `impulse` is the paper's without them.
+inline int substeps_in_effect(const Physics& physics) {
+  return physics.substeps.value_or(physics.solver == Solver::soft_step ? 4 : 1);
+}
 
 struct Scene {
   std::string name = "unnamed";

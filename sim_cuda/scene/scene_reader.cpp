@@ -82,7 +82,7 @@ class SceneReader {
       reading_.fault_at_key(time_step->begin > both->begin ? *time_step : *both,
                             "time_step and steps_per_second are both given; keep one of them");
     }
-    root.whole("substeps", physics.substeps);
+    read_substeps(root);
     root.whole("iterations", physics.iterations);
     root.choice("solver", solver_names, physics.solver);
     root.choice("integrator", integrator_names, physics.integrator);
@@ -96,6 +96,13 @@ class SceneReader {
         reading_.fault(*node, "\"restitution_threshold\" is \"auto\" or a speed in m/s");
       }
     }
+  }
+
+  void read_substeps(ObjectReader& root) {
+    const JsonNode* node = root.member("substeps");
+    if (node == nullptr || (node->kind == JsonKind::text && document_.text(*node) == "auto")) return;
+    int substeps = 0;
+    if (root.whole("substeps", substeps)) scene_.physics.substeps = substeps;
   }
 
   void read_effects(const JsonNode& node) {

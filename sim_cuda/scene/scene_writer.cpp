@@ -71,7 +71,7 @@ class SceneWriter {
     } else {
       root.member("time_step", fmt::format("{}", physics.time_step));
     }
-    root.member("substeps", fmt::format("{}", physics.substeps));
+    root.member("substeps", physics.substeps ? fmt::format("{}", *physics.substeps) : json_text("auto"));
     root.member("iterations", fmt::format("{}", physics.iterations));
     root.member("solver", json_text(name_of(solver_names, physics.solver)));
     root.member("integrator", json_text(name_of(integrator_names, physics.integrator)));

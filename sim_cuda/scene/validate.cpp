@@ -125,7 +125,7 @@ class Validator {
     } else {
       number(root.at("time_step"), physics.time_step, limits::min_time_step, limits::max_time_step, "s");
     }
-    whole(root.at("substeps"), physics.substeps, 1, limits::max_substeps);
+    if (physics.substeps) whole(root.at("substeps"), *physics.substeps, 1, limits::max_substeps);
     whole(root.at("iterations"), physics.iterations, 1, limits::max_iterations);
     choice(root.at("solver"), solver_names, physics.solver);
     choice(root.at("integrator"), integrator_names, physics.integrator);

@@ -1,7 +1,6 @@
 #include "sim_cuda/solver/impulse.h"
 
-#include "sim_cuda/core/atomics.h"
-#include "sim_cuda/core/segment_sort.h"
+#include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
@@ -12,7 +11,7 @@ namespace {
 template <class Real, bool push, bool record>
 struct ResolveColour {
   ContactView<Real> contacts;
-  SolverBodies<Real> bodies;
+  BodyView<Real> bodies;
   Restitution<Real> restitution;
   const std::uint32_t* order;
   const std::uint32_t* begin;
@@ -57,66 +56,10 @@ struct ClearImpulses {
 // is resolved between such parts, all at once; then the parts of a body are averaged. Neither resolving nor
 // averaging raises the energy.
 
-struct BeginSplit {
-  const StepControl* control;
-  std::uint32_t bodies;
-  std::uint32_t* items;
-  SIM_HD void operator()(int) const {
-    items[0] = control->split_contacts > 0 ? bodies : 0;
-    items[1] = 0;
-  }
-};
-
-struct ClearSplit {
-  std::uint32_t *count, *filled;
-  SIM_HD void operator()(int body) const { count[body] = filled[body] = 0; }
-};
-
-struct CountSplit {
-  const Pair* contacts;
-  const std::uint32_t *order, *begin;
-  std::uint32_t* count;
-  SIM_HD void operator()(int item) const {
-    const auto [a, b] = contacts[order[*begin + static_cast<std::uint32_t>(item)]];
-    atomic_add(&count[a], 1);
-    atomic_add(&count[b], 1);
-  }
-};
-
-/// Where a body's list stands is free: only its content reaches the state.
-struct PlaceSplit {
-  const std::uint32_t* count;
-  std::uint32_t *handed_out, *begin;
-  SIM_HD void operator()(int body) const {
-    if (count[body] > 0) begin[body] = atomic_add(handed_out, count[body]);
-  }
-};
-
-struct FillSplit {
-  const Pair* contacts;
-  const std::uint32_t *order, *colour_begin, *begin;
-  std::uint32_t *filled, *entry;
-  SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*colour_begin + static_cast<std::uint32_t>(item)];
-    const auto [a, b] = contacts[contact];
-    entry[begin[a] + atomic_add(&filled[a], 1)] = contact;
-    entry[begin[b] + atomic_add(&filled[b], 1)] = contact;
-  }
-};
-
-/// Contacts are numbered by (a, b), so ascending contact numbers are ascending ids of the other body.
-struct SortSplit {
-  const std::uint32_t *count, *begin;
-  std::uint32_t* entry;
-  SIM_HD void operator()(int body) const {
-    if (count[body] > 1) sort_segment(entry + begin[body], count[body]);
-  }
-};
-
 template <class Real, bool push, bool record>
 struct ResolveSplit {
   ContactView<Real> contacts;
-  SolverBodies<Real> bodies;
+  BodyView<Real> bodies;
   Restitution<Real> restitution;
   const std::uint32_t *order, *begin, *count;
   Real *impulse, *shift;
@@ -143,16 +86,16 @@ struct ResolveSplit {
 template <class Real, bool push>
 struct ApplySplit {
   ContactView<Real> contacts;
-  SolverBodies<Real> bodies;
-  const std::uint32_t *count, *begin, *entry;
+  BodyView<Real> bodies;
+  ContactsByBodyView split;
   const Real *impulse, *shift;
 
   SIM_HD void operator()(int body) const {
-    const std::uint32_t n = count[body];
+    const std::uint32_t n = split.count[body];
     if (n == 0) return;
     Vector3<Real> momentum = Vector3<Real>::Zero(), moved = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t contact = entry[begin[body] + k];
+      const std::uint32_t contact = split.entry[split.begin[body] + k];
       const Real sign = contacts.bodies[contact].a == static_cast<std::uint32_t>(body) ? Real(-1) : Real(1);
       const Vector3<Real> normal = contacts.normal[contact];
       momentum += sign * impulse[contact] * normal;
@@ -166,89 +109,67 @@ struct ApplySplit {
 }  // namespace
 
 template <class Real>
-ImpulseSolver<Real>::ImpulseSolver(Executor& executor)
+ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& scene)
     : executor_(executor),
+      scene_(scene),
+      h_(scene.time_step / static_cast<Real>(scene.substeps)),
       colouring_(executor),
-      split_items_(executor, "split set size"),
-      split_count_(executor, "split contacts per body"),
-      split_filled_(executor, "split contacts filled"),
-      split_begin_(executor, "split list starts"),
-      split_entry_(executor, "split lists"),
+      split_(executor),
       split_impulse_(executor, "split impulses"),
       split_push_(executor, "split pushes") {}
 
 template <class Real>
-void ImpulseSolver<Real>::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
-  bodies_ = bodies;
+void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
-  colouring_.reserve(bodies, contact_capacity);
-  const auto n = static_cast<std::size_t>(bodies), m = static_cast<std::size_t>(contact_capacity);
-  split_items_.resize_discarding(2);
-  split_count_.resize_discarding(n);
-  split_filled_.resize_discarding(n);
-  split_begin_.resize_discarding(n);
-  split_entry_.resize_discarding(2 * m);
-  split_impulse_.resize_discarding(m);
-  split_push_.resize_discarding(m);
+  colouring_.reserve(scene_.body_count, contact_capacity);
+  split_.reserve(scene_.body_count, contact_capacity);
+  split_impulse_.resize_discarding(static_cast<std::size_t>(contact_capacity));
+  split_push_.resize_discarding(static_cast<std::size_t>(contact_capacity));
 }
 
 template <class Real>
-void ImpulseSolver<Real>::solve(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-                                const Restitution<Real>& restitution, int iterations, Real* impulses,
-                                StepControl* control) {
-  colouring_.colour(contacts.bodies, control);
-  list_split(contacts, control);
-  if (impulses != nullptr)
-    executor_.run("solve", Count(&control->contacts, contact_capacity_), ClearImpulses<Real>{impulses});
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    const bool push = iteration + 1 == iterations;
-    if (impulses != nullptr)
-      push ? sweep<true, true>(contacts, bodies, restitution, {impulses}, control)
-           : sweep<false, true>(contacts, bodies, restitution, {impulses}, control);
-    else
-      push ? sweep<true, false>(contacts, bodies, restitution, {}, control)
-           : sweep<false, false>(contacts, bodies, restitution, {}, control);
-  }
-}
-
-template <class Real>
-void ImpulseSolver<Real>::list_split(const ContactView<Real>& contacts, StepControl* control) {
+void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
+  colouring_.colour(contacts.bodies, scene_.control);
   const ColourView colours = colouring_.view();
-  const std::uint32_t* split_begin = colours.begin + Colouring::colours;
-  const Count split_contacts(&control->split_contacts, contact_capacity_);
-  const Count split_bodies(split_items_.data(), bodies_);
-  executor_.run("solve", 1, BeginSplit{control, static_cast<std::uint32_t>(bodies_), split_items_.data()});
-  executor_.run("solve", split_bodies, ClearSplit{split_count_.data(), split_filled_.data()});
-  executor_.run("solve", split_contacts,
-                CountSplit{contacts.bodies, colours.order, split_begin, split_count_.data()});
-  executor_.run("solve", split_bodies,
-                PlaceSplit{split_count_.data(), split_items_.data() + 1, split_begin_.data()});
-  executor_.run("solve", split_contacts,
-                FillSplit{contacts.bodies, colours.order, split_begin, split_begin_.data(),
-                          split_filled_.data(), split_entry_.data()});
-  executor_.run("solve", split_bodies,
-                SortSplit{split_count_.data(), split_begin_.data(), split_entry_.data()});
+  split_.list("solve", contacts.bodies, colours.order, colours.begin + Colouring::colours,
+              &scene_.control->split_contacts);
+  if (impulses != nullptr)
+    executor_.run("solve", Count(&scene_.control->contacts, contact_capacity_),
+                  ClearImpulses<Real>{impulses});
+  for (int iteration = 0; iteration < scene_.iterations; ++iteration) {
+    const bool push = iteration + 1 == scene_.iterations;
+    if (impulses != nullptr)
+      push ? sweep<true, true>(contacts, {impulses}) : sweep<false, true>(contacts, {impulses});
+    else
+      push ? sweep<true, false>(contacts, {}) : sweep<false, false>(contacts, {});
+  }
+  if (scene_.plane_count > 0)
+    executor_.run("walls", scene_.body_count,
+                  ResolveWalls<Real>{scene_.bodies, scene_.planes, scene_.plane_count, scene_.restitution,
+                                     scene_.gravity, h_, scene_.ledger, scene_.control});
+  move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, scene_.effects, scene_.gravity, scene_.box,
+                    h_, scene_.control);
 }
 
 template <class Real>
 template <bool push, bool record>
-void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-                                const Restitution<Real>& restitution,
-                                const ImpulseSum<Real, record>& impulses, const StepControl* control) {
+void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const ImpulseSum<Real, record>& impulses) {
   const ColourView colours = colouring_.view();
+  const ContactsByBodyView split = split_.view();
+  const BodyView<Real>& bodies = scene_.bodies;
   // Contacts of one colour share no body, so there are at most half as many as bodies.
-  const std::int64_t colour_capacity = contact_capacity_ < bodies_ / 2 ? contact_capacity_ : bodies_ / 2;
+  const std::int64_t colour_capacity =
+      contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
   for (int c = 0; c < Colouring::colours; ++c)
     executor_.run("solve", Count(colours.count + c, colour_capacity),
-                  ResolveColour<Real, push, record>{contacts, bodies, restitution, colours.order,
+                  ResolveColour<Real, push, record>{contacts, bodies, scene_.restitution, colours.order,
                                                     colours.begin + c, impulses});
-  executor_.run("solve", Count(&control->split_contacts, contact_capacity_),
-                ResolveSplit<Real, push, record>{contacts, bodies, restitution, colours.order,
-                                                 colours.begin + Colouring::colours, split_count_.data(),
+  executor_.run("solve", Count(&scene_.control->split_contacts, contact_capacity_),
+                ResolveSplit<Real, push, record>{contacts, bodies, scene_.restitution, colours.order,
+                                                 colours.begin + Colouring::colours, split.count,
                                                  split_impulse_.data(), split_push_.data(), impulses});
-  executor_.run("solve", Count(split_items_.data(), bodies_),
-                ApplySplit<Real, push>{contacts, bodies, split_count_.data(), split_begin_.data(),
-                                       split_entry_.data(), split_impulse_.data(), split_push_.data()});
+  executor_.run("solve", split_.bodies(),
+                ApplySplit<Real, push>{contacts, bodies, split, split_impulse_.data(), split_push_.data()});
 }
 
 template class ImpulseSolver<float>;

@@ -12,21 +12,12 @@
 #include <cstdint>
 
 #include "sim_cuda/core/buffer.h"
-#include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contact_impulses.h"
-#include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/contacts_by_body.h"
 
 namespace collidoscope {
-
-/// What the solver reads and writes of the bodies, by id.
-template <class Real>
-struct SolverBodies {
-  Vector3<Real>* position;   ///< m; moved by the push alone
-  Vector3<Real>* velocity;   ///< m/s
-  const Real* inverse_mass;  ///< 1/kg
-  const Real* radius;        ///< m
-};
 
 /// The positional push of two overlapping spheres: a fraction of what exceeds the slop, bounded. Lengths
 /// scale with the smaller sphere, so that dust and boulders behave alike.
@@ -43,33 +34,27 @@ struct PushRule {
 };
 
 template <class Real>
-class ImpulseSolver {
+class ImpulseSolver final : public ContactSolver<Real> {
  public:
-  explicit ImpulseSolver(Executor& executor);
-  void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Changes velocities, and positions by the push. `iterations` sweeps over all colours; the push is made in
-  /// the last. `impulses`, unless null: receives what each contact gave over all sweeps, N s.
-  void solve(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-             const Restitution<Real>& restitution, int iterations, Real* impulses, StepControl* control);
+  ImpulseSolver(Executor& executor, const SolverScene<Real>& scene);
+  int runs_per_step() const override { return scene_.substeps; }
+  Real foresight() const override { return 0; }
+  void reserve(std::int64_t contact_capacity) override;
+  /// `iterations` sweeps over all colours; the push is made in the last.
+  void advance(const ContactView<Real>& contacts, Real* impulses) override;
 
  private:
-  void list_split(const ContactView<Real>& contacts, StepControl* control);
   template <bool push, bool record>
-  void sweep(const ContactView<Real>& contacts, const SolverBodies<Real>& bodies,
-             const Restitution<Real>& restitution, const ImpulseSum<Real, record>& impulses,
-             const StepControl* control);
+  void sweep(const ContactView<Real>& contacts, const ImpulseSum<Real, record>& impulses);
 
   Executor& executor_;
+  const SolverScene<Real> scene_;
+  const Real h_;  ///< s, of a run
+  std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
-  std::int64_t bodies_ = 0, contact_capacity_ = 0;
-  // The mass-split set: for each body, the list of its contacts in it.
-  Buffer<std::uint32_t> split_items_;   ///< {bodies or 0, entries handed out}
-  Buffer<std::uint32_t> split_count_;   ///< per body
-  Buffer<std::uint32_t> split_filled_;  ///< per body
-  Buffer<std::uint32_t> split_begin_;   ///< per body
-  Buffer<std::uint32_t> split_entry_;   ///< contact numbers
-  Buffer<Real> split_impulse_;          ///< per contact, N s
-  Buffer<Real> split_push_;             ///< per contact, kg m
+  ContactsByBody split_;        ///< of the mass-split set
+  Buffer<Real> split_impulse_;  ///< per contact, N s
+  Buffer<Real> split_push_;     ///< per contact, kg m
 };
 
 }  // namespace collidoscope

@@ -56,6 +56,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"time_step", s.time_step},
                {"restitution", s.restitution},
                {"precision", std::string(name_of(precision_names, s.precision))},
+               {"solver", std::string(name_of(solver_names, s.solver))},
                {"broad_phase", s.broad_phase},
                {"layers",
                 {{"spheres", workspace.layers.spheres},

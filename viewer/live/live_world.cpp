@@ -16,7 +16,7 @@ bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
 
 bool physics_differ(const Settings& a, const Settings& b) {
   return a.time_step != b.time_step || a.restitution != b.restitution || a.precision != b.precision ||
-         a.bodies != b.bodies;
+         a.solver != b.solver || a.bodies != b.bodies;
 }
 
 }  // namespace
@@ -36,6 +36,7 @@ Settings settings_of(const World& world) {
   s.time_step = scene.physics.time_step;
   s.restitution = scene.materials[0].restitution;
   s.precision = scene.physics.precision;
+  s.solver = scene.physics.solver;
   s.executor = options.executor;
   s.shape = options.shape;
   s.broad_phase = options.broad_phase;
@@ -56,6 +57,7 @@ void set_scene(const Settings& wish, Scene& scene) {
   }
   scene.materials[0].restitution = wish.restitution;
   scene.physics.precision = wish.precision;
+  scene.physics.solver = wish.solver;
 }
 
 void set_options(const Settings& wish, RunOptions& options) {

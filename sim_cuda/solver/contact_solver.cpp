@@ -1,0 +1,20 @@
+#include "sim_cuda/solver/contact_solver.h"
+
+#include "sim_cuda/solver/impulse.h"
+#include "sim_cuda/solver/soft_step.h"
+
+namespace collidoscope {
+
+template <class Real>
+std::unique_ptr<ContactSolver<Real>> make_contact_solver(Solver solver, Executor& executor,
+                                                         const SolverScene<Real>& scene) {
+  if (solver == Solver::soft_step) return std::make_unique<SoftStepSolver<Real>>(executor, scene);
+  return std::make_unique<ImpulseSolver<Real>>(executor, scene);
+}
+
+template std::unique_ptr<ContactSolver<float>> make_contact_solver(Solver, Executor&,
+                                                                   const SolverScene<float>&);
+template std::unique_ptr<ContactSolver<double>> make_contact_solver(Solver, Executor&,
+                                                                    const SolverScene<double>&);
+
+}  // namespace collidoscope

@@ -1,0 +1,64 @@
+#pragma once
+// What takes a scene from its contacts to its next state: one interface for all solvers. The pipeline owns
+// bodies and contacts and finds the latter anew before each run; a solver owns its lists and what it
+// remembers from step to step. Lives as long as the pipeline.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/walls.h"
+
+namespace collidoscope {
+
+/// What every solver works on. Pointers are in the executor's memory and stay for as long as the solver
+/// lives.
+template <class Real>
+struct SolverScene {
+  BodyView<Real> bodies;
+  std::int64_t body_count;
+  Restitution<Real> restitution;
+  const WallPlane<Real>* planes;
+  int plane_count;
+  WallLedger* ledger;     ///< null where there are no planes
+  Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
+  Effects effects;
+  std::optional<Box> box;
+  Real time_step;  ///< s
+  int substeps;    ///< >= 1
+  int iterations;  ///< sweeps over all contacts, >= 1
+  StepControl* control;
+};
+
+template <class Real>
+class ContactSolver {
+ public:
+  virtual ~ContactSolver() = default;
+
+  /// Runs of the pipeline, each with contacts of its own, that make one step.
+  virtual int runs_per_step() const = 0;
+  /// s of motion that the contacts of a run must foresee; 0: they are those of the bodies where they are.
+  virtual Real foresight() const = 0;
+  /// Outside of runs. `contact_capacity` in contacts; what is remembered stays.
+  virtual void reserve(std::int64_t contact_capacity) = 0;
+  /// Enqueues all that changes velocities and poses in one run. `impulses`, unless null: receives what each
+  /// contact gave, N s.
+  virtual void advance(const ContactView<Real>& contacts, Real* impulses) = 0;
+
+  /// What it knows from the runs before; waits for the device. Nothing, where it does not remember.
+  virtual SolverMemory memory() const { return {}; }
+  /// Outside of runs, which must be recorded again afterwards. Takes over what another solver of a scene with
+  /// these bodies knew: of contacts, all; of planes, if they are as many.
+  virtual void remember(const SolverMemory&) {}
+};
+
+template <class Real>
+std::unique_ptr<ContactSolver<Real>> make_contact_solver(Solver solver, Executor& executor,
+                                                         const SolverScene<Real>& scene);
+
+}  // namespace collidoscope

@@ -1,0 +1,61 @@
+#pragma once
+// The solver `soft_step` (Macklin et al. 2019: substeps beat iterations; Catto, "Solver2D", 2024): contacts
+// are found once a step, with all that its motion may bring together; then K substeps of
+//
+//   forces, with the impulses of the substep before as a start -> solve -> move -> relax
+//
+// and at last the bounces. Impulses live on: within a step in the contact, from step to step by the ids of
+// its bodies. In the sweeps, contacts go colour by colour, then what the colours left over by mass splitting;
+// planes are swept first, and once more before bodies move, so that none enters one.
+//
+// What is remembered changes only in a run that is committed: an overflow leaves no contacts, and every stage
+// over bodies looks at control->overflow.
+
+#include <cstdint>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/solver/colouring.h"
+#include "sim_cuda/solver/contact_impulses.h"
+#include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/soft_contact.h"
+#include "sim_cuda/solver/soft_walls.h"
+
+namespace collidoscope {
+
+template <class Real>
+class SoftStepSolver final : public ContactSolver<Real> {
+ public:
+  SoftStepSolver(Executor& executor, const SolverScene<Real>& scene);
+  int runs_per_step() const override { return 1; }
+  Real foresight() const override { return scene_.time_step; }
+  void reserve(std::int64_t contact_capacity) override;
+  /// `iterations` sweeps in each solve and in each relax. `impulses`: of all substeps and the bounce.
+  void advance(const ContactView<Real>& contacts, Real* impulses) override;
+  SolverMemory memory() const override;
+  void remember(const SolverMemory& memory) override;
+
+ private:
+  void begin_substep(const ContactView<Real>& contacts);
+  template <template <class> class Sweep, class... Parameters>
+  void sweep(const char* stage, const ContactView<Real>& contacts, const Parameters&... parameters);
+  SoftWalls<Real> walls() const;
+  void sweep_walls(const char* stage, bool relaxing);
+
+  Executor& executor_;
+  const SolverScene<Real> scene_;
+  const Real h_;  ///< s, of a substep
+  const Softness<Real> softness_;
+  std::int64_t contact_capacity_ = 0;
+  std::size_t remembered_ = 0;  ///< contacts that remember() was given
+  Colouring colouring_;
+  ContactsByBody all_, split_;  ///< of all contacts; of the mass-split set
+  Buffer<SoftContact<Real>> soft_;
+  Buffer<Real> split_change_;                ///< per contact, N s
+  Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes x bodies; empty without planes
+  Buffer<Pair> known_contacts_;              ///< of the last committed run, with
+  Buffer<Real> known_impulse_;               ///< the impulses of its last substep, N s
+  Buffer<std::uint32_t> known_count_;        ///< one
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,138 @@
+#pragma once
+// The planes of `soft_step`: contacts like all others, but that each body resolves its own, obstacles first,
+// then the faces of the box. Nothing behind a plane pushes back, so the planes are rigid: a body is at once
+// out of them, and ends no substep inside.
+//
+// A bounce takes the speed at which the body reaches the plane, sqrt(v^2 + 2 g s) after a fall through the
+// gap s that is left, not that of the substep's end: so the height of a rebound does not depend on how the
+// time steps fall, and no bounce gains energy.
+
+#include <cstdint>
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/walls.h"
+
+namespace collidoscope {
+
+template <class Real>
+struct SoftWalls {
+  BodyView<Real> bodies;
+  std::int64_t body_count;
+  const WallPlane<Real>* planes;
+  int plane_count;
+  Restitution<Real> restitution;
+  Vector3<Real> gravity;  ///< m/s^2
+  Real inverse_h;         ///< 1/s
+  Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
+  Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
+  WallLedger* ledger;
+
+  /// A body while its planes are resolved.
+  struct Body {
+    Vector3<Real> x, v;
+    Real radius, mass, inverse_mass;
+    bool moved = false, given = false;
+  };
+
+  SIM_HD std::int64_t place(int plane, int body) const { return plane * body_count + body; }
+
+  SIM_HD void give(int id, Body& body, const Vector3<Real>& normal, Real change) const {
+    const Vector3<Real> momentum = change * normal;
+    body.v += body.inverse_mass * momentum;
+    body.given = true;
+    WallLedger& book = ledger[id];
+    book.impulse += static_cast<double>(change);
+    for (int k = 0; k < 3; ++k) book.vector[k] += static_cast<double>(momentum[k]);
+  }
+
+  /// The impulses of the substep before, as a start.
+  SIM_HD void warm_start(int id, Body& body) const {
+    for (int p = 0; p < plane_count; ++p)
+      if (const Real start = impulse[place(p, id)]; start > 0) give(id, body, planes[p].normal, start);
+  }
+
+  /// One sweep. `relaxing`: after the move, when no contact may begin that the next move closes. `before`:
+  /// the velocity before forces acted in this substep, where this is the first.
+  SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>* before) const {
+    for (int p = 0; p < plane_count; ++p) {
+      const Vector3<Real> normal = planes[p].normal;
+      Real gap = normal.dot(body.x) - planes[p].offset - body.radius;
+      if (gap < 0) {
+        const Vector3<Real> shift = -gap * normal;
+        body.x += shift;
+        body.moved = true;
+        ledger[id].push_work -= static_cast<double>(body.mass * gravity.dot(shift));
+        gap = 0;
+      }
+      const Real speed = normal.dot(body.v);
+      const Real known = impulse[place(p, id)];
+      if (relaxing && gap > 0 && !(known > 0)) continue;
+      const Real next = max_of(known - body.mass * (speed + gap * inverse_h), Real(0));
+      if (next == known) continue;
+      impulse[place(p, id)] = next;
+      if (next > 0 && bounce[place(p, id)] < 0) {
+        Real approach = -speed;
+        if (before != nullptr) {
+          const Real start = -normal.dot(*before);
+          using std::sqrt;
+          approach =
+              start > 0 ? sqrt(max_of(start * start - 2 * gap * normal.dot(gravity), Real(0))) : Real(0);
+        }
+        const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(id)),
+                                           planes[p].restitution, approach);
+        bounce[place(p, id)] = e * max_of(approach, Real(0));
+      }
+      give(id, body, normal, next - known);
+    }
+  }
+
+  SIM_HD Body load(int id) const {
+    return {bodies.position[id], bodies.velocity[id], bodies.radius[id], bodies.mass[id],
+            bodies.inverse_mass[id]};
+  }
+  SIM_HD void store(int id, const Body& body) const {
+    if (body.moved) bodies.position[id] = body.x;
+    if (body.given) bodies.velocity[id] = body.v;
+  }
+};
+
+/// One sweep over all bodies' planes.
+template <class Real>
+struct SolveWalls {
+  SoftWalls<Real> walls;
+  bool relaxing;
+  const StepControl* control;
+  SIM_HD void operator()(int id) const {
+    if (control->overflow) return;
+    typename SoftWalls<Real>::Body body = walls.load(id);
+    walls.solve(id, body, relaxing, nullptr);
+    walls.store(id, body);
+  }
+};
+
+/// The bounce off every plane that the step has touched; makes the next step start afresh.
+template <class Real>
+struct BounceOffWalls {
+  SoftWalls<Real> walls;
+  const StepControl* control;
+  SIM_HD void operator()(int id) const {
+    if (control->overflow) return;
+    typename SoftWalls<Real>::Body body = walls.load(id);
+    for (int p = 0; p < walls.plane_count; ++p) {
+      const std::int64_t place = walls.place(p, id);
+      const Real wanted = walls.bounce[place];
+      if (wanted < 0) continue;
+      walls.bounce[place] = -1;
+      const Real speed = walls.planes[p].normal.dot(body.v);
+      if (!(wanted > 0 && wanted > speed)) continue;
+      walls.give(id, body, walls.planes[p].normal, body.mass * (wanted - speed));
+      walls.impulse[place] = 0;  // it leaves
+    }
+    walls.store(id, body);
+  }
+};
+
+}  // namespace collidoscope

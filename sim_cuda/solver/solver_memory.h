@@ -1,0 +1,21 @@
+#pragma once
+// What a solver knows from the steps before, on the host and in double, so that another world can go on where
+// one is. Plain data; bit-exact.
+
+#include <cstdint>
+#include <vector>
+
+namespace collidoscope {
+
+/// A contact of a step and what it gave.
+struct ContactImpulse {
+  std::uint32_t a, b;  ///< ids, a < b
+  double impulse;      ///< N s, along the normal, >= 0
+};
+
+struct SolverMemory {
+  std::vector<ContactImpulse> contacts;    ///< by a, then b; of the last substep
+  std::vector<std::vector<double>> walls;  ///< N s, by plane, then by body
+};
+
+}  // namespace collidoscope
