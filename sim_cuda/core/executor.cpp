@@ -346,11 +346,29 @@ LaunchShape Executor::choose_shape(const void* kernel, const char* name, std::in
   // A thread for each item: the hardware hands blocks out as others end, which evens out queries of unequal
   // length.
   if (shape.blocks == 0) shape.blocks = static_cast<int>(at_once ? std::min(needed, resident) : needed);
-  if (recording_ != nullptr)
-    clock_.add_launch(stage_entry_, {items, shape.blocks, shape.threads, 0, fit.resident_blocks,
-                                     multiprocessors_, fit.registers, fit.shared_bytes, fit.occupancy,
-                                     launch_limit(shape.blocks, needed, resident, fit.limit)});
+  note_shape(items, shape, fit);
   return shape;
+}
+
+LaunchShape Executor::choose_waiting_shape(const void* kernel, const char* name, std::int64_t items) {
+  constexpr int usual_threads = 512;  // fewer blocks wait for each other sooner
+  const int threads = options_.shape.threads > 0 ? options_.shape.threads : usual_threads;
+  const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
+  const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;
+  LaunchShape shape{options_.shape.blocks, threads};
+  if (shape.blocks > resident) return {0, 0};
+  if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min((items + threads - 1) / threads, resident));
+  note_shape(items, shape, fit);
+  return shape;
+}
+
+void Executor::note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit) {
+  if (recording_ == nullptr) return;
+  const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
+  const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;
+  clock_.add_launch(stage_entry_, {items, shape.blocks, shape.threads, 0, fit.resident_blocks,
+                                   multiprocessors_, fit.registers, fit.shared_bytes, fit.occupancy,
+                                   launch_limit(shape.blocks, needed, resident, fit.limit)});
 }
 
 void Executor::check_launch(const char* name, LaunchShape shape) {

@@ -25,6 +25,9 @@
 #if SIM_CUDA
 #include "sim_cuda/core/cuda_check.h"
 #endif
+#if defined(__CUDACC__)
+#include <cooperative_groups.h>
+#endif
 
 namespace collidoscope {
 
@@ -105,6 +108,18 @@ class Executor {
   }
 #endif
 
+#if !SIM_CUDA || defined(__CUDACC__)
+  /// Runs several rounds of one stage, each over all its items before the next begins:
+  ///
+  ///   SIM_HD std::int64_t items(int round) const;  // at most `most`; asked when the rounds before are done
+  ///   SIM_HD void operator()(int round, int item) const;
+  ///
+  /// On a GPU it is one launch, whose threads wait for each other between rounds, and for nobody at a round
+  /// of no items; or, where B x T threads are more than run at once, a launch a round.
+  template <class Rounds>
+  void run_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage);
+#endif
+
 #if SIM_CUDA
   cudaStream_t stream() const { return stream_; }
 #endif
@@ -133,6 +148,8 @@ class Executor {
 #if defined(__CUDACC__)
   template <class Stage>
   void launch(const char* name, const Count& count, const Stage& stage);
+  template <class Rounds>
+  void launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage);
 #endif
   void end_stage();
 
@@ -164,6 +181,9 @@ class Executor {
   /// (B, T) for so many items, with "auto" decided; notes it, if a step is being recorded.
   LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
                            SharedBytes shared);
+  /// (B, T) for threads that wait for each other; B = 0: it would be more than run at once.
+  LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items);
+  void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
   void check_launch(const char* name, LaunchShape shape);
   std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
@@ -260,6 +280,27 @@ void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
       &context);
 }
 
+template <class Rounds>
+struct OneRound {
+  Rounds rounds;
+  int round;
+  SIM_HD void operator()(int item) const { rounds(round, item); }
+};
+
+#if !SIM_CUDA || defined(__CUDACC__)
+template <class Rounds>
+void Executor::run_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
+  if (most == 0) return;
+  begin_stage(name);
+#if defined(__CUDACC__)
+  if (on_device_) return launch_rounds(name, rounds, most, stage);
+#endif
+  for (int round = 0; round < rounds; ++round)
+    if (const std::int64_t items = stage.items(round); items > 0)
+      run_on_cpu(items, OneRound<Rounds>{stage, round});
+}
+#endif
+
 #if defined(__CUDACC__)
 
 /// B x T threads stride over the items, as in the paper. At most 64 registers, so that every T up to 1024 can
@@ -280,6 +321,45 @@ void Executor::launch(const char* name, const Count& count, const Stage& stage) 
                                          count.counter != nullptr, nullptr);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
   check_launch(name, shape);
+}
+
+template <class Rounds>
+__global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, const Rounds stage) {
+  const auto grid = cooperative_groups::this_grid();
+  for (int round = 0; round < rounds; ++round) {
+    const std::int64_t items = stage.items(round);
+    if (items == 0) continue;
+    for (auto i = static_cast<std::int64_t>(grid.thread_rank()); i < items;
+         i += static_cast<std::int64_t>(grid.size()))
+      stage(round, static_cast<int>(i));
+    grid.sync();
+  }
+}
+
+template <class Rounds>
+__global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const Rounds stage) {
+  const std::int64_t items = stage.items(round), stride = std::int64_t{gridDim.x} * blockDim.x;
+  for (std::int64_t i = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < items; i += stride)
+    stage(round, static_cast<int>(i));
+}
+
+template <class Rounds>
+void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
+  const auto all = reinterpret_cast<const void*>(&run_all_rounds<Rounds>);
+  if (const LaunchShape shape = choose_waiting_shape(all, name, most); shape.blocks > 0) {
+    const void* arguments[] = {&rounds, &stage};
+    check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),
+                                      dim3(static_cast<unsigned>(shape.threads)),
+                                      const_cast<void**>(arguments), 0, stream_),
+          std::string("launch stage ") + name);
+    return check_launch(name, shape);
+  }
+  const auto one = reinterpret_cast<const void*>(&run_one_round<Rounds>);
+  for (int round = 0; round < rounds; ++round) {
+    const LaunchShape shape = choose_shape(one, name, most, true, nullptr);
+    run_one_round<Rounds><<<shape.blocks, shape.threads, 0, stream_>>>(round, stage);
+    check_launch(name, shape);
+  }
 }
 
 template <class... Parameters, class... Arguments>

@@ -1,5 +1,6 @@
 #include "sim_cuda/solver/colouring.h"
 
+#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/sort.h"
@@ -48,36 +49,46 @@ struct ClearRounds {
   SIM_HD void operator()(int round) const { pending[round] = round == 0 ? control->contacts : 0; }
 };
 
-/// One round, in one launch: decide by the bids of the round before, bid for the next one, clear the bids
-/// after that.
-struct Round {
+/// In each round: decide by the bids of the round before, bid for the next one, clear the bids after that.
+struct BidInRounds {
   const Pair* contacts;
   const StepControl* control;
-  std::uint64_t *decided, *bids, *cleared;
+  std::int64_t capacity;
+  std::uint32_t bodies;
+  std::uint64_t* best;
   std::uint32_t *used, *full_since;
   std::uint8_t* colour;
-  std::uint32_t* pending_next;
-  std::uint32_t round;
+  std::uint32_t* pending;
 
-  SIM_HD void take(std::uint32_t body, std::uint32_t bit) const {
+  SIM_HD std::int64_t items(int round) const {
+    return min_of(static_cast<std::int64_t>(pending[round]), capacity);
+  }
+  SIM_HD std::uint64_t* bids_of(std::uint32_t round) const {
+    return best + round % 3 * std::uint64_t{bodies};
+  }
+
+  SIM_HD void take(std::uint32_t body, std::uint32_t bit, std::uint32_t round) const {
     used[body] |= bit;
     if (used[body] == ~std::uint32_t{0}) atomic_store(&full_since[body], round);
   }
 
-  SIM_HD void operator()(int contact) const {
+  SIM_HD void operator()(int now, int contact) const {
     if (colour[contact] != uncoloured) return;
-    const Pair bodies = contacts[contact];
-    const std::uint64_t mine = priority(bodies, static_cast<std::uint32_t>(contact));
-    if (round > 0 && decided[bodies.a] == mine && decided[bodies.b] == mine) {
+    const auto round = static_cast<std::uint32_t>(now);
+    const std::uint64_t* decided = bids_of(round);
+    std::uint64_t *bids = bids_of(round + 1), *cleared = bids_of(round + 2);
+    const Pair pair = contacts[contact];
+    const std::uint64_t mine = priority(pair, static_cast<std::uint32_t>(contact));
+    if (round > 0 && decided[pair.a] == mine && decided[pair.b] == mine) {
       // No other contact at either body decides in this round, so the masks are this contact's alone.
-      const std::uint32_t taken = used[bodies.a] | used[bodies.b];
+      const std::uint32_t taken = used[pair.a] | used[pair.b];
       if (taken == ~std::uint32_t{0}) {
         colour[contact] = no_colour_free;
         return;
       }
       const std::uint32_t lowest_free = ~taken & (taken + 1);
-      take(bodies.a, lowest_free);
-      take(bodies.b, lowest_free);
+      take(pair.a, lowest_free, round);
+      take(pair.b, lowest_free, round);
       std::uint8_t c = 0;
       while ((lowest_free >> c) != 1) ++c;
       colour[contact] = c;
@@ -85,15 +96,15 @@ struct Round {
     }
     // A body without a free colour can be given up at once, but only where that was known before this round
     // began.
-    if (atomic_load(&full_since[bodies.a]) < round || atomic_load(&full_since[bodies.b]) < round) {
+    if (atomic_load(&full_since[pair.a]) < round || atomic_load(&full_since[pair.b]) < round) {
       colour[contact] = no_colour_free;
       return;
     }
-    atomic_max(&bids[bodies.a], mine);
-    atomic_max(&bids[bodies.b], mine);
-    atomic_store(&cleared[bodies.a], std::uint64_t{0});
-    atomic_store(&cleared[bodies.b], std::uint64_t{0});
-    atomic_store(pending_next, control->contacts);
+    atomic_max(&bids[pair.a], mine);
+    atomic_max(&bids[pair.b], mine);
+    atomic_store(&cleared[pair.a], std::uint64_t{0});
+    atomic_store(&cleared[pair.b], std::uint64_t{0});
+    atomic_store(pending + round + 1, control->contacts);
   }
 };
 static_assert(Colouring::colours == 32, "one bit of a word per colour");
@@ -161,12 +172,9 @@ void Colouring::colour(const Pair* contacts, StepControl* control) {
   executor_.run("colour", bodies_, ClearBodies{best_.data(), used_.data(), full_since_.data(), bodies});
   executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data()});
   executor_.run("colour", rounds + 2, ClearRounds{control, pending_.data()});
-  const auto bids = [&](int round) { return best_.data() + static_cast<std::size_t>(round % 3) * bodies; };
-  for (int round = 0; round <= rounds; ++round)
-    executor_.run("colour", Count(pending_.data() + round, capacity),
-                  Round{contacts, control, bids(round), bids(round + 1), bids(round + 2), used_.data(),
-                        full_since_.data(), colour_.data(), pending_.data() + round + 1,
-                        static_cast<std::uint32_t>(round)});
+  executor_.run_rounds("colour", rounds + 1, capacity,
+                       BidInRounds{contacts, control, capacity, bodies, best_.data(), used_.data(),
+                                   full_since_.data(), colour_.data(), pending_.data()});
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());
   executor_.run("colour", colours + 1,
