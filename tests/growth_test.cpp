@@ -38,12 +38,11 @@ TEST(Growth, SaysHowMuchOneSampleWeighs) {
   EXPECT_GT(fit.exponent_most - fit.exponent_least, 0.02);
 }
 
-TEST(Growth, OfFewSamplesIsAPowerAlone) {
-  const Growth two = fit_growth({{1e3, 4}, {1e4, 40}});
-  EXPECT_NEAR(two.exponent, 1, 1e-3);
-  EXPECT_EQ(two.fixed, 0);
+TEST(Growth, OfFewSizesIsNotGuessed) {
   EXPECT_EQ(fit_growth({}).exponent, 0);
-  EXPECT_EQ(fit_growth({{1e3, 4}, {1e3, 5}}).exponent, 0);
+  EXPECT_EQ(fit_growth({{1e3, 4}, {1e4, 40}, {1e5, 400}}).exponent, 0);
+  EXPECT_EQ(fit_growth({{1e3, 4}, {1e3, 5}, {1e3, 6}, {1e3, 7}}).exponent, 0);
+  EXPECT_GT(fit_growth({{1e3, 4}, {1e4, 40}, {1e5, 400}, {1e6, 4000}}).exponent, 0);
 }
 
 }  // namespace

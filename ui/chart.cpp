@@ -89,8 +89,9 @@ std::vector<Tick> ticks_of(const ChartAxis& axis, const Range& range) {
   return ticks;
 }
 
-void draw_mark(ImDrawList* list, ImVec2 at, float r, std::size_t shape, ImU32 color) {
-  switch (shape % 4) {
+/// Colours come round again after twelve series, with another mark.
+void draw_mark(ImDrawList* list, ImVec2 at, float r, std::size_t series, ImU32 color) {
+  switch ((series + series / 12) % 4) {
     case 0:
       return list->AddCircleFilled(at, r, color, 20);
     case 1:

@@ -9,7 +9,7 @@ namespace {
 
 /// For one exponent the best of the other two follow from linear least squares: of u = fixed / t + scale *
 /// n^p / t against 1.
-Growth with_exponent(const std::vector<Sample>& samples, double exponent, bool has_fixed) {
+Growth with_exponent(const std::vector<Sample>& samples, double exponent) {
   double aa = 0, ab = 0, bb = 0, a1 = 0, b1 = 0;
   for (const Sample& s : samples) {
     const double a = 1 / s.time, b = std::pow(s.n, exponent) / s.time;
@@ -22,7 +22,7 @@ Growth with_exponent(const std::vector<Sample>& samples, double exponent, bool h
   Growth fit;
   fit.exponent = exponent;
   const double determinant = aa * bb - ab * ab;
-  if (has_fixed && determinant > 1e-12 * aa * bb) {
+  if (determinant > 1e-12 * aa * bb) {
     fit.fixed = (a1 * bb - b1 * ab) / determinant;
     fit.scale = (b1 * aa - a1 * ab) / determinant;
   }
@@ -39,21 +39,21 @@ Growth with_exponent(const std::vector<Sample>& samples, double exponent, bool h
   return fit;
 }
 
-Growth best(const std::vector<Sample>& samples, bool has_fixed) {
+Growth best(const std::vector<Sample>& samples) {
   constexpr double least = 0.05, most = 3, step = 0.05;
-  Growth result = with_exponent(samples, least, has_fixed);
+  Growth result = with_exponent(samples, least);
   for (double p = least + step; p <= most + 1e-9; p += step)
-    if (const Growth fit = with_exponent(samples, p, has_fixed); fit.error < result.error) result = fit;
+    if (const Growth fit = with_exponent(samples, p); fit.error < result.error) result = fit;
   // Narrowed down around the best of the coarse steps.
   double low = std::max(least, result.exponent - step), high = std::min(most, result.exponent + step);
   for (int round = 0; round < 40; ++round) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-    if (with_exponent(samples, a, has_fixed).error < with_exponent(samples, b, has_fixed).error)
+    if (with_exponent(samples, a).error < with_exponent(samples, b).error)
       high = b;
     else
       low = a;
   }
-  const Growth fine = with_exponent(samples, (low + high) / 2, has_fixed);
+  const Growth fine = with_exponent(samples, (low + high) / 2);
   return fine.error < result.error ? fine : result;
 }
 
@@ -64,18 +64,13 @@ double Growth::at(double n) const { return fixed + scale * std::pow(n, exponent)
 Growth fit_growth(const std::vector<Sample>& samples) {
   std::set<double> sizes;
   for (const Sample& s : samples) sizes.insert(s.n);
-  if (sizes.size() < 2) return {};
-  if (sizes.size() < 4) {
-    Growth fit = best(samples, false);
-    fit.exponent_least = fit.exponent_most = fit.exponent;
-    return fit;
-  }
-  Growth fit = best(samples, true);
+  if (sizes.size() < 4) return {};
+  Growth fit = best(samples);
   fit.exponent_least = fit.exponent_most = fit.exponent;
   for (std::size_t left_out = 0; left_out < samples.size(); ++left_out) {
     std::vector<Sample> others = samples;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-    const double exponent = best(others, true).exponent;
+    const double exponent = best(others).exponent;
     fit.exponent_least = std::min(fit.exponent_least, exponent);
     fit.exponent_most = std::max(fit.exponent_most, exponent);
   }

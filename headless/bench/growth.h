@@ -19,8 +19,7 @@ struct Growth {
   double at(double n) const;
 };
 
-/// Least squares of relative residuals. Four different N at least; with two or three there is no fixed part
-/// and no spread of the exponent; with fewer, nothing.
+/// Least squares of relative residuals; of fewer than four different N, nothing.
 Growth fit_growth(const std::vector<Sample>& samples);
 
 }  // namespace collidoscope
