@@ -98,7 +98,8 @@ TEST_P(ColouringTest, DoesNotDependOnTheOrderOfWork) {
   RunOptions first = options();
   const Coloured expected = colour(contacts, 300, first);
   for (const LaunchShape shape :
-       {LaunchShape{1, 1}, LaunchShape{2, 4}, LaunchShape{3, 37}, LaunchShape{8, 64}})
+       {LaunchShape{1, 1}, LaunchShape{2, 4}, LaunchShape{3, 37}, LaunchShape{8, 64},
+        LaunchShape{5000, 512}})  // the last: more than a GPU runs at once
     for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
       for (const int threads : {1, 2}) {
         RunOptions o = options();
