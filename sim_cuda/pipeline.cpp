@@ -115,6 +115,7 @@ class TypedPipeline final : public Pipeline {
   BodyBuffers<Real> state_;
   Buffer<std::uint32_t> mesh_;  // 0: sphere; empty where all are
   Buffer<Real> restitution_of_material_;
+  Buffer<Real> friction_of_material_;  // empty where the effect is off
   Buffer<WallPlane<Real>> planes_;
   int plane_count_ = 0;
   Restitution<Real> restitution_;
@@ -142,14 +143,16 @@ std::vector<WallPlane<Real>> wall_planes(const Scene& scene, const std::optional
   std::vector<WallPlane<Real>> planes;
   for (const Plane& p : scene.obstacles)
     planes.push_back({p.normal.cast<Real>(), static_cast<Real>(p.offset),
-                      static_cast<Real>(scene.materials[static_cast<std::size_t>(p.material)].restitution)});
+                      static_cast<Real>(scene.materials[static_cast<std::size_t>(p.material)].restitution),
+                      static_cast<Real>(scene.materials[static_cast<std::size_t>(p.material)].friction)});
   if (box) {
-    const auto e = static_cast<Real>(scene.materials[0].restitution);
+    const auto e = static_cast<Real>(scene.materials[0].restitution),
+               mu = static_cast<Real>(scene.materials[0].friction);
     for (int axis = 0; axis < 3; ++axis) {
       Vector3<Real> inward(0, 0, 0);
       inward[axis] = 1;
-      planes.push_back({inward, static_cast<Real>(box->min[axis]), e});
-      planes.push_back({-inward, -static_cast<Real>(box->max[axis]), e});
+      planes.push_back({inward, static_cast<Real>(box->min[axis]), e, mu});
+      planes.push_back({-inward, -static_cast<Real>(box->max[axis]), e, mu});
     }
   }
   return planes;
@@ -175,6 +178,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       state_(executor),
       mesh_(executor, "meshes of bodies"),
       restitution_of_material_(executor, "restitution by material"),
+      friction_of_material_(executor, "friction by material"),
       planes_(executor, "walls"),
       boxes_(executor, "boxes"),
       extent_(executor, "extent"),
@@ -221,16 +225,32 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   restitution_ = {restitution_of_material_.data(), state_.material.data(),
                   static_cast<Real>(bounce_threshold(scene.physics, effects.gravity))};
 
+  if (effects.friction) {
+    std::vector<Real> friction;
+    for (const Material& m : scene.materials) friction.push_back(static_cast<Real>(m.friction));
+    friction_of_material_.upload(friction);
+  }
+
   planes_.upload(wall_planes<Real>(scene, box_));
   plane_count_ = static_cast<int>(planes_.size());
   if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
 
   control_.upload({StepControl{}});
-  solver_ = make_contact_solver<Real>(
-      scene.physics.solver, executor,
-      {state_.view(), body_count_, restitution_, planes_.data(), plane_count_, state_.ledger.data(), gravity_,
-       effects, box_, static_cast<Real>(scene.physics.time_step), substeps_in_effect(scene.physics),
-       scene.physics.iterations, control_.data()});
+  solver_ = make_contact_solver<Real>(scene.physics.solver, executor,
+                                      {state_.view(),
+                                       body_count_,
+                                       restitution_,
+                                       {friction_of_material_.data(), state_.material.data()},
+                                       planes_.data(),
+                                       plane_count_,
+                                       state_.ledger.data(),
+                                       gravity_,
+                                       effects,
+                                       box_,
+                                       static_cast<Real>(scene.physics.time_step),
+                                       substeps_in_effect(scene.physics),
+                                       scene.physics.iterations,
+                                       control_.data()});
 
   boxes_.resize_discarding(n);
   if (box_)

@@ -253,6 +253,24 @@ void World::set_launch_shape(LaunchShape shape) {
   w.instrumented.reset();
 }
 
+namespace {
+
+/// Without the contacts of others: they are gone.
+SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < memory.contacts.size(); ++k) {
+    if (memory.contacts[k].b >= count) continue;
+    memory.contacts[kept] = memory.contacts[k];
+    if (!memory.grips.empty()) memory.grips[kept] = memory.grips[k];
+    ++kept;
+  }
+  memory.contacts.resize(kept);
+  if (!memory.grips.empty()) memory.grips.resize(kept);
+  return memory;
+}
+
+}  // namespace
+
 void World::adopt(World& other) {
   Impl& w = *impl_;
   BodyStates states = other.bodies();
@@ -267,8 +285,7 @@ void World::adopt(World& other) {
   w.instrumented.reset();
   w.pipeline->set_bodies(states, ledgers);
   SolverMemory memory = other.impl_->pipeline->memory();
-  std::erase_if(memory.contacts, [common](const ContactImpulse& c) { return c.b >= common; });
-  w.pipeline->remember(memory);
+  w.pipeline->remember(of_bodies_below(common, std::move(memory)));
   w.steps = other.steps();
   w.detected = false;
 }

@@ -156,6 +156,10 @@ TEST(InitialBodies, EffectsThatTheSceneCallsFor) {
   EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.gravity = false, .rotation = false}));
   scene.bodies[1].angular_velocity = {0, 1e-3, 0};
   EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.gravity = false, .rotation = true}));
+  scene.bodies[1].angular_velocity.setZero();
+  scene.physics.solver = Solver::soft_step;
+  scene.materials[0].friction = 0.1;
+  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.rotation = true, .friction = true}));
 }
 
 // The scenes of the project: they load, and are what their comments say.

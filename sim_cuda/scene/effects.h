@@ -12,6 +12,7 @@ struct Effects {
   bool gravity = false;  ///< a uniform acceleration; called for by gravity != 0
   bool rotation =
       false;  ///< orientation and spin are stored and integrated; called for by anything that turns
+  bool friction = false;  ///< Coulomb's, with rotation; called for by a material whose friction is not 0
 
   friend bool operator==(const Effects&, const Effects&) = default;
 };
@@ -21,7 +22,7 @@ struct EffectName {
   std::string_view name;
   bool Effects::*flag;
 };
-inline constexpr std::array<EffectName, 2> effect_names{
-    {{"gravity", &Effects::gravity}, {"rotation", &Effects::rotation}}};
+inline constexpr std::array<EffectName, 3> effect_names{
+    {{"gravity", &Effects::gravity}, {"rotation", &Effects::rotation}, {"friction", &Effects::friction}}};
 
 }  // namespace collidoscope

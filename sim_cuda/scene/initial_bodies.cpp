@@ -103,8 +103,7 @@ void fill_or_drop(std::vector<Value>& array, bool needed, std::size_t size, cons
 
 /// Ranges that only hold for the numbers worked out here. Spin makes every body's inertia matter.
 void check_ranges(const Scene& scene, const InitialBodies& all) {
-  const bool rotation =
-      scene.physics.effects ? scene.physics.effects->rotation : !all.angular_velocity.empty();
+  const bool rotation = scene.physics.effects.value_or(effects_called_for(scene, all)).rotation;
   std::vector<std::string> faults;
   const auto fault = [&](std::size_t body, const std::string& what) {
     faults.push_back(fmt::format("{}: body {}: {}", scene_name(scene), body, what));
@@ -189,6 +188,8 @@ InitialBodies initial_bodies(const Scene& scene) {
 Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
   Effects effects;
   effects.gravity = !scene.physics.gravity.isZero(0);
+  for (const Material& material : scene.materials) effects.friction |= material.friction != 0;
+  effects.rotation = effects.friction;
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
   return effects;
 }

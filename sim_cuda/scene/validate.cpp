@@ -130,6 +130,12 @@ class Validator {
     choice(root.at("solver"), solver_names, physics.solver);
     choice(root.at("integrator"), integrator_names, physics.integrator);
     choice(root.at("precision"), precision_names, physics.precision);
+    if (physics.effects && physics.effects->friction) {
+      if (physics.solver == Solver::impulse)
+        fault(root.at("effects"), "must not hold friction with the solver impulse (soft_step has it)");
+      if (!physics.effects->rotation)
+        fault(root.at("effects"), "must hold rotation where they hold friction, which turns bodies");
+    }
     if (physics.restitution_threshold) {
       number(root.at("restitution_threshold"), *physics.restitution_threshold, 0, limits::max_speed, "m/s");
     }
@@ -155,7 +161,12 @@ class Validator {
       if (!names.insert(m.name).second) fault(path, "two materials must not have one name");
       number(path.at("density"), m.density, limits::min_density, limits::max_density, "kg/m^3");
       number(path.at("restitution"), m.restitution, 0, 1, "");
-      if (m.friction != 0) fault(path.at("friction"), "friction is not simulated yet; 0 is the only value");
+      const bool rubs =
+          number(path.at("friction"), m.friction, 0, limits::max_friction, "") && m.friction != 0;
+      if (rubs && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
+        fault(path.at("friction"),
+              "must be 0 with the solver impulse, unless a list of effects leaves friction out (soft_step "
+              "has it)");
       if (m.rolling_resistance != 0) {
         fault(path.at("rolling_resistance"), "rolling resistance is not simulated yet; 0 is the only value");
       }

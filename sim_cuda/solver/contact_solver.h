@@ -10,6 +10,7 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/solver_memory.h"
 #include "sim_cuda/solver/walls.h"
@@ -23,6 +24,7 @@ struct SolverScene {
   BodyView<Real> bodies;
   std::int64_t body_count;
   Restitution<Real> restitution;
+  Friction<Real> friction;  ///< of no meaning where the effect is off
   const WallPlane<Real>* planes;
   int plane_count;
   WallLedger* ledger;     ///< null where there are no planes

@@ -3,28 +3,49 @@
 #include <algorithm>
 
 #include "sim_cuda/dynamics/move.h"
+#include "sim_cuda/solver/soft_sweeps.h"
 
 namespace collidoscope {
 
 namespace {
 
-/// New contacts start from rest, known ones from what they last gave.
+/// What the run before left behind of friction, beside the impulses.
 template <class Real>
+struct KnownGrips {
+  Friction<Real> friction;
+  const Vector3<Real>* impulse;
+};
+
+/// New contacts start from rest, known ones from what they last gave.
+template <class Real, bool rubbed>
 struct PrepareContacts {
   const Pair* contacts;
   BodyView<Real> bodies;
   ImpulseView<Real> known;
+  KnownGrips<Real> known_grips;
   SoftContact<Real>* soft;
+  SoftGrip<Real>* grips;
+
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts[contact];
+    const std::uint32_t place = known.find(a, b);
+    const bool found = place != ImpulseView<Real>::none;
     SoftContact<Real> k;
     k.place(bodies, a, b);
-    k.impulse = known.of(a, b);
+    k.impulse = found ? known.impulse[place] : Real(0);
     k.total = 0;
     k.approach =
         k.meeting_speed(bodies.velocity[b] - bodies.velocity[a], bodies.radius[a] + bodies.radius[b]);
     k.radius = min_of(bodies.radius[a], bodies.radius[b]);
     soft[contact] = k;
+    if constexpr (rubbed) {
+      SoftGrip<Real> grip;
+      grip.impulse = found ? known_grips.impulse[place] : Vector3<Real>(Vector3<Real>::Zero());
+      grip.coefficient =
+          Friction<Real>::between(known_grips.friction.of_body(a), known_grips.friction.of_body(b));
+      grip.total = Vector3<Real>::Zero();
+      grips[contact] = grip;
+    }
   }
 };
 
@@ -39,156 +60,66 @@ struct PlaceContacts {
 };
 
 /// Forces, the impulses of the substep before, and the first sweep over the planes.
-template <class Real, bool pulled, bool walled>
+template <class Real, bool pulled, bool walled, bool rubbed>
 struct BeginSubstep {
   BodyView<Real> bodies;
   const Pair* contacts;
   const SoftContact<Real>* soft;
+  const SoftGrip<Real>* grips;
   ContactsByBodyView by_body;
-  SoftWalls<Real> walls;
+  SoftWalls<Real, rubbed> walls;
   Vector3<Real> gravity;  ///< m/s^2
   Real h;                 ///< s
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    const Vector3<Real> before = bodies.velocity[id];
-    Vector3<Real> v = before;
-    if constexpr (pulled) v += h * gravity;
-    const std::uint32_t n = control->contacts > 0 ? by_body.count[id] : 0;
-    const Real w = bodies.inverse_mass[id];
-    [[maybe_unused]] typename SoftWalls<Real>::Body body;
-    if constexpr (walled) {
-      body = {bodies.position[id], v, bodies.radius[id], bodies.mass[id], w};
-      walls.warm_start(id, body);
-      v = body.v;
-    }
-    if (n > 0) {
-      Vector3<Real> momentum = Vector3<Real>::Zero();
-      for (std::uint32_t k = 0; k < n; ++k) {
-        const std::uint32_t contact = by_body.entry[by_body.begin[id] + k];
-        const Real sign = contacts[contact].a == static_cast<std::uint32_t>(id) ? Real(-1) : Real(1);
-        momentum += sign * soft[contact].impulse * soft[contact].normal;
-      }
-      v += w * momentum;
-    }
-    if constexpr (walled) {
-      body.v = v;
-      walls.solve(id, body, false, &before);
-      v = body.v;
-      if (body.moved) bodies.position[id] = body.x;
-    }
-    bodies.velocity[id] = v;
+    typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
+    const Vector3<Real> before = body.v;
+    if constexpr (pulled) body.v += h * gravity;
+    if constexpr (walled) walls.warm_start(id, body);
+    if (control->contacts > 0) warm_start(id, body);
+    if constexpr (walled) walls.solve(id, body, false, &before);
+    body.given = true;
+    walls.store(id, body);
   }
-};
 
-// What a sweep does with one contact between bodies a and b, of which b moves at `velocity` relative to a and
-// `mass`, in kg, is what it works against; returns the impulse, N s.
-
-template <class Real>
-struct Solve {
-  Softness<Real> softness;
-  SIM_HD Real operator()(SoftContact<Real>& contact, Pair, const Vector3<Real>& velocity, Real mass) const {
-    return contact.template solve<true>(velocity.dot(contact.normal), mass, softness);
-  }
-};
-
-template <class Real>
-struct Relax {
-  Softness<Real> softness;
-  const Real* radius;
-  bool last;  ///< of the sweeps of this substep
-  SIM_HD Real operator()(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
-                         Real mass) const {
-    const Real change = contact.template solve<false>(velocity.dot(contact.normal), mass, softness);
-    if (last) contact.end_substep(velocity, radius[bodies.a] + radius[bodies.b]);
-    return change;
-  }
-};
-
-template <class Real>
-struct Bounce {
-  Restitution<Real> restitution;
-  SIM_HD Real operator()(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
-                         Real mass) const {
-    const Real e =
-        restitution.between(restitution.of_body(bodies.a), restitution.of_body(bodies.b), contact.approach);
-    return contact.bounce(velocity.dot(contact.normal), mass, e);
-  }
-};
-
-/// The contacts of one colour: no two share a body.
-template <class Real, class Act>
-struct SweepColour {
-  const Pair* contacts;
-  SoftContact<Real>* soft;
-  BodyView<Real> bodies;
-  const std::uint32_t *order, *begin;
-  Act act;
-  SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
-    const auto [a, b] = contacts[contact];
-    SoftContact<Real> k = soft[contact];
-    const Real w_a = bodies.inverse_mass[a], w_b = bodies.inverse_mass[b];
-    const Vector3<Real> v_a = bodies.velocity[a], v_b = bodies.velocity[b];
-    const Real change = act(k, {a, b}, v_b - v_a, 1 / (w_a + w_b));
-    soft[contact] = k;
-    if (change == 0) return;
-    bodies.velocity[a] = v_a - change * w_a * k.normal;
-    bodies.velocity[b] = v_b + change * w_b * k.normal;
-  }
-};
-
-/// The mass-split set (Tonge, Benevolenski, Voroshilov 2012): a body with n contacts in it counts as n bodies
-/// of 1/n of its mass, whose velocities are averaged afterwards.
-template <class Real, class Act>
-struct SweepSplit {
-  const Pair* contacts;
-  SoftContact<Real>* soft;
-  BodyView<Real> bodies;
-  const std::uint32_t *order, *begin, *count;
-  Real* split_change;
-  Act act;
-  SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
-    const auto [a, b] = contacts[contact];
-    const Real w = bodies.inverse_mass[a] * static_cast<Real>(count[a]) +
-                   bodies.inverse_mass[b] * static_cast<Real>(count[b]);
-    split_change[contact] = act(soft[contact], {a, b}, bodies.velocity[b] - bodies.velocity[a], 1 / w);
-  }
-};
-
-/// A body's share of all its contacts in the set, added in increasing id of the other body.
-template <class Real>
-struct ApplySplit {
-  const Pair* contacts;
-  const SoftContact<Real>* soft;
-  BodyView<Real> bodies;
-  ContactsByBodyView split;
-  const Real* split_change;
-  SIM_HD void operator()(int body) const {
-    const std::uint32_t n = split.count[body];
+  SIM_HD void warm_start(int id, typename SoftWalls<Real, rubbed>::Body& body) const {
+    const std::uint32_t n = by_body.count[id];
     if (n == 0) return;
     Vector3<Real> momentum = Vector3<Real>::Zero();
+    [[maybe_unused]] Vector3<Real> moment = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t contact = split.entry[split.begin[body] + k];
-      const Real sign = contacts[contact].a == static_cast<std::uint32_t>(body) ? Real(-1) : Real(1);
-      momentum += sign * split_change[contact] * soft[contact].normal;
+      const std::uint32_t contact = by_body.entry[by_body.begin[id] + k];
+      const Real sign = contacts[contact].a == static_cast<std::uint32_t>(id) ? Real(-1) : Real(1);
+      const Vector3<Real> normal = soft[contact].normal;
+      momentum += sign * soft[contact].impulse * normal;
+      if constexpr (rubbed) {
+        momentum += sign * grips[contact].impulse;
+        moment -= (body.radius + soft[contact].gap / 2) * normal.cross(grips[contact].impulse);
+      }
     }
-    bodies.velocity[body] += bodies.inverse_mass[body] * momentum;
+    body.v += body.inverse_mass * momentum;
+    if constexpr (rubbed) body.spin.turn(moment);
   }
 };
 
-template <class Real, bool record>
+/// What the next run starts from. `record`: what the step gave, too.
+template <class Real, bool rubbed, bool record>
 struct KeepContacts {
   const Pair* contacts;
   const SoftContact<Real>* soft;
+  const SoftGrip<Real>* grips;
   Pair* known_contacts;
   Real* known_impulse;
+  Vector3<Real>* known_grip;
   Real* total;
   SIM_HD void operator()(int contact) const {
     known_contacts[contact] = contacts[contact];
-    known_impulse[contact] = soft[contact].impulse;
+    const Real impulse = soft[contact].impulse;
+    known_impulse[contact] = impulse;
+    if constexpr (rubbed)
+      known_grip[contact] = impulse > 0 ? grips[contact].impulse : Vector3<Real>(Vector3<Real>::Zero());
     if constexpr (record) total[contact] = soft[contact].total;
   }
 };
@@ -200,6 +131,28 @@ struct KeepCount {
     if (!control->overflow) *count = control->contacts;
   }
 };
+
+/// `with` of the flags as template arguments.
+template <class With>
+void choose(bool first, bool second, const With& with) {
+  if (first)
+    second ? with.template operator()<true, true>() : with.template operator()<true, false>();
+  else
+    second ? with.template operator()<false, true>() : with.template operator()<false, false>();
+}
+
+template <class Real>
+std::vector<std::array<double, 3>> widened(const std::vector<Vector3<Real>>& vectors, std::size_t count) {
+  std::vector<std::array<double, 3>> wide;
+  for (std::size_t k = 0; k < count; ++k)
+    wide.push_back({static_cast<double>(vectors[k].x()), static_cast<double>(vectors[k].y()),
+                    static_cast<double>(vectors[k].z())});
+  return wide;
+}
+template <class Real>
+Vector3<Real> narrowed(const std::array<double, 3>& v) {
+  return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};
+}
 
 }  // namespace
 
@@ -213,29 +166,43 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       all_(executor),
       split_(executor),
       soft_(executor, "contacts of the solver"),
+      grips_(executor, "friction of contacts"),
       split_change_(executor, "split impulses"),
+      split_rubbed_(executor, "split friction"),
       wall_impulse_(executor, "impulses of walls"),
       wall_bounce_(executor, "bounces off walls"),
+      wall_grip_(executor, "friction at walls"),
+      wall_grip_total_(executor, "friction at walls in a step"),
+      wall_pressed_(executor, "impulses of walls in a step"),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
+      known_grip_(executor, "friction of the last step"),
       known_count_(executor, "number of contacts of the last step") {
   const auto walls = static_cast<std::size_t>(scene.plane_count) * static_cast<std::size_t>(scene.body_count);
   wall_impulse_.upload(std::vector<Real>(walls, 0));
   wall_bounce_.upload(std::vector<Real>(walls, -1));
   known_count_.upload({0});
+  if (!scene.effects.friction) return;
+  wall_grip_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
+  wall_grip_total_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
+  wall_pressed_.upload(std::vector<Real>(walls, 0));
 }
 
 template <class Real>
 void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
-  const auto m = static_cast<std::size_t>(contact_capacity);
+  const auto m = static_cast<std::size_t>(contact_capacity), known = std::max(m, remembered_);
   colouring_.reserve(scene_.body_count, contact_capacity);
   all_.reserve(scene_.body_count, contact_capacity);
   split_.reserve(scene_.body_count, contact_capacity);
   soft_.resize_discarding(m);
   split_change_.resize_discarding(m);
-  known_contacts_.resize_keeping(std::max(m, remembered_));
-  known_impulse_.resize_keeping(std::max(m, remembered_));
+  known_contacts_.resize_keeping(known);
+  known_impulse_.resize_keeping(known);
+  if (!scene_.effects.friction) return;
+  grips_.resize_discarding(m);
+  split_rubbed_.resize_discarding(m);
+  known_grip_.resize_keeping(known);
 }
 
 template <class Real>
@@ -249,119 +216,168 @@ SolverMemory SoftStepSolver<Real>::memory() const {
   const std::vector<Real> walls = wall_impulse_.download();
   for (auto plane = walls.begin(); plane != walls.end(); plane += scene_.body_count)
     memory.walls.emplace_back(plane, plane + scene_.body_count);
+  if (!scene_.effects.friction) return memory;
+  memory.grips = widened<Real>(known_grip_.download(count), count);
+  memory.wall_grips = widened<Real>(wall_grip_.download(), wall_grip_.size());
   return memory;
 }
 
 template <class Real>
 void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
-  remembered_ = memory.contacts.size();
-  const auto m = std::max(static_cast<std::size_t>(contact_capacity_), remembered_);
+  const std::size_t count = memory.contacts.size();
+  const bool grips = scene_.effects.friction && memory.grips.size() == count;
+  remembered_ = count;
+  const auto m = std::max(static_cast<std::size_t>(contact_capacity_), count);
   std::vector<Pair> contacts(m);
   std::vector<Real> impulse(m);
-  for (std::size_t k = 0; k < remembered_; ++k) {
+  std::vector<Vector3<Real>> grip(scene_.effects.friction ? m : 0, Vector3<Real>::Zero());
+  for (std::size_t k = 0; k < count; ++k) {
     contacts[k] = {memory.contacts[k].a, memory.contacts[k].b};
     impulse[k] = static_cast<Real>(memory.contacts[k].impulse);
+    if (grips) grip[k] = narrowed<Real>(memory.grips[k]);
   }
   known_contacts_.upload(contacts);
   known_impulse_.upload(impulse);
-  known_count_.upload({static_cast<std::uint32_t>(remembered_)});
+  known_grip_.upload(grip);
+  known_count_.upload({static_cast<std::uint32_t>(count)});
+
   if (memory.walls.size() != static_cast<std::size_t>(scene_.plane_count)) return;
-  std::vector<Real> walls;
-  for (const std::vector<double>& plane : memory.walls)
-    for (std::size_t body = 0; body < static_cast<std::size_t>(scene_.body_count); ++body)
-      walls.push_back(body < plane.size() ? static_cast<Real>(plane[body]) : Real(0));
+  std::vector<Real> walls(wall_impulse_.size(), 0);
+  std::vector<Vector3<Real>> wall_grips(wall_grip_.size(), Vector3<Real>::Zero());
+  const auto n = static_cast<std::size_t>(scene_.body_count);
+  for (std::size_t p = 0; p < memory.walls.size(); ++p) {
+    const std::size_t known = memory.walls[p].size();
+    for (std::size_t body = 0; body < std::min(n, known); ++body) {
+      walls[p * n + body] = static_cast<Real>(memory.walls[p][body]);
+      if (!wall_grips.empty() && !memory.wall_grips.empty())
+        wall_grips[p * n + body] = narrowed<Real>(memory.wall_grips[p * known + body]);
+    }
+  }
   wall_impulse_.upload(walls);
+  wall_grip_.upload(wall_grips);
 }
 
 template <class Real>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
+  scene_.effects.friction ? advance<true>(contacts, impulses) : advance<false>(contacts, impulses);
+}
+
+template <class Real>
+template <bool rubbed>
+void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
+  prepare<rubbed>(contacts);
+  for (int substep = 0; substep < scene_.substeps; ++substep) {
+    begin_substep<rubbed>(contacts);
+    for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
+      sweep("solve", contacts, Solve<Real>{softness_});
+      sweep_walls<rubbed>("solve", false, false);
+    }
+    move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, {.rotation = scene_.effects.rotation},
+                      scene_.gravity, scene_.box, h_, scene_.control);
+    executor_.run("relax", Count(&scene_.control->contacts, contact_capacity_),
+                  PlaceContacts<Real>{contacts.bodies, scene_.bodies, soft_.data()});
+    for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
+      const bool last = sweeps == scene_.iterations;
+      sweep_walls<rubbed>("relax", true, last);
+      sweep("relax", contacts, Relax<Real, rubbed>{softness_, scene_.bodies.radius, last});
+    }
+  }
+  if (scene_.plane_count > 0)
+    executor_.run("bounce", scene_.body_count, BounceOffWalls<Real, rubbed>{walls<rubbed>(), scene_.control});
+  sweep("bounce", contacts, Bounce<Real>{scene_.restitution});
+  if constexpr (rubbed) {
+    if (scene_.plane_count > 0)
+      executor_.run("friction", scene_.body_count, GripWalls<Real>{walls<true>(), scene_.control});
+    sweep("friction", contacts, Grip<Real>{});
+  }
+  keep<rubbed>(contacts, impulses);
+}
+
+template <class Real>
+template <bool rubbed>
+void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   StepControl* control = scene_.control;
   colouring_.colour(contacts.bodies, control);
   const ColourView colours = colouring_.view();
   all_.list("prepare", contacts.bodies, colours.order, colours.begin, &control->contacts);
   split_.list("prepare", contacts.bodies, colours.order, colours.begin + Colouring::colours,
               &control->split_contacts);
-  const Count contact_count(&control->contacts, contact_capacity_);
-  executor_.run("prepare", contact_count,
-                PrepareContacts<Real>{contacts.bodies,
-                                      scene_.bodies,
-                                      {known_contacts_.data(), known_impulse_.data(), known_count_.data()},
-                                      soft_.data()});
-  for (int substep = 0; substep < scene_.substeps; ++substep) {
-    begin_substep(contacts);
-    for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
-      sweep<Solve>("solve", contacts, softness_);
-      sweep_walls("solve", false);
-    }
-    move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, {.rotation = scene_.effects.rotation},
-                      scene_.gravity, scene_.box, h_, control);
-    executor_.run("relax", contact_count, PlaceContacts<Real>{contacts.bodies, scene_.bodies, soft_.data()});
-    for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
-      sweep_walls("relax", true);
-      sweep<Relax>("relax", contacts, softness_, scene_.bodies.radius, sweeps == scene_.iterations);
-    }
-  }
-  if (scene_.plane_count > 0)
-    executor_.run("bounce", scene_.body_count, BounceOffWalls<Real>{walls(), control});
-  sweep<Bounce>("bounce", contacts, scene_.restitution);
-  if (impulses != nullptr)
-    executor_.run("keep", contact_count,
-                  KeepContacts<Real, true>{contacts.bodies, soft_.data(), known_contacts_.data(),
-                                           known_impulse_.data(), impulses});
-  else
-    executor_.run("keep", contact_count,
-                  KeepContacts<Real, false>{contacts.bodies, soft_.data(), known_contacts_.data(),
-                                            known_impulse_.data(), nullptr});
-  executor_.run("keep", 1, KeepCount{control, known_count_.data()});
+  const ImpulseView<Real> known{known_contacts_.data(), known_impulse_.data(), known_count_.data()};
+  executor_.run("prepare", Count(&control->contacts, contact_capacity_),
+                PrepareContacts<Real, rubbed>{contacts.bodies,
+                                              scene_.bodies,
+                                              known,
+                                              {scene_.friction, known_grip_.data()},
+                                              soft_.data(),
+                                              grips_.data()});
 }
 
 template <class Real>
+template <bool rubbed>
 void SoftStepSolver<Real>::begin_substep(const ContactView<Real>& contacts) {
-  const auto with = [&]<bool pulled, bool walled>() {
-    executor_.run(
-        "forces", scene_.body_count,
-        BeginSubstep<Real, pulled, walled>{scene_.bodies, contacts.bodies, soft_.data(), all_.view(), walls(),
-                                           scene_.gravity, h_, scene_.control});
-  };
-  const bool walled = scene_.plane_count > 0;
-  if (scene_.effects.gravity)
-    walled ? with.template operator()<true, true>() : with.template operator()<true, false>();
-  else
-    walled ? with.template operator()<false, true>() : with.template operator()<false, false>();
+  choose(scene_.effects.gravity, scene_.plane_count > 0, [&]<bool pulled, bool walled>() {
+    executor_.run("forces", scene_.body_count,
+                  BeginSubstep<Real, pulled, walled, rubbed>{scene_.bodies, contacts.bodies, soft_.data(),
+                                                             grips_.data(), all_.view(), walls<rubbed>(),
+                                                             scene_.gravity, h_, scene_.control});
+  });
 }
 
 template <class Real>
-template <template <class> class Act, class... Parameters>
-void SoftStepSolver<Real>::sweep(const char* stage, const ContactView<Real>& contacts,
-                                 const Parameters&... parameters) {
-  const Act<Real> act{parameters...};
+template <class Act>
+void SoftStepSolver<Real>::sweep(const char* stage, const ContactView<Real>& contacts, const Act& act) {
   const ColourView colours = colouring_.view();
   const ContactsByBodyView split = split_.view();
   // Contacts of one colour share no body, so there are at most half as many as bodies.
-  const std::int64_t colour_capacity =
-      contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
+  const std::int64_t colour_capacity = std::min(contact_capacity_, scene_.body_count / 2);
   for (int c = 0; c < Colouring::colours; ++c)
     executor_.run(stage, Count(colours.count + c, colour_capacity),
-                  SweepColour<Real, Act<Real>>{contacts.bodies, soft_.data(), scene_.bodies, colours.order,
-                                               colours.begin + c, act});
+                  SweepColour<Real, Act>{contacts.bodies, soft_.data(), grips_.data(), scene_.bodies,
+                                         colours.order, colours.begin + c, act});
   executor_.run(stage, Count(&scene_.control->split_contacts, contact_capacity_),
-                SweepSplit<Real, Act<Real>>{contacts.bodies, soft_.data(), scene_.bodies, colours.order,
-                                            colours.begin + Colouring::colours, split.count,
-                                            split_change_.data(), act});
+                SweepSplit<Real, Act>{contacts.bodies, soft_.data(), grips_.data(), scene_.bodies,
+                                      colours.order, colours.begin + Colouring::colours, split.count,
+                                      split_change_.data(), split_rubbed_.data(), act});
   executor_.run(stage, split_.bodies(),
-                ApplySplit<Real>{contacts.bodies, soft_.data(), scene_.bodies, split, split_change_.data()});
+                ApplySplit<Real, Act::rubs>{contacts.bodies, soft_.data(), scene_.bodies, split,
+                                            split_change_.data(), split_rubbed_.data()});
 }
 
 template <class Real>
-SoftWalls<Real> SoftStepSolver<Real>::walls() const {
-  return {scene_.bodies,  scene_.body_count,   scene_.planes,        scene_.plane_count,  scene_.restitution,
-          scene_.gravity, softness_.inverse_h, wall_impulse_.data(), wall_bounce_.data(), scene_.ledger};
+template <bool rubbed>
+SoftWalls<Real, rubbed> SoftStepSolver<Real>::walls() const {
+  return {scene_.bodies,
+          scene_.body_count,
+          scene_.planes,
+          scene_.plane_count,
+          scene_.restitution,
+          scene_.gravity,
+          softness_.inverse_h,
+          wall_impulse_.data(),
+          wall_bounce_.data(),
+          scene_.ledger,
+          {scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()}};
 }
 
 template <class Real>
-void SoftStepSolver<Real>::sweep_walls(const char* stage, bool relaxing) {
+template <bool rubbed>
+void SoftStepSolver<Real>::sweep_walls(const char* stage, bool relaxing, bool last) {
   if (scene_.plane_count > 0)
-    executor_.run(stage, scene_.body_count, SolveWalls<Real>{walls(), relaxing, scene_.control});
+    executor_.run(stage, scene_.body_count,
+                  SolveWalls<Real, rubbed>{walls<rubbed>(), relaxing, last, scene_.control});
+}
+
+template <class Real>
+template <bool rubbed>
+void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulses) {
+  const auto with = [&]<bool record>() {
+    executor_.run("keep", Count(&scene_.control->contacts, contact_capacity_),
+                  KeepContacts<Real, rubbed, record>{contacts.bodies, soft_.data(), grips_.data(),
+                                                     known_contacts_.data(), known_impulse_.data(),
+                                                     known_grip_.data(), impulses});
+  };
+  impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
+  executor_.run("keep", 1, KeepCount{scene_.control, known_count_.data()});
 }
 
 template class SoftStepSolver<float>;

@@ -4,9 +4,10 @@
 //
 //   forces, with the impulses of the substep before as a start -> solve -> move -> relax
 //
-// and at last the bounces. Impulses live on: within a step in the contact, from step to step by the ids of
-// its bodies. In the sweeps, contacts go colour by colour, then what the colours left over by mass splitting;
-// planes are swept first, and once more before bodies move, so that none enters one.
+// and at last the bounces, and the friction that they add. Impulses live on: within a step in the contact,
+// from step to step by the ids of its bodies. In the sweeps, contacts go colour by colour, then what the
+// colours left over by mass splitting; planes are swept first, and once more before bodies move, so that none
+// enters one.
 //
 // What is remembered changes only in a run that is committed: an overflow leaves no contacts, and every stage
 // over bodies looks at control->overflow.
@@ -19,6 +20,7 @@
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/soft_contact.h"
+#include "sim_cuda/solver/soft_grip.h"
 #include "sim_cuda/solver/soft_walls.h"
 
 namespace collidoscope {
@@ -36,11 +38,21 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void remember(const SolverMemory& memory) override;
 
  private:
+  // `rubbed`: with friction.
+  template <bool rubbed>
+  void advance(const ContactView<Real>& contacts, Real* impulses);
+  template <bool rubbed>
+  void prepare(const ContactView<Real>& contacts);
+  template <bool rubbed>
   void begin_substep(const ContactView<Real>& contacts);
-  template <template <class> class Sweep, class... Parameters>
-  void sweep(const char* stage, const ContactView<Real>& contacts, const Parameters&... parameters);
-  SoftWalls<Real> walls() const;
-  void sweep_walls(const char* stage, bool relaxing);
+  template <class Act>
+  void sweep(const char* stage, const ContactView<Real>& contacts, const Act& act);
+  template <bool rubbed>
+  SoftWalls<Real, rubbed> walls() const;
+  template <bool rubbed>
+  void sweep_walls(const char* stage, bool relaxing, bool last);
+  template <bool rubbed>
+  void keep(const ContactView<Real>& contacts, Real* impulses);
 
   Executor& executor_;
   const SolverScene<Real> scene_;
@@ -51,11 +63,16 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Colouring colouring_;
   ContactsByBody all_, split_;  ///< of all contacts; of the mass-split set
   Buffer<SoftContact<Real>> soft_;
+  Buffer<SoftGrip<Real>> grips_;             ///< empty without friction, as all that follows of it
   Buffer<Real> split_change_;                ///< per contact, N s
+  Buffer<Vector3<Real>> split_rubbed_;       ///< per contact, N s
   Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes x bodies; empty without planes
-  Buffer<Pair> known_contacts_;              ///< of the last committed run, with
-  Buffer<Real> known_impulse_;               ///< the impulses of its last substep, N s
-  Buffer<std::uint32_t> known_count_;        ///< one
+  Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
+  Buffer<Real> wall_pressed_;
+  Buffer<Pair> known_contacts_;        ///< of the last committed run, with
+  Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
+  Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s
+  Buffer<std::uint32_t> known_count_;  ///< one
 };
 
 }  // namespace collidoscope

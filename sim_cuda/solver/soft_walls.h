@@ -8,16 +8,27 @@
 // time steps fall, and no bounce gains energy.
 
 #include <cstdint>
+#include <type_traits>
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/walls.h"
 
 namespace collidoscope {
 
+/// What friction at planes remembers, plane by plane, all bodies of each; null without friction.
 template <class Real>
+struct WallGrips {
+  Friction<Real> friction;
+  Vector3<Real>* impulse;  ///< N s, of the substep
+  Vector3<Real>* total;    ///< N s, of the step so far
+  Real* pressed;           ///< N s, along the normal, of the step so far
+};
+
+template <class Real, bool rubbed>
 struct SoftWalls {
   BodyView<Real> bodies;
   std::int64_t body_count;
@@ -29,11 +40,14 @@ struct SoftWalls {
   Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
   WallLedger* ledger;
+  WallGrips<Real> grips;
 
+  struct Nothing {};
   /// A body while its planes are resolved.
   struct Body {
     Vector3<Real> x, v;
     Real radius, mass, inverse_mass;
+    [[no_unique_address]] std::conditional_t<rubbed, Spin<Real>, Nothing> spin;
     bool moved = false, given = false;
   };
 
@@ -48,10 +62,49 @@ struct SoftWalls {
     for (int k = 0; k < 3; ++k) book.vector[k] += static_cast<double>(momentum[k]);
   }
 
+  /// An impulse across the normal, where the body touches the plane.
+  SIM_HD void turn(int id, Body& body, const Vector3<Real>& normal, const Vector3<Real>& change) const {
+    if constexpr (rubbed) {
+      body.v += body.inverse_mass * change;
+      body.spin.turn(-body.radius * normal.cross(change));
+      body.given = true;
+      for (int k = 0; k < 3; ++k) ledger[id].vector[k] += static_cast<double>(change[k]);
+    }
+  }
+
   /// The impulses of the substep before, as a start.
   SIM_HD void warm_start(int id, Body& body) const {
-    for (int p = 0; p < plane_count; ++p)
-      if (const Real start = impulse[place(p, id)]; start > 0) give(id, body, planes[p].normal, start);
+    for (int p = 0; p < plane_count; ++p) {
+      const Real start = impulse[place(p, id)];
+      if (!(start > 0)) continue;
+      give(id, body, planes[p].normal, start);
+      if constexpr (rubbed) turn(id, body, planes[p].normal, grips.impulse[place(p, id)]);
+    }
+  }
+
+  /// Friction at one plane within `pressing` N s times its coefficient, of which `given` is already there.
+  SIM_HD void rub_plane(int id, Body& body, int plane, Real pressing, Vector3<Real>& given) const {
+    if constexpr (rubbed) {
+      if (!(pressing > 0) && given.dot(given) == 0) return;
+      const Vector3<Real> normal = planes[plane].normal;
+      const Vector3<Real> slip = across<Real>(body.v - body.radius * body.spin.rate.cross(normal), normal);
+      const Real mass = 1 / (body.inverse_mass + body.radius * body.radius * body.spin.ease());
+      const Real mu = Friction<Real>::between(grips.friction.of_body(static_cast<std::uint32_t>(id)),
+                                              planes[plane].friction);
+      turn(id, body, normal, rub<Real>(slip, mass, mu * pressing, given));
+    }
+  }
+  /// After the normal impulses are relaxed; `last`: for the last time in this substep, which is counted.
+  SIM_HD void rub_all(int id, Body& body, bool last) const {
+    if constexpr (rubbed) {
+      for (int p = 0; p < plane_count; ++p) {
+        const std::int64_t at = place(p, id);
+        rub_plane(id, body, p, impulse[at], grips.impulse[at]);
+        if (!last || !(impulse[at] > 0)) continue;
+        grips.pressed[at] += impulse[at];
+        grips.total[at] += grips.impulse[at];
+      }
+    }
   }
 
   /// One sweep. `relaxing`: after the move, when no contact may begin that the next move closes. `before`:
@@ -90,37 +143,46 @@ struct SoftWalls {
   }
 
   SIM_HD Body load(int id) const {
-    return {bodies.position[id], bodies.velocity[id], bodies.radius[id], bodies.mass[id],
-            bodies.inverse_mass[id]};
+    Body body;
+    body.x = bodies.position[id];
+    body.v = bodies.velocity[id];
+    body.radius = bodies.radius[id];
+    body.mass = bodies.mass[id];
+    body.inverse_mass = bodies.inverse_mass[id];
+    if constexpr (rubbed) body.spin = Spin<Real>::of(bodies, static_cast<std::uint32_t>(id));
+    return body;
   }
   SIM_HD void store(int id, const Body& body) const {
     if (body.moved) bodies.position[id] = body.x;
-    if (body.given) bodies.velocity[id] = body.v;
+    if (!body.given) return;
+    bodies.velocity[id] = body.v;
+    if constexpr (rubbed) bodies.angular_velocity[id] = body.spin.rate;
   }
 };
 
-/// One sweep over all bodies' planes.
-template <class Real>
+/// One sweep over all bodies' planes. `last`: of those that relax.
+template <class Real, bool rubbed>
 struct SolveWalls {
-  SoftWalls<Real> walls;
-  bool relaxing;
+  SoftWalls<Real, rubbed> walls;
+  bool relaxing, last;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real>::Body body = walls.load(id);
+    typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
     walls.solve(id, body, relaxing, nullptr);
+    if (relaxing) walls.rub_all(id, body, last);
     walls.store(id, body);
   }
 };
 
 /// The bounce off every plane that the step has touched; makes the next step start afresh.
-template <class Real>
+template <class Real, bool rubbed>
 struct BounceOffWalls {
-  SoftWalls<Real> walls;
+  SoftWalls<Real, rubbed> walls;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real>::Body body = walls.load(id);
+    typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
     for (int p = 0; p < walls.plane_count; ++p) {
       const std::int64_t place = walls.place(p, id);
       const Real wanted = walls.bounce[place];
@@ -128,8 +190,33 @@ struct BounceOffWalls {
       walls.bounce[place] = -1;
       const Real speed = walls.planes[p].normal.dot(body.v);
       if (!(wanted > 0 && wanted > speed)) continue;
-      walls.give(id, body, walls.planes[p].normal, body.mass * (wanted - speed));
+      const Real change = body.mass * (wanted - speed);
+      walls.give(id, body, walls.planes[p].normal, change);
       walls.impulse[place] = 0;  // it leaves
+      if constexpr (rubbed) {
+        walls.grips.impulse[place] = Vector3<Real>::Zero();
+        walls.grips.pressed[place] += change;
+      }
+    }
+    walls.store(id, body);
+  }
+};
+
+/// What a bounce adds to the friction of the step; after all bounces.
+template <class Real>
+struct GripWalls {
+  SoftWalls<Real, true> walls;
+  const StepControl* control;
+  SIM_HD void operator()(int id) const {
+    if (control->overflow) return;
+    typename SoftWalls<Real, true>::Body body = walls.load(id);
+    for (int p = 0; p < walls.plane_count; ++p) {
+      const std::int64_t place = walls.place(p, id);
+      const Real pressed = walls.grips.pressed[place];
+      if (!(pressed > 0)) continue;
+      walls.rub_plane(id, body, p, pressed, walls.grips.total[place]);
+      walls.grips.pressed[place] = 0;
+      walls.grips.total[place] = Vector3<Real>::Zero();
     }
     walls.store(id, body);
   }

@@ -2,6 +2,7 @@
 // What a solver knows from the steps before, on the host and in double, so that another world can go on where
 // one is. Plain data; bit-exact.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct ContactImpulse {
 struct SolverMemory {
   std::vector<ContactImpulse> contacts;    ///< by a, then b; of the last substep
   std::vector<std::vector<double>> walls;  ///< N s, by plane, then by body
+  // What friction gave, N s; empty where there is none.
+  std::vector<std::array<double, 3>> grips;       ///< as the contacts
+  std::vector<std::array<double, 3>> wall_grips;  ///< plane by plane, all bodies of each
 };
 
 }  // namespace collidoscope

@@ -24,6 +24,7 @@ struct WallPlane {
   Vector3<Real> normal;  ///< unit
   Real offset;           ///< m
   Real restitution;      ///< 0 to 1
+  Real friction;         ///< 0 to 100
 };
 
 /// Obstacles first, then the box's faces, so that the box has the last word.
