@@ -37,6 +37,7 @@ void draw_state(const BodyReport& body) {
 }
 
 void draw_contacts(Workspace& workspace, const BodyReport& body) {
+  if (body.contact_count == 0) return faint_text("no contacts");
   faint_text(fmt::format("{:<14}{:>8}{:>14}",
                          fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"),
                          "overlap", "impulse"));
@@ -47,10 +48,12 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
   const std::size_t shown = std::min(order.size(), most);
   std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(shown), {},
                             [](const BodyReport::Contact* c) { return std::pair(-c->impulse, c->other); });
+  // Those that were not recorded are no zeros.
+  const bool known = std::ranges::any_of(body.contacts, [](const auto& c) { return c.impulse != 0; });
   for (std::size_t i = 0; i < shown; ++i) {
     const BodyReport::Contact& c = *order[i];
     const std::string text = fmt::format("{:<10}{:>12}{:>14}", c.other, with_prefix(c.penetration, "m"),
-                                         with_prefix(c.impulse, "N s"));
+                                         known ? with_prefix(c.impulse, "N s") : "–");
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Selectable(text.c_str())) workspace.selection = c.other;
     ImGui::PopID();

@@ -185,9 +185,13 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   for (std::size_t i = 0; i < bars.line.size(); ++i)
     if (std::isfinite(bars.line[i]))
       run.emplace_back(area.at.x + pad + bar * (static_cast<float>(i) + 0.5f), y_of(bars.line[i]));
+  // A sharp corner's mitre would reach into the title.
+  area.list->PushClipRect({area.at.x, top - 0.25f * line_height}, {area.at.x + width, area.at.y + height},
+                          true);
   if (run.size() > 1)
     area.list->AddPolyline(run.data(), static_cast<int>(run.size()), ImGui::GetColorU32(ImGuiCol_Text), 0,
                            std::max(1.0f, line_height / 11));
+  area.list->PopClipRect();
   const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled);
   bool beyond = false;
   for (const StackedBars::Mark& mark : bars.marks) {

@@ -22,6 +22,7 @@ void track(Workspace& workspace, const char* name) {
   const float x = std::max(from.x, low.x), y = std::max(from.y, low.y);
   const float width = std::min(to.x, high.x) - x, height = std::min(to.y, high.y) - y;
   if (width > 0 && height > 0) track(workspace, name, {x, y, width, height});
+  if (ImGui::IsItemClicked()) workspace.pressed = name;
 }
 
 bool begin_panel(Workspace& workspace, const char* name, const char* title, bool& open) {

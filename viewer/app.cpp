@@ -171,6 +171,7 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.ui_ms = ui_ms;
   frame.picture = picture_file_;
   frame.wants_mouse = ImGui::GetIO().WantCaptureMouse;
+  frame.list_open = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
   const PublishCounts& drawn = scene_.renderer().instances().counts;
   frame.spheres = drawn.bodies;
   frame.boxes = drawn.boxes;

@@ -112,6 +112,7 @@ void App::handle_button(const InputEvent& event) {
     buttons_.insert(event.code);
     moved_ = 0;
     workspace_.hint = false;
+    workspace_.pressed = "scene";
     return;
   }
   const bool was_ours = buttons_.erase(event.code) > 0;

@@ -76,6 +76,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"frames_per_second", view.frames_per_second},
                {"picture", frame.picture},
                {"wants_mouse", frame.wants_mouse},
+               {"list_open", frame.list_open},
+               {"pressed", workspace.pressed},
                {"help", workspace.help},
                {"light", workspace.theme == Theme::light},
                {"notice", workspace.notice}};

@@ -25,6 +25,7 @@ class Automation {
     std::string picture;                                ///< the last one written
     std::int64_t spheres = 0, boxes = 0, contacts = 0;  ///< drawn
     bool wants_mouse = false;                           ///< the pointer is over a panel
+    bool list_open = false;                             ///< a list to choose from is unfolded
   };
   void write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view);
 
