@@ -98,7 +98,8 @@ struct Workspace {
   /// Of the last draw: where the 3D view is, and each widget by its name, if it can be seen.
   ScreenRect scene_view;
   std::vector<std::pair<std::string, ScreenRect>> widgets;
-  std::string pressed;  ///< the widget that the left button went down on last; what covers one takes its clicks
+  std::string
+      pressed;  ///< the widget that the left button went down on last; what covers one takes its clicks
 };
 
 /// What a run looks like at the moment. Pointers are the caller's, for the time of the draw.
