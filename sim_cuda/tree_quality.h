@@ -54,13 +54,13 @@ struct NodeReport {
 /// Boxes are tested when a query, which starts at the root, has found their parent to overlap: `visits`.
 struct TreeQuality {
   std::int64_t bodies = 0, nodes = 0, bytes = 0;  ///< bytes: of the method, tree and all
-  int levels = 0;
+  int levels = 0;                                 ///< 64 at most: the last is of all nodes as deep or deeper
   double sah = 0;              ///< sum of areas of nodes and of bodies' boxes, over the root's (both costs 1)
   double epo = 0;              ///< end point overlap, Aila, Karras, Laine 2013, of the bodies' boxes
   double sah_epo = 0;          ///< 0.29 sah + 0.71 epo, theirs for rays
   double sibling_overlap = 0;  ///< mean over inner nodes
   double empty_space = 0;      ///< mean over inner nodes
-  std::vector<std::int64_t> leaves;  ///< at each level
+  std::vector<std::int64_t> leaves;  ///< at each level; at the 64th, of all that are deeper, too
   double visits_mean = 0;            ///< per query
   double visits_p99 = 0;
   std::int64_t visits_min = 0, visits_max = 0;

@@ -46,7 +46,9 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
     layers.last_level = last == count - 1 ? 63 : last;  // "to the leaves" stays so when the tree grows
   }
   track(workspace, name);
-  explain("Drag either end: levels of the hierarchy that are shown, 0 is the root");
+  explain(count < 64 ? "Drag either end: levels of the hierarchy that are shown, 0 is the root"
+                     : "Drag either end: levels of the hierarchy that are shown, 0 is the root, 63 is of all "
+                       "boxes as deep or deeper");
   ImDrawList* list = ImGui::GetWindowDrawList();
   for (int level = 0; level < count; ++level) {
     const float x = at.x + cell * static_cast<float>(level);

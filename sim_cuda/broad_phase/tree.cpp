@@ -1,5 +1,7 @@
 #include "sim_cuda/broad_phase/tree.h"
 
+#include <bit>
+
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/sort.h"
@@ -7,9 +9,6 @@
 namespace collidoscope {
 
 namespace {
-
-constexpr std::uint32_t deepest = 63;
-constexpr int key_bits = 32 + 6;
 
 /// Tells a leaf's ancestors the leftmost leaf under them. An ancestor that knows a leaf as far left has told
 /// its own.
@@ -28,13 +27,13 @@ struct TellAncestors {
 
 struct MakeKeys {
   const std::uint32_t *parent, *leftmost;
-  std::uint64_t* key;
+  std::uint64_t *key, *deepest;
   std::uint32_t* id;
   SIM_HD void operator()(int item) const {
-    std::uint32_t depth = 0;
-    for (auto node = static_cast<std::uint32_t>(item); parent[node] != node && depth < deepest; ++depth)
-      node = parent[node];
-    key[item] = std::uint64_t{depth} << 32 | leftmost[item];
+    std::uint64_t depth = 0;
+    for (auto node = static_cast<std::uint32_t>(item); parent[node] != node; ++depth) node = parent[node];
+    atomic_max(deepest, depth);
+    key[item] = depth << 32 | leftmost[item];
     id[item] = static_cast<std::uint32_t>(item);
   }
 };
@@ -60,9 +59,10 @@ struct MoveNodes {
     body[k] = node < leaves ? leaf_body[node] : TreeView::inner;
     first_child[k] = TreeView::inner;
     children[k] = 0;
-    const auto depth = static_cast<std::uint32_t>(key[k] >> 32);
-    if (k == 0 || static_cast<std::uint32_t>(key[k - 1] >> 32) != depth)
-      level_first[depth] = static_cast<std::uint32_t>(k);
+    if (k == 0 || level(k - 1) != level(k)) level_first[level(k)] = static_cast<std::uint32_t>(k);
+  }
+  SIM_HD std::uint32_t level(int k) const {
+    return min_of(static_cast<std::uint32_t>(key[k] >> 32), std::uint32_t{TreeView::last_level});
   }
 };
 
@@ -90,6 +90,7 @@ Tree::Tree(Executor& executor)
       raw_parent_(executor, "parents in the tree"),
       leaf_body_(executor, "bodies of leaves"),
       leftmost_(executor, "leftmost leaves"),
+      deepest_(executor, "depth of the tree"),
       key_(executor, "keys of nodes"),
       sorted_key_(executor, "keys of nodes"),
       id_(executor, "numbers of nodes"),
@@ -113,15 +114,19 @@ void Tree::arrange(const BroadPhase& method, std::int64_t bodies) {
        {&raw_parent_, &leftmost_, &id_, &order_, &place_, &parent_, &first_child_, &children_, &body_})
     numbers->resize_discarding(n);
   leaf_body_.resize_discarding(static_cast<std::size_t>(bodies));
-  level_first_.resize_discarding(deepest + 1);
-  temporary_.resize_discarding(sort_temporary_bytes<std::uint64_t>(executor_, nodes, key_bits));
+  deepest_.resize_discarding(1);
+  level_first_.resize_discarding(TreeView::last_level + 1);
 
   executor_.begin_stage("tree");
   method.write_tree({raw_box_.data(), raw_parent_.data(), leaf_body_.data()});
   executor_.fill(leftmost_.data(), 0xff, leftmost_.bytes());
   executor_.fill(level_first_.data(), 0xff, level_first_.bytes());
   executor_.run("tree", bodies, TellAncestors{raw_parent_.data(), leftmost_.data()});
-  executor_.run("tree", nodes, MakeKeys{raw_parent_.data(), leftmost_.data(), key_.data(), id_.data()});
+  deepest_.fill_zero();
+  executor_.run("tree", nodes,
+                MakeKeys{raw_parent_.data(), leftmost_.data(), key_.data(), deepest_.data(), id_.data()});
+  const int key_bits = 32 + static_cast<int>(std::bit_width(deepest_.download()[0]));
+  temporary_.resize_discarding(sort_temporary_bytes<std::uint64_t>(executor_, nodes, key_bits));
   sort_by_key(executor_, "tree", nodes, key_bits, key_.data(), sorted_key_.data(), id_.data(), order_.data(),
               temporary_.data(), temporary_.bytes());
   executor_.run("tree", nodes, InvertOrder{order_.data(), place_.data()});

@@ -4,7 +4,8 @@
 //
 // Nodes stand level by level, the root first, and within a level from left to right, so that a level is a
 // range of nodes and the children of a node follow each other one level below. Every body is a leaf, at
-// whatever depth its method put it.
+// whatever depth its method put it. The 64th level is of all nodes as deep or deeper, in the same order: few
+// trees are so deep, and those are lists.
 
 #include <cstdint>
 #include <vector>
@@ -27,7 +28,8 @@ struct TreeSink {
 /// An arranged tree in the executor's memory.
 struct TreeView {
   static constexpr std::uint32_t inner = ~std::uint32_t{0};
-  std::int64_t nodes = 0;  ///< 0: the method has none, or there are no bodies
+  static constexpr int last_level = 63;  ///< and deeper
+  std::int64_t nodes = 0;                ///< 0: the method has none, or there are no bodies
   const Aabb* box = nullptr;
   const std::uint32_t* parent = nullptr;       ///< of the root: itself
   const std::uint32_t* first_child = nullptr;  ///< where the children begin; of a leaf: none, `inner`
@@ -51,8 +53,7 @@ struct TreeValues {
 class Tree {
  public:
   explicit Tree(Executor& executor);
-  /// The tree of a method that has its boxes. Waits for the device. Deeper than level 63, nodes count as on
-  /// it.
+  /// The tree of a method that has its boxes. Waits for the device.
   void arrange(const BroadPhase& method, std::int64_t bodies);
   const TreeView& view() const { return view_; }
 
@@ -60,6 +61,7 @@ class Tree {
   Executor& executor_;
   Buffer<Aabb> raw_box_, box_;
   Buffer<std::uint32_t> raw_parent_, leaf_body_, leftmost_;
+  Buffer<std::uint64_t> deepest_;
   Buffer<std::uint64_t> key_, sorted_key_;
   Buffer<std::uint32_t> id_, order_, place_;
   Buffer<std::uint32_t> parent_, first_child_, children_, body_, level_first_;
