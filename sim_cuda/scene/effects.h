@@ -1,9 +1,6 @@
 #pragma once
 // The effects that a simulation can include. An effect that is off costs no launch, no byte and no
-// instruction: the stages that it touches take it as a template parameter.
-
-#include <array>
-#include <string_view>
+// instruction: the stages that it touches take it as a template parameter, or it is a stage of its own.
 
 namespace collidoscope {
 
@@ -16,13 +13,5 @@ struct Effects {
 
   friend bool operator==(const Effects&, const Effects&) = default;
 };
-
-/// Every effect by its name in scene files and on the command line.
-struct EffectName {
-  std::string_view name;
-  bool Effects::*flag;
-};
-inline constexpr std::array<EffectName, 3> effect_names{
-    {{"gravity", &Effects::gravity}, {"rotation", &Effects::rotation}, {"friction", &Effects::friction}}};
 
 }  // namespace collidoscope

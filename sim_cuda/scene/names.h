@@ -30,6 +30,14 @@ inline constexpr std::array<Named<Variant>, 3> variant_names{
 inline constexpr std::array<Named<Spawn>, 3> spawn_names{
     {{"inside", Spawn::inside}, {"centres", Spawn::centres}, {"apart", Spawn::apart}}};
 
+/// Every effect, which is on or off.
+struct EffectName {
+  std::string_view name;
+  bool Effects::*flag;
+};
+inline constexpr std::array<EffectName, 3> effect_names{
+    {{"gravity", &Effects::gravity}, {"rotation", &Effects::rotation}, {"friction", &Effects::friction}}};
+
 /// The name of a value that is in the table; "?" for one that is not.
 template <class Choice, std::size_t count>
 constexpr std::string_view name_of(const std::array<Named<Choice>, count>& table, Choice value) {

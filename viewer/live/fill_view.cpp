@@ -1,5 +1,7 @@
 #include "viewer/live/fill_view.h"
 
+#include "sim_cuda/scene/names.h"
+
 namespace collidoscope {
 
 void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view) {
