@@ -6,10 +6,13 @@ namespace collidoscope {
 
 /// One flag per effect. Which are on is physics: it decides the state.
 struct Effects {
-  bool gravity = false;  ///< a uniform acceleration; called for by gravity != 0
+  bool gravity = false;    ///< a uniform acceleration; called for by gravity != 0
+  bool attractor = false;  ///< points that pull; called for by a list of attractors
+  bool drag = false;       ///< by what bodies move through; called for by a medium that is not nothing
   bool rotation =
       false;  ///< orientation and spin are stored and integrated; called for by anything that turns
   bool friction = false;  ///< Coulomb's, with rotation; called for by a material whose friction is not 0
+  bool rolling_resistance = false;  ///< with friction; called for by a material of which it is not 0
 
   friend bool operator==(const Effects&, const Effects&) = default;
 };

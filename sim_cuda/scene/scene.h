@@ -28,13 +28,16 @@ struct Material {
   double density = 1000;          ///< kg/m^3, > 0
   double restitution = 0.8;       ///< 0 to 1; a pair takes the larger of the two
   double friction = 0;            ///< Coulomb's coefficient, 0 to 100; a pair takes the geometric mean
-  double rolling_resistance = 0;  ///< 0 to 1
+  double rolling_resistance = 0;  ///< 0 to 10, lever over radius; a pair takes the larger of the two
 };
 
 enum class Shape { sphere, mesh };
+/// Whether forces move a body, its own prescribed velocity does, or nothing.
+enum class Motion { dynamic, kinematic, fixed };
 
 struct Body {
   Shape shape = Shape::sphere;
+  Motion motion = Motion::dynamic;
   double radius = 1;                    ///< m, > 0, sphere only
   std::string mesh;                     ///< path of an OBJ file, relative to the scene file; mesh only
   Vector3d position{0, 0, 0};           ///< m, of the centre of mass
@@ -70,6 +73,28 @@ struct Plane {
   int material = 0;
 };
 
+/// A box that never moves: bodies stay outside of it.
+struct BoxObstacle {
+  Vector3d center{0, 0, 0};             ///< m
+  Vector3d size{1, 1, 1};               ///< m, whole edges, > 0
+  Quaterniond orientation{1, 0, 0, 0};  ///< w x y z; normalised on reading
+  int material = 0;
+};
+
+/// The medium that all bodies move through; see dynamics/drag.h.
+struct Drag {
+  double viscosity = 0;       ///< Pa s, >= 0
+  double density = 0;         ///< kg/m^3, >= 0
+  double coefficient = 0.47;  ///< >= 0, of a sphere in turbulent flow
+};
+
+/// A point that pulls all bodies; see dynamics/attractor.h.
+struct Attractor {
+  Vector3d position{0, 0, 0};  ///< m
+  double strength = 0;         ///< m^3/s^2, G M; below 0 it repels
+  double softening = 1;        ///< m, > 0: nearer than this the pull grows no more
+};
+
 /// Where the pictures are taken from; unset fields frame the whole scene.
 struct Camera {
   std::optional<Vector3d> position, target;  ///< m
@@ -79,7 +104,9 @@ struct Camera {
 
 /// The physical settings: with the bodies, they alone decide the state.
 struct Physics {
-  Vector3d gravity{0, 0, -9.81};        ///< m/s^2
+  Vector3d gravity{0, 0, -9.81};  ///< m/s^2
+  Drag drag;                      ///< none by default
+  std::vector<Attractor> attractors;
   double time_step = 1.0 / 30;          ///< s, > 0
   std::optional<int> steps_per_second;  ///< set where the scene said so; then time_step is 1/steps_per_second
   std::optional<int> substeps;          ///< K, 1 to 1000, each over time_step / K; unset: "auto"
@@ -106,6 +133,7 @@ struct Scene {
   std::vector<Body> bodies;                     ///< ids 0, 1, ... in order
   std::vector<BoxCollider> generators;          ///< their bodies follow, generator by generator
   std::vector<Plane> obstacles;
+  std::vector<BoxObstacle> boxes;  ///< in files they stand among the obstacles
   Camera camera;
 };
 

@@ -65,6 +65,7 @@ class Validator {
     for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
       check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
     }
+    if (!scene_.boxes.empty()) fault({"boxes"}, "boxes are not simulated yet; the list must be empty");
     check_camera(scene_.camera);
     return std::move(faults_);
   }
@@ -117,6 +118,9 @@ class Validator {
   void check_physics(const Physics& physics) {
     const Path root;
     vector(root.at("gravity"), physics.gravity, limits::max_gravity, "m/s^2");
+    if (physics.drag.viscosity != 0 || physics.drag.density != 0)
+      fault(root.at("drag"), "drag is not simulated yet");
+    if (!physics.attractors.empty()) fault(root.at("attractors"), "attractors are not simulated yet");
     if (physics.steps_per_second) {
       if (whole(root.at("steps_per_second"), *physics.steps_per_second, 1, limits::max_steps_per_second) &&
           physics.time_step != 1.0 / *physics.steps_per_second) {
@@ -193,6 +197,7 @@ class Validator {
     if (body.mass) number(path.at("mass"), *body.mass, limits::min_mass, limits::max_mass, "kg");
     if (body.inertia) check_inertia(*body.inertia, path.at("inertia"));
     material(path, body.material);
+    if (body.motion != Motion::dynamic) fault(path.at("motion"), "only dynamic bodies are simulated yet");
   }
 
   void check_inertia(const Vector3d& inertia, const Path& path) {
