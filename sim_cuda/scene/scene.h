@@ -10,6 +10,7 @@
 
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/scene/effects.h"
+#include "sim_cuda/scene/joint.h"
 
 namespace collidoscope {
 
@@ -134,6 +135,7 @@ struct Scene {
   std::vector<BoxCollider> generators;          ///< their bodies follow, generator by generator
   std::vector<Plane> obstacles;
   std::vector<BoxObstacle> boxes;  ///< in files they stand among the obstacles
+  std::vector<Joint> joints;
   Camera camera;
 };
 

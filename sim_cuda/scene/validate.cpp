@@ -66,6 +66,7 @@ class Validator {
       check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
     }
     if (!scene_.boxes.empty()) fault({"boxes"}, "boxes are not simulated yet; the list must be empty");
+    if (!scene_.joints.empty()) fault({"joints"}, "joints are not simulated yet; the list must be empty");
     check_camera(scene_.camera);
     return std::move(faults_);
   }
