@@ -330,10 +330,9 @@ void SoftStepSolver<Real>::sweep(const char* stage, const ContactView<Real>& con
   const ContactsByBodyView split = split_.view();
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   const std::int64_t colour_capacity = std::min(contact_capacity_, scene_.body_count / 2);
-  for (int c = 0; c < Colouring::colours; ++c)
-    executor_.run(stage, Count(colours.count + c, colour_capacity),
-                  SweepColour<Real, Act>{contacts.bodies, soft_.data(), grips_.data(), scene_.bodies,
-                                         colours.order, colours.begin + c, act});
+  executor_.run_rounds(stage, Colouring::colours, colour_capacity,
+                       ColourByColour<SweepContact<Real, Act>>{
+                           colours, {contacts.bodies, soft_.data(), grips_.data(), scene_.bodies, act}});
   executor_.run(stage, Count(&scene_.control->split_contacts, contact_capacity_),
                 SweepSplit<Real, Act>{contacts.bodies, soft_.data(), grips_.data(), scene_.bodies,
                                       colours.order, colours.begin + Colouring::colours, split.count,

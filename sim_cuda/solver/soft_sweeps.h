@@ -68,18 +68,16 @@ struct Grip {
 
 // ---- stages ----
 
-/// The contacts of one colour: no two share a body.
+/// Of contacts of one colour at a time: no two share a body.
 template <class Real, class Act>
-struct SweepColour {
+struct SweepContact {
   const Pair* contacts;
   SoftContact<Real>* soft;
   SoftGrip<Real>* grips;  ///< read by acts that rub
   BodyView<Real> bodies;
-  const std::uint32_t *order, *begin;
   Act act;
 
-  SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
+  SIM_HD void operator()(int contact) const {
     const Pair ids = contacts[contact];
     SoftContact<Real> k = soft[contact];
     const Real w_a = bodies.inverse_mass[ids.a], w_b = bodies.inverse_mass[ids.b];
