@@ -22,6 +22,17 @@ struct ColourView {
   const std::uint32_t* count;  ///< how many contacts it has
 };
 
+/// For Executor::run_rounds: stage(contact) for all contacts of one colour before the next.
+template <class Stage>
+struct ColourByColour {
+  ColourView view;
+  Stage stage;
+  SIM_HD std::int64_t items(int colour) const { return view.count[colour]; }
+  SIM_HD void operator()(int colour, int item) const {
+    stage(static_cast<int>(view.order[view.begin[colour] + static_cast<std::uint32_t>(item)]));
+  }
+};
+
 class Colouring {
  public:
   static constexpr int colours = 32;

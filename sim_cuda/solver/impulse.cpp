@@ -7,18 +7,15 @@ namespace collidoscope {
 
 namespace {
 
-/// The contacts of one colour: no two share a body.
+/// Of contacts of one colour at a time: no two share a body.
 template <class Real, bool push, bool record>
-struct ResolveColour {
+struct ResolveContact {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
   Restitution<Real> restitution;
-  const std::uint32_t* order;
-  const std::uint32_t* begin;
   ImpulseSum<Real, record> impulses;
 
-  SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
+  SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts.bodies[contact];
     const Vector3<Real> normal = contacts.normal[contact];
     const Real w_a = bodies.inverse_mass[a], w_b = bodies.inverse_mass[b];
@@ -160,10 +157,9 @@ void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const Impulse
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   const std::int64_t colour_capacity =
       contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
-  for (int c = 0; c < Colouring::colours; ++c)
-    executor_.run("solve", Count(colours.count + c, colour_capacity),
-                  ResolveColour<Real, push, record>{contacts, bodies, scene_.restitution, colours.order,
-                                                    colours.begin + c, impulses});
+  executor_.run_rounds("solve", Colouring::colours, colour_capacity,
+                       ColourByColour<ResolveContact<Real, push, record>>{
+                           colours, {contacts, bodies, scene_.restitution, impulses}});
   executor_.run("solve", Count(&scene_.control->split_contacts, contact_capacity_),
                 ResolveSplit<Real, push, record>{contacts, bodies, scene_.restitution, colours.order,
                                                  colours.begin + Colouring::colours, split.count,
