@@ -43,10 +43,33 @@ struct ClearContacts {
   }
 };
 
+/// Whether a round has contacts to look at. Thousands of warps say so at about the same time: each of them in
+/// one of some places, far enough apart for the memory to take them side by side.
+struct Pending {
+  static constexpr std::uint32_t places = 16, apart = 8;  // 32 bytes: a sector
+
+  std::uint32_t* flags;
+
+  SIM_HD std::uint32_t* place(int round, std::uint32_t k) const {
+    return flags + (static_cast<std::uint32_t>(round) * places + k) * apart;
+  }
+  SIM_HD void raise(int round, int contact) const {
+    atomic_store(place(round, static_cast<std::uint32_t>(contact) / 32 % places), std::uint32_t{1});
+  }
+  SIM_HD bool any(int round) const {
+    std::uint32_t raised = 0;
+    for (std::uint32_t k = 0; k < places; ++k) raised |= *place(round, k);
+    return raised != 0;
+  }
+};
+
 struct ClearRounds {
   const StepControl* control;
-  std::uint32_t* pending;
-  SIM_HD void operator()(int round) const { pending[round] = round == 0 ? control->contacts : 0; }
+  Pending pending;
+  SIM_HD void operator()(int round) const {
+    for (std::uint32_t k = 0; k < Pending::places; ++k)
+      *pending.place(round, k) = round == 0 && control->contacts > 0;
+  }
 };
 
 /// In each round: decide by the bids of the round before, bid for the next one, clear the bids after that.
@@ -58,10 +81,10 @@ struct BidInRounds {
   std::uint64_t* best;
   std::uint32_t *used, *full_since;
   std::uint8_t* colour;
-  std::uint32_t* pending;
+  Pending pending;
 
   SIM_HD std::int64_t items(int round) const {
-    return min_of(static_cast<std::int64_t>(pending[round]), capacity);
+    return pending.any(round) ? min_of(static_cast<std::int64_t>(control->contacts), capacity) : 0;
   }
   SIM_HD std::uint64_t* bids_of(std::uint32_t round) const {
     return best + round % 3 * std::uint64_t{bodies};
@@ -104,7 +127,7 @@ struct BidInRounds {
     atomic_max(&bids[pair.b], mine);
     atomic_store(&cleared[pair.a], std::uint64_t{0});
     atomic_store(&cleared[pair.b], std::uint64_t{0});
-    atomic_store(pending + round + 1, control->contacts);
+    pending.raise(now + 1, contact);
   }
 };
 static_assert(Colouring::colours == 32, "one bit of a word per colour");
@@ -156,7 +179,7 @@ void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   best_.resize_discarding(3 * static_cast<std::size_t>(bodies));
   used_.resize_discarding(static_cast<std::size_t>(bodies));
   full_since_.resize_discarding(static_cast<std::size_t>(bodies));
-  pending_.resize_discarding(rounds + 2);
+  pending_.resize_discarding((rounds + 2) * Pending::places * Pending::apart);
   colour_.resize_discarding(contacts);
   sorted_colour_.resize_discarding(contacts);
   contact_.resize_discarding(contacts);
@@ -171,10 +194,17 @@ void Colouring::colour(const Pair* contacts, StepControl* control) {
   const auto bodies = static_cast<std::uint32_t>(bodies_);
   executor_.run("colour", bodies_, ClearBodies{best_.data(), used_.data(), full_since_.data(), bodies});
   executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data()});
-  executor_.run("colour", rounds + 2, ClearRounds{control, pending_.data()});
+  executor_.run("colour", rounds + 2, ClearRounds{control, {pending_.data()}});
   executor_.run_rounds("colour", rounds + 1, capacity,
-                       BidInRounds{contacts, control, capacity, bodies, best_.data(), used_.data(),
-                                   full_since_.data(), colour_.data(), pending_.data()});
+                       BidInRounds{contacts,
+                                   control,
+                                   capacity,
+                                   bodies,
+                                   best_.data(),
+                                   used_.data(),
+                                   full_since_.data(),
+                                   colour_.data(),
+                                   {pending_.data()}});
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());
   executor_.run("colour", colours + 1,

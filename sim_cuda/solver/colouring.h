@@ -51,7 +51,7 @@ class Colouring {
       best_;  ///< 3 x bodies: highest priority seen at each body, of three rounds in rotation
   Buffer<std::uint32_t> used_;        ///< per body: bit c is set where colour c is taken
   Buffer<std::uint32_t> full_since_;  ///< per body: the round in which its last free colour went
-  Buffer<std::uint32_t> pending_;     ///< per round: number of contacts to look at, 0 once all are coloured
+  Buffer<std::uint32_t> pending_;     ///< per round: whether there are contacts to look at
   Buffer<std::uint8_t> colour_, sorted_colour_;
   Buffer<std::uint32_t> contact_, order_;
   Buffer<std::uint32_t> begin_, count_;
