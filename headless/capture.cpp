@@ -48,6 +48,8 @@ std::string variant_name(const Scene& scene) {
       return "paper";
     case Variant::scaled:
       return "scaled";
+    case Variant::settled:
+      return "settled";
     case Variant::equal:
       return "equal";
   }

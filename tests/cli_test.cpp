@@ -174,7 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
                  2,
                  "empty: one argument too many; bench takes SUITE .SCENE."},
         BadInput{"UnknownVariant", "", run_with({"--variant", "papr"}), 2,
-                 "--variant: .*paper, scaled or equal.*"},
+                 "--variant: .*paper, scaled, settled or equal.*"},
         BadInput{"UnknownBroadPhase", "", run_with({"--broad-phase", "magic"}), 2,
                  "--broad-phase: .*bvh_bottom_up.*"},
         BadInput{"UnknownEffect", "", run_with({"--effects", "gravity,magic"}), 2,

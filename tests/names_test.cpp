@@ -17,7 +17,7 @@ TEST(Names, EitherOf) {
   EXPECT_EQ(either_of({}), "");
   EXPECT_EQ(either_of(names_in(integrator_names)), "semi_implicit_euler");
   EXPECT_EQ(either_of(names_in(precision_names)), "f32 or f64");
-  EXPECT_EQ(either_of(names_in(variant_names)), "paper, scaled or equal");
+  EXPECT_EQ(either_of(names_in(variant_names)), "paper, scaled, settled or equal");
 }
 
 TEST(Names, NearestIsWithinAThirdOfTheWord) {
@@ -36,9 +36,9 @@ TEST(Names, UnknownNameSaysWhatIsKnown) {
   EXPECT_EQ(unknown_name("integrator", "rk4", names_in(integrator_names)),
             "unknown integrator \"rk4\"; \"semi_implicit_euler\" is the only one");
   EXPECT_EQ(unknown_name("variant", "papr", names_in(variant_names)),
-            "unknown variant \"papr\"; did you mean \"paper\"? (paper, scaled or equal)");
+            "unknown variant \"papr\"; did you mean \"paper\"? (paper, scaled, settled or equal)");
   EXPECT_EQ(unknown_name("variant", "huge", names_in(variant_names)),
-            "unknown variant \"huge\"; it is paper, scaled or equal");
+            "unknown variant \"huge\"; it is paper, scaled, settled or equal");
 }
 
 TEST(Names, PrintableKeepsTerminalsSafe) {

@@ -15,6 +15,8 @@ struct Effects {
   bool rolling_resistance = false;  ///< with friction; called for by a material of which it is not 0
   bool joints = false;              ///< called for by a list of joints
 
+  bool sleeping = false;  ///< islands at rest are not solved; called for by `sleep`
+
   friend bool operator==(const Effects&, const Effects&) = default;
 };
 

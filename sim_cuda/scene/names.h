@@ -25,8 +25,10 @@ inline constexpr std::array<Named<Solver>, 2> solver_names{
 inline constexpr std::array<Named<Integrator>, 1> integrator_names{
     {{"semi_implicit_euler", Integrator::semi_implicit_euler}}};
 inline constexpr std::array<Named<Shape>, 2> shape_names{{{"sphere", Shape::sphere}, {"mesh", Shape::mesh}}};
-inline constexpr std::array<Named<Variant>, 3> variant_names{
-    {{"paper", Variant::paper}, {"scaled", Variant::scaled}, {"equal", Variant::equal}}};
+inline constexpr std::array<Named<Variant>, 4> variant_names{{{"paper", Variant::paper},
+                                                              {"scaled", Variant::scaled},
+                                                              {"settled", Variant::settled},
+                                                              {"equal", Variant::equal}}};
 inline constexpr std::array<Named<Spawn>, 3> spawn_names{
     {{"inside", Spawn::inside}, {"centres", Spawn::centres}, {"apart", Spawn::apart}}};
 
@@ -35,8 +37,10 @@ struct EffectName {
   std::string_view name;
   bool Effects::*flag;
 };
-inline constexpr std::array<EffectName, 3> effect_names{
-    {{"gravity", &Effects::gravity}, {"rotation", &Effects::rotation}, {"friction", &Effects::friction}}};
+inline constexpr std::array<EffectName, 4> effect_names{{{"gravity", &Effects::gravity},
+                                                         {"rotation", &Effects::rotation},
+                                                         {"friction", &Effects::friction},
+                                                         {"sleeping", &Effects::sleeping}}};
 
 /// The name of a value that is in the table; "?" for one that is not.
 template <class Choice, std::size_t count>
@@ -65,7 +69,7 @@ std::vector<std::string_view> names_in(const Table& table) {
   return names;
 }
 
-/// "paper, scaled or equal".
+/// "paper, scaled, settled or equal".
 std::string either_of(std::span<const std::string_view> names);
 
 /// The name that `word` was probably meant to be: fewest single-letter edits, at most a third of its length
@@ -73,7 +77,7 @@ std::string either_of(std::span<const std::string_view> names);
 std::string_view nearest_name(std::string_view word, std::span<const std::string_view> names);
 
 /// What is wrong with a name that is not in the list: `unknown solver "foo"; impulse is the only one`, or
-/// `unknown variant "papr"; did you mean "paper"? (paper, scaled or equal)`.
+/// `unknown variant "papr"; did you mean "paper"? (paper, scaled, settled or equal)`.
 std::string unknown_name(std::string_view what, std::string_view word,
                          std::span<const std::string_view> names);
 

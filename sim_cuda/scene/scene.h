@@ -51,7 +51,7 @@ struct Body {
 };
 
 /// How the Box Collider's box and radii grow with N; see the README for the formulas.
-enum class Variant { paper, scaled, equal };
+enum class Variant { paper, scaled, settled, equal };
 /// Where generated spheres may start: whole spheres within the walls; centres within; or no two overlapping.
 enum class Spawn { inside, centres, apart };
 
@@ -103,6 +103,12 @@ struct Camera {
   double vertical_field_of_view = 40;  ///< degrees, 1 to 150
 };
 
+/// When an island of bodies that touch each other falls asleep: all of them were slow for a while.
+struct Sleep {
+  double speed = 0.05;  ///< m/s, >= 0, of a centre and of a surface that turns; slower is slow
+  double time = 0.5;    ///< s, >= 0
+};
+
 /// The physical settings: with the bodies, they alone decide the state.
 struct Physics {
   Vector3d gravity{0, 0, -9.81};  ///< m/s^2
@@ -117,6 +123,7 @@ struct Physics {
   Precision precision = Precision::f32;
   std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for
   std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h
+  std::optional<Sleep> sleep;                   ///< unset: nothing falls asleep
 };
 
 /// K as set, or what "auto" comes to: soft_step lives of its substeps, `impulse` is the paper's without them.

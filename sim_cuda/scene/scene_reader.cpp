@@ -96,6 +96,15 @@ class SceneReader {
         reading_.fault(*node, "\"restitution_threshold\" is \"auto\" or a speed in m/s");
       }
     }
+    if (const JsonNode* node = root.member("sleep")) read_sleep(*node);
+  }
+
+  void read_sleep(const JsonNode& node) {
+    Sleep& sleep = scene_.physics.sleep.emplace();
+    ObjectReader reader(reading_, node, "\"sleep\"");
+    reader.real("speed", sleep.speed);
+    reader.real("time", sleep.time);
+    reader.finish();
   }
 
   void read_substeps(ObjectReader& root) {
@@ -224,12 +233,7 @@ class SceneReader {
     }
     reader.whole("count", generator.count);
     reader.real("radius_max", generator.radius_max);
-    const JsonNode* variant = reader.member("variant");
-    if (variant != nullptr && variant->kind == JsonKind::text && document_.text(*variant) == "settled") {
-      reading_.fault(*variant, "variant \"settled\" arrives with the solvers; it is paper, scaled or equal");
-    } else {
-      reader.choice("variant", variant_names, generator.variant);
-    }
+    reader.choice("variant", variant_names, generator.variant);
     reader.choice("spawn", spawn_names, generator.spawn);
     reader.whole("seed", generator.seed);
     reader.real("speed_max", generator.speed_max);

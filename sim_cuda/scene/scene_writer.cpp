@@ -80,6 +80,8 @@ class SceneWriter {
     root.member("restitution_threshold", physics.restitution_threshold
                                              ? fmt::format("{}", *physics.restitution_threshold)
                                              : json_text("auto"));
+    if (const auto& sleep = physics.sleep)
+      root.member("sleep", fmt::format(R"({{"speed": {}, "time": {}}})", sleep->speed, sleep->time));
     root.member("materials", materials());
     root.member("bodies", items(scene_.bodies, [&](const Body& body) { return one(body); }));
     root.member("generators", items(scene_.generators, [&](const BoxCollider& g) { return one(g); }));

@@ -144,6 +144,17 @@ class Validator {
     if (physics.restitution_threshold) {
       number(root.at("restitution_threshold"), *physics.restitution_threshold, 0, limits::max_speed, "m/s");
     }
+    check_sleep(physics);
+  }
+
+  void check_sleep(const Physics& physics) {
+    const Path root, path{"sleep"};
+    if (physics.effects && physics.effects->sleeping && !physics.sleep)
+      fault(root.at("effects"), "must not hold sleeping without \"sleep\", which says when");
+    if (!physics.sleep) return;
+    number(path.at("speed"), physics.sleep->speed, 0, limits::max_speed, "m/s");
+    number(path.at("time"), physics.sleep->time, 0, limits::max_sleep_time, "s");
+    fault(root.at("sleep"), "sleeping is not simulated yet; leave it out");
   }
 
   void check_materials() {
@@ -237,6 +248,8 @@ class Validator {
       const bool good_count = whole(path.at("count"), g.count, 0, limits::max_bodies);
       const bool good_radius = number(path.at("radius_max"), g.radius_max, 1e-3, limits::max_radius, "m");
       choice(path.at("variant"), variant_names, g.variant);
+      if (g.variant == Variant::settled)
+        fault(path.at("variant"), "settled is not simulated yet; it is paper, scaled or equal");
       choice(path.at("spawn"), spawn_names, g.spawn);
       number(path.at("speed_max"), g.speed_max, 0, limits::max_speed, "m/s");
       material(path, g.material);

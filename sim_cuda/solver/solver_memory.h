@@ -20,6 +20,7 @@ struct SolverMemory {
   // What friction gave, N s; empty where there is none.
   std::vector<std::array<double, 3>> grips;       ///< as the contacts
   std::vector<std::array<double, 3>> wall_grips;  ///< plane by plane, all bodies of each
+  std::vector<std::uint32_t> slow;                ///< steps, by body (sleeping.h); empty without sleep
 };
 
 }  // namespace collidoscope
