@@ -140,6 +140,11 @@ void ensure_writable_folder(const std::string& folder) {
 
 int run_capture(const CaptureRequest& request, World& world) {
   ensure_writable_folder(request.out);
+  std::vector<std::int64_t> states = request.states;
+  if (states.empty()) states = {world.steps(), world.steps() + 30, world.steps() + 60};
+  if (states.front() < world.steps())
+    throw InputError(fmt::format("--states: {} lies before state {}, at which the run starts", states.front(),
+                                 world.steps()));
   const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
   const EglContext context(world.gpu());
   for (const std::string& line : context.steps_down()) say(line);
@@ -168,9 +173,8 @@ int run_capture(const CaptureRequest& request, World& world) {
   const OrbitCamera camera = scene_camera(world.scene().camera, renderer.scene().bounds, aspect);
 
   world.record_impulses(request.layers.contacts);
-  const std::int64_t total = request.states.empty() ? 0 : request.states.back();
-  Progress progress("capture", total);
-  for (std::int64_t state : request.states) {
+  Progress progress("capture", states.back());
+  for (std::int64_t state : states) {
     while (world.steps() < state) {
       world.step();
       if (panels) panels->record(world);

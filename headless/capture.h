@@ -13,7 +13,8 @@
 namespace collidoscope {
 
 struct CaptureRequest {
-  std::vector<std::int64_t> states{0, 30, 60};  ///< ascending; state k is the state after k steps
+  /// Ascending; state k is the state after k steps. Empty: where the run stands, and 30 and 60 steps on.
+  std::vector<std::int64_t> states;
   FrameLayers layers{.spheres = true};
   int width = 1280, height = 800;  ///< pixels, 16 to 16384
   std::string out = "captures";    ///< the folder; made if it is not there

@@ -80,11 +80,13 @@ std::string missing_value(const std::string& words) {
              : shown(words);
 }
 
-void check_operands(const CommandName& command, const std::vector<std::string>& operands,
+void check_operands(const CommandName& command, const std::vector<std::string>& operands, bool loads,
                     std::vector<std::string>& faults) {
   if (command.command == Command::bench && operands.empty())
     faults.push_back(fmt::format("bench: a suite is missing; there are {}", suite_names()));
-  else if (operands.size() < command.least)
+  else if (loads && !operands.empty())
+    faults.push_back(fmt::format("--load: a snapshot has its own scene; leave out {}", shown(operands[0])));
+  else if (!loads && operands.size() < command.least)
     faults.push_back(fmt::format("{}: {} missing: {} {}", command.name,
                                  command.least - operands.size() > 1 ? "two files are" : "a file is",
                                  command.name, command.operands));
@@ -128,6 +130,8 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
   add("--energy-trace", options.energy_trace);
   add("--csv", options.bench.csv);
   add("--markdown", options.bench.markdown);
+  if (options.save != options.load) add("--load", options.load);  // going on in one file is no loss
+  add("--save", options.save);
 }
 
 /// The arguments that follow the command.
@@ -167,7 +171,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
       faults.push_back(
           fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command.name));
   }
-  check_operands(command, line.operands, faults);
+  check_operands(command, line.operands, !line.options.load.empty(), faults);
   take_suite(line, faults);
   check_files(line, faults);
   if (!faults.empty()) throw InputError(faults);
@@ -191,7 +195,7 @@ CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
   if (std::ranges::find(arguments, "--version") != arguments.end())
     return answer("collidoscope " COLLIDOSCOPE_VERSION);
   CommandLine line = parse_arguments(viewer, arguments);
-  if (line.operands.empty()) line.operands.emplace_back("box_collider");
+  if (line.operands.empty() && line.options.load.empty()) line.operands.emplace_back("box_collider");
   return line;
 }
 
@@ -200,6 +204,18 @@ Scene load_scene(const CommandLine& line) {
   Scene scene = read_scene(file);
   apply(line.options.overrides, file, scene);
   return scene;
+}
+
+Start load_start(const CommandLine& line) {
+  if (line.options.load.empty()) return {load_scene(line), {}};
+  Start start{{}, read_snapshot(line.options.load)};
+  start.scene = start.snapshot->scene;
+  apply(line.options.overrides, line.options.load, start.scene);
+  return start;
+}
+
+World Start::world(const RunOptions& options) const {
+  return snapshot ? world_from(*snapshot, scene, options) : World(scene, options);
 }
 
 std::string scene_file(const std::string& given) {

@@ -1,10 +1,13 @@
 #pragma once
 // The command line as a whole: which command, on what, with which options; or text that was asked for.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "headless/options.h"
+#include "sim_cuda/snapshot.h"
+#include "sim_cuda/world.h"
 
 namespace collidoscope {
 
@@ -23,6 +26,15 @@ CommandLine parse_viewer_line(const std::vector<std::string>& arguments);
 
 /// The scene of `run`, `capture`, `bench` and the viewer, with its overrides. Throws InputError.
 Scene load_scene(const CommandLine& line);
+
+/// Where a run starts: at state 0 of a scene, or at a snapshot, with the overrides in either case.
+struct Start {
+  Scene scene;
+  std::optional<Snapshot> snapshot;  ///< that --load names
+  World world(const RunOptions& options) const;
+};
+/// Throws InputError.
+Start load_start(const CommandLine& line);
 
 /// The file of a scene that was given as a path or as the bare name of one in assets/scenes. Throws
 /// InputError, which names the scenes there are.

@@ -220,7 +220,12 @@ constexpr Reader readers[] = {
     {{"--energy-trace", "FILE", "CSV: energies, pairs and penetration at every state", running},
      [](Reading& in) { read_path(in.value, in.options.energy_trace); }},
 
-    {{"--states", "LIST", "states to draw, such as 0,30,60", capturing},
+    {{"--save", "FILE", "a snapshot of the run at its end, from which --load goes on", running},
+     [](Reading& in) { read_path(in.value, in.options.save); }},
+    {{"--load", "FILE", "goes on from a snapshot, in place of a SCENE", running | capturing | viewing},
+     [](Reading& in) { read_path(in.value, in.options.load); }},
+
+    {{"--states", "LIST", "states to draw [0,30,60; after --load, counted from there]", capturing},
      [](Reading& in) {
        collect(in.faults, [&] { in.options.capture.states = parse_states(std::string(in.value.text())); });
      }},

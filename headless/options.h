@@ -60,6 +60,7 @@ struct Options {
   std::string dump_bodies;            ///< file or empty, and so the next two
   std::string dump_dynamics;          ///<
   std::string energy_trace;           ///<
+  std::string save, load;             ///< snapshots, or empty
   CaptureRequest capture;
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`

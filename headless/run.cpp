@@ -26,7 +26,7 @@ double seconds_since(Clock::time_point start) {
 
 /// The files of a run, each tried before anything is simulated. Throws one InputError for all.
 struct Outputs {
-  std::optional<OutputFile> json, bodies, dynamics, energy;
+  std::optional<OutputFile> json, bodies, dynamics, energy, snapshot;
 
   explicit Outputs(const Options& options) {
     std::vector<std::string> faults;
@@ -42,12 +42,13 @@ struct Outputs {
     open(bodies, "--dump-bodies", options.dump_bodies);
     open(dynamics, "--dump-dynamics", options.dump_dynamics);
     open(energy, "--energy-trace", options.energy_trace);
+    open(snapshot, "--save", options.save);
     if (!faults.empty()) throw InputError(faults);
   }
 };
 
-World make_world(const Scene& scene, const Options& options) {
-  World world(scene, options.run);
+World make_world(const Start& start, const Options& options) {
+  World world = start.world(options.run);
   if (!world.initial().meshes.empty())
     std::fputs("note: mesh bodies collide as their bounding spheres for now\n", stderr);
   return world;
@@ -86,9 +87,9 @@ void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), s
 
 int run_command(const CommandLine& line) {
   const Options& options = line.options;
-  const Scene scene = load_scene(line);
+  const Start start = load_start(line);
   Outputs outputs(options);
-  World world = make_world(scene, options);
+  World world = make_world(start, options);
 
   const StepStats initial = world.measure();
   std::string trace =
@@ -102,8 +103,10 @@ int run_command(const CommandLine& line) {
   if (outputs.dynamics)
     write_body_dynamics(world, [&](std::string_view text) { outputs.dynamics->write(text); });
   if (outputs.energy) outputs.energy->write(trace);
+  if (outputs.snapshot)
+    write_snapshot(snapshot_of(world), [&](std::string_view bytes) { outputs.snapshot->write(bytes); });
   if (outputs.json) outputs.json->write(to_json(report));
-  for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.json})
+  for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
     if (*file) (*file)->commit();
   print(options.json == "-" ? to_json(report) : to_text(report));
   return 0;
@@ -111,10 +114,10 @@ int run_command(const CommandLine& line) {
 
 int capture_command(const CommandLine& line) {
   const Options& options = line.options;
-  const Scene scene = load_scene(line);
+  const Start start = load_start(line);
   const Outputs checked(options);
   ensure_writable_folder(options.capture.out);
-  World world = make_world(scene, options);
+  World world = make_world(start, options);
 
   const StepStats initial = world.measure();
   const int status = run_capture(options.capture, world);

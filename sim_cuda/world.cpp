@@ -10,6 +10,7 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/pipeline.h"
+#include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -198,7 +199,10 @@ bool World::Impl::run_plain(std::uint32_t target) {
   return true;
 }
 
-World::World(const Scene& scene, const RunOptions& options) : impl_(std::make_unique<Impl>(scene, options)) {}
+World::World(const Scene& scene, const RunOptions& options, const RunState* start)
+    : impl_(std::make_unique<Impl>(scene, options)) {
+  if (start != nullptr) adopt(*start);
+}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -271,10 +275,17 @@ SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
 
 }  // namespace
 
-void World::adopt(World& other) {
+RunState World::state() {
   Impl& w = *impl_;
-  BodyStates states = other.bodies();
-  std::vector<WallLedger> ledgers = other.impl_->pipeline->ledgers();
+  return {w.steps, w.pipeline->bodies(), w.pipeline->ledgers(), w.pipeline->memory()};
+}
+
+void World::adopt(World& other) { adopt(other.state()); }
+
+void World::adopt(const RunState& other) {
+  Impl& w = *impl_;
+  BodyStates states = other.bodies;
+  std::vector<WallLedger> ledgers = other.ledgers;
   const std::size_t common = std::min(states.position.size(), w.initial.size());
   states.position.resize(common);
   states.velocity.resize(common);
@@ -284,9 +295,8 @@ void World::adopt(World& other) {
   w.plain.reset();  // what the solver remembers may move
   w.instrumented.reset();
   w.pipeline->set_bodies(states, ledgers);
-  SolverMemory memory = other.impl_->pipeline->memory();
-  w.pipeline->remember(of_bodies_below(common, std::move(memory)));
-  w.steps = other.steps();
+  w.pipeline->remember(of_bodies_below(common, other.memory));
+  w.steps = other.steps;
   w.detected = false;
 }
 

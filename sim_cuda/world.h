@@ -25,11 +25,14 @@ struct BodyStates {
   std::vector<Quaterniond> orientation;
 };
 
+struct RunState;
+
 class World {
  public:
-  /// Throws InputError where the scene is not valid or the options name nothing known, MachineError where the
-  /// machine lacks what was asked for (the line says what and how much).
-  World(const Scene& scene, const RunOptions& options);
+  /// At state 0, or, as adopt() does it, at `start`. Throws InputError where the scene is not valid or the
+  /// options name nothing known, MachineError where the machine lacks what was asked for (the line says what
+  /// and how much).
+  World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr);
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -58,6 +61,9 @@ class World {
   /// settings it has: how a running scene changes them. Bodies beyond keep their initial state. With the same
   /// physical settings and N, the run goes on bit for bit as `other` would have.
   void adopt(World& other);
+  void adopt(const RunState& other);
+  /// Where the run stands; waits for the device.
+  RunState state();
 
   /// One body, read from the device; `id` < N. Detects, so that contacts and path fit the current state.
   BodyReport inspect(std::uint32_t id);

@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"UnknownBroadPhase", "", run_with({"--broad-phase", "magic"}), 2,
                  "--broad-phase: .*bvh_bottom_up.*"},
         BadInput{"UnknownEffect", "", run_with({"--effects", "gravity,magic"}), 2,
-                 "--effects: .*rotation,friction"},
+                 "--effects: .*rotation,friction.*"},
         BadInput{"BodiesWithoutGenerator",
                  good_scene,
                  {"run", "@/scene.json", "--bodies", "7", "--json", "@/kept.json"},

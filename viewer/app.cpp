@@ -41,10 +41,10 @@ Workspace first_workspace(const Options& options) {
 
 }  // namespace
 
-App::App(const Scene& scene, const Options& options)
+App::App(const Start& start, const Options& options)
     : options_(options),
-      live_(scene, options.run),
-      window_(options.capture.width, options.capture.height, "Collidoscope · " + scene.name),
+      live_(start.world(options.run)),
+      window_(options.capture.width, options.capture.height, "Collidoscope · " + start.scene.name),
       gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "headless/options.h"
+#include "headless/command_line.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"
@@ -24,7 +24,7 @@ namespace collidoscope {
 class App {
  public:
   /// Throws InputError and MachineError where there is nothing to show, or nowhere to show it.
-  App(const Scene& scene, const Options& options);
+  App(const Start& start, const Options& options);
   /// Until the window is closed, or `ended` says so. Remembers the workspace.
   void run(const std::function<bool()>& ended);
 

@@ -22,7 +22,7 @@ int guarded_main(const std::vector<std::string>& arguments) {
       std::puts(line.text.c_str());
       return 0;
     }
-    App(load_scene(line), line.options).run([] { return interrupted != 0; });
+    App(load_start(line), line.options).run([] { return interrupted != 0; });
     return 0;
   } catch (const InputError& error) {
     constexpr std::size_t most = 20;

@@ -85,6 +85,8 @@ void record_step(World& world, const StepStats* measured, History& history) {
 LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
     : world_(std::make_unique<World>(scene, options)) {}
 
+LiveWorld::LiveWorld(World world) : world_(std::make_unique<World>(std::move(world))) {}
+
 void LiveWorld::replace(std::unique_ptr<World> world) {
   world_ = std::move(world);
   ++generation_;

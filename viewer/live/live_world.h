@@ -20,6 +20,7 @@ class LiveWorld {
  public:
   /// Throws as World does.
   LiveWorld(const Scene& scene, const RunOptions& options);
+  explicit LiveWorld(World world);
 
   World& world() { return *world_; }
   const World& world() const { return *world_; }

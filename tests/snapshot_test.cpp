@@ -1,0 +1,253 @@
+// A run in a file: it goes on bit for bit, and no file that is not whole, ours and of today is believed.
+
+#include "sim_cuda/snapshot.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/hash.h"
+#include "tests/executors.h"
+#include "tests/run_program.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string bytes_of(const Snapshot& snapshot) {
+  std::string bytes;
+  write_snapshot(snapshot, [&](std::string_view more) { bytes += more; });
+  return bytes;
+}
+
+void write_file(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+Snapshot by_way_of_a_file(const Snapshot& snapshot) {
+  const TemporaryFolder folder;
+  write_file(folder / "s", bytes_of(snapshot));
+  return read_snapshot(folder / "s");
+}
+
+Scene rubbing_box(std::int64_t bodies) {
+  Scene scene = box_collider(bodies);
+  scene.generators[0].radius_max = 7;
+  scene.generators[0].speed_max = 3;
+  scene.physics.solver = Solver::soft_step;
+  scene.materials[0].friction = 0.4;
+  return scene;
+}
+
+class Snapshots : public OnEachExecutor {};
+ON_EACH_EXECUTOR(Snapshots);
+
+TEST_P(Snapshots, ARunGoesOnBitForBit) {
+  Scene plain = box_collider(400);
+  plain.generators[0].radius_max = 7;
+  for (const Solver solver : {Solver::impulse, Solver::soft_step})
+    for (const Precision precision : {Precision::f32, Precision::f64})
+      for (const bool rubs : {false, true}) {
+        if (rubs && solver == Solver::impulse) continue;
+        Scene scene = rubs ? rubbing_box(400) : plain;
+        scene.physics.solver = solver;
+        scene.physics.precision = precision;
+        World whole(scene, options()), first(scene, options());
+        whole.step(50);
+        first.step(21);
+        const Snapshot snapshot = by_way_of_a_file(snapshot_of(first));
+        EXPECT_EQ(snapshot.state_hash, first.state_hash());
+        RunOptions other;
+        other.executor = ExecutorKind::cpu;
+        other.broad_phase = "brute_force";
+        World second = world_from(snapshot, snapshot.scene, other);
+        EXPECT_EQ(second.steps(), 21);
+        EXPECT_EQ(second.state_hash(), first.state_hash());
+        second.step(29);
+        EXPECT_EQ(second.state_hash(), whole.state_hash());
+        EXPECT_EQ(second.measure().wall_impulse, whole.measure().wall_impulse);
+        EXPECT_EQ(bytes_of(snapshot_of(second)), bytes_of(snapshot_of(whole))) << "caches too";
+      }
+}
+
+TEST_P(Snapshots, ATurnedSettingActsAsInAWorldThatAdopts) {
+  World first(rubbing_box(300), options());
+  first.step(20);
+  const Snapshot snapshot = by_way_of_a_file(snapshot_of(first));
+  Scene edited = snapshot.scene;
+  edited.materials[0].restitution = 0.1;
+  edited.physics.precision = Precision::f64;
+  edited.generators[0].count = 350;
+  World adopted(edited, options());
+  adopted.adopt(first);
+  World loaded = world_from(snapshot, edited, options());
+  adopted.step(10);
+  loaded.step(10);
+  EXPECT_EQ(loaded.state_hash(), adopted.state_hash());
+}
+
+TEST(Snapshot, OfNothingAndOfMeshes) {
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  for (const char* name : {"empty", "tumbling_mesh", "one_body"}) {
+    World world(project_scene(name), o);
+    world.step(5);
+    const Snapshot snapshot = by_way_of_a_file(snapshot_of(world));
+    World again = world_from(snapshot, snapshot.scene, o);
+    EXPECT_EQ(again.state_hash(), world.state_hash()) << name;
+  }
+}
+
+TEST(Snapshot, AMeshThatHasChangedIsRefused) {
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  const TemporaryFolder folder;
+  const std::string tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  write_file(folder / "a.obj", tetrahedron);
+  Scene scene = empty_space();
+  scene.directory = folder.path().string();
+  scene.bodies.resize(1);
+  scene.bodies[0].shape = Shape::mesh;
+  scene.bodies[0].mesh = "a.obj";
+  World world(scene, o);
+  write_file(folder / "s", bytes_of(snapshot_of(world)));
+  const Snapshot snapshot = read_snapshot(folder / "s");
+  EXPECT_EQ(world_from(snapshot, snapshot.scene, o).state_hash(), world.state_hash());
+  write_file(folder / "a.obj", "v 0 0 0\nv 2 0 0\n" + tetrahedron.substr(16));
+  try {
+    world_from(snapshot, snapshot.scene, o);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("has the file of a mesh changed?"));
+  }
+}
+
+/// A snapshot that is spoilt in one way or another, and what is said of it.
+class SpoiltSnapshot : public testing::Test {
+ protected:
+  SpoiltSnapshot() {
+    RunOptions o;
+    o.executor = ExecutorKind::cpu;
+    World world(rubbing_box(20), o);
+    world.step(3);
+    good_ = bytes_of(snapshot_of(world));
+  }
+
+  std::string line(const std::string& file) {
+    try {
+      read_snapshot(file);
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.lines().size(), 1u);
+      EXPECT_THAT(error.what(), StartsWith(file + ": "));
+      return std::string(error.what()).substr(file.size() + 2);
+    }
+    return "read";
+  }
+  std::string line_of(const std::string& bytes) {
+    write_file(folder_ / "s", bytes);
+    return line(folder_ / "s");
+  }
+  /// Eight bytes put at a place, with a hash that fits.
+  std::string with(std::size_t at, std::uint64_t value) const {
+    std::string bytes = good_;
+    std::memcpy(bytes.data() + at, &value, 8);
+    std::uint64_t hash = 0, word = 0;
+    for (std::size_t k = 0; k + 8 < bytes.size(); k += 8) {
+      std::memcpy(&word, bytes.data() + k, 8);
+      hash = mix64(hash ^ word);
+    }
+    std::memcpy(bytes.data() + bytes.size() - 8, &hash, 8);
+    return bytes;
+  }
+
+  std::string good_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(SpoiltSnapshot, WholeItIsRead) { EXPECT_EQ(line_of(good_), "read"); }
+
+TEST_F(SpoiltSnapshot, CutShortAnywhere) {
+  for (std::size_t bytes = 0; bytes < good_.size(); bytes += bytes < 64 ? 1 : 97)
+    EXPECT_THAT(line_of(good_.substr(0, bytes)),
+                HasSubstr(bytes < 40 ? "is no snapshot" : "is damaged: it has"));
+  EXPECT_THAT(line_of(good_ + "more"), HasSubstr("is damaged: it has"));
+}
+
+TEST_F(SpoiltSnapshot, AlteredAnywhere) {
+  for (std::size_t at = 0; at < good_.size(); at += at < 64 ? 1 : 89) {
+    std::string bytes = good_;
+    bytes[at] = static_cast<char>(bytes[at] ^ 4);
+    EXPECT_NE(line_of(bytes), "read") << at;
+  }
+}
+
+TEST_F(SpoiltSnapshot, ForeignNewerAndNoFile) {
+  EXPECT_THAT(line_of("{\"format\": \"collidoscope-scene\", \"version\": 1, \"name\": \"a scene\"}"),
+              HasSubstr("is no snapshot; \"collidoscope-headless run SCENE --save FILE\" writes one"));
+  std::string newer = good_;
+  newer[24] = static_cast<char>(snapshot_version + 1);
+  EXPECT_THAT(line_of(newer), HasSubstr("a newer one can"));
+  std::string turned = good_;
+  std::swap(turned[28], turned[31]);
+  EXPECT_THAT(line_of(turned), HasSubstr("byte order"));
+  EXPECT_THAT(line(folder_ / "none"), HasSubstr("cannot be opened (No such file or directory)"));
+  EXPECT_THAT(line(folder_.path()), HasSubstr("is a folder"));
+  EXPECT_THAT(line("/dev/zero"), HasSubstr("is no snapshot"));
+}
+
+TEST_F(SpoiltSnapshot, AListLongerThanTheFileTakesNoMemory) {
+  // The first list's length follows the header, the scene, the folder, and three numbers.
+  std::uint64_t scene_bytes = 0;
+  std::memcpy(&scene_bytes, good_.data() + 40, 8);
+  EXPECT_THAT(line_of(with(40, std::uint64_t{1} << 60)), HasSubstr("longer than the file"));
+  const std::size_t positions = 48 + (scene_bytes + 7) / 8 * 8 + 8 + 3 * 8;
+  for (const std::uint64_t bodies : {std::uint64_t{1} << 61, ~std::uint64_t{0}, std::uint64_t{1} << 40})
+    EXPECT_THAT(line_of(with(positions, bodies)), HasSubstr("longer than the file"));
+  EXPECT_THAT(line_of(with(positions, 19)), HasSubstr("is damaged"));
+  // A file of a terabyte, most of it a hole, is not what its header says.
+  write_file(folder_ / "s", good_);
+  std::filesystem::resize_file(folder_ / "s", std::uintmax_t{1} << 40);
+  EXPECT_THAT(line(folder_ / "s"), HasSubstr("is damaged: it has 1099511627776 of"));
+}
+
+TEST(SnapshotOfARun, SavedLoadedAndSavedAgain) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "s", json = folder / "j";
+  const auto hash_line = [&] {
+    const std::string text = text_of(json);
+    return text.substr(text.find("state_hash"), 32);
+  };
+  const std::vector<std::string> scene{"run",     "box_collider", "--bodies", "300", "--solver", "soft_step",
+                                       "--steps", "20",           "--json",   json,  "--save",   file};
+  EXPECT_EQ(run_headless(scene).status, 0);
+  for (int k = 0; k < 2; ++k) {  // in place
+    const Outcome outcome =
+        run_headless({"run", "--load", file, "--steps", "10", "--save", file, "--json", json});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
+  const std::string in_parts = hash_line();
+  std::vector<std::string> whole = scene;
+  whole[7] = "40";
+  EXPECT_EQ(run_headless(whole).status, 0);
+  EXPECT_EQ(hash_line(), in_parts);
+
+  const Outcome edited = run_headless({"run", "--load", file, "--steps", "1", "--gravity", "0,0,0"});
+  EXPECT_EQ(edited.status, 0) << edited.err;
+  const Outcome early = run_headless({"capture", "--load", file, "--states", "10", "--out", folder / "out"});
+  EXPECT_EQ(early.status, 2);
+  EXPECT_EQ(early.err, "--states: 10 lies before state 40, at which the run starts\n");
+  const Outcome two = run_headless({"run", "box_collider", "--load", file});
+  EXPECT_EQ(two.status, 2);
+  EXPECT_EQ(two.err, "--load: a snapshot has its own scene; leave out box_collider\n");
+  const Outcome lost = run_headless({"run", "--load", file, "--steps", "1", "--json", file});
+  EXPECT_EQ(lost.status, 2);
+  EXPECT_THAT(lost.err, HasSubstr("is the file of --json too"));
+}
+
+}  // namespace
+}  // namespace collidoscope
