@@ -70,7 +70,7 @@ class TypedPipeline final : public Pipeline {
 
   void measure(StepStats& stats) override {
     measurer_.measure({state_.view(), body_count_, state_.ledger.data(), planes_.data(), plane_count_,
-                       gravity_.template cast<double>(), box_, contacts_.view(), control_.data(),
+                       gravity_.template cast<double>(), pulls(), box_, contacts_.view(), control_.data(),
                        contacts_.capacity(), impulses_.view()},
                       stats);
   }
@@ -94,12 +94,14 @@ class TypedPipeline final : public Pipeline {
 
  private:
   Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
+  PullView<Real> pulls() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
   SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
   Foresight<Real> foresight() const {
     const Real time = solver_->foresight();
     if (!(time > 0)) return {};
     using std::sqrt;
-    return {state_.velocity.data(), time, time * time * sqrt(gravity_.dot(gravity_))};
+    const Real pull = sqrt(gravity_.dot(gravity_)) + 2 * largest_pull_;
+    return {state_.velocity.data(), time, time * time * pull, effects_.drag};
   }
   void find_pairs(const Foresight<Real>& foresight);
   void detect(const Foresight<Real>& foresight) {
@@ -111,7 +113,10 @@ class TypedPipeline final : public Pipeline {
   const std::int64_t body_count_;
   const Effects effects_;
   const std::optional<Box> box_;
-  Vector3<Real> gravity_;  // m/s^2, zero where the effect is off
+  Vector3<Real> gravity_;                  // m/s^2, zero where the effect is off
+  Buffer<PullingPoint<Real>> attractors_;  // empty where the effect is off, as
+  Buffer<Vector3<Real>> field_;            // their pull on each body, m/s^2
+  Real largest_pull_ = 0;                  // m/s^2, of all attractors together
   BodyBuffers<Real> state_;
   Buffer<std::uint32_t> mesh_;  // 0: sphere; empty where all are
   Buffer<Real> restitution_of_material_;
@@ -175,6 +180,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       effects_(effects),
       box_(initial.box),
       gravity_(effects.gravity ? Vector3<Real>(scene.physics.gravity.cast<Real>()) : Vector3<Real>(0, 0, 0)),
+      attractors_(executor, "attractors"),
+      field_(executor, "accelerations"),
       state_(executor),
       mesh_(executor, "meshes of bodies"),
       restitution_of_material_(executor, "restitution by material"),
@@ -231,6 +238,16 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
     friction_of_material_.upload(friction);
   }
 
+  if (effects.attractor) {
+    std::vector<PullingPoint<Real>> points;
+    for (const Attractor& a : scene.physics.attractors) {
+      points.push_back(PullingPoint<Real>::of(a));
+      largest_pull_ += static_cast<Real>(largest_pull(a));
+    }
+    attractors_.upload(points);
+    field_.resize_discarding(n);
+  }
+
   planes_.upload(wall_planes<Real>(scene, box_));
   plane_count_ = static_cast<int>(planes_.size());
   if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
@@ -245,6 +262,9 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
                                        plane_count_,
                                        state_.ledger.data(),
                                        gravity_,
+                                       DragLaw<Real>::of(scene.physics.drag),
+                                       pulls(),
+                                       field_.data(),
                                        effects,
                                        box_,
                                        static_cast<Real>(scene.physics.time_step),

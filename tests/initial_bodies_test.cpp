@@ -160,6 +160,13 @@ TEST(InitialBodies, EffectsThatTheSceneCallsFor) {
   scene.physics.solver = Solver::soft_step;
   scene.materials[0].friction = 0.1;
   EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.rotation = true, .friction = true}));
+  scene.materials[0].friction = 0;
+  scene.physics.drag.density = 1.2;
+  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.drag = true}));
+  scene.physics.drag.coefficient = 0;
+  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), Effects{});
+  scene.physics.attractors.resize(1);
+  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.attractor = true}));
 }
 
 // The scenes of the project: they load, and are what their comments say.

@@ -52,6 +52,26 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
   }
 }
 
+TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
+  for (const char* name : {"rolling", "sinking", "orbits"})
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+      Scene scene = project_scene(name);
+      scene.physics.precision = precision;
+      const std::string expected = hash_after(scene, options(), 40);
+      for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}, {3, 37}})
+        for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled}) {
+          if (GetParam() == ExecutorKind::cuda && order != LaneOrder::contiguous) continue;
+          RunOptions o = options();
+          o.shape = shape;
+          o.lane_order = order;
+          o.cpu_threads = 2;
+          EXPECT_EQ(hash_after(scene, o, 40), expected)
+              << name << ' ' << shape.blocks << " x " << shape.threads << ", order "
+              << static_cast<int>(order);
+        }
+    }
+}
+
 TEST_P(OneAnswer, WithEveryBroadPhaseAndKeySize) {
   std::vector<Scene> scenes{project_scene("giant_among_dust"), project_scene("all_coincident"),
                             project_scene("mixed_materials"), project_scene("slope"), box_collider(900)};
@@ -173,6 +193,8 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
                                         "tumbling_mesh",
                                         "mixed_materials",
                                         "rolling",
+                                        "sinking",
+                                        "orbits",
                                         "one_body",
                                         "empty"};
   const auto file = project_file("tests/golden/hashes.json");

@@ -44,7 +44,9 @@ TEST(SceneFile, EveryFieldIsRead) {
   const Scene scene = parse_scene(head + R"(
     "name": "all", // comment
     "box": {"min": [-1, -2, -3], "max": [1, 2, 3]},
-    "gravity": [0.5, 0, -1.6], "steps_per_second": 240, "substeps": 4, "iterations": 7, "solver": "impulse",
+    "gravity": [0.5, 0, -1.6], "drag": {"viscosity": 1e-3, "density": 998, "coefficient": 0.5},
+    "attractors": [{"position": [1, 2, 4], "strength": -8, "softening": 16}],
+    "steps_per_second": 240, "substeps": 4, "iterations": 7, "solver": "soft_step",
     "integrator": "semi_implicit_euler", "precision": "f64", "effects": ["rotation"], "restitution_threshold": 0.25,
     "materials": {"steel": {"density": 7850, "restitution": 0.6, "friction": 0, "rolling_resistance": 0},
                   "default": {"density": 2}},
@@ -65,6 +67,12 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(scene.box->max, Vector3d(1, 2, 3));
   const Physics& p = scene.physics;
   EXPECT_EQ(p.gravity, Vector3d(0.5, 0, -1.6));
+  EXPECT_EQ(p.drag.viscosity, 1e-3);
+  EXPECT_EQ(p.drag.density, 998);
+  EXPECT_EQ(p.drag.coefficient, 0.5);
+  EXPECT_EQ(p.attractors.at(0).position, Vector3d(1, 2, 4));
+  EXPECT_EQ(p.attractors.at(0).strength, -8);
+  EXPECT_EQ(p.attractors.at(0).softening, 16);
   EXPECT_EQ(p.time_step, 1.0 / 240);
   EXPECT_EQ(p.steps_per_second, 240);
   EXPECT_EQ(p.substeps, 4);
@@ -161,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
         Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},
         Bad{"\"effects\": [\"gravity\", \"magic\"]}",
-            "s:2:24: unknown effect \"magic\"; it is gravity, rotation, friction"},
+            "s:2:24: unknown effect \"magic\"; it is gravity, attractor, "},
         Bad{"\"effects\": [\"friction\", \"rotation\"]}",
             "s:2:12: effects: must not hold friction with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"effects\": [\"friction\"]}",
@@ -191,6 +199,12 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:21: steps_per_second: must be a whole number from 1 to 1000000, not 0"},
         Bad{"\"box\": {\"max\": [0, 1, 1]}}", "s:2:17: box.max[0]: must be more than min[0] = 0, not 0"},
         Bad{"\"box\": {\"min\": [100, 0, 0]}}", "s:2:8: box.max[0]: must be more than min[0] = 100"},
+        Bad{"\"drag\": {\"density\": -1}}", "s:2:21: drag.density: must lie in [0, 1e+09] kg/m^3, not -1"},
+        Bad{"\"drag\": {\"viscous\": 1}}", "s:2:10: unknown key \"viscous\" in drag; it has viscosity, density or coefficient"},
+        Bad{"\"attractors\": [{\"strength\": 1}]}",
+            "s:2:15: attractors: must not hold attractors with the solver impulse"},
+        Bad{"\"effects\": [\"attractor\"]}",
+            "s:2:12: effects: must not hold attractors with the solver impulse"},
         // what is not there yet
         Bad{"\"materials\": {\"default\": {\"friction\": 0.5}}}",
             "s:2:39: materials.default.friction: must be 0 with the solver impulse"},
@@ -319,9 +333,11 @@ class RandomScene {
       p.steps_per_second = 1 + static_cast<int>(random_() % 1000);
       p.time_step = 1.0 / *p.steps_per_second;
     }
+    p.solver = pick({Solver::impulse, Solver::soft_step});
+    if (coin()) p.drag = {real(0, 1), real(0, 1000), real(0, 2)};
+    if (p.solver == Solver::soft_step && coin()) p.attractors = {{vector(100), real(-9, 9), real(1, 2)}, {}};
     if (coin()) p.substeps = 1 + static_cast<int>(random_() % 1000);
     p.iterations = 1 + static_cast<int>(random_() % 1000);
-    p.solver = pick({Solver::impulse, Solver::soft_step});
     p.precision = pick({Precision::f32, Precision::f64});
     if (coin()) p.effects = Effects{.gravity = coin(), .rotation = coin()};
     if (coin()) p.restitution_threshold = real(0, 2);
@@ -393,6 +409,8 @@ std::string bits(const Scene& s) {
   whole(s.box.has_value());
   if (s.box) vec(s.box->min), vec(s.box->max);
   const Physics& p = s.physics;
+  real(p.drag.viscosity), real(p.drag.density), real(p.drag.coefficient);
+  for (const Attractor& a : p.attractors) vec(a.position), real(a.strength), real(a.softening);
   vec(p.gravity), real(p.time_step), whole(p.steps_per_second.value_or(-1)), whole(p.substeps.value_or(-1)),
       whole(p.iterations);
   whole(static_cast<int>(p.solver)), whole(static_cast<int>(p.integrator)),

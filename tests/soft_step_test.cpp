@@ -325,10 +325,11 @@ TEST_P(SoftStep, AnEffectThatIsOffCostsNoLaunchAndNoByte) {
   EXPECT_EQ(launches(b) - launches(a), 4 * 2 + 1);
 }
 
-TEST(Foresight, MissesNoContactOfASmoothMotion) {
+template <bool dragged>
+void expect_foreseen() {
   // Each body moves in K substeps of semi-implicit Euler under what gravity leaves of itself where
-  // frictionless support takes a part of it; whoever touch at some substep were foreseen, by boxes and by
-  // gap.
+  // frictionless support takes a part of it, and drag the more; whoever touch at some substep were foreseen,
+  // by boxes and by gap.
   Random random(5);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (random() / 4294967296.0);
@@ -347,12 +348,13 @@ TEST(Foresight, MissesNoContactOfASmoothMotion) {
     const int substeps = 1 + static_cast<int>(random() % 8);
     struct Moving {
       Vector3d x, v, pull;
-      double r;
+      double r, viscosity;
     } body[2];
     for (Moving& m : body) {
       const Vector3d support = direction();
       const double pressed = std::max(0.0, -g.dot(support));
-      m = {Vector3d(0, 0, 0), uniform(0, 30) * direction(), g + pressed * support, uniform(0.01, 1)};
+      m = {Vector3d(0, 0, 0), uniform(0, 30) * direction(), g + pressed * support, uniform(0.01, 1),
+           dragged ? uniform(0, 3) / dt : 0};
       if (random() % 3 == 0) m.pull = g;
     }
     body[1].x = (body[0].r + body[1].r + uniform(0, 1.5) * dt * 30) * direction();
@@ -361,15 +363,15 @@ TEST(Foresight, MissesNoContactOfASmoothMotion) {
     bool meet = false;
     for (int k = 0; k < substeps; ++k) {
       for (Moving& m : body) {
-        m.v += dt / substeps * m.pull;
+        m.v = (m.v + dt / substeps * m.pull) / (1 + dt / substeps * m.viscosity);
         m.x += dt / substeps * m.v;
       }
       meet = meet || (body[1].x - body[0].x).norm() <= r[0] + r[1];
     }
     if (!meet) continue;
     ++met;
-    const Foresight<double> foresight{v, dt, dt * dt * g.norm()};
-    EXPECT_TRUE(spheres_will_touch<double>(x[0], r[0], v[0], x[1], r[1], v[1], foresight));
+    const Foresight<double> foresight{v, dt, dt * dt * g.norm(), dragged};
+    EXPECT_TRUE((spheres_will_touch<double, dragged>(x[0], r[0], v[0], x[1], r[1], v[1], foresight)));
     Aabb boxes[2];
     const SweptBounds<double> bounds{x, v, r, dt, foresight.slack, boxes};
     bounds(0);
@@ -378,6 +380,9 @@ TEST(Foresight, MissesNoContactOfASmoothMotion) {
   }
   EXPECT_GT(met, 500);
 }
+
+TEST(Foresight, MissesNoContactOfASmoothMotion) { expect_foreseen<false>(); }
+TEST(Foresight, MissesNoneWhereDragStopsOneOfTwo) { expect_foreseen<true>(); }
 
 }  // namespace
 }  // namespace collidoscope

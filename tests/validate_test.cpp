@@ -33,6 +33,13 @@ Scene full_scene() {
   return scene;
 }
 
+/// An attractor, and a solver that has them.
+std::vector<Attractor>& pulling(Scene& scene) {
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.attractors = {{.strength = 10}};
+  return scene.physics.attractors;
+}
+
 TEST(Validate, AcceptsWhatIsValid) {
   EXPECT_TRUE(validate(Scene{}).empty());
   EXPECT_TRUE(validate(full_scene()).empty());
@@ -58,6 +65,22 @@ TEST(Validate, NamesEveryFault) {
        }},
       {"gravity[2]", "must lie in [-1e+06, 1e+06] m/s^2", [](Scene& s) { s.physics.gravity[2] = -infinite; }},
       {"gravity[0]", "must be 0 or at least", [](Scene& s) { s.physics.gravity[0] = 1e-39; }},
+      {"drag.viscosity", "must lie in [0, 1e+09] Pa s", [](Scene& s) { s.physics.drag.viscosity = -1; }},
+      {"drag.density", "must lie in [0, 1e+09] kg/m^3", [](Scene& s) { s.physics.drag.density = nan_value; }},
+      {"drag.coefficient", "must lie in [0, 100]", [](Scene& s) { s.physics.drag.coefficient = 101; }},
+      {"attractors", "must not hold attractors with the solver impulse (soft_step has them)",
+       [](Scene& s) { s.physics.attractors.resize(1); }},
+      {"effects", "must not hold attractors with the solver impulse (soft_step has them)",
+       [](Scene& s) { s.physics.effects = Effects{.attractor = true}; }},
+      {"attractors", "must be at most 1000 attractors", [](Scene& s) { pulling(s).resize(1001); }},
+      {"attractors[0].position[1]", "must lie in [-1e+09, 1e+09] m",
+       [](Scene& s) { pulling(s)[0].position[1] = 2e9; }},
+      {"attractors[0].strength", "must lie in [-1e+24, 1e+24] m^3/s^2",
+       [](Scene& s) { pulling(s)[0].strength = infinite; }},
+      {"attractors[0].softening", "must lie in [0.001, 1e+09] m",
+       [](Scene& s) { pulling(s)[0].softening = 0; }},
+      {"attractors[0].softening", "must be more: the pull would come to 3.85e+06 m/s^2, beyond 1e+06",
+       [](Scene& s) { pulling(s)[0] = {.strength = -1e7, .softening = 1}; }},
       {"time_step", "must lie in [1e-09, 1000] s", [](Scene& s) { s.physics.time_step = 0; }},
       {"time_step", "must lie in", [](Scene& s) { s.physics.time_step = nan_value; }},
       {"steps_per_second", "must be a whole number from 1 to 1000000",

@@ -32,7 +32,8 @@ struct MeasureBody {
   const WallPlane<Real>* planes;
   int plane_count;
   Vector3d gravity;  ///< m/s^2
-  double ground;     ///< m, z at which potential energy is zero
+  PullView<Real> attractors;
+  double ground;  ///< m, z at which potential energy is zero
   bool boxed;
   Vector3d low, high;  ///< m, the box
 
@@ -45,6 +46,7 @@ struct MeasureBody {
     for (int k = 0; k < 3; ++k) whole = whole && finite(x[k]) && finite(v[k]);
     s.kinetic = m * v.dot(v) / 2;
     s.potential = -m * gravity.dot(x - Vector3d(0, 0, ground));
+    for (int k = 0; k < attractors.count; ++k) s.potential += m * attractors.points[k].potential(x);
     s.momentum = m * v;
     s.angular_momentum = x.cross(s.momentum);
     if (bodies.orientation != nullptr) {
@@ -156,6 +158,7 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
                                source.planes,
                                source.plane_count,
                                source.gravity,
+                               source.attractors,
                                box ? box->min.z() : 0.0,
                                box.has_value(),
                                box ? box->min : Vector3d(0, 0, 0),

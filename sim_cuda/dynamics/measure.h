@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
@@ -41,6 +42,7 @@ struct MeasureSource {
   const WallPlane<Real>* planes;
   int plane_count;
   Vector3d gravity;  ///< m/s^2
+  PullView<Real> attractors;
   std::optional<Box> box;
   ContactView<Real> contacts;  ///< of the current state
   const StepControl* control;

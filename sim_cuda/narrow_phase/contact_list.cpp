@@ -6,9 +6,13 @@ namespace collidoscope {
 
 namespace {
 
+/// What counts as a contact, beside what touches.
+enum class Foreseen { nothing, smooth_motion, dragged_motion };
+
 /// Whether a body touches others, or may soon.
-template <class Real, bool foreseeing>
+template <class Real, Foreseen foreseen>
 struct TouchTest {
+  static constexpr bool foreseeing = foreseen != Foreseen::nothing;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
   Vector3<Real> x, v;
@@ -21,13 +25,14 @@ struct TouchTest {
     const Vector3<Real> y = spheres.position[other];
     const Real s = spheres.radius[other];
     if constexpr (foreseeing)
-      return spheres_will_touch<Real>(x, r, v, y, s, foresight.velocity[other], foresight);
+      return spheres_will_touch<Real, foreseen == Foreseen::dragged_motion>(
+          x, r, v, y, s, foresight.velocity[other], foresight);
     else
       return spheres_touch<Real>(x, r, y, s);
   }
 };
 
-template <class Real, bool foreseeing>
+template <class Real, Foreseen foreseen>
 struct CountContacts {
   PairView pairs;
   SphereView<Real> spheres;
@@ -36,7 +41,7 @@ struct CountContacts {
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    const TouchTest<Real, foreseeing> touch(spheres, foresight, body);
+    const TouchTest<Real, foreseen> touch(spheres, foresight, body);
     std::uint32_t touching = 0;
     for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k)
       touching += touch.with(pairs.second[k]);
@@ -59,7 +64,7 @@ struct AcceptContacts {
   }
 };
 
-template <class Real, bool foreseeing>
+template <class Real, Foreseen foreseen>
 struct WriteContacts {
   PairView pairs;
   SphereView<Real> spheres;
@@ -70,7 +75,7 @@ struct WriteContacts {
   Vector3<Real>* normal;
   SIM_HD void operator()(int body) const {
     if (control->overflow || offset[body] == offset[body + 1]) return;
-    const TouchTest<Real, foreseeing> touch(spheres, foresight, body);
+    const TouchTest<Real, foreseen> touch(spheres, foresight, body);
     std::uint32_t at = offset[body];
     for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
       const std::uint32_t other = pairs.second[k];
@@ -107,22 +112,22 @@ void ContactList<Real>::reserve(std::int64_t bodies, std::int64_t capacity) {
 template <class Real>
 void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres,
                              const Foresight<Real>& foresight, StepControl* control) {
-  foresight.velocity != nullptr ? list<true>(pairs, spheres, foresight, control)
-                                : list<false>(pairs, spheres, foresight, control);
-}
-
-template <class Real>
-template <bool foreseeing>
-void ContactList<Real>::list(const PairView& pairs, const SphereView<Real>& spheres,
-                             const Foresight<Real>& foresight, StepControl* control) {
-  executor_.run("contacts", bodies_,
-                CountContacts<Real, foreseeing>{pairs, spheres, foresight, control, count_.data()});
-  exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
-                 temporary_.bytes());
-  executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
-  executor_.run("contacts", bodies_,
-                WriteContacts<Real, foreseeing>{pairs, spheres, foresight, offset_.data(), control,
+  const auto list = [&]<Foreseen foreseen>() {
+    executor_.run("contacts", bodies_,
+                  CountContacts<Real, foreseen>{pairs, spheres, foresight, control, count_.data()});
+    exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
+                   temporary_.bytes());
+    executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
+    executor_.run("contacts", bodies_,
+                  WriteContacts<Real, foreseen>{pairs, spheres, foresight, offset_.data(), control,
                                                 bodies_of_.data(), normal_.data()});
+  };
+  if (foresight.velocity == nullptr)
+    list.template operator()<Foreseen::nothing>();
+  else if (foresight.dragged)
+    list.template operator()<Foreseen::dragged_motion>();
+  else
+    list.template operator()<Foreseen::smooth_motion>();
 }
 
 template class ContactList<float>;

@@ -38,10 +38,6 @@ class ContactList {
   ContactView<Real> view() const { return {bodies_of_.data(), normal_.data()}; }
 
  private:
-  template <bool foreseeing>
-  void list(const PairView& pairs, const SphereView<Real>& spheres, const Foresight<Real>& foresight,
-            StepControl* control);
-
   Executor& executor_;
   std::int64_t bodies_ = 0;
   Buffer<std::uint32_t> count_;

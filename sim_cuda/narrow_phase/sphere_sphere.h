@@ -20,20 +20,26 @@ struct Foresight {
   const Vector3<Real>* velocity = nullptr;  ///< m/s, by id
   Real time = 0;                            ///< s
   Real slack = 0;                           ///< m: |acceleration| time^2 of what pulls
+  bool dragged = false;                     ///< a medium may stop one of two bodies and not the other
 };
 
 /// Whether two spheres may touch within the foreseen time while they move smoothly: while each is
 /// accelerated by no more than gravity less what holds it up. The relative acceleration of two such bodies is
 /// at most |g|: frictionless support leaves of g the part within a plane, so each acceleration lies in the
 /// ball over the diameter g. So the gap shrinks by at most time |v_b - v_a| + |g| time^2 (semi-implicit
-/// Euler's own K (K + 1) / (2 K^2) is at most 1).
-template <class Real>
+/// Euler's own K (K + 1) / (2 K^2) is at most 1). Attractors add at most their largest pull to each of the
+/// two. Drag leaves of each body's way any part: of |l_b v_b - l_a v_a|, l between 0 and 1, the largest is
+/// at a corner.
+template <class Real, bool dragged = false>
 SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& velocity_a,
                                const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
                                const Foresight<Real>& foresight) {
   const Vector3<Real> way = velocity_b - velocity_a;
+  Real squared = way.dot(way);
+  if constexpr (dragged)
+    squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
   using std::sqrt;
-  const Real margin = foresight.time * sqrt(way.dot(way)) + foresight.slack;
+  const Real margin = foresight.time * sqrt(squared) + foresight.slack;
   return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
 }
 

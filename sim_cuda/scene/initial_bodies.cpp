@@ -187,7 +187,10 @@ InitialBodies initial_bodies(const Scene& scene) {
 
 Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
   Effects effects;
+  const Drag& medium = scene.physics.drag;
   effects.gravity = !scene.physics.gravity.isZero(0);
+  effects.attractor = !scene.physics.attractors.empty();
+  effects.drag = medium.viscosity > 0 || medium.density * medium.coefficient > 0;
   for (const Material& material : scene.materials) effects.friction |= material.friction != 0;
   effects.rotation = effects.friction;
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);

@@ -46,8 +46,7 @@ struct InitialBodies {
 /// loads meshes. Throws InputError where a mesh cannot be read, or `spawn: apart` finds no room.
 InitialBodies initial_bodies(const Scene& scene);
 
-/// The effects that `"auto"` stands for in this scene: gravity where it is not zero; rotation where a body
-/// spins.
+/// The effects that `"auto"` stands for in this scene; scene/effects.h says what calls for each.
 Effects effects_called_for(const Scene& scene, const InitialBodies& bodies);
 
 }  // namespace collidoscope

@@ -7,11 +7,17 @@
 
 namespace collidoscope::limits {
 
-inline constexpr std::int64_t max_bodies = std::int64_t{1} << 27;   ///< listed and generated together
-inline constexpr double max_coordinate = 1e9;                       ///< m, of a position or a box
-inline constexpr double max_speed = 1e9;                            ///< m/s per component
-inline constexpr double max_spin = 1e9;                             ///< rad/s per component
-inline constexpr double max_gravity = 1e6;                          ///< m/s^2 per component
+inline constexpr std::int64_t max_bodies = std::int64_t{1} << 27;  ///< listed and generated together
+inline constexpr double max_coordinate = 1e9;                      ///< m, of a position or a box
+inline constexpr double max_speed = 1e9;                           ///< m/s per component
+inline constexpr double max_spin = 1e9;                            ///< rad/s per component
+inline constexpr double max_gravity = 1e6;                         ///< m/s^2 per component
+inline constexpr double max_viscosity = 1e9;                       ///< Pa s
+inline constexpr double max_medium_density = 1e9;                  ///< kg/m^3
+inline constexpr double max_drag_coefficient = 100;
+inline constexpr double max_strength = 1e24;                        ///< m^3/s^2, of an attractor
+inline constexpr double min_softening = 1e-3, max_softening = 1e9;  ///< m
+inline constexpr int max_attractors = 1000;
 inline constexpr double min_radius = 1e-9, max_radius = 1e9;        ///< m
 inline constexpr double min_mass = 1e-30, max_mass = 1e30;          ///< kg
 inline constexpr double min_inertia = 1e-36, max_inertia = 1e36;    ///< kg m^2

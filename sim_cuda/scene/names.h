@@ -37,10 +37,14 @@ struct EffectName {
   std::string_view name;
   bool Effects::*flag;
 };
-inline constexpr std::array<EffectName, 4> effect_names{{{"gravity", &Effects::gravity},
-                                                         {"rotation", &Effects::rotation},
-                                                         {"friction", &Effects::friction},
-                                                         {"sleeping", &Effects::sleeping}}};
+inline constexpr auto effect_names = std::to_array<EffectName>({
+    {"gravity", &Effects::gravity},
+    {"attractor", &Effects::attractor},
+    {"drag", &Effects::drag},
+    {"rotation", &Effects::rotation},
+    {"friction", &Effects::friction},
+    {"sleeping", &Effects::sleeping},
+});
 
 /// The name of a value that is in the table; "?" for one that is not.
 template <class Choice, std::size_t count>

@@ -70,6 +70,8 @@ class SceneReader {
   void read_physics(ObjectReader& root) {
     Physics& physics = scene_.physics;
     root.vector("gravity", physics.gravity);
+    if (const JsonNode* node = root.member("drag")) read_drag(*node);
+    read_list(root, "attractors", [&](const JsonNode& node) { read_attractor(node); });
     root.real("time_step", physics.time_step);
     int per_second = 0;
     if (root.whole("steps_per_second", per_second)) {
@@ -104,6 +106,24 @@ class SceneReader {
     ObjectReader reader(reading_, node, "\"sleep\"");
     reader.real("speed", sleep.speed);
     reader.real("time", sleep.time);
+    reader.finish();
+  }
+
+  void read_drag(const JsonNode& node) {
+    Drag& drag = scene_.physics.drag;
+    ObjectReader reader(reading_, node, "drag");
+    reader.real("viscosity", drag.viscosity);
+    reader.real("density", drag.density);
+    reader.real("coefficient", drag.coefficient);
+    reader.finish();
+  }
+
+  void read_attractor(const JsonNode& node) {
+    Attractor& attractor = scene_.physics.attractors.emplace_back();
+    ObjectReader reader(reading_, node, "an attractor");
+    reader.vector("position", attractor.position);
+    reader.real("strength", attractor.strength);
+    reader.real("softening", attractor.softening);
     reader.finish();
   }
 

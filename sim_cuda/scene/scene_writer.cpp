@@ -66,6 +66,9 @@ class SceneWriter {
                   fmt::format(R"({{"min": {}, "max": {}}})", list(scene_.box->min), list(scene_.box->max)));
     }
     root.member("gravity", list(physics.gravity));
+    root.member("drag", fmt::format(R"({{"viscosity": {}, "density": {}, "coefficient": {}}})",
+                                    physics.drag.viscosity, physics.drag.density, physics.drag.coefficient));
+    root.member("attractors", items(physics.attractors, [&](const Attractor& a) { return one(a); }));
     if (physics.steps_per_second) {
       root.member("steps_per_second", fmt::format("{}", *physics.steps_per_second));
     } else {
@@ -153,6 +156,11 @@ class SceneWriter {
         R"("seed": {}, "speed_max": {}, "material": {}}})",
         g.count, g.radius_max, json_text(name_of(variant_names, g.variant)),
         json_text(name_of(spawn_names, g.spawn)), g.seed, g.speed_max, material_name(g.material));
+  }
+
+  static std::string one(const Attractor& a) {
+    return fmt::format(R"({{"position": {}, "strength": {}, "softening": {}}})", list(a.position), a.strength,
+                       a.softening);
   }
 
   std::string one(const Plane& plane) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/json_syntax.h"
 #include "sim_cuda/scene/limits.h"
@@ -119,9 +120,8 @@ class Validator {
   void check_physics(const Physics& physics) {
     const Path root;
     vector(root.at("gravity"), physics.gravity, limits::max_gravity, "m/s^2");
-    if (physics.drag.viscosity != 0 || physics.drag.density != 0)
-      fault(root.at("drag"), "drag is not simulated yet");
-    if (!physics.attractors.empty()) fault(root.at("attractors"), "attractors are not simulated yet");
+    check_drag(physics.drag);
+    check_attractors(physics);
     if (physics.steps_per_second) {
       if (whole(root.at("steps_per_second"), *physics.steps_per_second, 1, limits::max_steps_per_second) &&
           physics.time_step != 1.0 / *physics.steps_per_second) {
@@ -155,6 +155,36 @@ class Validator {
     number(path.at("speed"), physics.sleep->speed, 0, limits::max_speed, "m/s");
     number(path.at("time"), physics.sleep->time, 0, limits::max_sleep_time, "s");
     fault(root.at("sleep"), "sleeping is not simulated yet; leave it out");
+  }
+
+  void check_drag(const Drag& drag) {
+    const Path path{"drag"};
+    number(path.at("viscosity"), drag.viscosity, 0, limits::max_viscosity, "Pa s");
+    number(path.at("density"), drag.density, 0, limits::max_medium_density, "kg/m^3");
+    number(path.at("coefficient"), drag.coefficient, 0, limits::max_drag_coefficient, "");
+  }
+
+  void check_attractors(const Physics& physics) {
+    const Path list{"attractors"};
+    if (physics.solver == Solver::impulse &&
+        (physics.effects ? physics.effects->attractor : !physics.attractors.empty())) {
+      fault(physics.effects ? Path{}.at("effects") : list,
+            "must not hold attractors with the solver impulse (soft_step has them)");
+    }
+    if (physics.attractors.size() > limits::max_attractors)
+      fault(list, fmt::format("must be at most {} attractors", limits::max_attractors));
+    for (std::size_t i = 0; i < physics.attractors.size(); ++i) {
+      const Attractor& a = physics.attractors[i];
+      const Path path{"attractors", static_cast<std::int64_t>(i)};
+      vector(path.at("position"), a.position, limits::max_coordinate, "m");
+      const bool good =
+          number(path.at("strength"), a.strength, -limits::max_strength, limits::max_strength, "m^3/s^2");
+      if (number(path.at("softening"), a.softening, limits::min_softening, limits::max_softening, "m") &&
+          good && largest_pull(a) > limits::max_gravity)
+        fault(path.at("softening"),
+              fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", largest_pull(a),
+                          limits::max_gravity));
+    }
   }
 
   void check_materials() {

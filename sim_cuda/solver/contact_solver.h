@@ -7,7 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/dynamics/drag.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/friction.h"
@@ -29,6 +31,9 @@ struct SolverScene {
   int plane_count;
   WallLedger* ledger;     ///< null where there are no planes
   Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
+  DragLaw<Real> drag;     ///< of no meaning where the effect is off
+  PullView<Real> attractors;
+  Vector3<Real>* field;  ///< m/s^2, of the attractors, by body; null where the effect is off
   Effects effects;
   std::optional<Box> box;
   Real time_step;  ///< s

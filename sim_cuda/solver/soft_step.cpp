@@ -59,8 +59,11 @@ struct PlaceContacts {
   }
 };
 
+/// The acceleration of a substep.
+enum class Pull { none, uniform, field };
+
 /// Forces, the impulses of the substep before, and the first sweep over the planes.
-template <class Real, bool pulled, bool walled, bool rubbed>
+template <class Real, Pull pull, bool walled, bool rubbed>
 struct BeginSubstep {
   BodyView<Real> bodies;
   const Pair* contacts;
@@ -68,18 +71,21 @@ struct BeginSubstep {
   const SoftGrip<Real>* grips;
   ContactsByBodyView by_body;
   SoftWalls<Real, rubbed> walls;
-  Vector3<Real> gravity;  ///< m/s^2
-  Real h;                 ///< s
+  Vector3<Real> gravity;       ///< m/s^2
+  const Vector3<Real>* field;  ///< m/s^2, by body
+  Real h;                      ///< s
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
     typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
     const Vector3<Real> before = body.v;
-    if constexpr (pulled) body.v += h * gravity;
-    if constexpr (walled) walls.warm_start(id, body);
+    SoftWalls<Real, rubbed> own = walls;
+    if constexpr (pull == Pull::field) own.gravity = gravity + field[id];
+    if constexpr (pull != Pull::none) body.v += h * own.gravity;
+    if constexpr (walled) own.warm_start(id, body);
     if (control->contacts > 0) warm_start(id, body);
-    if constexpr (walled) walls.solve(id, body, false, &before);
+    if constexpr (walled) own.solve(id, body, false, &before);
     body.given = true;
     walls.store(id, body);
   }
@@ -131,15 +137,6 @@ struct KeepCount {
     if (!control->overflow) *count = control->contacts;
   }
 };
-
-/// `with` of the flags as template arguments.
-template <class With>
-void choose(bool first, bool second, const With& with) {
-  if (first)
-    second ? with.template operator()<true, true>() : with.template operator()<true, false>();
-  else
-    second ? with.template operator()<false, true>() : with.template operator()<false, false>();
-}
 
 template <class Real>
 std::vector<std::array<double, 3>> widened(const std::vector<Vector3<Real>>& vectors, std::size_t count) {
@@ -315,12 +312,28 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::begin_substep(const ContactView<Real>& contacts) {
-  choose(scene_.effects.gravity, scene_.plane_count > 0, [&]<bool pulled, bool walled>() {
+  if (scene_.effects.attractor)
+    executor_.run("attractor", scene_.body_count,
+                  PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
+  if (scene_.effects.drag)
+    executor_.run(
+        "drag", scene_.body_count,
+        DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_, scene_.control});
+  const auto with = [&]<Pull pull, bool walled>() {
     executor_.run("forces", scene_.body_count,
-                  BeginSubstep<Real, pulled, walled, rubbed>{scene_.bodies, contacts.bodies, soft_.data(),
-                                                             grips_.data(), all_.view(), walls<rubbed>(),
-                                                             scene_.gravity, h_, scene_.control});
-  });
+                  BeginSubstep<Real, pull, walled, rubbed>{scene_.bodies, contacts.bodies, soft_.data(),
+                                                           grips_.data(), all_.view(), walls<rubbed>(),
+                                                           scene_.gravity, scene_.field, h_, scene_.control});
+  };
+  const auto with_walls = [&]<Pull pull>() {
+    scene_.plane_count > 0 ? with.template operator()<pull, true>() : with.template operator()<pull, false>();
+  };
+  if (scene_.effects.attractor)
+    with_walls.template operator()<Pull::field>();
+  else if (scene_.effects.gravity)
+    with_walls.template operator()<Pull::uniform>();
+  else
+    with_walls.template operator()<Pull::none>();
 }
 
 template <class Real>

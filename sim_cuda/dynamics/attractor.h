@@ -1,0 +1,73 @@
+#pragma once
+// Attractors: fixed points that pull every body by Newton's law, softened after Plummer (1911) so that no
+// pull is infinite:
+//
+//   a = -mu d / (|d|^2 + eps^2)^(3/2),  potential -mu / sqrt(|d|^2 + eps^2) J/kg, 0 far away
+//
+// d from the point to the body, mu in m^3/s^2, eps > 0 in m; ranges in limits.h. Called for by a list of
+// attractors. Contacts foresee a step by the largest pull there is, 2 mu / (3 sqrt(3) eps^2), at |d| = eps /
+// sqrt(2): an eps far below all distances that matter makes for many contacts that never come to be.
+
+#include <cmath>
+#include <vector>
+
+#include "sim_cuda/core/host_device.h"
+#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+template <class Real>
+struct PullingPoint {
+  Vector3<Real> position;  ///< m
+  Real strength;           ///< m^3/s^2
+  Real softening;          ///< m, > 0
+
+  static PullingPoint of(const Attractor& attractor) {
+    return {attractor.position.cast<Real>(), static_cast<Real>(attractor.strength),
+            static_cast<Real>(attractor.softening)};
+  }
+  /// m/s^2.
+  SIM_HD Vector3<Real> pull(const Vector3<Real>& x) const {
+    const Vector3<Real> d = position - x;
+    const Real squared = d.dot(d) + softening * softening;
+    using std::sqrt;
+    return strength / squared / sqrt(squared) * d;
+  }
+  /// J/kg.
+  SIM_HD double potential(const Vector3d& x) const {
+    const Vector3d d = x - position.template cast<double>();
+    const double eps = static_cast<double>(softening);
+    using std::sqrt;
+    return -static_cast<double>(strength) / sqrt(d.dot(d) + eps * eps);
+  }
+};
+
+/// m/s^2, the most that one attractor pulls anywhere.
+inline double largest_pull(const Attractor& attractor) {
+  return std::abs(attractor.strength) * 2 / (3 * std::sqrt(3.0) * attractor.softening * attractor.softening);
+}
+
+/// All that pull; in the executor's memory.
+template <class Real>
+struct PullView {
+  const PullingPoint<Real>* points = nullptr;
+  int count = 0;
+};
+
+/// Writes the field, m/s^2, where each body is.
+template <class Real>
+struct PullBodies {
+  PullView<Real> attractors;
+  const Vector3<Real>* position;
+  Vector3<Real>* field;
+
+  SIM_HD void operator()(int body) const {
+    const Vector3<Real> x = position[body];
+    Vector3<Real> sum = Vector3<Real>::Zero();
+    for (int k = 0; k < attractors.count; ++k) sum += attractors.points[k].pull(x);
+    field[body] = sum;
+  }
+};
+
+}  // namespace collidoscope
