@@ -120,7 +120,8 @@ class TypedPipeline final : public Pipeline {
   BodyBuffers<Real> state_;
   Buffer<std::uint32_t> mesh_;  // 0: sphere; empty where all are
   Buffer<Real> restitution_of_material_;
-  Buffer<Real> friction_of_material_;  // empty where the effect is off
+  Buffer<Real> friction_of_material_;                    // empty where the effect is off
+  Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well
   Buffer<WallPlane<Real>> planes_;
   int plane_count_ = 0;
   Restitution<Real> restitution_;
@@ -186,6 +187,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       mesh_(executor, "meshes of bodies"),
       restitution_of_material_(executor, "restitution by material"),
       friction_of_material_(executor, "friction by material"),
+      rolling_of_material_(executor, "rolling resistance by material"),
+      rolling_of_plane_(executor, "rolling resistance by plane"),
       planes_(executor, "walls"),
       boxes_(executor, "boxes"),
       extent_(executor, "extent"),
@@ -250,27 +253,40 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
 
   planes_.upload(wall_planes<Real>(scene, box_));
   plane_count_ = static_cast<int>(planes_.size());
+  if (effects.rolling_resistance) {
+    const auto of = [&](int material) {
+      return static_cast<Real>(scene.materials[static_cast<std::size_t>(material)].rolling_resistance);
+    };
+    std::vector<Real> by_material, by_plane;
+    for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) by_material.push_back(of(k));
+    for (const Plane& plane : scene.obstacles) by_plane.push_back(of(plane.material));
+    by_plane.resize(planes_.size(), of(0));  // the box
+    rolling_of_material_.upload(by_material);
+    rolling_of_plane_.upload(by_plane);
+  }
   if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
 
   control_.upload({StepControl{}});
-  solver_ = make_contact_solver<Real>(scene.physics.solver, executor,
-                                      {state_.view(),
-                                       body_count_,
-                                       restitution_,
-                                       {friction_of_material_.data(), state_.material.data()},
-                                       planes_.data(),
-                                       plane_count_,
-                                       state_.ledger.data(),
-                                       gravity_,
-                                       DragLaw<Real>::of(scene.physics.drag),
-                                       pulls(),
-                                       field_.data(),
-                                       effects,
-                                       box_,
-                                       static_cast<Real>(scene.physics.time_step),
-                                       substeps_in_effect(scene.physics),
-                                       scene.physics.iterations,
-                                       control_.data()});
+  solver_ = make_contact_solver<Real>(
+      scene.physics.solver, executor,
+      {state_.view(),
+       body_count_,
+       restitution_,
+       {friction_of_material_.data(), state_.material.data()},
+       {rolling_of_material_.data(), state_.material.data(), rolling_of_plane_.data()},
+       planes_.data(),
+       plane_count_,
+       state_.ledger.data(),
+       gravity_,
+       DragLaw<Real>::of(scene.physics.drag),
+       pulls(),
+       field_.data(),
+       effects,
+       box_,
+       static_cast<Real>(scene.physics.time_step),
+       substeps_in_effect(scene.physics),
+       scene.physics.iterations,
+       control_.data()});
 
   boxes_.resize_discarding(n);
   if (box_)

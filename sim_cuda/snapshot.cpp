@@ -67,6 +67,8 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.lists(memory.walls);
   archive.list(memory.grips);
   archive.list(memory.wall_grips);
+  archive.list(memory.rolls);
+  archive.list(memory.wall_rolls);
   archive.list(memory.slow);
 }
 
@@ -229,7 +231,9 @@ bool fits(const RunState& state) {
   bool good = state.steps >= 0 && state.bodies.velocity.size() == n &&
               state.bodies.angular_velocity.size() == n && state.bodies.orientation.size() == n &&
               per(state.ledgers.size(), n) && per(memory.grips.size(), memory.contacts.size()) &&
-              per(memory.wall_grips.size(), memory.walls.size() * n) && per(memory.slow.size(), n);
+              per(memory.wall_grips.size(), memory.walls.size() * n) &&
+              per(memory.rolls.size(), memory.contacts.size()) &&
+              per(memory.wall_rolls.size(), memory.walls.size() * n) && per(memory.slow.size(), n);
   for (const std::vector<double>& wall : memory.walls) good = good && wall.size() == n;
   std::uint64_t before = 0;
   for (const ContactImpulse& contact : memory.contacts) {

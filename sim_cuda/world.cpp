@@ -266,10 +266,12 @@ SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
     if (memory.contacts[k].b >= count) continue;
     memory.contacts[kept] = memory.contacts[k];
     if (!memory.grips.empty()) memory.grips[kept] = memory.grips[k];
+    if (!memory.rolls.empty()) memory.rolls[kept] = memory.rolls[k];
     ++kept;
   }
   memory.contacts.resize(kept);
   if (!memory.grips.empty()) memory.grips.resize(kept);
+  if (!memory.rolls.empty()) memory.rolls.resize(kept);
   return memory;
 }
 

@@ -160,7 +160,10 @@ TEST(InitialBodies, EffectsThatTheSceneCallsFor) {
   scene.physics.solver = Solver::soft_step;
   scene.materials[0].friction = 0.1;
   EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.rotation = true, .friction = true}));
-  scene.materials[0].friction = 0;
+  scene.materials[0] = {.rolling_resistance = 0.1};
+  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)),
+            (Effects{.rotation = true, .friction = true, .rolling_resistance = true}));
+  scene.materials[0] = {};
   scene.physics.drag.density = 1.2;
   EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.drag = true}));
   scene.physics.drag.coefficient = 0;

@@ -53,7 +53,7 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 }
 
 TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
-  for (const char* name : {"rolling", "sinking", "orbits"})
+  for (const char* name : {"rolling", "rolling_out", "sinking", "orbits"})
     for (const Precision precision : {Precision::f32, Precision::f64}) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;
@@ -193,6 +193,7 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
                                         "tumbling_mesh",
                                         "mixed_materials",
                                         "rolling",
+                                        "rolling_out",
                                         "sinking",
                                         "orbits",
                                         "one_body",

@@ -107,8 +107,10 @@ TEST(Validate, NamesEveryFault) {
        [](Scene& s) { s.materials[1].friction = 0.3; }},
       {"materials.steel.friction", "must lie in [0, 100]",
        [](Scene& s) { s.materials[1].friction = nan_value; }},
-      {"materials.steel.rolling_resistance", "rolling resistance is not simulated yet",
+      {"materials.steel.rolling_resistance", "must be 0 with the solver impulse",
        [](Scene& s) { s.materials[1].rolling_resistance = 0.1; }},
+      {"materials.steel.rolling_resistance", "must lie in [0, 10]",
+       [](Scene& s) { s.materials[1].rolling_resistance = -1; }},
       {"materials[\"a b\"].density", "must lie in",
        [](Scene& s) {
          s.materials[1].name = "a b";

@@ -191,7 +191,10 @@ Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
   effects.gravity = !scene.physics.gravity.isZero(0);
   effects.attractor = !scene.physics.attractors.empty();
   effects.drag = medium.viscosity > 0 || medium.density * medium.coefficient > 0;
-  for (const Material& material : scene.materials) effects.friction |= material.friction != 0;
+  for (const Material& material : scene.materials) {
+    effects.rolling_resistance |= material.rolling_resistance != 0;
+    effects.friction |= material.friction != 0 || effects.rolling_resistance;
+  }
   effects.rotation = effects.friction;
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
   return effects;

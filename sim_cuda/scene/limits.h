@@ -27,6 +27,7 @@ inline constexpr int max_steps_per_second = 1'000'000;
 inline constexpr int max_substeps = 1000;
 inline constexpr int max_iterations = 1000;
 inline constexpr double max_friction = 100;
+inline constexpr double max_rolling_resistance = 10;
 inline constexpr double max_sleep_time = 1e6;        ///< s
 inline constexpr int max_name_length = 200;          ///< bytes of UTF-8
 inline constexpr int max_materials = 65535;          ///< indices are 16 bits

@@ -43,6 +43,7 @@ inline constexpr auto effect_names = std::to_array<EffectName>({
     {"drag", &Effects::drag},
     {"rotation", &Effects::rotation},
     {"friction", &Effects::friction},
+    {"rolling_resistance", &Effects::rolling_resistance},
     {"sleeping", &Effects::sleeping},
 });
 

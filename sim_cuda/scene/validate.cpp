@@ -141,6 +141,8 @@ class Validator {
       if (!physics.effects->rotation)
         fault(root.at("effects"), "must hold rotation where they hold friction, which turns bodies");
     }
+    if (physics.effects && physics.effects->rolling_resistance && !physics.effects->friction)
+      fault(root.at("effects"), "must hold friction where they hold rolling_resistance");
     if (physics.restitution_threshold) {
       number(root.at("restitution_threshold"), *physics.restitution_threshold, 0, limits::max_speed, "m/s");
     }
@@ -213,9 +215,13 @@ class Validator {
         fault(path.at("friction"),
               "must be 0 with the solver impulse, unless a list of effects leaves friction out (soft_step "
               "has it)");
-      if (m.rolling_resistance != 0) {
-        fault(path.at("rolling_resistance"), "rolling resistance is not simulated yet; 0 is the only value");
-      }
+      const bool resists = number(path.at("rolling_resistance"), m.rolling_resistance, 0,
+                                  limits::max_rolling_resistance, "") &&
+                           m.rolling_resistance != 0;
+      if (resists && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
+        fault(path.at("rolling_resistance"),
+              "must be 0 with the solver impulse, unless a list of effects leaves rolling_resistance out "
+              "(soft_step has it)");
     }
   }
 

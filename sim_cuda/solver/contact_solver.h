@@ -14,6 +14,7 @@
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/rolling_resistance.h"
 #include "sim_cuda/solver/solver_memory.h"
 #include "sim_cuda/solver/walls.h"
 
@@ -26,7 +27,8 @@ struct SolverScene {
   BodyView<Real> bodies;
   std::int64_t body_count;
   Restitution<Real> restitution;
-  Friction<Real> friction;  ///< of no meaning where the effect is off
+  Friction<Real> friction;   ///< of no meaning where the effect is off
+  RollingLaw<Real> rolling;  ///< of no meaning where the effect is off
   const WallPlane<Real>* planes;
   int plane_count;
   WallLedger* ledger;     ///< null where there are no planes

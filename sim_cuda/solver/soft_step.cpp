@@ -171,6 +171,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       wall_grip_(executor, "friction at walls"),
       wall_grip_total_(executor, "friction at walls in a step"),
       wall_pressed_(executor, "impulses of walls in a step"),
+      rolling_(executor),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
       known_grip_(executor, "friction of the last step"),
@@ -179,6 +180,8 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   wall_impulse_.upload(std::vector<Real>(walls, 0));
   wall_bounce_.upload(std::vector<Real>(walls, -1));
   known_count_.upload({0});
+  if (scene.effects.rolling_resistance)
+    rolling_.enable(scene.bodies, scene.body_count, scene.plane_count, scene.rolling, scene.control);
   if (!scene.effects.friction) return;
   wall_grip_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
   wall_grip_total_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
@@ -196,6 +199,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   split_change_.resize_discarding(m);
   known_contacts_.resize_keeping(known);
   known_impulse_.resize_keeping(known);
+  if (scene_.effects.rolling_resistance) rolling_.reserve(contact_capacity, known);
   if (!scene_.effects.friction) return;
   grips_.resize_discarding(m);
   split_rubbed_.resize_discarding(m);
@@ -213,6 +217,7 @@ SolverMemory SoftStepSolver<Real>::memory() const {
   const std::vector<Real> walls = wall_impulse_.download();
   for (auto plane = walls.begin(); plane != walls.end(); plane += scene_.body_count)
     memory.walls.emplace_back(plane, plane + scene_.body_count);
+  rolling_.memory(count, memory);
   if (!scene_.effects.friction) return memory;
   memory.grips = widened<Real>(known_grip_.download(count), count);
   memory.wall_grips = widened<Real>(wall_grip_.download(), wall_grip_.size());
@@ -237,6 +242,7 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   known_impulse_.upload(impulse);
   known_grip_.upload(grip);
   known_count_.upload({static_cast<std::uint32_t>(count)});
+  rolling_.remember(memory, m);
 
   if (memory.walls.size() != static_cast<std::size_t>(scene_.plane_count)) return;
   std::vector<Real> walls(wall_impulse_.size(), 0);
@@ -264,6 +270,7 @@ template <bool rubbed>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
   prepare<rubbed>(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
+    if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source(contacts));
     begin_substep<rubbed>(contacts);
     for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
       sweep("solve", contacts, Solve<Real>{softness_});
@@ -277,6 +284,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
       const bool last = sweeps == scene_.iterations;
       sweep_walls<rubbed>("relax", true, last);
       sweep("relax", contacts, Relax<Real, rubbed>{softness_, scene_.bodies.radius, last});
+      if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source(contacts));
     }
   }
   if (scene_.plane_count > 0)
@@ -307,6 +315,13 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
                                               {scene_.friction, known_grip_.data()},
                                               soft_.data(),
                                               grips_.data()});
+  if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(contacts), known);
+}
+
+template <class Real>
+RollingSource<Real> SoftStepSolver<Real>::rolling_source(const ContactView<Real>& contacts) const {
+  return {contacts.bodies, soft_.data(), all_.view(), Count(&scene_.control->contacts, contact_capacity_),
+          wall_impulse_.data()};
 }
 
 template <class Real>
@@ -389,6 +404,7 @@ void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulse
                                                      known_grip_.data(), impulses});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
+  if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source(contacts));
   executor_.run("keep", 1, KeepCount{scene_.control, known_count_.data()});
 }
 

@@ -51,6 +51,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   SoftWalls<Real, rubbed> walls() const;
   template <bool rubbed>
   void sweep_walls(const char* stage, bool relaxing, bool last);
+  RollingSource<Real> rolling_source(const ContactView<Real>& contacts) const;
   template <bool rubbed>
   void keep(const ContactView<Real>& contacts, Real* impulses);
 
@@ -69,6 +70,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes x bodies; empty without planes
   Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
   Buffer<Real> wall_pressed_;
+  RollingResistance<Real> rolling_;
   Buffer<Pair> known_contacts_;        ///< of the last committed run, with
   Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
   Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s

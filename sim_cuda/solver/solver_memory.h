@@ -20,7 +20,9 @@ struct SolverMemory {
   // What friction gave, N s; empty where there is none.
   std::vector<std::array<double, 3>> grips;       ///< as the contacts
   std::vector<std::array<double, 3>> wall_grips;  ///< plane by plane, all bodies of each
-  std::vector<std::uint32_t> slow;                ///< steps, by body (sleeping.h); empty without sleep
+  // What rolling resistance gave, N m s; empty where there is none.
+  std::vector<std::array<double, 3>> rolls, wall_rolls;  ///< as grips and wall_grips
+  std::vector<std::uint32_t> slow;                       ///< steps, by body (sleeping.h); empty without sleep
 };
 
 }  // namespace collidoscope
