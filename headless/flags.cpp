@@ -130,7 +130,8 @@ struct Reader {
 constexpr Reader readers[] = {
     {{"--bodies", "N", "bodies of the scene's generator", stepping},
      [](Reading& in) { in.options.overrides.bodies = in.value.whole(0, limits::max_bodies); }},
-    {{"--variant", "NAME", "paper, scaled or equal: how the generator's box and radii go with N", stepping},
+    {{"--variant", "NAME", "paper, scaled, settled or equal: how the generator's box and radii go with N",
+      stepping},
      [](Reading& in) { in.options.overrides.variant = in.value.one_of(variant_names); }},
     {{"--spawn", "NAME", "inside, centres or apart: where generated bodies start", stepping},
      [](Reading& in) { in.options.overrides.spawn = in.value.one_of(spawn_names); }},

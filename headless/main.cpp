@@ -18,7 +18,7 @@
 #include "headless/bvh.h"
 #include "headless/command_line.h"
 #include "headless/compare.h"
-
+#include "headless/progress.h"
 #include "headless/run.h"
 #include "sim_cuda/core/error.h"
 
@@ -57,6 +57,7 @@ void print_faults(const std::vector<std::string>& faults) {
 
 int guarded_main(const std::vector<std::string>& arguments) {
   try {
+    announce_settling();
     const int status = perform(parse_command_line(arguments));
     if (!std::cout.flush() || std::fflush(stdout) != 0)  // a full disk behind a redirection
       throw MachineError(std::string("stdout: writing failed: ") + std::strerror(errno));

@@ -5,7 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <utility>
+
+#include "sim_cuda/settle.h"
 
 namespace collidoscope {
 namespace {
@@ -44,6 +48,16 @@ std::string progress_line(std::string_view what, std::int64_t done, std::int64_t
   }
   line += tail;
   return line.substr(0, static_cast<std::size_t>(std::max(width, 0)));
+}
+
+void announce_settling() {
+  const auto bar = std::make_shared<std::optional<Progress>>();
+  const auto progress = [bar](std::int64_t steps, std::int64_t most) {
+    if (!*bar) bar->emplace("settle", most);
+    (*bar)->update(steps);
+    if (steps == most) bar->reset();
+  };
+  set_settle_news({progress, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }});
 }
 
 Progress::Progress(std::string what, std::int64_t total, std::FILE* stream)

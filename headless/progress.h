@@ -15,6 +15,9 @@ namespace collidoscope {
 std::string progress_line(std::string_view what, std::int64_t done, std::int64_t total, double seconds,
                           int width);
 
+/// A bar for worlds that settle (sim_cuda/settle.h), and their lines on stderr; for the rest of the program.
+void announce_settling();
+
 class Progress {
  public:
   Progress(std::string what, std::int64_t total, std::FILE* stream = stderr);

@@ -244,7 +244,9 @@ bool fits(const RunState& state) {
   return good;
 }
 
-std::uint64_t hash_of(const InitialBodies& bodies) {
+}  // namespace
+
+std::uint64_t hash_of_bodies(const InitialBodies& bodies) {
   Fingerprint fingerprint;
   fingerprint.add(bodies.radius.data(), bodies.radius.size() * sizeof(double));
   fingerprint.add(bodies.mass.data(), bodies.mass.size() * sizeof(double));
@@ -252,14 +254,12 @@ std::uint64_t hash_of(const InitialBodies& bodies) {
   return fingerprint.value();
 }
 
-}  // namespace
-
 Snapshot snapshot_of(World& world) {
   Snapshot snapshot;
   snapshot.scene = world.scene();
   snapshot.state = world.state();
   snapshot.state_hash = world.state_hash();
-  snapshot.bodies_hash = hash_of(world.initial());
+  snapshot.bodies_hash = hash_of_bodies(world.initial());
   return snapshot;
 }
 
@@ -294,7 +294,8 @@ Snapshot read_snapshot(const std::string& file) {
 
 World world_from(const Snapshot& snapshot, const Scene& scene, const RunOptions& options) {
   World world(scene, options, &snapshot.state);
-  if (write_scene(scene) == write_scene(snapshot.scene) && hash_of(world.initial()) != snapshot.bodies_hash)
+  if (write_scene(scene) == write_scene(snapshot.scene) &&
+      hash_of_bodies(world.initial()) != snapshot.bodies_hash)
     throw InputError(scene.file +
                      ": the bodies of its scene are not those that it was saved with: has the file of a mesh "
                      "changed?");

@@ -24,8 +24,11 @@ struct Snapshot {
   Scene scene;
   RunState state;
   std::uint64_t state_hash = 0;   ///< World::state_hash() of the state
-  std::uint64_t bodies_hash = 0;  ///< of what never changes about the bodies: radii, masses, inertia
+  std::uint64_t bodies_hash = 0;  ///< hash_of_bodies() of its scene
 };
+
+/// Of what never changes about bodies: radii, masses, inertia.
+std::uint64_t hash_of_bodies(const InitialBodies& bodies);
 
 Snapshot snapshot_of(World& world);
 

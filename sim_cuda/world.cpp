@@ -12,6 +12,7 @@
 #include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/settle.h"
 
 namespace collidoscope {
 
@@ -199,8 +200,10 @@ bool World::Impl::run_plain(std::uint32_t target) {
   return true;
 }
 
-World::World(const Scene& scene, const RunOptions& options, const RunState* start)
-    : impl_(std::make_unique<Impl>(scene, options)) {
+World::World(const Scene& scene, const RunOptions& options, const RunState* start) {
+  std::optional<RunState> rest;
+  if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
+  impl_ = std::make_unique<Impl>(scene, options);
   if (start != nullptr) adopt(*start);
 }
 World::~World() = default;

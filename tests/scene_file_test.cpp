@@ -219,8 +219,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"obstacles\": [{\"shape\": \"box\"}]}",
             "s:2:25: an obstacle has \"shape\": \"plane\", the only one so far"},
         Bad{"\"obstacles\": [{}]}", "s:2:15: an obstacle has \"shape\": \"plane\""},
-        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"variant\": \"settled\"}]}",
-            "s:2:63: generators[0].variant: settled is not simulated yet"},
+        Bad{"\"gravity\": [0, 0, 0], \"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"variant\": "
+            "\"settled\"}]}",
+            "s:2:85: generators[0].variant: must not be settled without gravity"},
         Bad{"\"sleep\": {}}", "s:2:10: sleep: sleeping is not simulated yet"},
         Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not hold sleeping without \"sleep\""},
         // generators

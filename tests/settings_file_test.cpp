@@ -11,8 +11,8 @@
 #include <iterator>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/whole_file.h"
 #include "tests/test_files.h"
-#include "viewer/live/whole_file.h"
 
 namespace collidoscope {
 namespace {

@@ -87,7 +87,7 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
   const std::int64_t highest = s.variant == Variant::paper ? 20'000 : 2'000'000;
   log_row<std::int64_t>(
       workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, highest, limits::max_bodies, nullptr,
-      "Bodies. Those that stay keep their state, unless the box goes with N (scaled, equal): "
+      "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
       "then the run starts again");
 }
 
@@ -158,11 +158,14 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   if (view.generated) {
     ImGui::Spacing();
     faint_text("These start the run again");
-    static constexpr std::array<std::pair<Variant, const char*>, 3> variants{
-        {{Variant::paper, "paper"}, {Variant::scaled, "scaled"}, {Variant::equal, "equal"}}};
+    static constexpr std::array<std::pair<Variant, const char*>, 4> variants{{{Variant::paper, "paper"},
+                                                                              {Variant::scaled, "scaled"},
+                                                                              {Variant::settled, "settled"},
+                                                                              {Variant::equal, "equal"}}};
     choice_row(workspace, "settings.variant", "variant", variants, s.variant,
                "paper: the box stays 100 m wide, pairs grow as N². scaled: the box grows, 30 % full, pairs "
                "grow as N. "
+               "settled: as scaled, at rest; made once for each N, which takes a while. "
                "equal: as scaled, with one radius");
     row_label("radius ≤", "Of the generated spheres");
     ImGui::InputDouble("##radius", &s.radius_max, 0, 0, "%.4g m",

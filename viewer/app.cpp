@@ -9,10 +9,10 @@
 #include <iterator>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/whole_file.h"
 #include "viewer/app_guard.h"
 #include "viewer/live/fill_view.h"
 #include "viewer/live/settings_file.h"
-#include "viewer/live/whole_file.h"
 #include "viewer/render/gl/errors.h"
 
 namespace collidoscope {

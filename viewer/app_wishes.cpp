@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "sim_cuda/core/whole_file.h"
 #include "viewer/app_guard.h"
-#include "viewer/live/whole_file.h"
 #include "viewer/render/image.h"
 
 namespace collidoscope {
@@ -53,7 +53,8 @@ void App::apply_settings() {
   Settings shape_alone = now;
   shape_alone.shape = workspace_.settings.shape;
   constexpr double at_once = 0.05;
-  const bool cheap = workspace_.settings == shape_alone || live_.last_change_seconds() < at_once;
+  const bool cheap = workspace_.settings == shape_alone || (live_.last_change_seconds() < at_once &&
+                                                            workspace_.settings.variant != Variant::settled);
   if (workspace_.adjusting && !cheap) return;
   try {
     const std::string said = live_.apply(workspace_.settings);

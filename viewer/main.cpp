@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "headless/command_line.h"
+#include "headless/progress.h"
 #include "sim_cuda/core/error.h"
 #include "viewer/app.h"
 
@@ -22,6 +23,7 @@ int guarded_main(const std::vector<std::string>& arguments) {
       std::puts(line.text.c_str());
       return 0;
     }
+    announce_settling();
     App(load_start(line), line.options).run([] { return interrupted != 0; });
     return 0;
   } catch (const InputError& error) {

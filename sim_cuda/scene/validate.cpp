@@ -284,8 +284,10 @@ class Validator {
       const bool good_count = whole(path.at("count"), g.count, 0, limits::max_bodies);
       const bool good_radius = number(path.at("radius_max"), g.radius_max, 1e-3, limits::max_radius, "m");
       choice(path.at("variant"), variant_names, g.variant);
-      if (g.variant == Variant::settled)
-        fault(path.at("variant"), "settled is not simulated yet; it is paper, scaled or equal");
+      const Physics& physics = scene_.physics;
+      if (g.variant == Variant::settled &&
+          (physics.gravity.isZero(0) || (physics.effects && !physics.effects->gravity)))
+        fault(path.at("variant"), "must not be settled without gravity: nothing would come to rest");
       choice(path.at("spawn"), spawn_names, g.spawn);
       number(path.at("speed_max"), g.speed_max, 0, limits::max_speed, "m/s");
       material(path, g.material);
@@ -298,7 +300,7 @@ class Validator {
       }
       if (g.variant != Variant::paper && ++scaled > 1) {
         fault(path.at("variant"),
-              "must be paper in all generators but one: \"scaled\" and \"equal\" set the box");
+              "must be paper in all generators but one: \"scaled\", \"settled\" and \"equal\" set the box");
       }
       if (!scene_.box) {
         fault(path, "needs a \"box\" to put its spheres in");

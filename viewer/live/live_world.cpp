@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/box_collider.h"
 
 namespace collidoscope {
@@ -108,14 +109,17 @@ std::string LiveWorld::apply(const Settings& wish) {
   RunOptions options = world_->options();
   set_scene(wish, scene);
   set_options(wish, options);
-  auto next = std::make_unique<World>(scene, options);
-  const bool new_box = !same_box(world_->initial().box, next->initial().box);
+  const bool new_box = !same_box(world_->initial().box, box_in_effect(scene));
   const bool new_bodies =
       wish.radius_max != now.radius_max || wish.seed != now.seed || wish.variant != now.variant;
-  // Where spheres start apart, each place depends on all the others.
-  const bool new_places = wish.bodies != now.bodies && scene.generators[0].spawn == Spawn::apart;
+  // Where spheres start apart, or at rest, each place depends on all the others.
+  const bool new_places = wish.bodies != now.bodies &&
+                          (scene.generators[0].spawn == Spawn::apart || wish.variant == Variant::settled);
+  const bool again = new_box || new_bodies || new_places;
+  const RunState kept = again ? RunState{} : world_->state();
+  auto next = std::make_unique<World>(scene, options, again ? nullptr : &kept);
   std::string said;
-  if (new_box || new_bodies || new_places) {
+  if (again) {
     history_.clear();
     edited_ = false;
     if (new_box && !new_bodies)
@@ -123,9 +127,8 @@ std::string LiveWorld::apply(const Settings& wish) {
                          next->initial().box->max.x() - next->initial().box->min.x());
     else if (world_->steps() > 0)
       said = "restarted: these are other bodies";
-  } else {
-    next->adopt(*world_);
-    if (physics_differ(wish, now) && world_->steps() > 0) edited_ = true;
+  } else if (physics_differ(wish, now) && world_->steps() > 0) {
+    edited_ = true;
   }
   replace(std::move(next));
   change_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

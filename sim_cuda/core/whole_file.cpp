@@ -1,4 +1,4 @@
-#include "viewer/live/whole_file.h"
+#include "sim_cuda/core/whole_file.h"
 
 #include <unistd.h>
 
