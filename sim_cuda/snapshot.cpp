@@ -21,6 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "files are written as they lie in memory");
 static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(WallLedger) == 40 &&
               sizeof(ContactImpulse) == 16);
+static_assert(sizeof(SolverMemory) == 7 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
 
 constexpr std::size_t word = 8;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
@@ -67,6 +68,8 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.lists(memory.walls);
   archive.list(memory.grips);
   archive.list(memory.wall_grips);
+  archive.list(memory.rolls);
+  archive.list(memory.wall_rolls);
   archive.list(memory.rolls);
   archive.list(memory.wall_rolls);
   archive.list(memory.slow);
@@ -232,6 +235,8 @@ bool fits(const RunState& state) {
               state.bodies.angular_velocity.size() == n && state.bodies.orientation.size() == n &&
               per(state.ledgers.size(), n) && per(memory.grips.size(), memory.contacts.size()) &&
               per(memory.wall_grips.size(), memory.walls.size() * n) &&
+              per(memory.rolls.size(), memory.contacts.size()) &&
+              per(memory.wall_rolls.size(), memory.walls.size() * n) &&
               per(memory.rolls.size(), memory.contacts.size()) &&
               per(memory.wall_rolls.size(), memory.walls.size() * n) && per(memory.slow.size(), n);
   for (const std::vector<double>& wall : memory.walls) good = good && wall.size() == n;

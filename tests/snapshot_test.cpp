@@ -41,6 +41,7 @@ Scene rubbing_box(std::int64_t bodies) {
   scene.generators[0].speed_max = 3;
   scene.physics.solver = Solver::soft_step;
   scene.materials[0].friction = 0.4;
+  scene.materials[0].rolling_resistance = 0.1;
   return scene;
 }
 
