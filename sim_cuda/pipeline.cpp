@@ -73,6 +73,7 @@ class TypedPipeline final : public Pipeline {
                        gravity_.template cast<double>(), pulls(), box_, contacts_.view(), control_.data(),
                        contacts_.capacity(), impulses_.view()},
                       stats);
+    if (joints_) joints_->measure(stats);
   }
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
@@ -95,6 +96,7 @@ class TypedPipeline final : public Pipeline {
  private:
   Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
   PullView<Real> pulls() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
+  PartedPairs parted() const { return joints_ ? joints_->parted() : PartedPairs{}; }
   SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
   Foresight<Real> foresight() const {
     const Real time = solver_->foresight();
@@ -106,7 +108,7 @@ class TypedPipeline final : public Pipeline {
   void find_pairs(const Foresight<Real>& foresight);
   void detect(const Foresight<Real>& foresight) {
     find_pairs(foresight);
-    contacts_.find(pairs_.view(), spheres(), foresight, control_.data());
+    contacts_.find(pairs_.view(), spheres(), foresight, parted(), control_.data());
   }
 
   Executor& executor_;
@@ -130,6 +132,7 @@ class TypedPipeline final : public Pipeline {
   std::int64_t broad_phase_bytes_ = 0;
   PairList pairs_;
   ContactList<Real> contacts_;
+  std::unique_ptr<Joints<Real>> joints_;  // null where the effect is off
   std::unique_ptr<ContactSolver<Real>> solver_;
   ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
@@ -267,6 +270,12 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
 
   control_.upload({StepControl{}});
+  const auto time_step = static_cast<Real>(scene.physics.time_step);
+  const int substeps = substeps_in_effect(scene.physics);
+  if (effects.joints)
+    joints_ = std::make_unique<Joints<Real>>(executor, place_joints(scene, initial), initial, state_.view(),
+                                             effects.rotation, time_step / static_cast<Real>(substeps),
+                                             control_.data());
   solver_ = make_contact_solver<Real>(
       scene.physics.solver, executor,
       {state_.view(),
@@ -283,10 +292,11 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        field_.data(),
        effects,
        box_,
-       static_cast<Real>(scene.physics.time_step),
-       substeps_in_effect(scene.physics),
+       time_step,
+       substeps,
        scene.physics.iterations,
-       control_.data()});
+       control_.data(),
+       joints_.get()});
 
   boxes_.resize_discarding(n);
   if (box_)

@@ -13,6 +13,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -20,8 +21,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are written as they lie in memory");
 static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(WallLedger) == 40 &&
-              sizeof(ContactImpulse) == 16);
-static_assert(sizeof(SolverMemory) == 7 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
+              sizeof(ContactImpulse) == 16 && sizeof(JointMemory) == 72);
+static_assert(sizeof(SolverMemory) == 8 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
 
 constexpr std::size_t word = 8;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
@@ -70,9 +71,8 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.list(memory.wall_grips);
   archive.list(memory.rolls);
   archive.list(memory.wall_rolls);
-  archive.list(memory.rolls);
-  archive.list(memory.wall_rolls);
   archive.list(memory.slow);
+  archive.list(memory.joints);
 }
 
 class Writer {
@@ -246,6 +246,8 @@ bool fits(const RunState& state) {
     good = good && contact.a < contact.b && contact.b < n && ids > before;
     before = ids;
   }
+  for (const JointMemory& joint : memory.joints)
+    good = good && joint.a < n && (joint.b < n || joint.b == PlacedJoint::world);
   return good;
 }
 

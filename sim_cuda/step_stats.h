@@ -26,6 +26,10 @@ struct StepStats {
   double max_penetration = 0;          ///< m, deepest overlap of two bodies or body and wall at this state
   double max_speed = 0;                ///< m/s
   double max_impulse = 0;              ///< N s, of a contact in the last step; 0 where it is not recorded
+  std::int64_t joints = 0;             ///< that are simulated
+  double max_joint_error = 0;          ///< m, that what a joint holds is too far apart, or too near
+  double max_joint_angle = 0;          ///< rad, about: between a hinge's axes, or beyond its limits
+  double spring_energy = 0;            ///< J, of joints; part of the potential energy
   std::int64_t non_finite = 0;         ///< bodies with a component that is not finite
   std::int64_t escaped = 0;            ///< centres outside the box
   double energy() const { return kinetic_energy + potential_energy; }

@@ -11,6 +11,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
+#include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/settle.h"
 
@@ -273,6 +274,9 @@ SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
     ++kept;
   }
   memory.contacts.resize(kept);
+  std::erase_if(memory.joints, [&](const JointMemory& joint) {
+    return joint.a >= count || (joint.b >= count && joint.b != PlacedJoint::world);
+  });
   if (!memory.grips.empty()) memory.grips.resize(kept);
   if (!memory.rolls.empty()) memory.rolls.resize(kept);
   return memory;

@@ -57,7 +57,11 @@ TEST(SceneFile, EveryFieldIsRead) {
     "generators": [{"kind": "box_collider", "count": 1e1, "radius_max": 0.25, "variant": "equal", "spawn": "apart",
                     "seed": 18446744073709551615, "speed_max": 2, "material": "steel"}],
     "obstacles": [{"shape": "plane", "normal": [0, 0, 3], "offset": -4, "material": "steel"}],
-    "joints": [],
+    "joints": [{"kind": "distance", "a": 0, "b": 1, "anchor_a": [1, 2, 3], "anchor_b": [4, 5, 6], "min_length": 0.5,
+                "max_length": 2, "collide": true},
+               {"kind": "spring", "a": 2, "b": "world", "anchor_b": [7, 8, 9], "length": 3, "frequency": 4,
+                "damping_ratio": 0.5},
+               {"kind": "hinge", "a": 1, "b": 0, "axis": [0, 3, 4], "limits": [-90, 45]}, {"kind": "ball", "a": 3, "b": 0}],
     "camera": {"position": [9, 9, 9], "target": [1, 1, 1], "up": [0, 1, 0], "vertical_field_of_view": 55}})",
                                   "s", "dir");
   EXPECT_EQ(scene.name, "all");
@@ -107,6 +111,27 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(scene.obstacles.at(0).normal, Vector3d(0, 0, 1));
   EXPECT_EQ(scene.obstacles.at(0).offset, -4);
   EXPECT_EQ(scene.obstacles.at(0).material, 1);
+  const Joint& rope = scene.joints.at(0);
+  EXPECT_EQ(rope.kind, JointKind::distance);
+  EXPECT_EQ(rope.a, 0);
+  EXPECT_EQ(rope.b, 1);
+  EXPECT_EQ(rope.anchor_a, Vector3d(1, 2, 3));
+  EXPECT_EQ(rope.anchor_b, Vector3d(4, 5, 6));
+  EXPECT_EQ(rope.length, std::nullopt);
+  EXPECT_EQ(rope.min_length, 0.5);
+  EXPECT_EQ(rope.max_length, 2);
+  EXPECT_TRUE(rope.collide);
+  EXPECT_EQ(scene.joints.at(1).kind, JointKind::spring);
+  EXPECT_EQ(scene.joints[1].b, std::nullopt);
+  EXPECT_EQ(scene.joints[1].length, 3);
+  EXPECT_EQ(scene.joints[1].frequency, 4);
+  EXPECT_EQ(scene.joints[1].damping_ratio, 0.5);
+  EXPECT_FALSE(scene.joints[1].collide);
+  EXPECT_EQ(scene.joints.at(2).kind, JointKind::hinge);
+  EXPECT_TRUE(scene.joints[2].axis.isApprox(Vector3d(0, 0.6, 0.8), 1e-15));
+  EXPECT_EQ(scene.joints[2].limits, (std::array{-90.0, 45.0}));
+  EXPECT_EQ(scene.joints.at(3).kind, JointKind::ball);
+  EXPECT_EQ(scene.joints[3].anchor_b, std::nullopt);
   EXPECT_EQ(*scene.camera.position, Vector3d(9, 9, 9));
   EXPECT_EQ(*scene.camera.target, Vector3d(1, 1, 1));
   EXPECT_EQ(scene.camera.up, Vector3d(0, 1, 0));
@@ -215,7 +240,6 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:49: materials.default.rolling_resistance: must be 0 with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"effects\": [\"rotation\", \"rolling_resistance\"]}",
             "s:2:35: effects: must hold friction where they hold rolling_resistance"},
-        Bad{"\"joints\": [{}]}", "s:2:11: joints are not simulated yet; the list must be empty"},
         Bad{"\"obstacles\": [{\"shape\": \"box\"}]}",
             "s:2:25: an obstacle has \"shape\": \"plane\", the only one so far"},
         Bad{"\"obstacles\": [{}]}", "s:2:15: an obstacle has \"shape\": \"plane\""},
@@ -365,6 +389,9 @@ class RandomScene {
       s.obstacles.push_back(
           {.normal = vector(1).normalized(), .offset = real(-10, 10), .material = material(s)});
     }
+    for (int i = static_cast<int>(random_() % 4); s.bodies.size() > 1 && i > 0; --i)
+      s.joints.push_back(joint());
+    if (s.physics.solver == Solver::impulse) s.physics.effects = Effects{};
     if (coin()) s.camera.position = vector(1000);
     if (coin()) s.camera.target = vector(1000);
     s.camera.up = vector(1);
@@ -389,6 +416,24 @@ class RandomScene {
     if (coin()) b.inertia = Vector3d(real(1, 2), real(1, 2), real(1, 2));
     b.material = material(s);
     return b;
+  }
+  Joint joint() {
+    Joint j;
+    j.kind = pick({JointKind::distance, JointKind::spring, JointKind::ball, JointKind::hinge});
+    j.a = coin() ? 0 : 1;
+    if (coin()) j.b = 1 - j.a;
+    j.anchor_a = coin() ? vector(10) : Vector3d(0, -0.0, 0);
+    if (!j.b || coin()) j.anchor_b = vector(10);
+    const bool spring = j.kind == JointKind::spring;
+    if ((spring || j.kind == JointKind::distance) && coin())
+      j.length = real(0.1, 9);
+    else if (j.kind == JointKind::distance && coin())
+      j.min_length = real(0, 1), j.max_length = real(1, 2);
+    if (spring) j.frequency = real(1, 9), j.damping_ratio = real(0, 2);
+    if (j.kind == JointKind::hinge) j.axis = vector(1).normalized();
+    if (j.kind == JointKind::hinge && coin()) j.limits = {real(-180, 0), real(0, 180)};
+    j.collide = coin();
+    return j;
   }
   bool coin() { return random_() % 2 == 0; }
   int material(const Scene& s) { return static_cast<int>(random_() % s.materials.size()); }
@@ -439,10 +484,46 @@ std::string bits(const Scene& s) {
   }
   for (const Plane& o : s.obstacles) text += "\n", vec(o.normal), real(o.offset), whole(o.material);
   const Vector3d unset(-1, -1, -1);
+  for (const Joint& j : s.joints) {
+    text += "\n";
+    whole(static_cast<int>(j.kind)), whole(j.a), whole(j.b.value_or(-1)), whole(j.collide);
+    vec(j.anchor_a), vec(j.anchor_b.value_or(unset)), vec(j.axis), real(j.frequency), real(j.damping_ratio);
+    for (const std::optional<double>& length : {j.length, j.min_length, j.max_length})
+      real(length.value_or(-1));
+    if (j.limits) real((*j.limits)[0]), real((*j.limits)[1]);
+  }
   text += "\n";
   vec(s.camera.position.value_or(unset)), vec(s.camera.target.value_or(unset)), vec(s.camera.up);
   real(s.camera.vertical_field_of_view);
   return text;
+}
+
+TEST(SceneFile, FaultsOfJointsHaveTheirPlace) {
+  const std::string jointed = head + R"("solver": "soft_step", "bodies": [{}, {}, {}], "joints": [
+)";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {R"({"a": 0, "b": 1})", R"(s:3:1: a joint has a "kind": distance, spring, ball or hinge)"},
+      {R"({"kind": "rope", "a": 0, "b": 1})", R"(s:3:10: unknown kind "rope"; it is distance, spring)"},
+      {R"({"kind": "ball", "b": 1})", R"(s:3:1: a joint's "a" is the id of a body)"},
+      {R"({"kind": "ball", "a": 0})", R"(s:3:1: a joint's "b" is the id of a body or "world")"},
+      {R"({"kind": "ball", "a": 0, "b": "wall"})", R"(s:3:31: a joint's "b" is the id of a body or "world")"},
+      {R"({"kind": "ball", "a": 0, "b": 0.5})", R"(s:3:31: "b" is a whole number, not 0.5)"},
+      {R"({"kind": "ball", "a": 3, "b": 1})",
+       "s:3:23: joints[0].a: must be the id of a body, below 3, not 3"},
+      {R"({"kind": "ball", "a": 0, "b": 1, "length": 1})",
+       R"(s:3:34: "length" is of distances and springs alone)"},
+      {R"({"kind": "ball", "a": 0, "b": 1, "axis": [0, 0, 1]})", R"(s:3:34: "axis" is of hinges alone)"},
+      {R"({"kind": "hinge", "a": 0, "b": 1, "axis": [0, 0, 0]})", "s:3:43: the axis must not be zero"},
+      {R"({"kind": "hinge", "a": 0, "b": 1, "limits": 5})", R"(s:3:45: "limits" is a list of two angles)"},
+      {R"({"kind": "ball", "a": 0, "b": 1, "collide": 1})",
+       R"(s:3:45: "collide" is true or false, not a number)"},
+      {R"({"kind": "ball", "a": 0, "b": 1, "colide": true})",
+       R"(s:3:34: unknown key "colide" in a joint; did)"},
+      {R"({"kind": "distance", "a": 0, "b": "world"})",
+       "s:3:1: joints[0].anchor_b: must say where in the world"},
+  };
+  for (const auto& [joint, fault] : cases)
+    EXPECT_THAT(faults_of(jointed + joint + "]}"), testing::ElementsAre(testing::StartsWith(fault))) << joint;
 }
 
 TEST(SceneFile, WritingAndReadingKeepsEveryBit) {

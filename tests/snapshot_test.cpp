@@ -41,6 +41,12 @@ Scene rubbing_box(std::int64_t bodies) {
   scene.generators[0].speed_max = 3;
   scene.physics.solver = Solver::soft_step;
   scene.materials[0].friction = 0.4;
+  for (int k = 0; k < 8; ++k) {
+    Joint& joint = scene.joints.emplace_back();
+    joint.kind = k % 2 == 0 ? JointKind::ball : JointKind::distance;
+    joint.a = k;
+    joint.b = k + 1;
+  }
   scene.materials[0].rolling_resistance = 0.1;
   return scene;
 }

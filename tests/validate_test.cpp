@@ -198,6 +198,64 @@ TEST(Validate, NamesEveryFault) {
   }
 }
 
+TEST(Validate, NamesEveryFaultOfJoints) {
+  const std::vector<Case> cases = {
+      {"joints", "must be none with the solver impulse",
+       [](Scene& s) { s.physics.solver = Solver::impulse; }},
+      {"effects", "must hold rotation where they hold joints that turn bodies",
+       [](Scene& s) { s.physics.effects = Effects{.gravity = true, .joints = true}; }},
+      {"joints[0].kind", "must be distance, spring, ball or hinge",
+       [](Scene& s) { s.joints[0].kind = static_cast<JointKind>(9); }},
+      {"joints[0].a", "must be the id of a body, below 2002", [](Scene& s) { s.joints[0].a = 2002; }},
+      {"joints[0].a", "must be the id", [](Scene& s) { s.joints[0].a = -1; }},
+      {"joints[0].b", "must be the id", [](Scene& s) { s.joints[0].b = 5000; }},
+      {"joints[0].b", "must be another body than a", [](Scene& s) { s.joints[0].b = s.joints[0].a; }},
+      {"joints[0].anchor_a[1]", "must lie in", [](Scene& s) { s.joints[0].anchor_a.y() = nan_value; }},
+      {"joints[0].anchor_b[2]", "must lie in", [](Scene& s) { s.joints[0].anchor_b = Vector3d(0, 0, 2e9); }},
+      {"joints[0].anchor_b", "must say where in the world", [](Scene& s) { s.joints[0].b.reset(); }},
+      {"joints[0].length", "must lie in [1e-09, 1e+09] m", [](Scene& s) { s.joints[0].length = 0; }},
+      {"joints[0].min_length", "must lie in", [](Scene& s) { s.joints[0].min_length = -1; }},
+      {"joints[0].max_length", "must lie in", [](Scene& s) { s.joints[0].max_length = infinite; }},
+      {"joints[0].length", "must not stand beside",
+       [](Scene& s) { s.joints[0].length = s.joints[0].max_length = 3; }},
+      {"joints[0].max_length", "must be at least min_length",
+       [](Scene& s) {
+         s.joints[0].min_length = 3;
+         s.joints[0].max_length = 2;
+       }},
+      {"joints[1].frequency", "must lie in [1e-06, 1e+09] Hz", [](Scene& s) { s.joints[1].frequency = 0; }},
+      {"joints[1].damping_ratio", "must lie in [0, 1000]",
+       [](Scene& s) { s.joints[1].damping_ratio = -0.1; }},
+      {"joints[2].axis", "must be a vector of length 1", [](Scene& s) { s.joints[2].axis *= 2; }},
+      {"joints[2].limits[1]", "must lie in [-180, 180] degrees",
+       [](Scene& s) {
+         s.joints[2].limits = {-10, 181};
+       }},
+      {"joints[2].limits", "must be two angles, the smaller first",
+       [](Scene& s) {
+         s.joints[2].limits = {10, -10};
+       }},
+  };
+  Scene jointed = full_scene();
+  jointed.physics.solver = Solver::soft_step;
+  jointed.joints.resize(3);
+  for (Joint& joint : jointed.joints) joint.b = 1;
+  jointed.joints[1].kind = JointKind::spring;
+  jointed.joints[2].kind = JointKind::hinge;
+  EXPECT_TRUE(validate(jointed).empty());
+  for (const Case& c : cases) {
+    Scene scene = jointed;
+    c.change(scene);
+    const std::vector<Fault> faults = validate(scene);
+    ASSERT_EQ(faults.size(), 1u) << c.path << ": " << c.message;
+    EXPECT_EQ(faults[0].path, c.path);
+    EXPECT_THAT(faults[0].message, StartsWith(c.message)) << c.path;
+  }
+  jointed.physics.effects = Effects{.gravity = true};
+  jointed.physics.solver = Solver::impulse;
+  EXPECT_TRUE(validate(jointed).empty()) << "a list of effects may leave them out";
+}
+
 TEST(Validate, ListsAllFaultsInTheOrderOfTheFormat) {
   Scene scene = full_scene();
   scene.camera.vertical_field_of_view = 0;

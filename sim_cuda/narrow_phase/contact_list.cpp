@@ -32,19 +32,23 @@ struct TouchTest {
   }
 };
 
-template <class Real, Foreseen foreseen>
+template <class Real, Foreseen foreseen, class Parted>
 struct CountContacts {
   PairView pairs;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
+  [[no_unique_address]] Parted parted;
   const StepControl* control;
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     const TouchTest<Real, foreseen> touch(spheres, foresight, body);
+    const auto id = static_cast<std::uint32_t>(body);
     std::uint32_t touching = 0;
-    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k)
-      touching += touch.with(pairs.second[k]);
+    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
+      const std::uint32_t other = pairs.second[k];
+      touching += touch.with(other) && !parted.hold(id, other);
+    }
     count[body] = touching;
   }
 };
@@ -64,11 +68,12 @@ struct AcceptContacts {
   }
 };
 
-template <class Real, Foreseen foreseen>
+template <class Real, Foreseen foreseen, class Parted>
 struct WriteContacts {
   PairView pairs;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
+  [[no_unique_address]] Parted parted;
   const std::uint32_t* offset;
   const StepControl* control;
   Pair* bodies_of;
@@ -79,7 +84,7 @@ struct WriteContacts {
     std::uint32_t at = offset[body];
     for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
       const std::uint32_t other = pairs.second[k];
-      if (!touch.with(other)) continue;
+      if (!touch.with(other) || parted.hold(static_cast<std::uint32_t>(body), other)) continue;
       bodies_of[at] = {static_cast<std::uint32_t>(body), other};
       normal[at] = separate<Real>(touch.x, touch.r, spheres.position[other], spheres.radius[other]).normal;
       ++at;
@@ -111,23 +116,29 @@ void ContactList<Real>::reserve(std::int64_t bodies, std::int64_t capacity) {
 
 template <class Real>
 void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres,
-                             const Foresight<Real>& foresight, StepControl* control) {
-  const auto list = [&]<Foreseen foreseen>() {
-    executor_.run("contacts", bodies_,
-                  CountContacts<Real, foreseen>{pairs, spheres, foresight, control, count_.data()});
+                             const Foresight<Real>& foresight, const PartedPairs& parted,
+                             StepControl* control) {
+  const auto list = [&]<Foreseen foreseen, class Parted>(const Parted& apart) {
+    executor_.run(
+        "contacts", bodies_,
+        CountContacts<Real, foreseen, Parted>{pairs, spheres, foresight, apart, control, count_.data()});
     exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
                    temporary_.bytes());
     executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
     executor_.run("contacts", bodies_,
-                  WriteContacts<Real, foreseen>{pairs, spheres, foresight, offset_.data(), control,
-                                                bodies_of_.data(), normal_.data()});
+                  WriteContacts<Real, foreseen, Parted>{pairs, spheres, foresight, apart, offset_.data(),
+                                                        control, bodies_of_.data(), normal_.data()});
+  };
+  const auto with = [&]<Foreseen foreseen>() {
+    parted.count > 0 ? list.template operator()<foreseen>(parted)
+                     : list.template operator()<foreseen>(NoPartedPairs{});
   };
   if (foresight.velocity == nullptr)
-    list.template operator()<Foreseen::nothing>();
+    with.template operator()<Foreseen::nothing>();
   else if (foresight.dragged)
-    list.template operator()<Foreseen::dragged_motion>();
+    with.template operator()<Foreseen::dragged_motion>();
   else
-    list.template operator()<Foreseen::smooth_motion>();
+    with.template operator()<Foreseen::smooth_motion>();
 }
 
 template class ContactList<float>;

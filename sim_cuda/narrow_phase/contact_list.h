@@ -24,6 +24,31 @@ struct SphereView {
   const Real* radius;             ///< m
 };
 
+/// Pairs that never touch, whatever their shapes, since a joint holds them: ordered, in the executor's
+/// memory.
+struct PartedPairs {
+  const Pair* pairs = nullptr;
+  std::uint32_t count = 0;
+
+  SIM_HD bool hold(std::uint32_t a, std::uint32_t b) const {
+    std::uint32_t low = 0, high = count;
+    while (low < high) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      const Pair pair = pairs[middle];
+      if (pair.a < a || (pair.a == a && pair.b < b))
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    return low < count && pairs[low].a == a && pairs[low].b == b;
+  }
+};
+
+/// None: leaves nothing behind in what it is a member of.
+struct NoPartedPairs {
+  SIM_HD static constexpr bool hold(std::uint32_t, std::uint32_t) { return false; }
+};
+
 template <class Real>
 class ContactList {
  public:
@@ -31,10 +56,10 @@ class ContactList {
   /// Outside the step. `capacity` in contacts.
   void reserve(std::int64_t bodies, std::int64_t capacity);
   std::int64_t capacity() const { return static_cast<std::int64_t>(bodies_of_.size()); }
-  /// Tests all pairs; those count as well that `foresight` says may touch soon. Where the capacity is too
-  /// small: control->overflow, contacts_needed, and an empty list, as for pairs.
+  /// Tests all pairs but the parted ones; those count as well that `foresight` says may touch soon. Where the
+  /// capacity is too small: control->overflow, contacts_needed, and an empty list, as for pairs.
   void find(const PairView& pairs, const SphereView<Real>& spheres, const Foresight<Real>& foresight,
-            StepControl* control);
+            const PartedPairs& parted, StepControl* control);
   ContactView<Real> view() const { return {bodies_of_.data(), normal_.data()}; }
 
  private:

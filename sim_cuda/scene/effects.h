@@ -13,7 +13,7 @@ struct Effects {
       false;  ///< orientation and spin are stored and integrated; called for by anything that turns
   bool friction = false;  ///< Coulomb's, with rotation; called for by a material whose friction is not 0
   bool rolling_resistance = false;  ///< with friction; called for by a material of which it is not 0
-  bool joints = false;              ///< called for by a list of joints
+  bool joints = false;              ///< called for by a list of joints: solver/joint_rows.h
 
   bool sleeping = false;  ///< islands at rest are not solved; called for by `sleep`
 

@@ -10,6 +10,7 @@
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/mesh.h"
+#include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -195,7 +196,8 @@ Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
     effects.rolling_resistance |= material.rolling_resistance != 0;
     effects.friction |= material.friction != 0 || effects.rolling_resistance;
   }
-  effects.rotation = effects.friction;
+  effects.joints = !scene.joints.empty();
+  effects.rotation = effects.friction || joints_turn_bodies(scene);
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
   return effects;
 }

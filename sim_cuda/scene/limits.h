@@ -28,7 +28,10 @@ inline constexpr int max_substeps = 1000;
 inline constexpr int max_iterations = 1000;
 inline constexpr double max_friction = 100;
 inline constexpr double max_rolling_resistance = 10;
-inline constexpr double max_sleep_time = 1e6;        ///< s
+inline constexpr double max_sleep_time = 1e6;  ///< s
+inline constexpr std::int64_t max_joints = std::int64_t{1} << 24;
+inline constexpr double min_frequency = 1e-6, max_frequency = 1e9;  ///< Hz, of a spring
+inline constexpr double max_damping_ratio = 1000;
 inline constexpr int max_name_length = 200;          ///< bytes of UTF-8
 inline constexpr int max_materials = 65535;          ///< indices are 16 bits
 inline constexpr double smallest_normal = 0x1p-126;  ///< of a float; what is nearer to 0 must be 0

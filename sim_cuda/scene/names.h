@@ -31,6 +31,10 @@ inline constexpr std::array<Named<Variant>, 4> variant_names{{{"paper", Variant:
                                                               {"equal", Variant::equal}}};
 inline constexpr std::array<Named<Spawn>, 3> spawn_names{
     {{"inside", Spawn::inside}, {"centres", Spawn::centres}, {"apart", Spawn::apart}}};
+inline constexpr std::array<Named<JointKind>, 4> joint_kind_names{{{"distance", JointKind::distance},
+                                                                   {"spring", JointKind::spring},
+                                                                   {"ball", JointKind::ball},
+                                                                   {"hinge", JointKind::hinge}}};
 
 /// Every effect, which is on or off.
 struct EffectName {
@@ -44,6 +48,7 @@ inline constexpr auto effect_names = std::to_array<EffectName>({
     {"rotation", &Effects::rotation},
     {"friction", &Effects::friction},
     {"rolling_resistance", &Effects::rolling_resistance},
+    {"joints", &Effects::joints},
     {"sleeping", &Effects::sleeping},
 });
 

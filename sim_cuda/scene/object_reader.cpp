@@ -106,6 +106,12 @@ bool ObjectReader::whole(std::string_view key, std::uint64_t& value) {
   return false;
 }
 
+bool ObjectReader::truth(std::string_view key, bool& value) {
+  const JsonNode* node = member(key, JsonKind::boolean);
+  if (node != nullptr) value = reading_.document.token(*node) == "true";
+  return node != nullptr;
+}
+
 bool ObjectReader::text(std::string_view key, std::string& value) {
   const JsonNode* node = member(key, JsonKind::text);
   if (node != nullptr) value = reading_.document.text(*node);

@@ -45,6 +45,7 @@ class ObjectReader {
   bool whole(std::string_view key, int& value);           ///< beyond int: its nearest end
   bool whole(std::string_view key, std::uint64_t& value);
   bool text(std::string_view key, std::string& value);
+  bool truth(std::string_view key, bool& value);
   bool vector(std::string_view key, Vector3d& value);
   /// `count` numbers; the node, or null where there was a fault.
   const JsonNode* numbers(std::string_view key, double* values, std::size_t count, std::string_view wanted);

@@ -32,10 +32,7 @@ class SceneReader {
       read_list(root, "bodies", [&](const JsonNode& node) { read_body(node); });
       read_list(root, "generators", [&](const JsonNode& node) { read_generator(node); });
       read_list(root, "obstacles", [&](const JsonNode& node) { read_obstacle(node); });
-      if (const JsonNode* joints = root.member("joints", JsonKind::array);
-          joints != nullptr && joints->child_count > 0) {
-        reading_.fault(*joints, "joints are not simulated yet; the list must be empty");
-      }
+      read_list(root, "joints", [&](const JsonNode& node) { read_joint(node); });
       if (const JsonNode* node = root.member("camera")) read_camera(*node);
     }
     root.finish();
@@ -270,22 +267,68 @@ class SceneReader {
       reading_.fault(shape == nullptr ? node : *shape,
                      "an obstacle has \"shape\": \"plane\", the only one so far");
     }
-    Vector3d normal = plane.normal;
-    if (reader.vector("normal", normal)) {
-      const double largest = normal.cwiseAbs().maxCoeff();
-      if (largest > 0) {
-        plane.normal = normal;
-        if (!is_unit(normal.squaredNorm())) {
-          plane.normal /= largest;
-          plane.normal /= std::sqrt(plane.normal.squaredNorm());
-        }
-      } else {
-        reading_.fault(*reader.member("normal"), "the normal must not be zero");
-      }
-    }
+    read_direction(reader, "normal", plane.normal);
     reader.real("offset", plane.offset);
     read_material_name(reader, plane.material);
     reader.finish();
+  }
+
+  void read_joint(const JsonNode& node) {
+    Joint& joint = scene_.joints.emplace_back();
+    ObjectReader reader(reading_, node, "a joint");
+    if (!reader.choice("kind", joint_kind_names, joint.kind) && reader.is_object() &&
+        document_.find(node, "kind") == nullptr)
+      reading_.fault(node, "a joint has a \"kind\": distance, spring, ball or hinge");
+    if (!reader.whole("a", joint.a) && reader.is_object() && document_.find(node, "a") == nullptr)
+      reading_.fault(node, "a joint's \"a\" is the id of a body");
+    const JsonNode* b = reader.member("b");
+    if (std::int64_t id = 0; b != nullptr && b->kind == JsonKind::number && reader.whole("b", id))
+      joint.b = id;
+    else if (b == nullptr ||
+             (b->kind != JsonKind::number && (b->kind != JsonKind::text || document_.text(*b) != "world")))
+      reading_.fault(b == nullptr ? node : *b, "a joint's \"b\" is the id of a body or \"world\"");
+    reader.vector("anchor_a", joint.anchor_a);
+    Vector3d place(0, 0, 0);
+    if (reader.vector("anchor_b", place)) joint.anchor_b = place;
+    const auto number = [&](std::string_view key, bool has, std::string_view whose, auto& value) {
+      if (double read = 0; has && reader.real(key, read)) value = read;
+      if (const JsonNode* stray = has ? nullptr : reader.member(key))
+        reading_.fault_at_key(*stray, fmt::format("\"{}\" is of {} alone", key, whose));
+    };
+    const bool spring = joint.kind == JointKind::spring, distance = joint.kind == JointKind::distance;
+    number("length", distance || spring, "distances and springs", joint.length);
+    number("min_length", distance, "distances", joint.min_length);
+    number("max_length", distance, "distances", joint.max_length);
+    number("frequency", spring, "springs", joint.frequency);
+    number("damping_ratio", spring, "springs", joint.damping_ratio);
+    if (joint.kind == JointKind::hinge)
+      read_hinge(reader, joint);
+    else
+      for (const char* key : {"axis", "limits"})
+        if (const JsonNode* stray = reader.member(key))
+          reading_.fault_at_key(*stray, fmt::format("\"{}\" is of hinges alone", key));
+    reader.truth("collide", joint.collide);
+    reader.finish();
+  }
+
+  void read_hinge(ObjectReader& reader, Joint& joint) {
+    read_direction(reader, "axis", joint.axis);
+    double ends[2];
+    if (reader.numbers("limits", ends, 2, "two angles in degrees, [least, most]") != nullptr)
+      joint.limits = {ends[0], ends[1]};
+  }
+
+  /// A vector that is not 0, made one of length 1.
+  void read_direction(ObjectReader& reader, std::string_view key, Vector3d& direction) {
+    Vector3d vector = direction;
+    if (!reader.vector(key, vector)) return;
+    const double largest = vector.cwiseAbs().maxCoeff();
+    if (!(largest > 0))
+      return reading_.fault(*reader.member(key), fmt::format("the {} must not be zero", key));
+    direction = vector;
+    if (is_unit(vector.squaredNorm())) return;  // as it is: reading what was written changes no bit
+    direction /= largest;                       // the squares of huge or tiny parts are out of range
+    direction /= std::sqrt(direction.squaredNorm());
   }
 
   void read_camera(const JsonNode& node) {

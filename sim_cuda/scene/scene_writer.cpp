@@ -89,7 +89,7 @@ class SceneWriter {
     root.member("bodies", items(scene_.bodies, [&](const Body& body) { return one(body); }));
     root.member("generators", items(scene_.generators, [&](const BoxCollider& g) { return one(g); }));
     root.member("obstacles", items(scene_.obstacles, [&](const Plane& plane) { return one(plane); }));
-    root.member("joints", "[]");
+    root.member("joints", items(scene_.joints, [&](const Joint& joint) { return one(joint); }));
     root.member("camera", camera());
     return text + "\n}\n";
   }
@@ -166,6 +166,34 @@ class SceneWriter {
   std::string one(const Plane& plane) const {
     return fmt::format(R"({{"shape": "plane", "normal": {}, "offset": {}, "material": {}}})",
                        list(plane.normal), plane.offset, material_name(plane.material));
+  }
+
+  std::string one(const Joint& joint) const {
+    const Joint usual;
+    std::string text = "{";
+    Items members(text, ", ");
+    const auto number = [&](std::string_view key, const std::optional<double>& value) {
+      if (value) members.member(key, fmt::format("{}", *value));
+    };
+    members.member("kind", json_text(name_of(joint_kind_names, joint.kind)));
+    members.member("a", fmt::format("{}", joint.a));
+    members.member("b", joint.b ? fmt::format("{}", *joint.b) : json_text("world"));
+    if (!same(joint.anchor_a, usual.anchor_a)) members.member("anchor_a", list(joint.anchor_a));
+    if (joint.anchor_b) members.member("anchor_b", list(*joint.anchor_b));
+    number("length", joint.length);
+    number("min_length", joint.min_length);
+    number("max_length", joint.max_length);
+    if (joint.kind == JointKind::hinge) {
+      members.member("axis", list(joint.axis));
+      if (joint.limits)
+        members.member("limits", fmt::format("[{}, {}]", (*joint.limits)[0], (*joint.limits)[1]));
+    }
+    if (joint.kind == JointKind::spring) {
+      number("frequency", joint.frequency);
+      number("damping_ratio", joint.damping_ratio);
+    }
+    if (joint.collide) members.member("collide", "true");
+    return text + "}";
   }
 
   std::string camera() const {

@@ -10,6 +10,7 @@
 #include "sim_cuda/scene/json_syntax.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -67,7 +68,7 @@ class Validator {
       check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
     }
     if (!scene_.boxes.empty()) fault({"boxes"}, "boxes are not simulated yet; the list must be empty");
-    if (!scene_.joints.empty()) fault({"joints"}, "joints are not simulated yet; the list must be empty");
+    check_joints();
     check_camera(scene_.camera);
     return std::move(faults_);
   }
@@ -330,6 +331,70 @@ class Validator {
     }
     number(path.at("offset"), plane.offset, -limits::max_coordinate, limits::max_coordinate, "m");
     material(path, plane.material);
+  }
+
+  void check_joints() {
+    if (scene_.joints.empty()) return;
+    const Path root{"joints"};
+    const std::optional<Effects>& effects = scene_.physics.effects;
+    const bool on = !effects || effects->joints;
+    if (on && scene_.physics.solver == Solver::impulse)
+      fault(root,
+            "must be none with the solver impulse, unless a list of effects leaves joints out (soft_step "
+            "has them)");
+    if (on && effects && !effects->rotation && joints_turn_bodies(scene_))
+      fault(
+          {"", -1, "effects"},
+          "must hold rotation where they hold joints that turn bodies: hinges, and anchors beside a centre");
+    if (scene_.joints.size() > static_cast<std::size_t>(limits::max_joints))
+      fault(root, fmt::format("must be at most {} joints", limits::max_joints));
+    std::int64_t bodies = static_cast<std::int64_t>(scene_.bodies.size());
+    for (const BoxCollider& generator : scene_.generators)
+      bodies += std::clamp<std::int64_t>(generator.count, 0, limits::max_bodies);
+    for (std::size_t i = 0; i < scene_.joints.size(); ++i)
+      check_joint(scene_.joints[i], bodies, {"joints", static_cast<std::int64_t>(i)});
+  }
+
+  void check_joint(const Joint& joint, std::int64_t bodies, const Path& path) {
+    const auto body = [&](const char* field, std::int64_t id) {
+      if (id < 0 || id >= bodies)
+        fault(path.at(field), fmt::format("must be the id of a body, below {}", bodies));
+    };
+    choice(path.at("kind"), joint_kind_names, joint.kind);
+    body("a", joint.a);
+    if (joint.b) body("b", *joint.b);
+    if (joint.b && *joint.b == joint.a) fault(path.at("b"), "must be another body than a, or \"world\"");
+    vector(path.at("anchor_a"), joint.anchor_a, limits::max_coordinate, "m");
+    if (joint.anchor_b) vector(path.at("anchor_b"), *joint.anchor_b, limits::max_coordinate, "m");
+    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring) check_lengths(joint, path);
+    if (joint.kind == JointKind::spring) {
+      number(path.at("frequency"), joint.frequency, limits::min_frequency, limits::max_frequency, "Hz");
+      number(path.at("damping_ratio"), joint.damping_ratio, 0, limits::max_damping_ratio, "");
+    }
+    if (joint.kind != JointKind::hinge) return;
+    if (!is_unit(joint.axis.squaredNorm()))
+      fault(path.at("axis"), "must be a vector of length 1 and of finite numbers");
+    if (!joint.limits) return;
+    bool good = true;
+    for (int end = 0; end < 2; ++end)
+      good &= number(path.at("limits").at(end), (*joint.limits)[static_cast<std::size_t>(end)], -180, 180,
+                     "degrees");
+    if (good && (*joint.limits)[0] > (*joint.limits)[1])
+      fault(path.at("limits"), "must be two angles, the smaller first");
+  }
+
+  void check_lengths(const Joint& joint, const Path& path) {
+    if (!joint.b && !joint.anchor_b) fault(path.at("anchor_b"), "must say where in the world");
+    const auto length = [&](const char* field, const std::optional<double>& value, double least) {
+      return !value || number(path.at(field), *value, least, limits::max_coordinate, "m");
+    };
+    const bool good = length("length", joint.length, limits::min_radius) &
+                      length("min_length", joint.min_length, 0) &
+                      length("max_length", joint.max_length, limits::min_radius);
+    if (joint.length && (joint.min_length || joint.max_length))
+      fault(path.at("length"), "must not stand beside min_length or max_length");
+    if (good && joint.min_length && joint.max_length && *joint.min_length > *joint.max_length)
+      fault(path.at("max_length"), "must be at least min_length");
   }
 
   void check_camera(const Camera& camera) {

@@ -13,6 +13,7 @@
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/friction.h"
+#include "sim_cuda/solver/joints.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/rolling_resistance.h"
 #include "sim_cuda/solver/solver_memory.h"
@@ -42,6 +43,7 @@ struct SolverScene {
   int substeps;    ///< >= 1
   int iterations;  ///< sweeps over all contacts, >= 1
   StepControl* control;
+  Joints<Real>* joints;  ///< null where the effect is off
 };
 
 template <class Real>

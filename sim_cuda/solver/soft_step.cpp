@@ -209,6 +209,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
 template <class Real>
 SolverMemory SoftStepSolver<Real>::memory() const {
   SolverMemory memory;
+  if (scene_.joints) memory.joints = scene_.joints->memory();
   const std::size_t count = known_count_.download()[0];
   const std::vector<Pair> contacts = known_contacts_.download(count);
   const std::vector<Real> impulse = known_impulse_.download(count);
@@ -243,6 +244,7 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   known_grip_.upload(grip);
   known_count_.upload({static_cast<std::uint32_t>(count)});
   rolling_.remember(memory, m);
+  if (scene_.joints) scene_.joints->remember(memory.joints);
 
   if (memory.walls.size() != static_cast<std::size_t>(scene_.plane_count)) return;
   std::vector<Real> walls(wall_impulse_.size(), 0);
@@ -272,7 +274,9 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   for (int substep = 0; substep < scene_.substeps; ++substep) {
     if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source(contacts));
     begin_substep<rubbed>(contacts);
+    if (scene_.joints) scene_.joints->warm_start();
     for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
+      if (scene_.joints) scene_.joints->solve();
       sweep("solve", contacts, Solve<Real>{softness_});
       sweep_walls<rubbed>("solve", false, false);
     }
@@ -282,6 +286,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
                   PlaceContacts<Real>{contacts.bodies, scene_.bodies, soft_.data()});
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
+      if (scene_.joints) scene_.joints->relax();
       sweep_walls<rubbed>("relax", true, last);
       sweep("relax", contacts, Relax<Real, rubbed>{softness_, scene_.bodies.radius, last});
       if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source(contacts));

@@ -6,12 +6,21 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim_cuda/scene/joint.h"
+
 namespace collidoscope {
 
 /// A contact of a step and what it gave.
 struct ContactImpulse {
   std::uint32_t a, b;  ///< ids, a < b
   double impulse;      ///< N s, along the normal, >= 0
+};
+
+/// A joint and what it gave in the last substep, as its kind has it (solver/joint_state.h).
+struct JointMemory {
+  std::uint32_t a, b;
+  std::uint64_t kind;             ///< a JointKind
+  std::array<double, 7> impulse;  ///< N s, N m s
 };
 
 struct SolverMemory {
@@ -23,6 +32,7 @@ struct SolverMemory {
   // What rolling resistance gave, N m s; empty where there is none.
   std::vector<std::array<double, 3>> rolls, wall_rolls;  ///< as grips and wall_grips
   std::vector<std::uint32_t> slow;                       ///< steps, by body (sleeping.h); empty without sleep
+  std::vector<JointMemory> joints;                ///< in the order of the scene
 };
 
 }  // namespace collidoscope

@@ -51,6 +51,10 @@ void set_scene(const Settings& wish, Scene& scene) {
     generator.radius_max = wish.radius_max;
     generator.seed = wish.seed;
     generator.variant = wish.variant;
+    // Joints go with their bodies.
+    const std::int64_t bodies = static_cast<std::int64_t>(scene.bodies.size()) + generator.count;
+    std::erase_if(scene.joints,
+                  [&](const Joint& joint) { return joint.a >= bodies || joint.b.value_or(0) >= bodies; });
   }
   if (wish.time_step != scene.physics.time_step) {
     scene.physics.time_step = wish.time_step;

@@ -1,0 +1,37 @@
+#pragma once
+// Exponential, sine and cosine from + - x / alone, for constants that reach the state: libm's differ by
+// version. Host and compile time; double; good to some 13 digits.
+
+namespace collidoscope {
+
+/// e^x - 1, for x <= 0 (below -700: -1). Exact near 0, too.
+constexpr double exponential_less_one(double x) {
+  if (!(x > -700)) return -1;
+  int halvings = 0;
+  for (; x < -0.5; x /= 2) ++halvings;
+  double term = 1, sum = 0;
+  for (int k = 1; k <= 18; ++k) {
+    term *= x / k;
+    sum += term;
+  }
+  for (; halvings > 0; --halvings) sum = sum * (sum + 2);  // (1 + s)^2 - 1
+  return sum;
+}
+
+struct CosineSine {
+  double cosine, sine;
+};
+
+/// Of an angle in radians, at most 2 in size.
+constexpr CosineSine cosine_sine(double x) {
+  double even = 1, odd = x, cosine = 0, sine = 0;
+  for (int k = 1; k <= 25; k += 2) {
+    cosine += even;
+    sine += odd;
+    even *= -x * x / (k * (k + 1));
+    odd *= -x * x / ((k + 1) * (k + 2));
+  }
+  return {cosine, sine};
+}
+
+}  // namespace collidoscope

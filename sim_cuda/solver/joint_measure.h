@@ -1,0 +1,66 @@
+#pragma once
+// How far a joint is from what it should hold, at the current state.
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/solver/joint_ends.h"
+
+namespace collidoscope {
+
+/// The worst, and the sum, over all joints at one state.
+struct JointSums {
+  double error;   ///< m, that anchors are too far from each other, or too near
+  double angle;   ///< rad, about: between the axes of a hinge, or beyond its limits
+  double energy;  ///< J, in springs
+};
+
+SIM_HD inline JointSums combine(const JointSums& a, const JointSums& b) {
+  return {max_of(a.error, b.error), max_of(a.angle, b.angle), a.energy + b.energy};
+}
+
+/// What is left of a hinge's way to its limits, rad: twice the sine of half of it; < 0 beyond.
+template <class Real>
+struct HingeRoom {
+  Real above, below;
+  SIM_HD HingeRoom(const JointRow<Real>& joint, const Quaternion<Real>& axes_a,
+                   const Quaternion<Real>& axes_b) {
+    const Quaternion<Real> twist = axes_a.conjugate() * axes_b * joint.start.conjugate();
+    Real cosine = twist.w(), sine = twist.vec().dot(joint.axis_a);  // of half the angle
+    if (cosine < 0) {
+      cosine = -cosine;
+      sine = -sine;
+    }
+    above = 2 * (sine * joint.low_cosine - cosine * joint.low_sine);
+    below = 2 * (joint.high_sine * cosine - joint.high_cosine * sine);
+  }
+};
+
+template <class Real, bool turning>
+SIM_HD JointSums measure_joint(const BodyView<Real>& bodies, const JointRow<Real>& joint) {
+  const JointEnds<Real, turning> ends(bodies, joint);
+  using std::sqrt;
+  const Real apart = sqrt(ends.apart.dot(ends.apart));
+  JointSums sums{0, 0, 0};
+  if (joint.kind == JointKind::distance) {
+    sums.error = static_cast<double>(max_of(Real(0), max_of(joint.low - apart, apart - joint.high)));
+  } else if (joint.kind == JointKind::spring) {
+    const Vector3<Real> normal = apart > 0 ? Vector3<Real>(ends.apart / apart) : Vector3<Real>(0, 0, 1);
+    const Real ease = ends.a.ease_along(normal, ends.a.arm) + ends.b.ease_along(normal, ends.b.arm);
+    const auto stretch = static_cast<double>(apart - joint.low);
+    if (ease > 0) sums.energy = static_cast<double>(joint.spring / ease) * stretch * stretch / 2;
+  } else {
+    sums.error = static_cast<double>(apart);
+  }
+  if constexpr (turning) {
+    if (joint.kind != JointKind::hinge) return sums;
+    const Vector3<Real> between = (ends.a.axes * joint.axis_a).cross(ends.b.axes * joint.axis_b);
+    Real angle = sqrt(between.dot(between));
+    if (joint.limited) {
+      const HingeRoom<Real> room(joint, ends.a.axes, ends.b.axes);
+      angle = max_of(angle, max_of(-room.above, -room.below));
+    }
+    sums.angle = static_cast<double>(angle);
+  }
+  return sums;
+}
+
+}  // namespace collidoscope

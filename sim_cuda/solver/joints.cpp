@@ -1,0 +1,315 @@
+#include "sim_cuda/solver/joints.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/reduce.h"
+#include "sim_cuda/core/series.h"
+#include "sim_cuda/solver/joint_rows.h"
+
+namespace collidoscope {
+
+namespace {
+
+// See joint_rows.h. A rigid joint by itself is right after one visit; what it lets go of bounds what piles up
+// where something else resists it.
+constexpr double alone_keep = 0.95;
+constexpr double coupled_pull = 0.4;  ///< of the error, per substep, over the most joints at one body
+constexpr double coupled_keep = 0.9;
+constexpr double radii_per_second = 50;
+
+constexpr double turn = 6.283185307179586;
+
+/// rad, that a spring turns in a substep; `crowd`: the most joints at one of its bodies. See joint_rows.h.
+double spring_angle(const PlacedJoint& joint, std::uint32_t crowd, double h) {
+  return std::min(turn * joint.frequency * h, 1 / std::sqrt(crowd));
+}
+
+JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t crowd, double h) {
+  const double angle = spring_angle(joint, crowd, h), z = joint.damping_ratio;
+  const double scale = -exponential_less_one(-2 * z * angle);
+  double pull = 0;  // (1 - p1) (1 - p2)
+  if (z < 1) {
+    const double shrunk = -exponential_less_one(-z * angle);  // 1 - e
+    const double half = cosine_sine(std::sqrt(1 - z * z) * angle / 2).sine;
+    pull = shrunk * shrunk + 4 * (1 - shrunk) * half * half;  // 1 - 2 e c + e^2
+  } else {
+    const double fast = z + std::sqrt(z * z - 1);
+    pull = exponential_less_one(-angle * fast) * exponential_less_one(-angle / fast);
+  }
+  const double keep = crowd > 1 ? coupled_keep : alone_keep;  // of what damps
+  return {scale, pull / h, 1 - scale, 1 - (1 - keep) * scale};
+}
+
+JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t crowd, double h) {
+  if (joint.kind == JointKind::spring) return spring(joint, crowd, h);
+  return crowd > 1 ? JointStiffness<double>{1, coupled_pull / (crowd * h), 0, coupled_keep}
+                   : JointStiffness<double>{1, 1 / h, 0, alone_keep};
+}
+
+/// A unit vector across another.
+Vector3d across(const Vector3d& axis) {
+  const Vector3d other = std::abs(axis.x()) < 0.6 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
+  const Vector3d side = other - other.dot(axis) * axis;
+  return side / std::sqrt(side.dot(side));
+}
+
+template <class Real>
+JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t crowd, double fastest, double h) {
+  const auto narrow = [](const Vector3d& v) { return Vector3<Real>(v.cast<Real>()); };
+  const JointStiffness<double> s = stiffness(joint, crowd, h);
+  JointRow<Real> row{};
+  row.a = joint.a;
+  row.b = joint.b;
+  row.kind = joint.kind;
+  row.limited = joint.limited;
+  row.anchor_a = narrow(joint.anchor_a);
+  row.anchor_b = narrow(joint.anchor_b);
+  row.fastest = static_cast<Real>(fastest);
+  row.stiffness = {static_cast<Real>(s.scale), static_cast<Real>(s.pull), static_cast<Real>(s.yield),
+                   static_cast<Real>(s.keep)};
+  row.low = static_cast<Real>(joint.low);
+  row.high = static_cast<Real>(joint.high);
+  const double rate = spring_angle(joint, crowd, h) / h;
+  row.spring = joint.kind == JointKind::spring ? static_cast<Real>(rate * rate) : Real(0);
+  row.axis_a = narrow(joint.axis);
+  row.axis_b = narrow(joint.start.conjugate() * joint.axis);
+  row.side = narrow(across(joint.axis));
+  row.start = joint.start.cast<Real>();
+  const CosineSine low = cosine_sine(joint.low_angle / 2), high = cosine_sine(joint.high_angle / 2);
+  row.low_cosine = static_cast<Real>(low.cosine);
+  row.low_sine = static_cast<Real>(low.sine);
+  row.high_cosine = static_cast<Real>(high.cosine);
+  row.high_sine = static_cast<Real>(high.sine);
+  return row;
+}
+
+/// Of each joint, first fit, in order. `moves`: by body.
+std::vector<std::size_t> colour(const std::vector<PlacedJoint>& joints, const std::vector<bool>& moves) {
+  std::vector<std::vector<std::uint64_t>> taken(moves.size());
+  std::vector<std::size_t> colours;
+  for (const PlacedJoint& joint : joints) {
+    const auto words = [&](std::uint32_t body) {
+      return body != PlacedJoint::world && moves[body] ? &taken[body] : nullptr;
+    };
+    std::vector<std::uint64_t>*const a = words(joint.a), *const b = words(joint.b);
+    std::size_t word = 0;
+    std::uint64_t used = 0;
+    for (;; ++word) {
+      used = (a && word < a->size() ? (*a)[word] : 0) | (b && word < b->size() ? (*b)[word] : 0);
+      if (~used != 0) break;
+    }
+    const auto bit = static_cast<std::size_t>(std::countr_one(used));
+    for (std::vector<std::uint64_t>* body : {a, b}) {
+      if (body == nullptr) continue;
+      if (body->size() <= word) body->resize(word + 1, 0);
+      (*body)[word] |= std::uint64_t{1} << bit;
+    }
+    colours.push_back(64 * word + bit);
+  }
+  return colours;
+}
+
+// ---- stages ----
+
+template <class Real>
+struct JointRounds {
+  JointView<Real> joints;
+  BodyView<Real> bodies;
+  Real h;
+  const StepControl* control;
+  SIM_HD std::int64_t items(int round) const {
+    return control->overflow ? 0 : joints.begin[round + 1] - joints.begin[round];
+  }
+  SIM_HD std::size_t place(int round, int item) const {
+    return joints.begin[round] + static_cast<std::uint32_t>(item);
+  }
+};
+
+template <class Real, bool turning>
+struct WarmJoints : JointRounds<Real> {
+  SIM_HD void operator()(int round, int item) const {
+    const std::size_t place = this->place(round, item);
+    const JointRow<Real>& joint = this->joints.rows[place];
+    JointImpulse<Real> given = this->joints.impulses[place];
+    JointEnds<Real, turning> ends(this->bodies, joint);
+    JointWork<Real, turning>(joint, given, ends, this->h).warm_start();
+    ends.store(this->bodies, joint);
+    this->joints.impulses[place] = given;
+  }
+};
+
+template <class Real, bool turning, JointPhase phase>
+struct SweepJoints : JointRounds<Real> {
+  SIM_HD void operator()(int round, int item) const {
+    const std::size_t place = this->place(round, item);
+    const JointRow<Real>& joint = this->joints.rows[place];
+    if (phase == JointPhase::relax && joint.kind == JointKind::spring) return;
+    JointImpulse<Real> given = this->joints.impulses[place];
+    JointEnds<Real, turning> ends(this->bodies, joint);
+    JointWork<Real, turning>(joint, given, ends, this->h).template sweep<phase>();
+    ends.store(this->bodies, joint);
+    this->joints.impulses[place] = given;
+  }
+};
+
+template <class Real, bool turning>
+struct MeasureJoint {
+  JointView<Real> joints;
+  BodyView<Real> bodies;
+  SIM_HD JointSums operator()(std::int64_t place) const {
+    return measure_joint<Real, turning>(bodies, joints.rows[place]);
+  }
+};
+
+}  // namespace
+
+template <class Real>
+Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
+                     const BodyView<Real>& bodies, bool rotation, Real h, const StepControl* control)
+    : executor_(executor),
+      bodies_(bodies),
+      rotation_(rotation),
+      h_(h),
+      control_(control),
+      rows_(executor, "joints"),
+      impulses_(executor, "impulses of joints"),
+      begin_(executor, "colours of joints"),
+      parted_(executor, "pairs that joints hold apart"),
+      sums_(executor, "sums over joints") {
+  if (joints.empty()) return;
+  const std::vector<bool> moves(initial.size(), true);
+  std::vector<std::uint32_t> joints_of(initial.size(), 0);
+  const auto each_body = [&](const PlacedJoint& joint, const auto& act) {
+    act(joint.a);
+    if (joint.b != PlacedJoint::world) act(joint.b);
+  };
+  for (const PlacedJoint& joint : joints)
+    each_body(joint, [&](std::uint32_t body) { joints_of[body] += moves[body]; });
+
+  const std::vector<std::size_t> colours = colour(joints, moves);
+  colours_ = static_cast<int>(*std::ranges::max_element(colours)) + 1;
+  std::vector<std::uint32_t> begin(static_cast<std::size_t>(colours_) + 1, 0);
+  for (const std::size_t c : colours) ++begin[c + 1];
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
+    widest_ = std::max<std::int64_t>(widest_, begin[c + 1]);
+    begin[c + 1] += begin[c];
+  }
+  std::vector<JointRow<Real>> rows(joints.size());
+  std::vector<std::uint32_t> next = begin;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    std::uint32_t crowd = 1;
+    double fastest = std::numeric_limits<double>::infinity();
+    each_body(joints[k], [&](std::uint32_t body) {
+      fastest = std::min(fastest, radii_per_second * initial.radius[body]);
+    });
+    each_body(joints[k], [&](std::uint32_t body) { crowd = std::max(crowd, joints_of[body]); });
+    const std::size_t place = next[colours[k]]++;
+    rows[place] = row_of<Real>(joints[k], crowd, fastest, static_cast<double>(h));
+    scene_order_.push_back(place);
+  }
+  std::vector<Pair> parted;
+  for (const PlacedJoint& joint : joints)
+    if (!joint.collide && joint.b != PlacedJoint::world)
+      parted.push_back({std::min(joint.a, joint.b), std::max(joint.a, joint.b)});
+  std::ranges::sort(parted, {}, [](const Pair& pair) { return std::pair(pair.a, pair.b); });
+  parted_.upload(parted);
+  rows_.upload(rows);
+  begin_.upload(begin);
+  impulses_.resize_discarding(joints.size());
+  impulses_.fill_zero();
+  sums_.resize_discarding(reduce_scratch_size(count()));
+}
+
+template <class Real>
+void Joints<Real>::warm_start() {
+  const JointRounds<Real> rounds{view(), bodies_, h_, control_};
+  if (rotation_)
+    executor_.run_rounds("joints", colours_, widest_, WarmJoints<Real, true>{rounds});
+  else
+    executor_.run_rounds("joints", colours_, widest_, WarmJoints<Real, false>{rounds});
+}
+
+template <class Real>
+template <JointPhase phase>
+void Joints<Real>::sweep() {
+  const JointRounds<Real> rounds{view(), bodies_, h_, control_};
+  if (rotation_)
+    executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, true, phase>{rounds});
+  else
+    executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, false, phase>{rounds});
+}
+
+template <class Real>
+void Joints<Real>::solve() {
+  sweep<JointPhase::solve>();
+}
+
+template <class Real>
+void Joints<Real>::relax() {
+  sweep<JointPhase::relax>();
+}
+
+template <class Real>
+void Joints<Real>::measure(StepStats& stats) {
+  const auto with = [&](const auto& load) {
+    JointSums sums;
+    executor_.copy_to_host(&sums, reduce<JointSums>(executor_, "measure", count(), load, sums_.data()),
+                           sizeof sums);
+    return sums;
+  };
+  const JointSums sums = rotation_ ? with(MeasureJoint<Real, true>{view(), bodies_})
+                                   : with(MeasureJoint<Real, false>{view(), bodies_});
+  stats.joints = count();
+  stats.max_joint_error = sums.error;
+  stats.max_joint_angle = sums.angle;
+  stats.spring_energy = sums.energy;
+  stats.potential_energy += sums.energy;
+}
+
+template <class Real>
+std::vector<JointMemory> Joints<Real>::memory() const {
+  const std::vector<JointRow<Real>> rows = rows_.download();
+  const std::vector<JointImpulse<Real>> impulses = impulses_.download();
+  std::vector<JointMemory> memory;
+  for (const std::size_t place : scene_order_) {
+    const JointRow<Real>& row = rows[place];
+    const JointImpulse<Real>& p = impulses[place];
+    memory.push_back({row.a, row.b, static_cast<std::uint64_t>(row.kind), {}});
+    const Real parts[] = {p.linear.x(), p.linear.y(), p.linear.z(), p.lower,
+                          p.upper,      p.across[0],  p.across[1]};
+    std::ranges::copy(parts, memory.back().impulse.begin());
+  }
+  return memory;
+}
+
+template <class Real>
+void Joints<Real>::remember(const std::vector<JointMemory>& memory) {
+  if (count() == 0) return;
+  const std::vector<JointRow<Real>> rows = rows_.download();
+  std::vector<JointImpulse<Real>> impulses(rows.size());
+  // Both are in the order of their scenes; what only one of them has is passed over.
+  std::size_t known = 0;
+  for (const std::size_t place : scene_order_) {
+    const JointRow<Real>& row = rows[place];
+    const auto found = std::find_if(
+        memory.begin() + static_cast<std::ptrdiff_t>(known), memory.end(),
+        [&](const JointMemory& m) { return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b; });
+    std::array<Real, 7> part{};
+    if (found != memory.end()) {
+      known = static_cast<std::size_t>(found - memory.begin()) + 1;
+      for (std::size_t k = 0; k < part.size(); ++k) part[k] = static_cast<Real>(found->impulse[k]);
+    }
+    impulses[place] = {{part[0], part[1], part[2]}, part[3], part[4], {part[5], part[6]}};
+  }
+  impulses_.upload(impulses);
+}
+
+template class Joints<float>;
+template class Joints<double>;
+
+}  // namespace collidoscope

@@ -1,0 +1,69 @@
+#pragma once
+// The joints of a scene, and how `soft_step` sweeps them: colour by colour, where colours are shared out
+// once, first fit in the order of the scene; what nothing moves, the world among it, is of every colour. Made
+// with the pipeline and as long-lived; each sweep is one call of the executor. An overflow leaves all as it
+// is.
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/scene/placed_joint.h"
+#include "sim_cuda/solver/joint_measure.h"
+#include "sim_cuda/solver/joint_state.h"
+#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/step_stats.h"
+
+namespace collidoscope {
+
+template <class Real>
+class Joints {
+ public:
+  /// `h`: s, of a substep. `control` and what `bodies` points to stay.
+  Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
+         const BodyView<Real>& bodies, bool rotation, Real h, const StepControl* control);
+
+  std::int64_t count() const { return static_cast<std::int64_t>(rows_.size()); }
+  int colours() const { return colours_; }
+  JointView<Real> view() const { return {rows_.data(), impulses_.data(), begin_.data(), count()}; }
+
+  /// Those whose bodies do not touch each other.
+  PartedPairs parted() const { return {parted_.data(), static_cast<std::uint32_t>(parted_.size())}; }
+
+  // In each substep, in this order, with bodies that move between solve and relax.
+  void warm_start();
+  void solve();
+  void relax();
+
+  /// Adds what joints say of the current state; waits for the device.
+  void measure(StepStats& stats);
+
+  /// By the scene's order; waits for the device.
+  std::vector<JointMemory> memory() const;
+  /// Outside of runs. Joints that `memory` does not know start from nothing.
+  void remember(const std::vector<JointMemory>& memory);
+
+ private:
+  template <JointPhase phase>
+  void sweep();
+
+  Executor& executor_;
+  const BodyView<Real> bodies_;
+  const bool rotation_;
+  const Real h_;
+  const StepControl* control_;
+  int colours_ = 0;
+  std::int64_t widest_ = 0;               ///< joints of one colour
+  std::vector<std::size_t> scene_order_;  ///< where each joint of the scene stands
+  Buffer<JointRow<Real>> rows_;
+  Buffer<JointImpulse<Real>> impulses_;
+  Buffer<std::uint32_t> begin_;
+  Buffer<Pair> parted_;
+  Buffer<JointSums> sums_;
+};
+
+}  // namespace collidoscope
