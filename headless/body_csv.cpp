@@ -71,12 +71,14 @@ void write_body_dynamics(World& world, const TextSink& sink) {
             "id,mass,x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,px,py,pz,lx,ly,lz,"
             "i00,i01,i02,i10,i11,i12,i20,i21,i22,fx,fy,fz,tx,ty,tz");
   for (std::size_t id = 0; id < fixed.size(); ++id) {
-    const double mass = fixed.mass[id], radius = fixed.radius[id];
+    const bool moved = !fixed.motion.empty() && fixed.motion[id] != Motion::dynamic;  // by no force
+    const double mass = moved ? 0 : fixed.mass[id], radius = fixed.radius[id];
     const double ball = 0.4 * mass * radius * radius;
-    const Vector3d moments = fixed.inertia.empty() ? Vector3d(ball, ball, ball) : fixed.inertia[id];
+    const Vector3d moments = moved || fixed.inertia.empty() ? Vector3d(ball, ball, ball) : fixed.inertia[id];
     const Matrix3d r = states.orientation[id].toRotationMatrix();
     const Matrix3d inertia = r * moments.asDiagonal() * r.transpose();
-    const Matrix3d inverse = r * moments.cwiseInverse().asDiagonal() * r.transpose();
+    const Matrix3d inverse = moved ? Matrix3d(Matrix3d::Zero())
+                                   : Matrix3d(r * moments.cwiseInverse().asDiagonal() * r.transpose());
     const Vector3d momentum = mass * states.velocity[id];
     const Vector3d angular_momentum = inertia * states.angular_velocity[id];
     const Vector3d force = mass * gravity, torque(0, 0, 0);

@@ -20,7 +20,7 @@ struct TreeLevels {
 /// in the tree.
 struct BodyReport {
   std::uint32_t id = 0;
-  double mass = 0, radius = 0;      ///< kg, m
+  double mass = 0, radius = 0;      ///< kg, 0 of a body that no force moves; m
   Vector3d X{0, 0, 0};              ///< m, position
   Quaterniond q{1, 0, 0, 0};        ///< R as a quaternion: principal axes to world
   Vector3d v{0, 0, 0}, w{0, 0, 0};  ///< m/s, rad/s

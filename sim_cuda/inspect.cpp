@@ -65,8 +65,10 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
     inertia = read(bodies.inertia, id).template cast<double>();
   }
   const Matrix3d r = report.q.toRotationMatrix();
-  report.inverse_inertia = r * inertia.cwiseInverse().asDiagonal() * r.transpose();
-  report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
+  if (report.mass > 0) {  // else no force moves it, and it has no momentum either
+    report.inverse_inertia = r * inertia.cwiseInverse().asDiagonal() * r.transpose();
+    report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
+  }
 
   constexpr std::uint32_t capacity = 1024;
   Buffer<Found> found(executor, "contacts of a body");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim_cuda/broad_phase/pair_list.h"
 #include "sim_cuda/core/reduce.h"
@@ -97,7 +98,10 @@ class TypedPipeline final : public Pipeline {
   Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
   PullView<Real> pulls() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
   PartedPairs parted() const { return joints_ ? joints_->parted() : PartedPairs{}; }
-  SphereView<Real> spheres() const { return {state_.position.data(), state_.radius.data()}; }
+  SphereView<Real> spheres() const {
+    return {state_.position.data(), state_.radius.data(),
+            prescribed_.size() > 0 ? state_.inverse_mass.data() : nullptr};
+  }
   Foresight<Real> foresight() const {
     const Real time = solver_->foresight();
     if (!(time > 0)) return {};
@@ -120,7 +124,8 @@ class TypedPipeline final : public Pipeline {
   Buffer<Vector3<Real>> field_;            // their pull on each body, m/s^2
   Real largest_pull_ = 0;                  // m/s^2, of all attractors together
   BodyBuffers<Real> state_;
-  Buffer<std::uint32_t> mesh_;  // 0: sphere; empty where all are
+  Buffer<std::uint32_t> prescribed_;  // ids of bodies that no force moves
+  Buffer<std::uint32_t> mesh_;        // 0: sphere; empty where all are
   Buffer<Real> restitution_of_material_;
   Buffer<Real> friction_of_material_;                    // empty where the effect is off
   Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well
@@ -187,6 +192,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       attractors_(executor, "attractors"),
       field_(executor, "accelerations"),
       state_(executor),
+      prescribed_(executor, "bodies that no force moves"),
       mesh_(executor, "meshes of bodies"),
       restitution_of_material_(executor, "restitution by material"),
       friction_of_material_(executor, "friction by material"),
@@ -212,6 +218,13 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
     mass[i] = static_cast<Real>(initial.mass[i]);
     inverse_mass[i] = 1 / mass[i];
   }
+  std::vector<std::uint32_t> prescribed;
+  for (std::size_t i = 0; i < initial.motion.size(); ++i) {
+    if (initial.motion[i] == Motion::dynamic) continue;
+    prescribed.push_back(static_cast<std::uint32_t>(i));
+    mass[i] = inverse_mass[i] = 0;
+  }
+  prescribed_.upload(prescribed);
   state_.radius.upload(radius);
   state_.mass.upload(mass);
   state_.inverse_mass.upload(inverse_mass);
@@ -225,6 +238,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       inertia[i] = initial.inertia.empty() ? Vector3<Real>::Constant(static_cast<Real>(ball))
                                            : Vector3<Real>(initial.inertia[i].template cast<Real>());
     }
+    for (const std::uint32_t i : prescribed)
+      inertia[i] = Vector3<Real>::Constant(std::numeric_limits<Real>::infinity());
     state_.orientation.upload(orientation);
     state_.angular_velocity.upload(spin);
     state_.inertia.upload(inertia);
@@ -280,6 +295,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       scene.physics.solver, executor,
       {state_.view(),
        body_count_,
+       {prescribed_.data(), static_cast<std::int64_t>(prescribed_.size())},
        restitution_,
        {friction_of_material_.data(), state_.material.data()},
        {rolling_of_material_.data(), state_.material.data(), rolling_of_plane_.data()},

@@ -53,7 +53,7 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 }
 
 TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
-  for (const char* name : {"rolling", "rolling_out", "sinking", "orbits"})
+  for (const char* name : {"rolling", "rolling_out", "sinking", "orbits", "carousel"})
     for (const Precision precision : {Precision::f32, Precision::f64}) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;
@@ -196,6 +196,7 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
                                         "rolling_out",
                                         "sinking",
                                         "orbits",
+                                        "carousel",
                                         "one_body",
                                         "empty"};
   const auto file = project_file("tests/golden/hashes.json");

@@ -53,7 +53,7 @@ TEST(SceneFile, EveryFieldIsRead) {
     "bodies": [{"shape": "sphere", "radius": 0.5, "position": [1, 2, 3], "orientation": [0, 0, 2, 0],
                 "velocity": [4, 5, 6], "angular_velocity": [7, 8, 9], "mass": 10, "inertia": [1, 2, 3],
                 "material": "steel"},
-               {"shape": "mesh", "mesh": "a/b.obj"}],
+               {"shape": "mesh", "motion": "kinematic", "mesh": "a/b.obj"}],
     "generators": [{"kind": "box_collider", "count": 1e1, "radius_max": 0.25, "variant": "equal", "spawn": "apart",
                     "seed": 18446744073709551615, "speed_max": 2, "material": "steel"}],
     "obstacles": [{"shape": "plane", "normal": [0, 0, 3], "offset": -4, "material": "steel"}],
@@ -98,6 +98,8 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(body.mass, 10.0);
   EXPECT_EQ(*body.inertia, Vector3d(1, 2, 3));
   EXPECT_EQ(body.material, 1);
+  EXPECT_EQ(scene.bodies.at(0).motion, Motion::dynamic);
+  EXPECT_EQ(scene.bodies.at(1).motion, Motion::kinematic);
   EXPECT_EQ(scene.bodies.at(1).shape, Shape::mesh);
   EXPECT_EQ(scene.bodies.at(1).mesh, "a/b.obj");
   const BoxCollider& generator = scene.generators.at(0);
@@ -204,6 +206,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"bodies\": [{\"material\": \"steel\"}]}",
             "s:2:25: unknown material \"steel\"; \"default\" is the only one"},
         Bad{"\"bodies\": [{\"shape\": \"cube\"}]}", "s:2:22: unknown shape \"cube\"; it is sphere or mesh"},
+        Bad{"\"bodies\": [{\"motion\": \"fixed\"}]}",
+            "s:2:23: unknown motion \"fixed\"; it is dynamic, kinematic or static"},
+        Bad{"\"bodies\": [{\"motion\": \"static\", \"velocity\": [0, 0, 1]}]}",
+            "s:2:23: bodies[0].motion: must be kinematic or dynamic where a velocity is given"},
         Bad{"\"restitution_threshold\": \"none\"}",
             "s:2:26: \"restitution_threshold\" is \"auto\" or a speed"},
         // ranges, found by validate()
@@ -409,6 +415,7 @@ class RandomScene {
       b.mesh = pick<std::string>({"a.obj", "dir/b c.obj", "C:\\x.obj", "\xC3\xA9.obj"});
     }
     b.position = vector(1e6);
+    b.motion = pick({Motion::dynamic, Motion::kinematic});
     if (coin()) b.orientation = Quaterniond(real(-1, 1), real(-1, 1), real(-1, 1), real(-1, 1)).normalized();
     if (coin()) b.velocity = coin() ? vector(100) : Vector3d(-0.0, 0, 0);
     if (coin()) b.angular_velocity = vector(100);
@@ -472,6 +479,7 @@ std::string bits(const Scene& s) {
   }
   for (const Body& b : s.bodies) {
     text += "\n" + b.mesh + " ";
+    whole(static_cast<int>(b.motion));
     whole(static_cast<int>(b.shape)), real(b.radius), vec(b.position), vec(b.velocity),
         vec(b.angular_velocity);
     real(b.orientation.w()), real(b.orientation.x()), real(b.orientation.y()), real(b.orientation.z());

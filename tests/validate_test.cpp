@@ -130,6 +130,13 @@ TEST(Validate, NamesEveryFault) {
          s.bodies[0].shape = static_cast<Shape>(9);
          s.bodies[0].mesh = "a.obj";
        }},
+      {"bodies[1].motion", "must be dynamic, kinematic or static",
+       [](Scene& s) { s.bodies[1].motion = static_cast<Motion>(9); }},
+      {"bodies[1].motion", "must be kinematic or dynamic where a velocity is given",
+       [](Scene& s) {
+         s.bodies[1].motion = Motion::fixed;
+         s.bodies[1].angular_velocity.x() = 1;
+       }},
       {"bodies[1].position[0]", "must lie in", [](Scene& s) { s.bodies[1].position[0] = infinite; }},
       {"bodies[1].orientation", "must be a quaternion of length 1",
        [](Scene& s) { s.bodies[1].orientation = Quaterniond(1, 1, 0, 0); }},

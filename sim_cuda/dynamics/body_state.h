@@ -20,9 +20,9 @@ struct BodyView {
   Quaternion<Real>* orientation;    ///< principal axes to world; null where nothing turns
   Vector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
   const Real* radius;               ///< m
-  const Real* mass;                 ///< kg
-  const Real* inverse_mass;         ///< 1/kg
-  const Vector3<Real>* inertia;     ///< kg m^2, principal; null where nothing turns
+  const Real* mass;                 ///< kg; 0 of a body that no force moves
+  const Real* inverse_mass;         ///< 1/kg, the same
+  const Vector3<Real>* inertia;     ///< kg m^2, principal; null where nothing turns; infinite of such a body
 };
 
 /// What walls and obstacles did to a body since the start. In double, whatever the precision of the run: it

@@ -12,7 +12,9 @@
 //
 //   s' (1 + A) + B s'^2 = s,  A = h 6 pi eta r/m,  B = h/2 rho C pi r^2/m
 //
-// Its root lies in [0, s], for every h: no drag turns a body round, and the terminal speed is exact.
+// Its root lies in [0, s], for every h: no drag turns a body round, and the terminal speed is exact. What a
+// contact then stops drag has slowed before, so the contact bears 1/(1 + A) of a weight: right to first
+// order.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"

@@ -40,6 +40,7 @@ struct MeasureBody {
   SIM_HD BodySums operator()(std::int64_t body) const {
     const Vector3d x = bodies.position[body].template cast<double>(),
                    v = bodies.velocity[body].template cast<double>();
+    const bool moved = bodies.inverse_mass[body] == 0;  // by nothing that is counted
     const double m = static_cast<double>(bodies.mass[body]), r = static_cast<double>(bodies.radius[body]);
     BodySums s;
     bool whole = true;
@@ -52,7 +53,8 @@ struct MeasureBody {
     if (bodies.orientation != nullptr) {
       const Quaterniond q = bodies.orientation[body].template cast<double>();
       const Vector3d w = bodies.angular_velocity[body].template cast<double>();
-      const Vector3d inertia = bodies.inertia[body].template cast<double>();
+      const Vector3d inertia =
+          moved ? Vector3d(0, 0, 0) : Vector3d(bodies.inertia[body].template cast<double>());
       const Vector3d w_body = q.conjugate() * w;
       const Vector3d l_body(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
       s.kinetic += w_body.dot(l_body) / 2;
@@ -69,7 +71,7 @@ struct MeasureBody {
     }
     s.max_speed_squared = v.dot(v);
     s.max_depth = 0;
-    for (int p = 0; p < plane_count; ++p) {
+    for (int p = 0; !moved && p < plane_count; ++p) {
       const double gap =
           planes[p].normal.template cast<double>().dot(x) - static_cast<double>(planes[p].offset) - r;
       s.max_depth = max_of(s.max_depth, -gap);
@@ -79,7 +81,7 @@ struct MeasureBody {
     if (boxed) {
       bool inside = true;
       for (int k = 0; k < 3; ++k) inside = inside && x[k] >= low[k] && x[k] <= high[k];
-      s.escaped = inside ? 0 : 1;
+      s.escaped = inside || moved ? 0 : 1;
     }
     return s;
   }

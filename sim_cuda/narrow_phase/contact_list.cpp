@@ -32,6 +32,17 @@ struct TouchTest {
   }
 };
 
+/// Pairs that have no contact, in scenes that have such.
+template <class Real>
+struct Apart {
+  PartedPairs joined;
+  const Real* inverse_mass;  ///< 1/kg; null: all bodies can be moved
+  SIM_HD bool hold(std::uint32_t a, std::uint32_t b) const {
+    if (inverse_mass != nullptr && inverse_mass[a] == 0 && inverse_mass[b] == 0) return true;
+    return joined.hold(a, b);
+  }
+};
+
 template <class Real, Foreseen foreseen, class Parted>
 struct CountContacts {
   PairView pairs;
@@ -130,8 +141,9 @@ void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& sphe
                                                         control, bodies_of_.data(), normal_.data()});
   };
   const auto with = [&]<Foreseen foreseen>() {
-    parted.count > 0 ? list.template operator()<foreseen>(parted)
-                     : list.template operator()<foreseen>(NoPartedPairs{});
+    parted.count > 0 || spheres.inverse_mass != nullptr
+        ? list.template operator()<foreseen>(Apart<Real>{parted, spheres.inverse_mass})
+        : list.template operator()<foreseen>(NoPartedPairs{});
   };
   if (foresight.velocity == nullptr)
     with.template operator()<Foreseen::nothing>();

@@ -20,8 +20,9 @@ struct ContactView {
 /// Positions and radii of what collides, by id.
 template <class Real>
 struct SphereView {
-  const Vector3<Real>* position;  ///< m
-  const Real* radius;             ///< m
+  const Vector3<Real>* position;       ///< m
+  const Real* radius;                  ///< m
+  const Real* inverse_mass = nullptr;  ///< 1/kg; null where every body can be moved. Two of 0 do not touch
 };
 
 /// Pairs that never touch, whatever their shapes, since a joint holds them: ordered, in the executor's

@@ -52,7 +52,7 @@ class MeshStore {
 /// What the arrays that may stay empty need to hold.
 struct Needs {
   bool velocity = false, angular_velocity = false, orientation = false, inertia = false, material = false;
-  bool mesh = false;
+  bool mesh = false, motion = false;
 };
 
 void append_listed(const Scene& scene, InitialBodies& all, Needs& needs) {
@@ -82,6 +82,7 @@ void append_listed(const Scene& scene, InitialBodies& all, Needs& needs) {
     }
     all.material.push_back(static_cast<std::uint16_t>(body.material));
     all.mesh.push_back(number);
+    all.motion.push_back(body.motion);
 
     needs.velocity |= !body.velocity.isZero(0);
     needs.angular_velocity |= !body.angular_velocity.isZero(0);
@@ -89,6 +90,7 @@ void append_listed(const Scene& scene, InitialBodies& all, Needs& needs) {
     needs.inertia |= is_mesh || body.inertia.has_value();
     needs.material |= body.material != 0;
     needs.mesh |= is_mesh;
+    needs.motion |= body.motion != Motion::dynamic;
   }
 }
 
@@ -182,6 +184,7 @@ InitialBodies initial_bodies(const Scene& scene) {
   fill_or_drop(all.orientation, needs.orientation, total, Quaterniond(1, 0, 0, 0));
   fill_or_drop(all.material, needs.material, total, std::uint16_t{0});
   fill_or_drop(all.mesh, needs.mesh, total, std::uint32_t{0});
+  fill_or_drop(all.motion, needs.motion, total, Motion::dynamic);
   check_ranges(scene, all);
   return all;
 }

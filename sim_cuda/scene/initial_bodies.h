@@ -36,6 +36,7 @@ struct InitialBodies {
   std::vector<Vector3d> inertia;           ///< kg m^2, principal moments, or empty: 2/5 m r^2 for all
   std::vector<std::uint16_t> material;     ///< index into Scene::materials, or empty: all 0
   std::vector<std::uint32_t> mesh;         ///< 0: a sphere; k: meshes[k - 1]; or empty: all spheres
+  std::vector<Motion> motion;              ///< or empty: all dynamic
   std::vector<Mesh> meshes;                ///< each file once
   std::optional<Box> box;                  ///< the scene's, or the one that the generator's variant sets
 

@@ -25,6 +25,8 @@ inline constexpr std::array<Named<Solver>, 2> solver_names{
 inline constexpr std::array<Named<Integrator>, 1> integrator_names{
     {{"semi_implicit_euler", Integrator::semi_implicit_euler}}};
 inline constexpr std::array<Named<Shape>, 2> shape_names{{{"sphere", Shape::sphere}, {"mesh", Shape::mesh}}};
+inline constexpr std::array<Named<Motion>, 3> motion_names{
+    {{"dynamic", Motion::dynamic}, {"kinematic", Motion::kinematic}, {"static", Motion::fixed}}};
 inline constexpr std::array<Named<Variant>, 4> variant_names{{{"paper", Variant::paper},
                                                               {"scaled", Variant::scaled},
                                                               {"settled", Variant::settled},

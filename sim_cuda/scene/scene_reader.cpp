@@ -202,6 +202,7 @@ class SceneReader {
     Body& body = scene_.bodies.emplace_back();
     ObjectReader reader(reading_, node, "a body");
     reader.choice("shape", shape_names, body.shape);
+    reader.choice("motion", motion_names, body.motion);
     const JsonNode* radius = reader.member("radius");
     if (body.shape == Shape::mesh && radius != nullptr) {
       reading_.fault_at_key(*radius, "a mesh has no radius; give \"shape\": \"sphere\" or remove it");

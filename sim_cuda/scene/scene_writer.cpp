@@ -136,6 +136,8 @@ class SceneWriter {
     } else {
       members.member("mesh", json_text(body.mesh));
     }
+    if (body.motion != Motion::dynamic)
+      members.member("motion", json_text(name_of(motion_names, body.motion)));
     const Vector3d zero(0, 0, 0);
     members.member("position", list(body.position));
     if (!is_default(body.orientation)) {

@@ -246,7 +246,10 @@ class Validator {
     if (body.mass) number(path.at("mass"), *body.mass, limits::min_mass, limits::max_mass, "kg");
     if (body.inertia) check_inertia(*body.inertia, path.at("inertia"));
     material(path, body.material);
-    if (body.motion != Motion::dynamic) fault(path.at("motion"), "only dynamic bodies are simulated yet");
+    choice(path.at("motion"), motion_names, body.motion);
+    if (body.motion == Motion::fixed && !(body.velocity.isZero(0) && body.angular_velocity.isZero(0)))
+      fault(path.at("motion"),
+            "must be kinematic or dynamic where a velocity is given; static bodies have none");
   }
 
   void check_inertia(const Vector3d& inertia, const Path& path) {

@@ -10,6 +10,7 @@
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/drag.h"
+#include "sim_cuda/dynamics/prescribed_motion.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/friction.h"
@@ -27,6 +28,7 @@ template <class Real>
 struct SolverScene {
   BodyView<Real> bodies;
   std::int64_t body_count;
+  PrescribedView prescribed;
   Restitution<Real> restitution;
   Friction<Real> friction;   ///< of no meaning where the effect is off
   RollingLaw<Real> rolling;  ///< of no meaning where the effect is off

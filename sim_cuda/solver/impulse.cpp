@@ -113,7 +113,8 @@ ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& 
       colouring_(executor),
       split_(executor),
       split_impulse_(executor, "split impulses"),
-      split_push_(executor, "split pushes") {}
+      split_push_(executor, "split pushes"),
+      prescribed_(executor, scene.bodies, scene.prescribed, scene.control) {}
 
 template <class Real>
 void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
@@ -126,6 +127,7 @@ void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
 
 template <class Real>
 void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
+  prescribed_.begin();
   colouring_.colour(contacts.bodies, scene_.control);
   const ColourView colours = colouring_.view();
   split_.list("solve", contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -149,6 +151,7 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
                   DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
   move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, scene_.effects, scene_.gravity, scene_.box,
                     h_, scene_.control);
+  prescribed_.hold(h_);
 }
 
 template <class Real>

@@ -55,6 +55,7 @@ class ImpulseSolver final : public ContactSolver<Real> {
   ContactsByBody split_;        ///< of the mass-split set
   Buffer<Real> split_impulse_;  ///< per contact, N s
   Buffer<Real> split_push_;     ///< per contact, kg m
+  PrescribedMotion<Real> prescribed_;
 };
 
 }  // namespace collidoscope

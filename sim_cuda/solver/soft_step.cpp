@@ -172,6 +172,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       wall_grip_total_(executor, "friction at walls in a step"),
       wall_pressed_(executor, "impulses of walls in a step"),
       rolling_(executor),
+      prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
       known_grip_(executor, "friction of the last step"),
@@ -270,10 +271,12 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
+  prescribed_.begin();
   prepare<rubbed>(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
     if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source(contacts));
     begin_substep<rubbed>(contacts);
+    prescribed_.hold();
     if (scene_.joints) scene_.joints->warm_start();
     for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
       if (scene_.joints) scene_.joints->solve();
@@ -282,6 +285,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     }
     move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, {.rotation = scene_.effects.rotation},
                       scene_.gravity, scene_.box, h_, scene_.control);
+    prescribed_.hold(h_);
     executor_.run("relax", Count(&scene_.control->contacts, contact_capacity_),
                   PlaceContacts<Real>{contacts.bodies, scene_.bodies, soft_.data()});
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
@@ -300,6 +304,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
       executor_.run("friction", scene_.body_count, GripWalls<Real>{walls<true>(), scene_.control});
     sweep("friction", contacts, Grip<Real>{});
   }
+  prescribed_.hold();
   keep<rubbed>(contacts, impulses);
 }
 

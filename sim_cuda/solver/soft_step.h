@@ -71,6 +71,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
   Buffer<Real> wall_pressed_;
   RollingResistance<Real> rolling_;
+  PrescribedMotion<Real> prescribed_;
   Buffer<Pair> known_contacts_;        ///< of the last committed run, with
   Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
   Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s
