@@ -243,7 +243,7 @@ TEST_P(Dynamics, TheSpinningTopOfTheSceneKeepsItsAngularMomentum) {
 
 TEST_P(Dynamics, ASceneWithoutSpinStoresNone) {
   Scene still = box_collider(1000), spinning = still;
-  spinning.physics.effects = Effects{true, true};
+  spinning.physics.effects = Effects{.gravity = true, .rotation = true};
   World a(still, options()), b(spinning, options());
   EXPECT_FALSE(a.effects().rotation);
   // orientation 16, spin 12, inertia 12 bytes a body

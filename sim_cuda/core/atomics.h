@@ -51,6 +51,24 @@ SIM_HD inline std::uint64_t atomic_take(std::uint64_t* counter, std::uint32_t nu
 #endif
 }
 
+/// The same of any numbers, by sums up the lanes of the warp.
+SIM_HD inline std::uint32_t atomic_take(std::uint32_t* counter, std::uint32_t numbers) {
+#if defined(__CUDA_ARCH__)
+  const auto group = cooperative_groups::coalesced_threads();
+  std::uint32_t sum = numbers;
+  for (unsigned step = 1; step < group.size(); step *= 2) {
+    const std::uint32_t below = group.shfl_up(sum, step);
+    if (group.thread_rank() >= step) sum += below;
+  }
+  const unsigned last = group.size() - 1;
+  std::uint32_t first = 0;
+  if (group.thread_rank() == last) first = atomicAdd(counter, sum);
+  return group.shfl(first, last) + sum - numbers;
+#else
+  return atomic_add(counter, numbers);
+#endif
+}
+
 /// Puts a value and returns the one before; what others wrote before they put theirs is seen after it, and
 /// what this thread wrote is seen by who gets its value.
 template <class T>
@@ -87,6 +105,14 @@ SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
   std::uint64_t seen = cell.load(std::memory_order_relaxed);
   while (seen < value && !cell.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
   }
+#endif
+}
+
+SIM_HD inline void atomic_or(std::uint32_t* target, std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(target, bits);
+#else
+  std::atomic_ref<std::uint32_t>(*target).fetch_or(bits, std::memory_order_relaxed);
 #endif
 }
 

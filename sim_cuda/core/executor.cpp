@@ -351,8 +351,10 @@ LaunchShape Executor::choose_shape(const void* kernel, const char* name, std::in
 }
 
 LaunchShape Executor::choose_waiting_shape(const void* kernel, const char* name, std::int64_t items) {
-  constexpr int usual_threads = 512;  // fewer blocks wait for each other sooner
-  const int threads = options_.shape.threads > 0 ? options_.shape.threads : usual_threads;
+  // A block for each multiprocessor, so that all move data, but no more, so that few wait for each other.
+  const std::int64_t shared = (items + multiprocessors_ - 1) / multiprocessors_;
+  const int usual = static_cast<int>(std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, max_threads_));
+  const int threads = options_.shape.threads > 0 ? options_.shape.threads : usual;
   const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;
   LaunchShape shape{options_.shape.blocks, threads};

@@ -113,9 +113,13 @@ class Executor {
   ///
   ///   SIM_HD std::int64_t items(int round) const;  // at most `most`; asked when the rounds before are done
   ///   SIM_HD void operator()(int round, int item) const;
+  ///   static constexpr bool planned = true;  // where no round changes the items of a later one
   ///
   /// On a GPU it is one launch, whose threads wait for each other between rounds, and for nobody at a round
-  /// of no items; or, where B x T threads are more than run at once, a launch a round.
+  /// of no items; a block alone does planned rounds of few items, which leaves it nobody to wait for. (A
+  /// cluster of blocks waits sooner, but is 16 multiprocessors at most, and their share of the memory's
+  /// bandwidth: slower from 50,000 bodies on.) Where B x T threads are more than run at once, it is a launch
+  /// a round.
   template <class Rounds>
   void run_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage);
 #endif
@@ -281,6 +285,11 @@ void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
 }
 
 template <class Rounds>
+concept PlannedRounds = requires {
+  requires Rounds::planned;
+};
+
+template <class Rounds>
 struct OneRound {
   Rounds rounds;
   int round;
@@ -324,16 +333,40 @@ void Executor::launch(const char* name, const Count& count, const Stage& stage) 
 }
 
 template <class Rounds>
-__global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, const Rounds stage) {
-  const auto grid = cooperative_groups::this_grid();
+__device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const int rounds,
+                              const Rounds& stage) {
+  const auto rank = static_cast<std::int64_t>(grid.thread_rank());
+  const auto lanes = static_cast<std::int64_t>(grid.size());
   for (int round = 0; round < rounds; ++round) {
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
-    for (auto i = static_cast<std::int64_t>(grid.thread_rank()); i < items;
-         i += static_cast<std::int64_t>(grid.size()))
-      stage(round, static_cast<int>(i));
+    for (std::int64_t i = rank; i < items; i += lanes) stage(round, static_cast<int>(i));
     grid.sync();
   }
+}
+
+/// Of rounds whose items are known from the start, those that one block can do at once are its alone.
+template <class Rounds>
+requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_groups::grid_group& grid,
+                                                             const int rounds, const Rounds& stage) {
+  const auto rank = static_cast<std::int64_t>(grid.thread_rank());
+  const auto lanes = static_cast<std::int64_t>(grid.size());
+  bool first = true, was_alone = false;
+  for (int round = 0; round < rounds; ++round) {
+    const std::int64_t items = stage.items(round);
+    if (items == 0) continue;
+    const bool alone = items <= blockDim.x;
+    if (!first && !(alone && was_alone)) grid.sync();
+    if (!first && alone && was_alone && rank < blockDim.x) __syncthreads();
+    first = false;
+    was_alone = alone;
+    for (std::int64_t i = rank; i < items; i += lanes) stage(round, static_cast<int>(i));
+  }
+}
+
+template <class Rounds>
+__global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, const Rounds stage) {
+  run_rounds_in(cooperative_groups::this_grid(), rounds, stage);
 }
 
 template <class Rounds>

@@ -1,5 +1,7 @@
 #include "sim_cuda/solver/colouring.h"
 
+#include <bit>
+
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/hash.h"
@@ -16,30 +18,59 @@ constexpr std::uint8_t unused = Colouring::colours + 2;
 constexpr int key_bits = 6;
 static_assert(unused < (1 << key_bits));
 
-/// Unique, and independent of how contacts are numbered up to order: ties of the hash go by ids.
-SIM_HD inline std::uint64_t priority(Pair bodies, std::uint32_t contact) {
-  const std::uint64_t ids = static_cast<std::uint64_t>(bodies.a) << 32 | bodies.b;
-  return (mix64(ids) & 0xffffffff00000000u) | (static_cast<std::uint64_t>(contact) + 1);
+/// Beside a colour: one that a contact has bid for.
+constexpr std::uint8_t tentative = 0x80;
+
+/// Unique, and independent of how contacts are numbered up to order: ties of the hash go by ids. Later rounds
+/// outbid earlier ones, so that nobody has to clear the bids between rounds.
+SIM_HD inline std::uint64_t bid(std::uint64_t hash, std::uint32_t round, std::uint32_t contact) {
+  return static_cast<std::uint64_t>(round + 1) << 56 | (hash & 0x00ffffff00000000u) | contact;
 }
 
-struct ClearBodies {
-  std::uint64_t* best;
-  std::uint32_t *used, *full_since;
-  std::uint32_t bodies;
+/// The n-th of the bits that are set, from the lowest on; there are more than n.
+SIM_HD inline std::uint8_t set_bit(std::uint32_t bits, std::uint32_t n) {
+  while (n-- > 0) bits &= bits - 1;
+  std::uint8_t bit = 0;
+  while ((bits >> bit & 1) == 0) ++bit;
+  return bit;
+}
+SIM_HD inline std::uint32_t bits_set(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  return static_cast<std::uint32_t>(__popc(bits));
+#else
+  return static_cast<std::uint32_t>(std::popcount(bits));
+#endif
+}
+
+struct BeginBodies {
+  DegreeView degrees;
+  ColouredBody* bodies;
   SIM_HD void operator()(int body) const {
-    for (std::uint32_t k = 0; k < 3; ++k) best[k * bodies + static_cast<std::uint32_t>(body)] = 0;
-    used[body] = 0;
-    full_since[body] = ~std::uint32_t{0};
+    const std::uint32_t degree = degrees.count[body];
+    bodies[body] = {0, degree, degree > 0 ? 2 * degrees.begin[body] : 0};
   }
 };
+
+/// Where contacts bid for a colour at a body: it has twice as many places as contacts, and no more than
+/// colours.
+SIM_HD inline std::uint64_t* bid_place(std::uint64_t* bids, const ColouredBody& body, std::uint8_t colour) {
+  const std::uint32_t places = min_of(2 * body.degree, static_cast<std::uint32_t>(Colouring::colours));
+  return bids + body.bids + colour % places;
+}
+constexpr std::uint32_t bids_per_contact = 4;  // twice, and at both bodies
 
 struct ClearContacts {
   const StepControl* control;
   std::uint8_t* colour;
   std::uint32_t* contact;
+  std::uint64_t* bids;
   SIM_HD void operator()(int k) const {
-    colour[k] = static_cast<std::uint32_t>(k) < control->contacts ? uncoloured : unused;
     contact[k] = static_cast<std::uint32_t>(k);
+    const bool there = static_cast<std::uint32_t>(k) < control->contacts;
+    colour[k] = there ? uncoloured : unused;
+    if (!there) return;
+    for (std::uint32_t i = 0; i < bids_per_contact; ++i)
+      bids[bids_per_contact * static_cast<std::uint64_t>(k) + i] = 0;
   }
 };
 
@@ -50,13 +81,13 @@ struct Pending {
 
   std::uint32_t* flags;
 
-  SIM_HD std::uint32_t* place(int round, std::uint32_t k) const {
-    return flags + (static_cast<std::uint32_t>(round) * places + k) * apart;
+  SIM_HD std::uint32_t* place(std::uint32_t round, std::uint32_t k) const {
+    return flags + (round * places + k) * apart;
   }
-  SIM_HD void raise(int round, int contact) const {
-    atomic_store(place(round, static_cast<std::uint32_t>(contact) / 32 % places), std::uint32_t{1});
+  SIM_HD void raise(std::uint32_t round, std::uint32_t contact) const {
+    atomic_store(place(round, contact / 32 % places), std::uint32_t{1});
   }
-  SIM_HD bool any(int round) const {
+  SIM_HD bool any(std::uint32_t round) const {
     std::uint32_t raised = 0;
     for (std::uint32_t k = 0; k < places; ++k) raised |= *place(round, k);
     return raised != 0;
@@ -68,66 +99,70 @@ struct ClearRounds {
   Pending pending;
   SIM_HD void operator()(int round) const {
     for (std::uint32_t k = 0; k < Pending::places; ++k)
-      *pending.place(round, k) = round == 0 && control->contacts > 0;
+      *pending.place(static_cast<std::uint32_t>(round), k) = round == 0 && control->contacts > 0;
   }
 };
 
-/// In each round: decide by the bids of the round before, bid for the next one, clear the bids after that.
+/// A round has two halves: all bid; then those who won at both their bodies take the colour.
 struct BidInRounds {
   const Pair* contacts;
   const StepControl* control;
   std::int64_t capacity;
-  std::uint32_t bodies;
-  std::uint64_t* best;
-  std::uint32_t *used, *full_since;
+  ColouredBody* bodies;
+  std::uint64_t* bids;
   std::uint8_t* colour;
   Pending pending;
 
-  SIM_HD std::int64_t items(int round) const {
-    return pending.any(round) ? min_of(static_cast<std::int64_t>(control->contacts), capacity) : 0;
+  SIM_HD std::int64_t items(int half) const {
+    return pending.any(static_cast<std::uint32_t>(half) / 2)
+               ? min_of(static_cast<std::int64_t>(control->contacts), capacity)
+               : 0;
   }
-  SIM_HD std::uint64_t* bids_of(std::uint32_t round) const {
-    return best + round % 3 * std::uint64_t{bodies};
+  SIM_HD void operator()(int half, int contact) const {
+    const std::uint32_t round = static_cast<std::uint32_t>(half) / 2,
+                        number = static_cast<std::uint32_t>(contact);
+    half % 2 == 0 ? propose(round, number) : decide(round, number);
   }
 
-  SIM_HD void take(std::uint32_t body, std::uint32_t bit, std::uint32_t round) const {
-    used[body] |= bit;
-    if (used[body] == ~std::uint32_t{0}) atomic_store(&full_since[body], round);
+  SIM_HD static std::uint64_t hash_of(Pair pair) {
+    return mix64(static_cast<std::uint64_t>(pair.a) << 32 | pair.b);
   }
 
-  SIM_HD void operator()(int now, int contact) const {
+  SIM_HD void propose(std::uint32_t round, std::uint32_t contact) const {
     if (colour[contact] != uncoloured) return;
-    const auto round = static_cast<std::uint32_t>(now);
-    const std::uint64_t* decided = bids_of(round);
-    std::uint64_t *bids = bids_of(round + 1), *cleared = bids_of(round + 2);
     const Pair pair = contacts[contact];
-    const std::uint64_t mine = priority(pair, static_cast<std::uint32_t>(contact));
-    if (round > 0 && decided[pair.a] == mine && decided[pair.b] == mine) {
-      // No other contact at either body decides in this round, so the masks are this contact's alone.
-      const std::uint32_t taken = used[pair.a] | used[pair.b];
-      if (taken == ~std::uint32_t{0}) {
-        colour[contact] = no_colour_free;
-        return;
-      }
-      const std::uint32_t lowest_free = ~taken & (taken + 1);
-      take(pair.a, lowest_free, round);
-      take(pair.b, lowest_free, round);
-      std::uint8_t c = 0;
-      while ((lowest_free >> c) != 1) ++c;
-      colour[contact] = c;
-      return;
-    }
-    // A body without a free colour can be given up at once, but only where that was known before this round
-    // began.
-    if (atomic_load(&full_since[pair.a]) < round || atomic_load(&full_since[pair.b]) < round) {
+    const ColouredBody a = bodies[pair.a], b = bodies[pair.b];
+    const std::uint32_t free = ~(a.used | b.used);
+    if (free == 0) {
       colour[contact] = no_colour_free;
       return;
     }
-    atomic_max(&bids[pair.a], mine);
-    atomic_max(&bids[pair.b], mine);
-    atomic_store(&cleared[pair.a], std::uint64_t{0});
-    atomic_store(&cleared[pair.b], std::uint64_t{0});
-    pending.raise(now + 1, contact);
+    // Each contact that is coloured took one bit.
+    const std::uint32_t left = max_of(a.degree - bits_set(a.used), b.degree - bits_set(b.used));
+    const std::uint32_t choices = min_of((left + 1) / 2, bits_set(free));
+    const std::uint64_t hash = hash_of(pair);
+    const auto dice = static_cast<std::uint32_t>(mix64(hash + round));
+    const std::uint8_t wanted =
+        set_bit(free, static_cast<std::uint32_t>(static_cast<std::uint64_t>(dice) * choices >> 32));
+    colour[contact] = wanted | tentative;
+    atomic_max(bid_place(bids, a, wanted), bid(hash, round, contact));
+    atomic_max(bid_place(bids, b, wanted), bid(hash, round, contact));
+  }
+
+  SIM_HD void decide(std::uint32_t round, std::uint32_t contact) const {
+    if ((colour[contact] & tentative) == 0) return;
+    const std::uint8_t wanted = colour[contact] & static_cast<std::uint8_t>(~tentative);
+    const Pair pair = contacts[contact];
+    const std::uint64_t mine = bid(hash_of(pair), round, contact);
+    if (*bid_place(bids, bodies[pair.a], wanted) == mine &&
+        *bid_place(bids, bodies[pair.b], wanted) == mine) {
+      colour[contact] = wanted;
+      atomic_or(&bodies[pair.a].used, std::uint32_t{1} << wanted);
+      atomic_or(&bodies[pair.b].used, std::uint32_t{1} << wanted);
+    } else {
+      colour[contact] = uncoloured;
+      pending.raise(round + 1, contact);
+    }
   }
 };
 static_assert(Colouring::colours == 32, "one bit of a word per colour");
@@ -161,9 +196,9 @@ struct FindColours {
 
 Colouring::Colouring(Executor& executor)
     : executor_(executor),
-      best_(executor, "colouring bids"),
-      used_(executor, "colours used"),
-      full_since_(executor, "rounds in which colours ran out"),
+      degrees_(executor),
+      bids_(executor, "colouring bids"),
+      coloured_(executor, "colours of bodies"),
       pending_(executor, "colouring rounds"),
       colour_(executor, "contact colours"),
       sorted_colour_(executor, "sorted contact colours"),
@@ -176,10 +211,10 @@ Colouring::Colouring(Executor& executor)
 void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   bodies_ = bodies;
   const auto contacts = static_cast<std::size_t>(contact_capacity);
-  best_.resize_discarding(3 * static_cast<std::size_t>(bodies));
-  used_.resize_discarding(static_cast<std::size_t>(bodies));
-  full_since_.resize_discarding(static_cast<std::size_t>(bodies));
-  pending_.resize_discarding((rounds + 2) * Pending::places * Pending::apart);
+  degrees_.reserve(bodies, contact_capacity);
+  bids_.resize_discarding(bids_per_contact * contacts);
+  coloured_.resize_discarding(static_cast<std::size_t>(bodies));
+  pending_.resize_discarding((rounds + 1) * Pending::places * Pending::apart);
   colour_.resize_discarding(contacts);
   sorted_colour_.resize_discarding(contacts);
   contact_.resize_discarding(contacts);
@@ -191,20 +226,15 @@ void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
 
 void Colouring::colour(const Pair* contacts, StepControl* control) {
   const auto capacity = static_cast<std::int64_t>(order_.size());
-  const auto bodies = static_cast<std::uint32_t>(bodies_);
-  executor_.run("colour", bodies_, ClearBodies{best_.data(), used_.data(), full_since_.data(), bodies});
-  executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data()});
-  executor_.run("colour", rounds + 2, ClearRounds{control, {pending_.data()}});
-  executor_.run_rounds("colour", rounds + 1, capacity,
-                       BidInRounds{contacts,
-                                   control,
-                                   capacity,
-                                   bodies,
-                                   best_.data(),
-                                   used_.data(),
-                                   full_since_.data(),
-                                   colour_.data(),
-                                   {pending_.data()}});
+  const ContactSet all{contacts, nullptr, nullptr, &control->contacts};
+  degrees_.count("colour", all);
+  executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});
+  executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data(), bids_.data()});
+  executor_.run("colour", rounds + 1, ClearRounds{control, {pending_.data()}});
+  executor_.run_rounds(
+      "colour", 2 * rounds, capacity,
+      BidInRounds{
+          contacts, control, capacity, coloured_.data(), bids_.data(), colour_.data(), {pending_.data()}});
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());
   executor_.run("colour", colours + 1,

@@ -7,48 +7,18 @@ namespace collidoscope {
 
 namespace {
 
-struct BeginLists {
-  const std::uint32_t* contacts;
-  std::uint32_t bodies;
-  std::uint32_t* items;
-  SIM_HD void operator()(int) const {
-    items[0] = *contacts > 0 ? bodies : 0;
-    items[1] = 0;
-  }
-};
-
-struct ClearLists {
-  std::uint32_t *count, *filled;
-  SIM_HD void operator()(int body) const { count[body] = filled[body] = 0; }
-};
-
-struct CountEntries {
-  const Pair* contacts;
-  const std::uint32_t *order, *begin;
-  std::uint32_t* count;
-  SIM_HD void operator()(int item) const {
-    const auto [a, b] = contacts[order[*begin + static_cast<std::uint32_t>(item)]];
-    atomic_add(&count[a], 1);
-    atomic_add(&count[b], 1);
-  }
-};
-
-/// Where a body's list stands is free: only its content reaches the state.
-struct PlaceLists {
-  const std::uint32_t* count;
-  std::uint32_t *handed_out, *begin;
-  SIM_HD void operator()(int body) const {
-    if (count[body] > 0) begin[body] = atomic_add(handed_out, count[body]);
-  }
+struct ClearFilled {
+  std::uint32_t* filled;
+  SIM_HD void operator()(int body) const { filled[body] = 0; }
 };
 
 struct FillLists {
-  const Pair* contacts;
-  const std::uint32_t *order, *set_begin, *begin;
+  ContactSet set;
+  const std::uint32_t* begin;
   std::uint32_t *filled, *entry;
   SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*set_begin + static_cast<std::uint32_t>(item)];
-    const auto [a, b] = contacts[contact];
+    const std::uint32_t contact = set.number(item);
+    const auto [a, b] = set.contacts[contact];
     entry[begin[a] + atomic_add(&filled[a], 1)] = contact;
     entry[begin[b] + atomic_add(&filled[b], 1)] = contact;
   }
@@ -56,10 +26,16 @@ struct FillLists {
 
 /// Contacts are numbered by (a, b), so ascending contact numbers are ascending ids of the other body.
 struct SortLists {
-  const std::uint32_t *count, *begin;
+  DegreeView degrees;
+  const std::uint32_t* place;
   std::uint32_t* entry;
   SIM_HD void operator()(int body) const {
-    if (count[body] > 1) sort_segment(entry + begin[body], count[body]);
+    const std::uint32_t count = degrees.count[body];
+    if (count == 0) return;
+    std::uint32_t* mine = entry + degrees.begin[body];
+    if (count > 1) sort_segment(mine, count);
+    if (place == nullptr) return;
+    for (std::uint32_t k = 0; k < count; ++k) mine[k] = place[mine[k]];
   }
 };
 
@@ -67,33 +43,21 @@ struct SortLists {
 
 ContactsByBody::ContactsByBody(Executor& executor)
     : executor_(executor),
-      items_(executor, "size of lists by body"),
-      count_(executor, "listed contacts per body"),
       filled_(executor, "listed contacts filled"),
-      begin_(executor, "starts of lists by body"),
       entry_(executor, "contacts by body") {}
 
 void ContactsByBody::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
-  bodies_ = bodies;
   contact_capacity_ = contact_capacity;
-  const auto n = static_cast<std::size_t>(bodies);
-  items_.resize_discarding(2);
-  count_.resize_discarding(n);
-  filled_.resize_discarding(n);
-  begin_.resize_discarding(n);
+  filled_.resize_discarding(static_cast<std::size_t>(bodies));
   entry_.resize_discarding(2 * static_cast<std::size_t>(contact_capacity));
 }
 
-void ContactsByBody::list(const char* stage, const Pair* contacts, const std::uint32_t* order,
-                          const std::uint32_t* begin, const std::uint32_t* count) {
-  const Count listed(count, contact_capacity_);
-  executor_.run(stage, 1, BeginLists{count, static_cast<std::uint32_t>(bodies_), items_.data()});
-  executor_.run(stage, bodies(), ClearLists{count_.data(), filled_.data()});
-  executor_.run(stage, listed, CountEntries{contacts, order, begin, count_.data()});
-  executor_.run(stage, bodies(), PlaceLists{count_.data(), items_.data() + 1, begin_.data()});
-  executor_.run(stage, listed,
-                FillLists{contacts, order, begin, begin_.data(), filled_.data(), entry_.data()});
-  executor_.run(stage, bodies(), SortLists{count_.data(), begin_.data(), entry_.data()});
+void ContactsByBody::list(const char* stage, const ContactSet& set, const ContactDegrees& degrees,
+                          const std::uint32_t* place) {
+  executor_.run(stage, degrees.bodies(), ClearFilled{filled_.data()});
+  executor_.run(stage, Count(set.count, contact_capacity_),
+                FillLists{set, degrees.view().begin, filled_.data(), entry_.data()});
+  executor_.run(stage, degrees.bodies(), SortLists{degrees.view(), place, entry_.data()});
 }
 
 }  // namespace collidoscope

@@ -111,6 +111,7 @@ ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& 
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
       colouring_(executor),
+      split_degrees_(executor),
       split_(executor),
       split_impulse_(executor, "split impulses"),
       split_push_(executor, "split pushes"),
@@ -120,6 +121,7 @@ template <class Real>
 void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
   colouring_.reserve(scene_.body_count, contact_capacity);
+  split_degrees_.reserve(scene_.body_count, contact_capacity);
   split_.reserve(scene_.body_count, contact_capacity);
   split_impulse_.resize_discarding(static_cast<std::size_t>(contact_capacity));
   split_push_.resize_discarding(static_cast<std::size_t>(contact_capacity));
@@ -130,8 +132,10 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   prescribed_.begin();
   colouring_.colour(contacts.bodies, scene_.control);
   const ColourView colours = colouring_.view();
-  split_.list("solve", contacts.bodies, colours.order, colours.begin + Colouring::colours,
-              &scene_.control->split_contacts);
+  const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
+                         &scene_.control->split_contacts};
+  split_degrees_.count("solve", split);
+  split_.list("solve", split, split_degrees_);
   if (impulses != nullptr)
     executor_.run("solve", Count(&scene_.control->contacts, contact_capacity_),
                   ClearImpulses<Real>{impulses});
@@ -158,7 +162,7 @@ template <class Real>
 template <bool push, bool record>
 void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const ImpulseSum<Real, record>& impulses) {
   const ColourView colours = colouring_.view();
-  const ContactsByBodyView split = split_.view();
+  const ContactsByBodyView split = split_.view(split_degrees_);
   const BodyView<Real>& bodies = scene_.bodies;
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   const std::int64_t colour_capacity =
@@ -170,7 +174,7 @@ void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const Impulse
                 ResolveSplit<Real, push, record>{contacts, bodies, scene_.restitution, colours.order,
                                                  colours.begin + Colouring::colours, split.count,
                                                  split_impulse_.data(), split_push_.data(), impulses});
-  executor_.run("solve", split_.bodies(),
+  executor_.run("solve", split_degrees_.bodies(),
                 ApplySplit<Real, push>{contacts, bodies, split, split_impulse_.data(), split_push_.data()});
 }
 

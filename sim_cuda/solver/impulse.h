@@ -52,7 +52,8 @@ class ImpulseSolver final : public ContactSolver<Real> {
   const Real h_;  ///< s, of a run
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
-  ContactsByBody split_;        ///< of the mass-split set
+  ContactDegrees split_degrees_;  ///< of the mass-split set
+  ContactsByBody split_;
   Buffer<Real> split_impulse_;  ///< per contact, N s
   Buffer<Real> split_push_;     ///< per contact, kg m
   PrescribedMotion<Real> prescribed_;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/host_device.h"
 
@@ -22,6 +23,9 @@ struct Restitution {
   /// `approach` > 0 in m/s; the result applies where it is above the threshold.
   SIM_HD Real between(Real e_a, Real e_b, Real approach) const {
     return approach > threshold ? max_of(e_a, e_b) : Real(0);
+  }
+  SIM_HD Real of_pair(Pair bodies, Real approach) const {
+    return between(of_body(bodies.a), of_body(bodies.b), approach);
   }
 };
 

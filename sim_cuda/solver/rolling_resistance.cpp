@@ -17,25 +17,25 @@ struct PrepareRolls {
   const Vector3<Real>* known_impulse;
   Roll<Real>* rolls;
 
-  SIM_HD void operator()(int contact) const {
-    const auto [a, b] = contacts[contact];
-    const std::uint32_t place = known.find(a, b);
-    const bool found = place != ImpulseView<Real>::none;
+  SIM_HD void operator()(int place) const {
+    const auto [a, b] = contacts[place];
+    const std::uint32_t before = known.find(a, b);
+    const bool found = before != ImpulseView<Real>::none;
     const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
-    rolls[contact] = {found ? known_impulse[place] : Vector3<Real>(Vector3<Real>::Zero()),
-                      max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
+    rolls[place] = {found ? known_impulse[before] : Vector3<Real>(Vector3<Real>::Zero()),
+                    max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
   }
 };
 
-/// A body's share of what its contacts give, in increasing id of the other body; `given(contact)` in N m s.
+/// A body's share of what its contacts give, in increasing id of the other body; `given(place)` in N m s.
 template <class Given, class Real>
 SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const Given& given) {
   Vector3<Real> sum = Vector3<Real>::Zero();
   const std::uint32_t n = source.by_body.count[body];
   for (std::uint32_t k = 0; k < n; ++k) {
-    const std::uint32_t contact = source.by_body.entry[source.by_body.begin[body] + k];
-    const Vector3<Real> change = given(contact);
-    if (source.contacts[contact].a == static_cast<std::uint32_t>(body))
+    const std::uint32_t place = source.by_body.entry[source.by_body.begin[body] + k];
+    const Vector3<Real> change = given(place);
+    if (source.contacts[place].a == static_cast<std::uint32_t>(body))
       sum -= change;
     else
       sum += change;
@@ -57,7 +57,7 @@ struct WarmRolls {
     if (control->overflow) return;
     Vector3<Real> moment = Vector3<Real>::Zero();
     if (control->contacts > 0)
-      moment = sum_of(source, body, [&](std::uint32_t contact) { return rolls[contact].impulse; });
+      moment = sum_of(source, body, [&](std::uint32_t place) { return rolls[place].impulse; });
     for (int p = 0; p < plane_count; ++p) {
       const std::int64_t at = p * body_count + body;
       if (!(source.wall_impulse[at] > 0)) wall_impulse[at] = Vector3<Real>::Zero();  // it has bounced
@@ -78,18 +78,18 @@ struct ResistAtContacts {
   Roll<Real>* rolls;
   Vector3<Real>* change;
 
-  SIM_HD void operator()(int contact) const {
-    const auto [a, b] = source.contacts[contact];
-    Roll<Real> roll = rolls[contact];
-    const Real limit = roll.lever * source.soft[contact].impulse;
-    change[contact] = Vector3<Real>::Zero();
+  SIM_HD void operator()(int place) const {
+    const auto [a, b] = source.contacts[place];
+    Roll<Real> roll = rolls[place];
+    const Real limit = roll.lever * source.soft[place].impulse;
+    change[place] = Vector3<Real>::Zero();
     if (!(limit > 0) && roll.impulse.dot(roll.impulse) == 0) return;
     const Real n_a = static_cast<Real>(source.by_body.count[a]),
                n_b = static_cast<Real>(source.by_body.count[b]);
     const Spin<Real> spin_a = Spin<Real>::of(bodies, a), spin_b = Spin<Real>::of(bodies, b);
     const Real inertia = 1 / (n_a * spin_a.ease() + n_b * spin_b.ease());
-    change[contact] = rub<Real>(spin_b.rate - spin_a.rate, inertia, limit, roll.impulse);
-    rolls[contact] = roll;
+    change[place] = rub<Real>(spin_b.rate - spin_a.rate, inertia, limit, roll.impulse);
+    rolls[place] = roll;
   }
 };
 
@@ -110,7 +110,7 @@ struct ResistAtBodies {
     const auto id = static_cast<std::uint32_t>(body);
     Spin<Real> spin = Spin<Real>::of(bodies, id);
     if (control->contacts > 0)
-      spin.turn(sum_of(source, body, [&](std::uint32_t contact) { return change[contact]; }));
+      spin.turn(sum_of(source, body, [&](std::uint32_t place) { return change[place]; }));
     const Real own = law.of_body(id), r = bodies.radius[body];
     for (int p = 0; p < plane_count; ++p) {
       const std::int64_t at = p * body_count + body;
@@ -126,12 +126,14 @@ struct ResistAtBodies {
 
 template <class Real>
 struct KeepRolls {
+  const std::uint32_t* place_of;
   const SoftContact<Real>* soft;
   const Roll<Real>* rolls;
   Vector3<Real>* known_impulse;
   SIM_HD void operator()(int contact) const {
+    const std::uint32_t place = place_of[contact];
     known_impulse[contact] =
-        soft[contact].impulse > 0 ? rolls[contact].impulse : Vector3<Real>(Vector3<Real>::Zero());
+        soft[place].impulse > 0 ? rolls[place].impulse : Vector3<Real>(Vector3<Real>::Zero());
   }
 };
 
@@ -204,7 +206,8 @@ void RollingResistance<Real>::resist(const RollingSource<Real>& source) {
 
 template <class Real>
 void RollingResistance<Real>::keep(const RollingSource<Real>& source) {
-  executor_.run("keep", source.count, KeepRolls<Real>{source.soft, rolls_.data(), known_impulse_.data()});
+  executor_.run("keep", source.count,
+                KeepRolls<Real>{source.place_of, source.soft, rolls_.data(), known_impulse_.data()});
 }
 
 template <class Real>

@@ -44,11 +44,12 @@ struct alignas(4 * sizeof(Real)) Roll {
   Real lever;             ///< m, c R
 };
 
-/// The contacts of a step and the planes, as the solver has them.
+/// The contacts of a step and the planes, as the solver has them: by place in the order of sweeps.
 template <class Real>
 struct RollingSource {
   const Pair* contacts;
   const SoftContact<Real>* soft;
+  const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
   Count count;               ///< of contacts
   const Real* wall_impulse;  ///< N s, plane by plane, all bodies of each
@@ -84,8 +85,8 @@ class RollingResistance {
   int plane_count_ = 0;
   RollingLaw<Real> law_;
   const StepControl* control_ = nullptr;
-  Buffer<Roll<Real>> rolls_;             ///< by contact
-  Buffer<Vector3<Real>> change_;         ///< by contact, N m s
+  Buffer<Roll<Real>> rolls_;             ///< by place
+  Buffer<Vector3<Real>> change_;         ///< by place, N m s
   Buffer<Vector3<Real>> wall_impulse_;   ///< plane by plane, all bodies of each, N m s
   Buffer<Vector3<Real>> known_impulse_;  ///< of the run before, by its contacts, N m s
 };

@@ -45,7 +45,7 @@ struct alignas(4 * sizeof(Real)) SoftContact {
   Real gap;              ///< m, < 0 where they overlap
   Real impulse;          ///< N s, of the substep, >= 0
   Real total;            ///< N s, of the step so far
-  Real approach;         ///< m/s, at which they came together; of no meaning before total > 0
+  Real approach;         ///< m/s, at which they came together; of no meaning before total > 0; < 0: bounced
   Real radius;           ///< m, of the smaller sphere
 
   /// How much more impulse this contact gives, N s, where the bodies part at `speed` m/s and `mass` is what
@@ -87,6 +87,8 @@ struct alignas(4 * sizeof(Real)) SoftContact {
     return squared > 0 ? sqrt(squared) / reach : Real(0);
   }
 
+  SIM_HD bool bounced() const { return approach < 0; }
+
   /// The impulse of the bounce, N s, >= 0; `e` is the pair's coefficient, 0 where it does not bounce. What
   /// has bounced parts, and starts the next step from nothing.
   SIM_HD Real bounce(Real speed, Real mass, Real e) {
@@ -95,6 +97,7 @@ struct alignas(4 * sizeof(Real)) SoftContact {
     const Real change = mass * (wanted - speed);
     total += change;
     impulse = 0;
+    approach = -1;
     return change;
   }
 

@@ -16,46 +16,57 @@ struct KnownGrips {
   const Vector3<Real>* impulse;
 };
 
-/// New contacts start from rest, known ones from what they last gave.
+/// Puts contacts in the order in which they are swept. New ones start from rest, known ones from what they
+/// last gave.
 template <class Real, bool rubbed>
 struct PrepareContacts {
   const Pair* contacts;
+  const std::uint32_t* order;
   BodyView<Real> bodies;
   ImpulseView<Real> known;
   KnownGrips<Real> known_grips;
+  std::uint32_t* place_of;
+  Pair* bodies_of;
+  InverseMasses<Real>* inverse_masses;
   SoftContact<Real>* soft;
   SoftGrip<Real>* grips;
+  GrippedPair<Real>* gripped;
 
-  SIM_HD void operator()(int contact) const {
+  SIM_HD void operator()(int place) const {
+    const std::uint32_t contact = order[place];
     const auto [a, b] = contacts[contact];
-    const std::uint32_t place = known.find(a, b);
-    const bool found = place != ImpulseView<Real>::none;
+    place_of[contact] = static_cast<std::uint32_t>(place);
+    bodies_of[place] = {a, b};
+    inverse_masses[place] = {bodies.inverse_mass[a], bodies.inverse_mass[b]};
+    const std::uint32_t before = known.find(a, b);
+    const bool found = before != ImpulseView<Real>::none;
     SoftContact<Real> k;
     k.place(bodies, a, b);
-    k.impulse = found ? known.impulse[place] : Real(0);
+    k.impulse = found ? known.impulse[before] : Real(0);
     k.total = 0;
     k.approach =
         k.meeting_speed(bodies.velocity[b] - bodies.velocity[a], bodies.radius[a] + bodies.radius[b]);
     k.radius = min_of(bodies.radius[a], bodies.radius[b]);
-    soft[contact] = k;
+    soft[place] = k;
     if constexpr (rubbed) {
       SoftGrip<Real> grip;
-      grip.impulse = found ? known_grips.impulse[place] : Vector3<Real>(Vector3<Real>::Zero());
+      grip.impulse = found ? known_grips.impulse[before] : Vector3<Real>(Vector3<Real>::Zero());
       grip.coefficient =
           Friction<Real>::between(known_grips.friction.of_body(a), known_grips.friction.of_body(b));
       grip.total = Vector3<Real>::Zero();
-      grips[contact] = grip;
+      grips[place] = grip;
+      gripped[place] = GrippedPair<Real>::of(bodies, {a, b});
     }
   }
 };
 
 template <class Real>
 struct PlaceContacts {
-  const Pair* contacts;
+  const Pair* bodies_of;
   BodyView<Real> bodies;
   SoftContact<Real>* soft;
-  SIM_HD void operator()(int contact) const {
-    soft[contact].place(bodies, contacts[contact].a, contacts[contact].b);
+  SIM_HD void operator()(int place) const {
+    soft[place].place(bodies, bodies_of[place].a, bodies_of[place].b);
   }
 };
 
@@ -66,7 +77,7 @@ enum class Pull { none, uniform, field };
 template <class Real, Pull pull, bool walled, bool rubbed>
 struct BeginSubstep {
   BodyView<Real> bodies;
-  const Pair* contacts;
+  const Pair* bodies_of;
   const SoftContact<Real>* soft;
   const SoftGrip<Real>* grips;
   ContactsByBodyView by_body;
@@ -96,13 +107,13 @@ struct BeginSubstep {
     Vector3<Real> momentum = Vector3<Real>::Zero();
     [[maybe_unused]] Vector3<Real> moment = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t contact = by_body.entry[by_body.begin[id] + k];
-      const Real sign = contacts[contact].a == static_cast<std::uint32_t>(id) ? Real(-1) : Real(1);
-      const Vector3<Real> normal = soft[contact].normal;
-      momentum += sign * soft[contact].impulse * normal;
+      const std::uint32_t place = by_body.entry[by_body.begin[id] + k];
+      const Real sign = bodies_of[place].a == static_cast<std::uint32_t>(id) ? Real(-1) : Real(1);
+      const Vector3<Real> normal = soft[place].normal;
+      momentum += sign * soft[place].impulse * normal;
       if constexpr (rubbed) {
-        momentum += sign * grips[contact].impulse;
-        moment -= (body.radius + soft[contact].gap / 2) * normal.cross(grips[contact].impulse);
+        momentum += sign * grips[place].impulse;
+        moment -= (body.radius + soft[place].gap / 2) * normal.cross(grips[place].impulse);
       }
     }
     body.v += body.inverse_mass * momentum;
@@ -114,6 +125,7 @@ struct BeginSubstep {
 template <class Real, bool rubbed, bool record>
 struct KeepContacts {
   const Pair* contacts;
+  const std::uint32_t* place_of;
   const SoftContact<Real>* soft;
   const SoftGrip<Real>* grips;
   Pair* known_contacts;
@@ -121,20 +133,22 @@ struct KeepContacts {
   Vector3<Real>* known_grip;
   Real* total;
   SIM_HD void operator()(int contact) const {
+    const std::uint32_t place = place_of[contact];
     known_contacts[contact] = contacts[contact];
-    const Real impulse = soft[contact].impulse;
+    const Real impulse = soft[place].impulse;
     known_impulse[contact] = impulse;
     if constexpr (rubbed)
-      known_grip[contact] = impulse > 0 ? grips[contact].impulse : Vector3<Real>(Vector3<Real>::Zero());
-    if constexpr (record) total[contact] = soft[contact].total;
+      known_grip[contact] = impulse > 0 ? grips[place].impulse : Vector3<Real>(Vector3<Real>::Zero());
+    if constexpr (record) total[contact] = soft[place].total;
   }
 };
 
-struct KeepCount {
+struct EndStep {
   const StepControl* control;
-  std::uint32_t* count;
+  std::uint32_t *count, *bounces;
   SIM_HD void operator()(int) const {
     if (!control->overflow) *count = control->contacts;
+    *bounces = 0;
   }
 };
 
@@ -160,12 +174,18 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
       softness_(Softness<Real>::of(h_)),
       colouring_(executor),
+      split_degrees_(executor),
       all_(executor),
       split_(executor),
+      swept_(executor, "contacts in the order of sweeps"),
+      place_of_(executor, "places of contacts"),
+      inverse_masses_(executor, "inverse masses of contacts"),
       soft_(executor, "contacts of the solver"),
       grips_(executor, "friction of contacts"),
+      gripped_(executor, "bodies of friction"),
       split_change_(executor, "split impulses"),
       split_rubbed_(executor, "split friction"),
+      bounces_(executor, "whether something bounces"),
       wall_impulse_(executor, "impulses of walls"),
       wall_bounce_(executor, "bounces off walls"),
       wall_grip_(executor, "friction at walls"),
@@ -181,6 +201,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   wall_impulse_.upload(std::vector<Real>(walls, 0));
   wall_bounce_.upload(std::vector<Real>(walls, -1));
   known_count_.upload({0});
+  bounces_.upload({0});
   if (scene.effects.rolling_resistance)
     rolling_.enable(scene.bodies, scene.body_count, scene.plane_count, scene.rolling, scene.control);
   if (!scene.effects.friction) return;
@@ -195,7 +216,11 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   const auto m = static_cast<std::size_t>(contact_capacity), known = std::max(m, remembered_);
   colouring_.reserve(scene_.body_count, contact_capacity);
   all_.reserve(scene_.body_count, contact_capacity);
+  split_degrees_.reserve(scene_.body_count, contact_capacity);
   split_.reserve(scene_.body_count, contact_capacity);
+  swept_.resize_discarding(m);
+  place_of_.resize_discarding(m);
+  inverse_masses_.resize_discarding(m);
   soft_.resize_discarding(m);
   split_change_.resize_discarding(m);
   known_contacts_.resize_keeping(known);
@@ -203,6 +228,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   if (scene_.effects.rolling_resistance) rolling_.reserve(contact_capacity, known);
   if (!scene_.effects.friction) return;
   grips_.resize_discarding(m);
+  gripped_.resize_discarding(m);
   split_rubbed_.resize_discarding(m);
   known_grip_.resize_keeping(known);
 }
@@ -274,35 +300,36 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   prescribed_.begin();
   prepare<rubbed>(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
-    if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source(contacts));
-    begin_substep<rubbed>(contacts);
+    if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
+    begin_substep<rubbed>();
     prescribed_.hold();
     if (scene_.joints) scene_.joints->warm_start();
     for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
       if (scene_.joints) scene_.joints->solve();
-      sweep("solve", contacts, Solve<Real>{softness_});
+      sweep("solve", Solve<Real>{softness_});
       sweep_walls<rubbed>("solve", false, false);
     }
     move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, {.rotation = scene_.effects.rotation},
                       scene_.gravity, scene_.box, h_, scene_.control);
     prescribed_.hold(h_);
     executor_.run("relax", Count(&scene_.control->contacts, contact_capacity_),
-                  PlaceContacts<Real>{contacts.bodies, scene_.bodies, soft_.data()});
+                  PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
       if (scene_.joints) scene_.joints->relax();
       sweep_walls<rubbed>("relax", true, last);
-      sweep("relax", contacts, Relax<Real, rubbed>{softness_, scene_.bodies.radius, last});
-      if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source(contacts));
+      sweep("relax", Relax<Real, rubbed>{softness_, scene_.bodies.radius, last, scene_.restitution,
+                                         last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
+      if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
     }
   }
   if (scene_.plane_count > 0)
     executor_.run("bounce", scene_.body_count, BounceOffWalls<Real, rubbed>{walls<rubbed>(), scene_.control});
-  sweep("bounce", contacts, Bounce<Real>{scene_.restitution});
+  sweep("bounce", Bounce<Real>{scene_.restitution, bounces_.data()});
   if constexpr (rubbed) {
     if (scene_.plane_count > 0)
       executor_.run("friction", scene_.body_count, GripWalls<Real>{walls<true>(), scene_.control});
-    sweep("friction", contacts, Grip<Real>{});
+    sweep("friction", Grip<Real>{bounces_.data()});
   }
   prescribed_.hold();
   keep<rubbed>(contacts, impulses);
@@ -314,29 +341,41 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   StepControl* control = scene_.control;
   colouring_.colour(contacts.bodies, control);
   const ColourView colours = colouring_.view();
-  all_.list("prepare", contacts.bodies, colours.order, colours.begin, &control->contacts);
-  split_.list("prepare", contacts.bodies, colours.order, colours.begin + Colouring::colours,
-              &control->split_contacts);
   const ImpulseView<Real> known{known_contacts_.data(), known_impulse_.data(), known_count_.data()};
   executor_.run("prepare", Count(&control->contacts, contact_capacity_),
                 PrepareContacts<Real, rubbed>{contacts.bodies,
+                                              colours.order,
                                               scene_.bodies,
                                               known,
                                               {scene_.friction, known_grip_.data()},
+                                              place_of_.data(),
+                                              swept_.data(),
+                                              inverse_masses_.data(),
                                               soft_.data(),
-                                              grips_.data()});
-  if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(contacts), known);
+                                              grips_.data(),
+                                              gripped_.data()});
+  const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
+  all_.list("prepare", all, colouring_.degrees(), place_of_.data());
+  const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
+                         &control->split_contacts};
+  split_degrees_.count("prepare", split);
+  split_.list("prepare", split, split_degrees_, place_of_.data());
+  if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), known);
 }
 
 template <class Real>
-RollingSource<Real> SoftStepSolver<Real>::rolling_source(const ContactView<Real>& contacts) const {
-  return {contacts.bodies, soft_.data(), all_.view(), Count(&scene_.control->contacts, contact_capacity_),
+RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
+  return {swept_.data(),
+          soft_.data(),
+          place_of_.data(),
+          all_.view(colouring_.degrees()),
+          Count(&scene_.control->contacts, contact_capacity_),
           wall_impulse_.data()};
 }
 
 template <class Real>
 template <bool rubbed>
-void SoftStepSolver<Real>::begin_substep(const ContactView<Real>& contacts) {
+void SoftStepSolver<Real>::begin_substep() {
   if (scene_.effects.attractor)
     executor_.run("attractor", scene_.body_count,
                   PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
@@ -345,10 +384,11 @@ void SoftStepSolver<Real>::begin_substep(const ContactView<Real>& contacts) {
         "drag", scene_.body_count,
         DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_, scene_.control});
   const auto with = [&]<Pull pull, bool walled>() {
-    executor_.run("forces", scene_.body_count,
-                  BeginSubstep<Real, pull, walled, rubbed>{scene_.bodies, contacts.bodies, soft_.data(),
-                                                           grips_.data(), all_.view(), walls<rubbed>(),
-                                                           scene_.gravity, scene_.field, h_, scene_.control});
+    executor_.run(
+        "forces", scene_.body_count,
+        BeginSubstep<Real, pull, walled, rubbed>{scene_.bodies, swept_.data(), soft_.data(), grips_.data(),
+                                                 all_.view(colouring_.degrees()), walls<rubbed>(),
+                                                 scene_.gravity, scene_.field, h_, scene_.control});
   };
   const auto with_walls = [&]<Pull pull>() {
     scene_.plane_count > 0 ? with.template operator()<pull, true>() : with.template operator()<pull, false>();
@@ -363,21 +403,22 @@ void SoftStepSolver<Real>::begin_substep(const ContactView<Real>& contacts) {
 
 template <class Real>
 template <class Act>
-void SoftStepSolver<Real>::sweep(const char* stage, const ContactView<Real>& contacts, const Act& act) {
+void SoftStepSolver<Real>::sweep(const char* stage, const Act& act) {
   const ColourView colours = colouring_.view();
-  const ContactsByBodyView split = split_.view();
+  const SweptContacts<Real> swept{swept_.data(),
+                                  inverse_masses_.data(),
+                                  soft_.data(),
+                                  grips_.data(),
+                                  gripped_.data(),
+                                  colours.begin,
+                                  colours.count,
+                                  split_.view(split_degrees_),
+                                  split_degrees_.body_items(),
+                                  split_change_.data(),
+                                  split_rubbed_.data()};
   // Contacts of one colour share no body, so there are at most half as many as bodies.
-  const std::int64_t colour_capacity = std::min(contact_capacity_, scene_.body_count / 2);
-  executor_.run_rounds(stage, Colouring::colours, colour_capacity,
-                       ColourByColour<SweepContact<Real, Act>>{
-                           colours, {contacts.bodies, soft_.data(), grips_.data(), scene_.bodies, act}});
-  executor_.run(stage, Count(&scene_.control->split_contacts, contact_capacity_),
-                SweepSplit<Real, Act>{contacts.bodies, soft_.data(), grips_.data(), scene_.bodies,
-                                      colours.order, colours.begin + Colouring::colours, split.count,
-                                      split_change_.data(), split_rubbed_.data(), act});
-  executor_.run(stage, split_.bodies(),
-                ApplySplit<Real, Act::rubs>{contacts.bodies, soft_.data(), scene_.bodies, split,
-                                            split_change_.data(), split_rubbed_.data()});
+  executor_.run_rounds(stage, Sweep<Real, Act>::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+                       Sweep<Real, Act>{swept, scene_.bodies, act});
 }
 
 template <class Real>
@@ -409,13 +450,13 @@ template <bool rubbed>
 void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulses) {
   const auto with = [&]<bool record>() {
     executor_.run("keep", Count(&scene_.control->contacts, contact_capacity_),
-                  KeepContacts<Real, rubbed, record>{contacts.bodies, soft_.data(), grips_.data(),
-                                                     known_contacts_.data(), known_impulse_.data(),
-                                                     known_grip_.data(), impulses});
+                  KeepContacts<Real, rubbed, record>{contacts.bodies, place_of_.data(), soft_.data(),
+                                                     grips_.data(), known_contacts_.data(),
+                                                     known_impulse_.data(), known_grip_.data(), impulses});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
-  if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source(contacts));
-  executor_.run("keep", 1, KeepCount{scene_.control, known_count_.data()});
+  if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
+  executor_.run("keep", 1, EndStep{scene_.control, known_count_.data(), bounces_.data()});
 }
 
 template class SoftStepSolver<float>;

@@ -21,6 +21,7 @@
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/soft_contact.h"
 #include "sim_cuda/solver/soft_grip.h"
+#include "sim_cuda/solver/soft_sweeps.h"
 #include "sim_cuda/solver/soft_walls.h"
 
 namespace collidoscope {
@@ -44,14 +45,14 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <bool rubbed>
   void prepare(const ContactView<Real>& contacts);
   template <bool rubbed>
-  void begin_substep(const ContactView<Real>& contacts);
+  void begin_substep();
   template <class Act>
-  void sweep(const char* stage, const ContactView<Real>& contacts, const Act& act);
+  void sweep(const char* stage, const Act& act);
   template <bool rubbed>
   SoftWalls<Real, rubbed> walls() const;
   template <bool rubbed>
   void sweep_walls(const char* stage, bool relaxing, bool last);
-  RollingSource<Real> rolling_source(const ContactView<Real>& contacts) const;
+  RollingSource<Real> rolling_source() const;
   template <bool rubbed>
   void keep(const ContactView<Real>& contacts, Real* impulses);
 
@@ -62,11 +63,17 @@ class SoftStepSolver final : public ContactSolver<Real> {
   std::int64_t contact_capacity_ = 0;
   std::size_t remembered_ = 0;  ///< contacts that remember() was given
   Colouring colouring_;
-  ContactsByBody all_, split_;  ///< of all contacts; of the mass-split set
+  ContactDegrees split_degrees_;
+  ContactsByBody all_, split_;      ///< of all contacts; of the mass-split set
+  Buffer<Pair> swept_;              ///< in the order in which they are swept, as all that follows by place
+  Buffer<std::uint32_t> place_of_;  ///< by contact
+  Buffer<InverseMasses<Real>> inverse_masses_;
   Buffer<SoftContact<Real>> soft_;
-  Buffer<SoftGrip<Real>> grips_;             ///< empty without friction, as all that follows of it
-  Buffer<Real> split_change_;                ///< per contact, N s
-  Buffer<Vector3<Real>> split_rubbed_;       ///< per contact, N s
+  Buffer<SoftGrip<Real>> grips_;  ///< empty without friction, as all that follows of it
+  Buffer<GrippedPair<Real>> gripped_;
+  Buffer<Real> split_change_;                ///< N s
+  Buffer<Vector3<Real>> split_rubbed_;       ///< N s
+  Buffer<std::uint32_t> bounces_;            ///< one
   Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes x bodies; empty without planes
   Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
   Buffer<Real> wall_pressed_;

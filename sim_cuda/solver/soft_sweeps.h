@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/soft_contact.h"
@@ -31,9 +33,14 @@ struct Relax {
   Softness<Real> softness;
   const Real* radius;
   bool last;  ///< of the sweeps of this substep
+  Restitution<Real> restitution;
+  std::uint32_t* bounces;  ///< null, but in the last sweep of a step: to be set where something will bounce
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
     const Real change = contact.template solve<false>(velocity.dot(contact.normal), mass, softness);
-    if (last) contact.end_substep(velocity, radius[bodies.a] + radius[bodies.b]);
+    if (!last) return change;
+    contact.end_substep(velocity, radius[bodies.a] + radius[bodies.b]);
+    if (bounces != nullptr && contact.total > 0 && restitution.of_pair(bodies, contact.approach) > 0)
+      atomic_store(bounces, std::uint32_t{1});
     return change;
   }
   SIM_HD Vector3<Real> grip(const SoftContact<Real>& contact, SoftGrip<Real>& grip, const Vector3<Real>& slip,
@@ -48,58 +55,102 @@ template <class Real>
 struct Bounce {
   static constexpr bool rubs = false;
   Restitution<Real> restitution;
+  const std::uint32_t* bounces;  ///< 0: nothing will bounce
+  SIM_HD bool called_for() const { return read_only(bounces) != 0; }
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
-    const Real e =
-        restitution.between(restitution.of_body(bodies.a), restitution.of_body(bodies.b), contact.approach);
-    return contact.bounce(velocity.dot(contact.normal), mass, e);
+    return contact.bounce(velocity.dot(contact.normal), mass, restitution.of_pair(bodies, contact.approach));
   }
 };
 
-/// Friction once more, within what the whole step has pressed.
+/// Friction once more, where a contact bounced, within what the whole step has pressed.
 template <class Real>
 struct Grip {
   static constexpr bool rubs = true;
+  const std::uint32_t* bounces;
+  SIM_HD bool called_for() const { return read_only(bounces) != 0; }
   SIM_HD Real press(SoftContact<Real>&, Pair, const Vector3<Real>&, Real) const { return 0; }
   SIM_HD Vector3<Real> grip(const SoftContact<Real>& contact, SoftGrip<Real>& grip, const Vector3<Real>& slip,
                             Real mass) const {
+    if (!contact.bounced()) return Vector3<Real>::Zero();
     return rub<Real>(slip, mass, grip.coefficient * contact.total, grip.total);
   }
 };
 
-// ---- stages ----
+// ---- one sweep ----
 
-/// Of contacts of one colour at a time: no two share a body.
-template <class Real, class Act>
-struct SweepContact {
-  const Pair* contacts;
+/// 1/kg, of the two bodies of a contact: beside it, so that a sweep need not look them up.
+template <class Real>
+struct InverseMasses {
+  Real a, b;
+};
+
+/// The contacts of a step in the order in which they are swept: colour by colour, then the mass-split set. A
+/// contact's place in it is not its number in the list of contacts.
+template <class Real>
+struct SweptContacts {
+  const Pair* bodies_of;
+  const InverseMasses<Real>* inverse_masses;
   SoftContact<Real>* soft;
-  SoftGrip<Real>* grips;  ///< read by acts that rub
+  SoftGrip<Real>* grips;              ///< read by acts that rub, as
+  const GrippedPair<Real>* gripped;   ///< this
+  const std::uint32_t* begin;         ///< where colour c starts; c = Colouring::colours: the split set
+  const std::uint32_t* count;         ///< how many it has
+  ContactsByBodyView split;           ///< places of the split set, by body
+  const std::uint32_t* split_bodies;  ///< all bodies, or 0 where the set is empty
+  Real* split_change;                 ///< N s, along the normal
+  Vector3<Real>* split_rubbed;        ///< N s, across it; written by acts that rub
+};
+
+/// For Executor::run_rounds: a round for each colour, whose contacts share no body; then the mass-split set
+/// (Tonge, Benevolenski, Voroshilov 2012), all at once: a body with n contacts in it counts as n bodies of
+/// 1/n of its mass; then what they make of each body.
+template <class Real, class Act>
+struct Sweep {
+  static constexpr bool planned = true;
+  static constexpr int rounds = Colouring::colours + 2;
+
+  SweptContacts<Real> contacts;
   BodyView<Real> bodies;
   Act act;
 
-  SIM_HD void operator()(int contact) const {
-    const Pair ids = contacts[contact];
-    SoftContact<Real> k = soft[contact];
-    const Real w_a = bodies.inverse_mass[ids.a], w_b = bodies.inverse_mass[ids.b];
+  SIM_HD std::int64_t items(int round) const {
+    if constexpr (requires { act.called_for(); })
+      if (!act.called_for()) return 0;
+    return read_only(round <= Colouring::colours ? contacts.count + round : contacts.split_bodies);
+  }
+  SIM_HD void operator()(int round, int item) const {
+    const auto place = [&] { return read_only(contacts.begin + round) + static_cast<std::uint32_t>(item); };
+    if (round < Colouring::colours)
+      resolve(place());
+    else if (round == Colouring::colours)
+      resolve_split(place());
+    else
+      apply_split(item);
+  }
+
+  SIM_HD void resolve(std::uint32_t place) const {
+    const Pair ids = contacts.bodies_of[place];
+    SoftContact<Real> k = contacts.soft[place];
+    const auto [w_a, w_b] = contacts.inverse_masses[place];
     Vector3<Real> v_a = bodies.velocity[ids.a], v_b = bodies.velocity[ids.b];
     const Real change = act.press(k, ids, v_b - v_a, 1 / (w_a + w_b));
-    soft[contact] = k;
+    contacts.soft[place] = k;
     if (change != 0) {
       v_a -= change * w_a * k.normal;
       v_b += change * w_b * k.normal;
     }
     if constexpr (Act::rubs) {
-      SoftGrip<Real> grip = grips[contact];
+      SoftGrip<Real> grip = contacts.grips[place];
       if (!(k.total > 0) && grip.impulse.dot(grip.impulse) == 0) return store(ids, v_a, v_b, change != 0);
-      RubbedPair<Real> pair(bodies, ids, k);
+      RubbedPair<Real> pair(bodies, ids, k, contacts.gripped[place]);
       const Real mass = 1 / (w_a + w_b + pair.ease_a() + pair.ease_b());
       const Vector3<Real> rubbed = act.grip(k, grip, pair.slip(v_b - v_a), mass);
-      grips[contact] = grip;
+      contacts.grips[place] = grip;
       v_a -= w_a * rubbed;
       v_b += w_b * rubbed;
-      pair.turn(rubbed);
-      bodies.angular_velocity[ids.a] = pair.a.rate;
-      bodies.angular_velocity[ids.b] = pair.b.rate;
+      pair.turn(bodies, ids, rubbed);
+      bodies.angular_velocity[ids.a] = pair.rate_a;
+      bodies.angular_velocity[ids.b] = pair.rate_b;
       store(ids, v_a, v_b, true);
     } else {
       store(ids, v_a, v_b, change != 0);
@@ -110,64 +161,41 @@ struct SweepContact {
     bodies.velocity[ids.a] = v_a;
     bodies.velocity[ids.b] = v_b;
   }
-};
 
-/// The mass-split set (Tonge, Benevolenski, Voroshilov 2012): a body with n contacts in it counts as n bodies
-/// of 1/n of its mass, whose velocities are averaged afterwards.
-template <class Real, class Act>
-struct SweepSplit {
-  const Pair* contacts;
-  SoftContact<Real>* soft;
-  SoftGrip<Real>* grips;
-  BodyView<Real> bodies;
-  const std::uint32_t *order, *begin, *count;
-  Real* change;           ///< N s, along the normal
-  Vector3<Real>* rubbed;  ///< N s, across it; written by acts that rub
-  Act act;
-
-  SIM_HD void operator()(int item) const {
-    const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
-    const Pair ids = contacts[contact];
-    const Real n_a = static_cast<Real>(count[ids.a]), n_b = static_cast<Real>(count[ids.b]);
-    const Real w_a = bodies.inverse_mass[ids.a], w_b = bodies.inverse_mass[ids.b];
+  SIM_HD void resolve_split(std::uint32_t place) const {
+    const Pair ids = contacts.bodies_of[place];
+    const Real n_a = static_cast<Real>(contacts.split.count[ids.a]),
+               n_b = static_cast<Real>(contacts.split.count[ids.b]);
+    const auto [w_a, w_b] = contacts.inverse_masses[place];
     const Vector3<Real> velocity = bodies.velocity[ids.b] - bodies.velocity[ids.a];
-    SoftContact<Real>& k = soft[contact];
-    change[contact] = act.press(k, ids, velocity, 1 / (w_a * n_a + w_b * n_b));
+    SoftContact<Real>& k = contacts.soft[place];
+    contacts.split_change[place] = act.press(k, ids, velocity, 1 / (w_a * n_a + w_b * n_b));
     if constexpr (Act::rubs) {
-      const RubbedPair<Real> pair(bodies, ids, k);
+      const RubbedPair<Real> pair(bodies, ids, k, contacts.gripped[place]);
       const Real mass = 1 / ((w_a + pair.ease_a()) * n_a + (w_b + pair.ease_b()) * n_b);
-      rubbed[contact] = act.grip(k, grips[contact], pair.slip(velocity), mass);
+      contacts.split_rubbed[place] = act.grip(k, contacts.grips[place], pair.slip(velocity), mass);
     }
   }
-};
 
-/// A body's share of all its contacts in the set, added in increasing id of the other body.
-template <class Real, bool rubs>
-struct ApplySplit {
-  const Pair* contacts;
-  const SoftContact<Real>* soft;
-  BodyView<Real> bodies;
-  ContactsByBodyView split;
-  const Real* change;
-  const Vector3<Real>* rubbed;
-
-  SIM_HD void operator()(int body) const {
-    const std::uint32_t n = split.count[body];
+  /// A body's share of all its contacts in the set, added in increasing id of the other body.
+  SIM_HD void apply_split(int body) const {
+    const std::uint32_t n = contacts.split.count[body];
     if (n == 0) return;
     Vector3<Real> momentum = Vector3<Real>::Zero();
     [[maybe_unused]] Vector3<Real> moment = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t contact = split.entry[split.begin[body] + k];
-      const Real sign = contacts[contact].a == static_cast<std::uint32_t>(body) ? Real(-1) : Real(1);
-      const Vector3<Real> normal = soft[contact].normal;
-      momentum += sign * change[contact] * normal;
-      if constexpr (rubs) {
-        momentum += sign * rubbed[contact];
-        moment -= (bodies.radius[body] + soft[contact].gap / 2) * normal.cross(rubbed[contact]);
+      const std::uint32_t place = contacts.split.entry[contacts.split.begin[body] + k];
+      const Real sign = contacts.bodies_of[place].a == static_cast<std::uint32_t>(body) ? Real(-1) : Real(1);
+      const Vector3<Real> normal = contacts.soft[place].normal;
+      momentum += sign * contacts.split_change[place] * normal;
+      if constexpr (Act::rubs) {
+        const Vector3<Real> rubbed = contacts.split_rubbed[place];
+        momentum += sign * rubbed;
+        moment -= (bodies.radius[body] + contacts.soft[place].gap / 2) * normal.cross(rubbed);
       }
     }
     bodies.velocity[body] += bodies.inverse_mass[body] * momentum;
-    if constexpr (rubs) {
+    if constexpr (Act::rubs) {
       Spin<Real> spin = Spin<Real>::of(bodies, static_cast<std::uint32_t>(body));
       spin.turn(moment);
       bodies.angular_velocity[body] = spin.rate;
