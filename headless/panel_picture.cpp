@@ -9,9 +9,9 @@ namespace collidoscope {
 PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings)
     : frame_(width, height) {
   workspace_.settings = settings_of(world);
-  workspace_.layers = {layers.spheres,   layers.boxes,       layers.contacts,   layers.grid,
-                       layers.walls,     layers.first_level, layers.last_level, layers.color,
-                       layers.box_color, layers.box_low,     layers.box_high};
+  workspace_.layers = {layers.spheres, layers.boxes,     layers.contacts,    layers.grid,
+                       layers.walls,   layers.joints,    layers.first_level, layers.last_level,
+                       layers.color,   layers.box_color, layers.box_low,     layers.box_high};
   workspace_.playing = false;
   workspace_.hint = false;
   if (layers.tree) {  // long as it is, it takes the others' room

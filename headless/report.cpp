@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/launch_json.h"
+#include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 
@@ -79,6 +80,11 @@ std::string numbers_text(const RunReport& report) {
       "", fmt::format("{:.6g} J of it came in by pushing overlaps apart", last.push_work - first.push_work));
   text += line("momentum", vector(last.momentum, "kg m/s"));
   text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
+  if (last.joints > 0) {
+    text += line("joints", fmt::format("{}; {:.3g} m off at most, {:.3g} rad", grouped(last.joints),
+                                       last.max_joint_error, last.max_joint_angle));
+    if (last.spring_energy > 0) text += line("", fmt::format("{:.6g} J in springs", last.spring_energy));
+  }
   text += line("wall impulse", fmt::format("{:.6g} N s", last.wall_impulse));
   text += line("penetration", fmt::format("{:.6g} m at the deepest", last.max_penetration));
   text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
@@ -119,7 +125,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .precision = std::string(name_of(precision_names, scene.physics.precision)),
                    .effects = names_of(world.effects()),
                    .shape = world.launch_shape(),
-                   .substeps = substeps_in_effect(scene.physics),
+                   .substeps = substeps_of(scene, world.initial()),
                    .iterations = scene.physics.iterations,
                    .time_step = scene.physics.time_step,
                    .initial = initial,
@@ -168,6 +174,11 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["angular_momentum"] = vector_json(last.angular_momentum);
   json["max_penetration"] = last.max_penetration;
   json["max_speed"] = last.max_speed;
+  if (last.joints > 0)
+    json["joints"] = {{"count", last.joints},
+                      {"max_error", last.max_joint_error},
+                      {"max_angle", last.max_joint_angle},
+                      {"spring_energy", last.spring_energy}};
   json["non_finite"] = last.non_finite;
   json["escaped"] = last.escaped;
   json["wall_impulse"] = last.wall_impulse;

@@ -4,6 +4,7 @@
 
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
+#include "sim_cuda/solver/joint_ends.h"
 
 namespace collidoscope {
 
@@ -118,6 +119,50 @@ struct PackContacts {
   }
 };
 
+template <class Real, bool turning>
+struct PackJoints {
+  JointView<Real> joints;
+  BodyView<Real> bodies;
+  Vector3<Real> gravity;
+  JointInstance* out;
+  SIM_HD void operator()(int place) const {
+    const JointRow<Real>& joint = joints.rows[place];
+    const bool world = joint.b == JointRow<Real>::world;
+    const JointEnds<Real, turning> ends(bodies, joint);
+    const Vector3<Real> anchor = ends.a.center + ends.a.arm;
+    const Real r_a = bodies.radius[joint.a], size = world ? r_a : min_of(r_a, bodies.radius[joint.b]);
+    JointInstance record{};
+    const auto put = [](float* to, const Vector3<Real>& from) {
+      for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
+    };
+    JointLook look = JointLook::line;
+    if (joint.kind == JointKind::ball || joint.kind == JointKind::hinge) {
+      look = JointLook::corner;
+      put(record.from, ends.a.center);
+      put(record.to, world ? anchor : ends.b.center);
+      put(record.at, anchor);
+      if constexpr (turning)
+        if (joint.kind == JointKind::hinge) put(record.aside, size * (ends.a.axes * joint.axis_a));
+    } else {
+      put(record.from, anchor);
+      put(record.to, anchor + ends.apart);
+      using std::sqrt;
+      const Real length = sqrt(ends.apart.dot(ends.apart)), pull = sqrt(gravity.dot(gravity));
+      if (joint.kind == JointKind::spring) {
+        look = JointLook::spring;
+      } else if (joint.low < joint.high && length < joint.high && finite(joint.high) && pull > 0) {
+        // The sag of a parabola of that length: right for a rope that is nearly taut, and for one that hangs
+        // double.
+        look = JointLook::rope;
+        put(record.aside, sqrt((joint.high - length) * (joint.high / 4 + length / 8)) / pull * gravity);
+      }
+    }
+    record.look = static_cast<float>(look);
+    record.size = static_cast<float>(size);
+    out[place] = record;
+  }
+};
+
 void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree, const float* values) {
   BoxInstance* out = target.boxes;
   const bool leaves = leaves_have(target.box_metric);
@@ -136,11 +181,16 @@ void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView&
 template <class Real>
 void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
           Buffer<std::uint32_t>& counts) {
-  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree, values] = source;
+  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree, values, joints, gravity] =
+      source;
   if (target.boxes != nullptr) pack_boxes(executor, target, tree, values.of_node);
   if (target.contacts != nullptr)
     executor.run("publish", contact_count,
                  PackContacts<Real>{contacts, {bodies.position, bodies.radius}, impulses, target.contacts});
+  if (target.joints != nullptr && bodies.orientation != nullptr)
+    executor.run("publish", joints.count, PackJoints<Real, true>{joints, bodies, gravity, target.joints});
+  else if (target.joints != nullptr)
+    executor.run("publish", joints.count, PackJoints<Real, false>{joints, bodies, gravity, target.joints});
   if (target.bodies == nullptr) return;
   executor.run("publish", body_count, PackBodies<Real>{bodies, mesh, target.body_color, target.bodies});
   if (target.body_color == BodyColor::contacts) {

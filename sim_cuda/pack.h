@@ -7,6 +7,7 @@
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/publish.h"
 #include "sim_cuda/solver/contact_impulses.h"
+#include "sim_cuda/solver/joint_state.h"
 
 namespace collidoscope {
 
@@ -21,6 +22,8 @@ struct PackSource {
   ImpulseView<Real> impulses;  ///< of the last step
   TreeView tree;               ///< needed for boxes, and for bodies coloured by it
   TreeValues values;
+  JointView<Real> joints;
+  Vector3<Real> gravity;  ///< m/s^2, which ropes sag along
 };
 
 /// Only enqueues. `counts` is scratch, sized here where bodies are coloured by their contacts.

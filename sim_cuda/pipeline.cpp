@@ -12,6 +12,7 @@
 #include "sim_cuda/inspect.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/pack.h"
+#include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/walls.h"
@@ -57,6 +58,8 @@ class TypedPipeline final : public Pipeline {
   }
   Capacity capacity() const override { return {pairs_.capacity(), contacts_.capacity()}; }
 
+  std::int64_t joints() const override { return joints_ ? joints_->count() : 0; }
+
   void record_impulses(bool on) override { impulses_.enable(on); }
   void keep_impulses() override { impulses_.keep(contacts_.view().bodies, control_.data()); }
   std::vector<ContactImpulse> impulses() override;
@@ -82,7 +85,7 @@ class TypedPipeline final : public Pipeline {
   void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values) override {
     pack<Real>(executor_, target,
                {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(),
-                tree, values},
+                tree, values, joints_ ? joints_->view() : JointView<Real>{}, gravity_},
                publish_counts_);
   }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }
@@ -174,11 +177,9 @@ std::vector<WallPlane<Real>> wall_planes(const Scene& scene, const std::optional
 
 /// The approach speed below which nothing bounces; "auto": twice what gravity adds in a run, so that resting
 /// contacts rest.
-double bounce_threshold(const Physics& physics, bool gravity) {
+double bounce_threshold(const Physics& physics, int substeps, bool gravity) {
   if (physics.restitution_threshold) return *physics.restitution_threshold;
-  return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step /
-                       substeps_in_effect(physics)
-                 : 0;
+  return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step / substeps : 0;
 }
 
 template <class Real>
@@ -209,6 +210,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       measurer_(executor),
       publish_counts_(executor, "contacts per body to draw") {
   const std::size_t n = initial.size();
+  const int substeps = substeps_of(scene, initial);
   state_.position.upload(narrowed<Real>(initial.position));
   state_.velocity.upload(initial.velocity.empty() ? std::vector<Vector3<Real>>(n, Vector3<Real>(0, 0, 0))
                                                   : narrowed<Real>(initial.velocity));
@@ -251,7 +253,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   for (const Material& m : scene.materials) restitution.push_back(static_cast<Real>(m.restitution));
   restitution_of_material_.upload(restitution);
   restitution_ = {restitution_of_material_.data(), state_.material.data(),
-                  static_cast<Real>(bounce_threshold(scene.physics, effects.gravity))};
+                  static_cast<Real>(bounce_threshold(scene.physics, substeps, effects.gravity))};
 
   if (effects.friction) {
     std::vector<Real> friction;
@@ -286,7 +288,6 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
 
   control_.upload({StepControl{}});
   const auto time_step = static_cast<Real>(scene.physics.time_step);
-  const int substeps = substeps_in_effect(scene.physics);
   if (effects.joints)
     joints_ = std::make_unique<Joints<Real>>(executor, place_joints(scene, initial), initial, state_.view(),
                                              effects.rotation, time_step / static_cast<Real>(substeps),

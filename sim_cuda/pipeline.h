@@ -59,6 +59,7 @@ class Pipeline {
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
   virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values) = 0;
 
+  virtual std::int64_t joints() const = 0;        ///< that are simulated
   virtual std::vector<WallLedger> ledgers() = 0;  ///< empty where there are no walls
   /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
   /// worlds have walls.

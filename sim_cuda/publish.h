@@ -52,6 +52,26 @@ struct ContactInstance {  // 48 bytes
   float padding;
 };
 
+/// How a joint is drawn.
+enum class JointLook : std::uint32_t {
+  line,    ///< from anchor to anchor
+  rope,    ///< the same, sagging
+  spring,  ///< the same, in zigzag
+  corner   ///< from centre to centre by way of what they share
+};
+
+struct JointInstance {  // 64 bytes
+  float from[3];        ///< m
+  float look;           ///< a JointLook
+  float to[3];
+  float size;   ///< m, radius of the smaller body: sizes the marks
+  float at[3];  ///< of a corner
+  float padding;
+  float aside[3];  ///< m: how far a rope sags in the middle; half of a hinge's axis, from `at`
+  float padding2;
+};
+
+static_assert(sizeof(JointInstance) == 64);
 static_assert(sizeof(BodyInstance) == 48 && sizeof(BoxInstance) == 32 && sizeof(ContactInstance) == 48);
 
 /// Where publish() writes. All pointers are in the executor's own memory space (device pointers where the
@@ -67,11 +87,13 @@ struct PublishTarget {
   NodeMetric box_metric = NodeMetric::level;
   ContactInstance* contacts = nullptr;
   std::int64_t contact_capacity = 0;
+  JointInstance* joints = nullptr;
+  std::int64_t joint_capacity = 0;
 };
 
 /// How many records of each kind the current state has.
 struct PublishCounts {
-  std::int64_t bodies = 0, boxes = 0, contacts = 0;
+  std::int64_t bodies = 0, boxes = 0, contacts = 0, joints = 0;
 };
 
 }  // namespace collidoscope

@@ -502,6 +502,7 @@ PublishCounts World::publish_counts(int first_level, int last_level) {
       counts.boxes += sizes[static_cast<std::size_t>(level)];
   }
   counts.contacts = w.pipeline->control().contacts;
+  counts.joints = w.pipeline->joints();
   return counts;
 }
 
@@ -511,7 +512,8 @@ void World::publish(const PublishTarget& target) {
   const PublishCounts counts = publish_counts(target.first_level, boxes ? target.last_level : -1);
   if ((target.bodies != nullptr && target.body_capacity < counts.bodies) ||
       (target.boxes != nullptr && target.box_capacity < counts.boxes) ||
-      (target.contacts != nullptr && target.contact_capacity < counts.contacts))
+      (target.contacts != nullptr && target.contact_capacity < counts.contacts) ||
+      (target.joints != nullptr && target.joint_capacity < counts.joints))
     throw std::logic_error("publish: the target is smaller than publish_counts() says");
   w.keep_impulses();
   const bool by_visits = target.bodies != nullptr && target.body_color == BodyColor::visits;

@@ -25,8 +25,8 @@ TEST(FrameLayers, ReadsNamesAndRanges) {
   EXPECT_EQ(parse_layers("spheres,bvh:2-5,contacts"), expected);
   EXPECT_EQ(parse_layers("bvh:7"), (FrameLayers{.boxes = true, .first_level = 7, .last_level = 7}));
   EXPECT_EQ(parse_layers("bvh"), (FrameLayers{.boxes = true, .first_level = 0, .last_level = 63}));
-  EXPECT_EQ(parse_layers("spheres,no-grid,no-walls,no-overlay"),
-            (FrameLayers{.spheres = true, .grid = false, .walls = false, .overlay = false}));
+  EXPECT_EQ(parse_layers("spheres,no-grid,no-walls,no-joints,no-overlay"),
+            (FrameLayers{.spheres = true, .joints = false, .grid = false, .walls = false, .overlay = false}));
 }
 
 TEST(FrameLayers, EveryFaultHasItsLine) {

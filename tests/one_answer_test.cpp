@@ -53,7 +53,7 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 }
 
 TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
-  for (const char* name : {"rolling", "rolling_out", "sinking", "orbits", "carousel"})
+  for (const char* name : {"rolling", "rolling_out", "sinking", "orbits", "carousel", "wrecking_ball"})
     for (const Precision precision : {Precision::f32, Precision::f64}) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;

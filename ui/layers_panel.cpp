@@ -36,6 +36,10 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   layer_switch(workspace, "grid", "grid", layers.grid);
   ImGui::SameLine(column);
   layer_switch(workspace, "walls", "walls", layers.walls);
+  if (view.stats.joints > 0) {
+    ImGui::SameLine(2 * column - ImGui::GetStyle().WindowPadding.x);
+    layer_switch(workspace, "joints", "joints", layers.joints);
+  }
   if (layers.boxes) {
     draw_level_bar(workspace, view, "layers.levels");
     const std::int64_t boxes = boxes_shown(workspace, view);

@@ -26,6 +26,10 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
       "What pushing overlapping bodies apart has added to the energy since the start");
   row("deepest", with_prefix(s.max_penetration, "m"),
       "The deepest overlap of two bodies, or of body and wall");
+  if (s.joints > 0) {
+    row("joints", grouped_number(s.joints));
+    row("furthest", with_prefix(s.max_joint_error, "m"), "What a joint holds, from where it should be");
+  }
   row("fastest", with_prefix(s.max_speed, "m/s"));
   row("split", grouped_number(s.split_contacts),
       "Contacts that no colour took, solved by splitting the masses of their bodies");

@@ -40,7 +40,7 @@ struct Settings {
 
 /// What the 3D view shows.
 struct ShownLayers {
-  bool spheres = true, boxes = false, contacts = false, grid = true, walls = true;
+  bool spheres = true, boxes = false, contacts = false, grid = true, walls = true, joints = true;
   int first_level = 0, last_level = 63;  ///< of the hierarchy, inclusive; 0 is the root
   BodyColor color = BodyColor::speed;
   NodeMetric box_color = NodeMetric::level;

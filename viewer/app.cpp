@@ -32,9 +32,9 @@ Workspace first_workspace(const Options& options) {
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) {
-    workspace.layers = {asked.spheres,   asked.boxes,       asked.contacts,   asked.grid,
-                        asked.walls,     asked.first_level, asked.last_level, asked.color,
-                        asked.box_color, asked.box_low,     asked.box_high};
+    workspace.layers = {asked.spheres, asked.boxes,     asked.contacts,    asked.grid,
+                        asked.walls,   asked.joints,    asked.first_level, asked.last_level,
+                        asked.color,   asked.box_color, asked.box_low,     asked.box_high};
   }
   return workspace;
 }

@@ -16,6 +16,7 @@ FrameLayers frame_layers(const ShownLayers& shown) {
   layers.spheres = shown.spheres;
   layers.boxes = shown.boxes;
   layers.contacts = shown.contacts;
+  layers.joints = shown.joints;
   layers.grid = shown.grid;
   layers.walls = shown.walls;
   layers.overlay = false;

@@ -182,7 +182,9 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
       parted_(executor, "pairs that joints hold apart"),
       sums_(executor, "sums over joints") {
   if (joints.empty()) return;
-  const std::vector<bool> moves(initial.size(), true);
+  std::vector<bool> moves(initial.size(), true);
+  for (std::size_t body = 0; body < initial.motion.size(); ++body)
+    moves[body] = initial.motion[body] == Motion::dynamic;
   std::vector<std::uint32_t> joints_of(initial.size(), 0);
   const auto each_body = [&](const PlacedJoint& joint, const auto& act) {
     act(joint.a);
@@ -297,8 +299,9 @@ void Joints<Real>::remember(const std::vector<JointMemory>& memory) {
   for (const std::size_t place : scene_order_) {
     const JointRow<Real>& row = rows[place];
     const auto found = std::find_if(
-        memory.begin() + static_cast<std::ptrdiff_t>(known), memory.end(),
-        [&](const JointMemory& m) { return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b; });
+        memory.begin() + static_cast<std::ptrdiff_t>(known), memory.end(), [&](const JointMemory& m) {
+          return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b;
+        });
     std::array<Real, 7> part{};
     if (found != memory.end()) {
       known = static_cast<std::size_t>(found - memory.begin()) + 1;

@@ -64,6 +64,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                  {"contacts", workspace.layers.contacts},
                  {"grid", workspace.layers.grid},
                  {"walls", workspace.layers.walls},
+                 {"joints", workspace.layers.joints},
                  {"first_level", workspace.layers.first_level},
                  {"last_level", workspace.layers.last_level},
                  {"color", static_cast<int>(workspace.layers.color)},

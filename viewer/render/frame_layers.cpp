@@ -44,6 +44,8 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
       layers.grid = name == "grid";
     } else if (name == "walls" || name == "no-walls") {
       layers.walls = name == "walls";
+    } else if (name == "joints" || name == "no-joints") {
+      layers.joints = name == "joints";
     } else if (name == "overlay" || name == "no-overlay") {
       layers.overlay = name == "overlay";
     } else if (name == "bvh" || name.starts_with("bvh:")) {
@@ -59,8 +61,7 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
     } else {
       faults.push_back(where + ": '" + name +
                        "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, ui:tree, grid, walls, "
-                       "overlay, no-grid, "
-                       "no-walls, no-overlay");
+                       "joints, overlay, no-grid, no-walls, no-joints, no-overlay");
     }
   }
   if (!faults.empty()) throw InputError(faults);

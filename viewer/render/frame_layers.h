@@ -14,6 +14,7 @@ struct FrameLayers {
   bool boxes = false;                    ///< the hierarchy's AABBs, levels first_level to last_level
   int first_level = 0, last_level = 63;  ///< inclusive, depth from the root; clipped to the levels there are
   bool contacts = false;
+  bool joints = true;   ///< where there are any
   bool grid = true;     ///< the floor, with a line every round number of metres
   bool walls = true;    ///< the edges of the scene's box
   bool overlay = true;  ///< text: scene, state, counts, stage times, legend
@@ -28,8 +29,8 @@ struct FrameLayers {
 };
 
 /// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, ui, ui:tree, grid,
-/// walls, overlay, and no-grid, no-walls, no-overlay: those three are the setting and are drawn unless
-/// switched off. Throws InputError, one line per fault, each beginning with `where` (the flag's name).
+/// walls, joints, overlay, and no-grid, no-walls, no-joints, no-overlay: those four are drawn unless switched
+/// off. Throws InputError, one line per fault, each beginning with `where` (the flag's name).
 FrameLayers parse_layers(const std::string& text, const std::string& where = "--layers");
 
 /// speed, radius, id, contacts, order, depth or visits. Throws InputError.

@@ -12,7 +12,7 @@
 namespace collidoscope {
 
 struct InstanceBuffers {
-  gl::Buffer bodies{"bodies"}, boxes{"boxes"}, contacts{"contacts"};
+  gl::Buffer bodies{"bodies"}, boxes{"boxes"}, contacts{"contacts"}, joints{"joints"};
   PublishCounts counts;  ///< records in each that are drawn
   std::vector<std::int64_t>
       level_sizes;  ///< of the boxes, which come level by level; their sum is counts.boxes
@@ -33,6 +33,10 @@ struct InstanceBuffers {
   void upload(std::span<const ContactInstance> records) {
     contacts.upload(records.data(), records.size_bytes());
     counts.contacts = static_cast<std::int64_t>(records.size());
+  }
+  void upload(std::span<const JointInstance> records) {
+    joints.upload(records.data(), records.size_bytes());
+    counts.joints = static_cast<std::int64_t>(records.size());
   }
 };
 

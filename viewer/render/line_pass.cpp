@@ -19,6 +19,7 @@ LinePass::LinePass()
       thin_box_("box.vert", "line.frag", "#define THIN\n"),
       contact_("contact.vert", "contact.frag"),
       listed_contact_("contact.vert", "contact.frag", "#define LISTED\n"),
+      joint_("joint.vert", "contact.frag"),
       box_ids_("box.vert", "id.frag", "#define IDS\n"),
       edge_ids_("box.vert", "id.frag", "#define IDS\n#define EDGES\n"),
       nothing_{},
@@ -142,6 +143,12 @@ void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) {
   else
     draw_twice(contact_, GL_TRIANGLES, 12, records, 1.0f, hidden);
   gl::check("to draw " + std::to_string(count) + " contacts");
+}
+
+void LinePass::draw_joints(const gl::Buffer& joints, std::int64_t count) const {
+  const float hidden = std::min(0.25f, 100.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
+  draw_twice(joint_, GL_TRIANGLES, 132, {joints, sizeof(JointInstance), 0, count}, 1.0f, hidden);
+  gl::check("to draw " + std::to_string(count) + " joints");
 }
 
 void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low,

@@ -1,7 +1,7 @@
 #pragma once
-// Draws what consists of lines: the hierarchy's boxes, contacts, and the edges of the walls. First, faintly,
-// what surfaces hide, then what lies before them. Many boxes are drawn in thin lines: a fog of broad ones
-// shows nothing, and a GPU with few raster units takes long over it. Owns its programs.
+// Draws what consists of lines: the hierarchy's boxes, contacts, joints, and the edges of the walls. First,
+// faintly, what surfaces hide, then what lies before them. Many boxes are drawn in thin lines: a fog of broad
+// ones shows nothing, and a GPU with few raster units takes long over it. Owns its programs.
 
 #include <limits>
 #include <span>
@@ -38,6 +38,7 @@ class LinePass {
   void draw_marks(const gl::Buffer& boxes, std::int64_t count) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count);
+  void draw_joints(const gl::Buffer& joints, std::int64_t count) const;
   /// Into an id buffer: faces filled or edges one pixel wide, 0x80000000 + place of the box in the buffer,
   /// nearest wins; of boxes whose value lies from `low` to `high`.
   void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low, double high) const;
@@ -58,7 +59,7 @@ class LinePass {
   void prepare(const gl::Program& program) const;
   static void draw_records(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records);
 
-  gl::Program box_, thin_box_, contact_, listed_contact_, box_ids_, edge_ids_;
+  gl::Program box_, thin_box_, contact_, listed_contact_, joint_, box_ids_, edge_ids_;
   LineCull cull_;
   gl::VertexLayout nothing_, box_layout_;
 };

@@ -150,6 +150,8 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   lit_->bind();
   if (layers.grid) planes_.draw_veils();
   if (layers.walls && scene_.box) lines_.draw_walls(walls_);
+  if (layers.joints && instances_.counts.joints > 0)
+    lines_.draw_joints(instances_.joints, instances_.counts.joints);
   mark("veils and walls");
   if (layers.boxes || layers.contacts) lines_.look_at(*surface_, options_.cull_lines);
   glBindTextureUnit(0, heat_.get());

@@ -26,8 +26,8 @@ void check(cudaError_t code, const std::string& what) {
 
 struct CudaGlBuffers::Impl {
   int gpu = 0;
-  std::array<cudaGraphicsResource_t, 3> resources{};
-  std::array<int, 3> generations{};  // 0: not registered
+  std::array<cudaGraphicsResource_t, 4> resources{};
+  std::array<int, 4> generations{};  // 0: not registered
   bool mapped = false;
 
   void unregister(std::size_t i) {
@@ -54,14 +54,15 @@ CudaGlBuffers::CudaGlBuffers(int gpu) : impl_(std::make_unique<Impl>()) {
 
 CudaGlBuffers::~CudaGlBuffers() {
   if (impl_->mapped) unmap();
-  for (std::size_t i = 0; i < 3; ++i) impl_->unregister(i);
+  for (std::size_t i = 0; i < 4; ++i) impl_->unregister(i);
 }
 
-std::array<void*, 3> CudaGlBuffers::map(const InstanceBuffers& buffers) {
+CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers& buffers) {
   Impl& m = *impl_;
   check(cudaSetDevice(m.gpu), "device " + std::to_string(m.gpu));
-  const std::array<const gl::Buffer*, 3> sources{&buffers.bodies, &buffers.boxes, &buffers.contacts};
-  for (std::size_t i = 0; i < 3; ++i) {
+  const std::array<const gl::Buffer*, 4> sources{&buffers.bodies, &buffers.boxes, &buffers.contacts,
+                                                 &buffers.joints};
+  for (std::size_t i = 0; i < 4; ++i) {
     if (m.generations[i] == sources[i]->generation()) continue;
     m.unregister(i);
     check(cudaGraphicsGLRegisterBuffer(&m.resources[i], sources[i]->get(),
@@ -69,12 +70,12 @@ std::array<void*, 3> CudaGlBuffers::map(const InstanceBuffers& buffers) {
           "to register a GL buffer of " + std::to_string(sources[i]->capacity()) + " bytes");
     m.generations[i] = sources[i]->generation();
   }
-  check(cudaGraphicsMapResources(3, m.resources.data(), nullptr), "to map three GL buffers");
+  check(cudaGraphicsMapResources(4, m.resources.data(), nullptr), "to map four GL buffers");
   m.mapped = true;
   // Mapping orders only what follows in its own stream, and the simulator has streams of its own.
   check(cudaStreamSynchronize(nullptr), "to wait for OpenGL");
-  std::array<void*, 3> addresses{};
-  for (std::size_t i = 0; i < 3; ++i) {
+  Addresses addresses{};
+  for (std::size_t i = 0; i < 4; ++i) {
     std::size_t bytes = 0;
     check(cudaGraphicsResourceGetMappedPointer(&addresses[i], &bytes, m.resources[i]),
           "the address of a mapped GL buffer");
@@ -87,7 +88,7 @@ std::array<void*, 3> CudaGlBuffers::map(const InstanceBuffers& buffers) {
 
 void CudaGlBuffers::unmap() {
   impl_->mapped = false;
-  check(cudaGraphicsUnmapResources(3, impl_->resources.data(), nullptr), "to unmap three GL buffers");
+  check(cudaGraphicsUnmapResources(4, impl_->resources.data(), nullptr), "to unmap four GL buffers");
 }
 
 }  // namespace collidoscope
@@ -100,7 +101,7 @@ struct CudaGlBuffers::Impl {};
 
 CudaGlBuffers::CudaGlBuffers(int) { throw MachineError("this build has no CUDA"); }
 CudaGlBuffers::~CudaGlBuffers() = default;
-std::array<void*, 3> CudaGlBuffers::map(const InstanceBuffers&) {
+CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers&) {
   throw MachineError("this build has no CUDA");
 }
 void CudaGlBuffers::unmap() {}

@@ -16,9 +16,10 @@ class CudaGlBuffers {
   explicit CudaGlBuffers(int gpu);
   ~CudaGlBuffers();
 
-  /// The device addresses of bodies, boxes and contacts, valid until unmap(). OpenGL has finished with them,
-  /// and CUDA may write from any stream. Throws MachineError.
-  std::array<void*, 3> map(const InstanceBuffers& buffers);
+  /// The device addresses of bodies, boxes, contacts and joints, valid until unmap(). OpenGL has finished
+  /// with them, and CUDA may write from any stream. Throws MachineError.
+  using Addresses = std::array<void*, 4>;
+  Addresses map(const InstanceBuffers& buffers);
   void unmap();
 
  private:

@@ -39,6 +39,7 @@ void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffe
   PublishCounts counts = world.publish_counts(layers.first_level, layers.boxes ? layers.last_level : -1);
   if (!layers.spheres) counts.bodies = 0;
   if (!layers.contacts) counts.contacts = 0;
+  if (!layers.joints) counts.joints = 0;
   buffers.counts = counts;
   buffers.level_sizes.clear();
   if (layers.boxes) {
@@ -50,6 +51,7 @@ void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffe
   buffers.bodies.reserve(static_cast<std::size_t>(counts.bodies) * sizeof(BodyInstance));
   buffers.boxes.reserve(static_cast<std::size_t>(counts.boxes) * sizeof(BoxInstance));
   buffers.contacts.reserve(static_cast<std::size_t>(counts.contacts) * sizeof(ContactInstance));
+  buffers.joints.reserve(static_cast<std::size_t>(counts.joints) * sizeof(JointInstance));
   PublishTarget target;
   target.body_capacity = counts.bodies;
   target.body_color = layers.color;
@@ -58,16 +60,18 @@ void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffe
   target.first_level = layers.first_level;
   target.last_level = layers.last_level;
   target.contact_capacity = counts.contacts;
+  target.joint_capacity = counts.joints;
   if (path_ == DisplayPath::interop && publish_mapped(world, target, buffers)) return;
   publish_uploaded(world, target, buffers);
 }
 
 bool DisplayLink::publish_mapped(World& world, PublishTarget target, const InstanceBuffers& buffers) {
   try {
-    const std::array<void*, 3> at = shared_->map(buffers);
+    const CudaGlBuffers::Addresses at = shared_->map(buffers);
     if (target.body_capacity) target.bodies = static_cast<BodyInstance*>(at[0]);
     if (target.box_capacity) target.boxes = static_cast<BoxInstance*>(at[1]);
     if (target.contact_capacity) target.contacts = static_cast<ContactInstance*>(at[2]);
+    if (target.joint_capacity) target.joints = static_cast<JointInstance*>(at[3]);
   } catch (const MachineError& error) {
     step_down(error.what(), DisplayPath::copy);
     return false;
@@ -83,16 +87,18 @@ void DisplayLink::publish_uploaded(World& world, PublishTarget target, InstanceB
     gl::Buffer* to;
     void* at = nullptr;
   };
-  Part parts[3] = {
+  Part parts[] = {
       {static_cast<std::size_t>(target.body_capacity) * sizeof(BodyInstance), &buffers.bodies},
       {static_cast<std::size_t>(target.box_capacity) * sizeof(BoxInstance), &buffers.boxes},
-      {static_cast<std::size_t>(target.contact_capacity) * sizeof(ContactInstance), &buffers.contacts}};
+      {static_cast<std::size_t>(target.contact_capacity) * sizeof(ContactInstance), &buffers.contacts},
+      {static_cast<std::size_t>(target.joint_capacity) * sizeof(JointInstance), &buffers.joints}};
   // On the CPU the scratch is plain memory, and is uploaded from where it was written.
-  for (int slot = 0; slot < 3; ++slot)
+  for (int slot = 0; slot < 4; ++slot)
     if (parts[slot].bytes) parts[slot].at = world.scratch(parts[slot].bytes, slot);
   target.bodies = static_cast<BodyInstance*>(parts[0].at);
   target.boxes = static_cast<BoxInstance*>(parts[1].at);
   target.contacts = static_cast<ContactInstance*>(parts[2].at);
+  target.joints = static_cast<JointInstance*>(parts[3].at);
   world.publish(target);
   for (const Part& part : parts) {
     if (!part.bytes) continue;
