@@ -52,13 +52,17 @@ struct JointEnd {
 
   /// m/s, of a point of the body, `from` its centre.
   SIM_HD Vector3<Real> speed_at(const Vector3<Real>& from) const {
-    if constexpr (turning) return velocity + rate.cross(from);
-    return velocity;
+    if constexpr (turning)
+      return velocity + rate.cross(from);
+    else
+      return velocity;
   }
   /// The same, as a mean over the next move of h seconds, which turns bodies by a Cayley map of h rate.
   SIM_HD Vector3<Real> mean_speed_at(const Vector3<Real>& from, Real h) const {
-    if constexpr (turning) return velocity + mean_turn(from, h);
-    return velocity;
+    if constexpr (turning)
+      return velocity + mean_turn(from, h);
+    else
+      return velocity;
   }
   SIM_HD Vector3<Real> mean_turn(const Vector3<Real>& vector, Real h) const {
     const Vector3<Real> half = (h / 2) * rate, along = rate.cross(vector);
@@ -78,8 +82,9 @@ struct JointEnd {
     if constexpr (turning) {
       const Vector3<Real> moment = from.cross(direction);
       return inverse_mass + moment.dot(eased(moment));
+    } else {
+      return inverse_mass;
     }
-    return inverse_mass;
   }
   /// 1/kg, against any impulse there.
   SIM_HD void add_ease(const Vector3<Real>& from, Symmetric3<Real>& ease) const {
