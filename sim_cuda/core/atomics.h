@@ -93,12 +93,9 @@ SIM_HD inline bool atomic_min(std::uint32_t* target, std::uint32_t value) {
 #endif
 }
 
-/// Looks before it bids: most bids at a busy place are lower than what stands there, and a load costs far
-/// less than an atomic.
-SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
+/// Does not wait for anything: for places where few bid.
+SIM_HD inline void atomic_max_unseen(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
-  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
-  if (*reinterpret_cast<volatile std::uint64_t*>(target) >= value) return;
   atomicMax(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
 #else
   std::atomic_ref<std::uint64_t> cell(*target);
@@ -106,6 +103,16 @@ SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
   while (seen < value && !cell.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
   }
 #endif
+}
+
+/// Looks before it bids: most bids at a busy place are lower than what stands there, and a load costs far
+/// less than an atomic.
+SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+  if (*reinterpret_cast<volatile std::uint64_t*>(target) >= value) return;
+#endif
+  atomic_max_unseen(target, value);
 }
 
 SIM_HD inline void atomic_or(std::uint32_t* target, std::uint32_t bits) {

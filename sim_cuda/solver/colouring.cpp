@@ -145,8 +145,8 @@ struct BidInRounds {
     const std::uint8_t wanted =
         set_bit(free, static_cast<std::uint32_t>(static_cast<std::uint64_t>(dice) * choices >> 32));
     colour[contact] = wanted | tentative;
-    atomic_max(bid_place(bids, a, wanted), bid(hash, round, contact));
-    atomic_max(bid_place(bids, b, wanted), bid(hash, round, contact));
+    atomic_max_unseen(bid_place(bids, a, wanted), bid(hash, round, contact));
+    atomic_max_unseen(bid_place(bids, b, wanted), bid(hash, round, contact));
   }
 
   SIM_HD void decide(std::uint32_t round, std::uint32_t contact) const {

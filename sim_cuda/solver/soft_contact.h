@@ -68,11 +68,12 @@ struct alignas(4 * sizeof(Real)) SoftContact {
     return change;
   }
 
-  /// At the end of a substep that leaves b moving at `velocity` relative to a, `reach` being the sum of their
-  /// radii in m: counts the impulse, or says how fast they would meet.
-  SIM_HD void end_substep(const Vector3<Real>& velocity, Real reach) {
+  /// At the end of a substep that leaves b moving at `velocity` relative to a: counts the impulse, or says
+  /// how fast they would meet. `reach()` is the sum of their radii, m, and asked for only then.
+  template <class Reach>
+  SIM_HD void end_substep(const Vector3<Real>& velocity, const Reach& reach) {
     total += impulse;
-    if (!(total > 0)) approach = meeting_speed(velocity, reach);
+    if (!(total > 0)) approach = meeting_speed(velocity, reach());
   }
 
   /// m/s along the normal that they will have where they touch, if both go on straight; 0 where they part or

@@ -38,7 +38,7 @@ struct Relax {
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
     const Real change = contact.template solve<false>(velocity.dot(contact.normal), mass, softness);
     if (!last) return change;
-    contact.end_substep(velocity, radius[bodies.a] + radius[bodies.b]);
+    contact.end_substep(velocity, [&] { return radius[bodies.a] + radius[bodies.b]; });
     if (bounces != nullptr && contact.total > 0 && restitution.of_pair(bodies, contact.approach) > 0)
       atomic_store(bounces, std::uint32_t{1});
     return change;
@@ -133,16 +133,16 @@ struct Sweep {
     SoftContact<Real> k = contacts.soft[place];
     const auto [w_a, w_b] = contacts.inverse_masses[place];
     Vector3<Real> v_a = bodies.velocity[ids.a], v_b = bodies.velocity[ids.b];
-    const Real change = act.press(k, ids, v_b - v_a, 1 / (w_a + w_b));
-    contacts.soft[place] = k;
-    if (change != 0) {
-      v_a -= change * w_a * k.normal;
-      v_b += change * w_b * k.normal;
-    }
     if constexpr (Act::rubs) {
+      // All is read before anything is computed: to wait for memory twice would cost more than what may turn
+      // out to be of no use.
       SoftGrip<Real> grip = contacts.grips[place];
-      if (!(k.total > 0) && grip.impulse.dot(grip.impulse) == 0) return store(ids, v_a, v_b, change != 0);
       RubbedPair<Real> pair(bodies, ids, k, contacts.gripped[place]);
+      const bool pressed = press(place, ids, k, w_a, w_b, v_a, v_b);
+      if (!(k.total > 0) && grip.impulse.dot(grip.impulse) == 0) {
+        if (pressed) store(ids, v_a, v_b);
+        return;
+      }
       const Real mass = 1 / (w_a + w_b + pair.ease_a() + pair.ease_b());
       const Vector3<Real> rubbed = act.grip(k, grip, pair.slip(v_b - v_a), mass);
       contacts.grips[place] = grip;
@@ -151,13 +151,22 @@ struct Sweep {
       pair.turn(bodies, ids, rubbed);
       bodies.angular_velocity[ids.a] = pair.rate_a;
       bodies.angular_velocity[ids.b] = pair.rate_b;
-      store(ids, v_a, v_b, true);
-    } else {
-      store(ids, v_a, v_b, change != 0);
+      store(ids, v_a, v_b);
+    } else if (press(place, ids, k, w_a, w_b, v_a, v_b)) {
+      store(ids, v_a, v_b);
     }
   }
-  SIM_HD void store(Pair ids, const Vector3<Real>& v_a, const Vector3<Real>& v_b, bool changed) const {
-    if (!changed) return;
+  /// Whether it changed the velocities.
+  SIM_HD bool press(std::uint32_t place, Pair ids, SoftContact<Real>& k, Real w_a, Real w_b,
+                    Vector3<Real>& v_a, Vector3<Real>& v_b) const {
+    const Real change = act.press(k, ids, v_b - v_a, 1 / (w_a + w_b));
+    contacts.soft[place] = k;
+    if (change == 0) return false;
+    v_a -= change * w_a * k.normal;
+    v_b += change * w_b * k.normal;
+    return true;
+  }
+  SIM_HD void store(Pair ids, const Vector3<Real>& v_a, const Vector3<Real>& v_b) const {
     bodies.velocity[ids.a] = v_a;
     bodies.velocity[ids.b] = v_b;
   }
