@@ -345,7 +345,8 @@ __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const 
   }
 }
 
-/// Of rounds whose items are known from the start, those that one block can do at once are its alone.
+/// Of rounds whose items are known from the start, those that one block does sooner than it could wait for
+/// the others are its alone.
 template <class Rounds>
 requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_groups::grid_group& grid,
                                                              const int rounds, const Rounds& stage) {
@@ -355,12 +356,14 @@ requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_g
   for (int round = 0; round < rounds; ++round) {
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
-    const bool alone = items <= blockDim.x;
+    const bool alone = items <= (blockDim.x > 768 ? blockDim.x : 768);
     if (!first && !(alone && was_alone)) grid.sync();
     if (!first && alone && was_alone && rank < blockDim.x) __syncthreads();
     first = false;
     was_alone = alone;
-    for (std::int64_t i = rank; i < items; i += lanes) stage(round, static_cast<int>(i));
+    if (alone && rank >= blockDim.x) continue;
+    for (std::int64_t i = rank; i < items; i += alone ? std::int64_t{blockDim.x} : lanes)
+      stage(round, static_cast<int>(i));
   }
 }
 

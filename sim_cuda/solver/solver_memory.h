@@ -32,7 +32,7 @@ struct SolverMemory {
   // What rolling resistance gave, N m s; empty where there is none.
   std::vector<std::array<double, 3>> rolls, wall_rolls;  ///< as grips and wall_grips
   std::vector<std::uint32_t> slow;                       ///< steps, by body (sleeping.h); empty without sleep
-  std::vector<JointMemory> joints;                ///< in the order of the scene
+  std::vector<JointMemory> joints;                       ///< in the order of the scene
 };
 
 }  // namespace collidoscope
