@@ -44,7 +44,7 @@ double least_square(const Scene& scene, const InitialBodies& bodies) {
     const double span = std::max(std::sqrt(way.dot(way)), bodies.radius[joint.a]);
     const double felt = 1 / (inverse_mass(joint.a) + inverse_mass(joint.b));
     const double load = mass[root(moves(joint.a) ? joint.a : joint.b)] * gravity;
-    if (load > 0) least = std::min(least, share * span * 8 * felt / (n * load));
+    if (load > 0) least = std::min(least, share * span * 4 * felt / (n * load));
   }
   return least;
 }

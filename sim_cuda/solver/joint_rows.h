@@ -5,8 +5,9 @@
 // after the move, leaves them no speed against each other. For a joint by itself this is RATTLE (Andersen
 // 1983) with the kick in front: the period is right to second order in h, and energy does not drift. Where
 // bodies have n > 1 joints, these are swept (Gauss, Seidel) and yield: 0.4/n of an error is pulled in per
-// substep, and a tenth of the impulse that was carried over is let go of. A load F makes such a joint give
-// way by about F h^2 / (4 m) x n/2, m being the mass that it feels; asked for faster, what the sweeps have
+// substep, and a tenth of the impulse that was carried over is let go of. A load F at rest makes such a joint
+// give way by F h^2 n / (4 m), m being the mass that it feels, and some four times that when it swings; asked
+// for faster, what the sweeps have
 // not passed on yet would be asked for twice, and swing up. Errors go at no more than 50 radii of the smaller
 // body a second. Impulses act in pairs along one line or at one place: momenta are kept to rounding.
 //
