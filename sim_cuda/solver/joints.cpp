@@ -122,6 +122,7 @@ struct JointRounds {
   BodyView<Real> bodies;
   Real h;
   const StepControl* control;
+  static constexpr bool planned = true;
   SIM_HD std::int64_t items(int round) const {
     return control->overflow ? 0 : joints.begin[round + 1] - joints.begin[round];
   }
