@@ -74,8 +74,8 @@ class TypedPipeline final : public Pipeline {
 
   void measure(StepStats& stats) override {
     measurer_.measure({state_.view(), body_count_, state_.ledger.data(), planes_.data(), plane_count_,
-                       gravity_.template cast<double>(), pulls(), box_, contacts_.view(), control_.data(),
-                       contacts_.capacity(), impulses_.view()},
+                       boxes(), gravity_.template cast<double>(), pulls(), box_, contacts_.view(),
+                       control_.data(), contacts_.capacity(), impulses_.view()},
                       stats);
     if (joints_) joints_->measure(stats);
   }
@@ -101,6 +101,7 @@ class TypedPipeline final : public Pipeline {
   Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
   PullView<Real> pulls() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
   PartedPairs parted() const { return joints_ ? joints_->parted() : PartedPairs{}; }
+  BoxView<Real> boxes() const { return {box_surfaces_.data(), static_cast<int>(box_surfaces_.size())}; }
   SphereView<Real> spheres() const {
     return {state_.position.data(), state_.radius.data(),
             prescribed_.size() > 0 ? state_.inverse_mass.data() : nullptr};
@@ -133,6 +134,7 @@ class TypedPipeline final : public Pipeline {
   Buffer<Real> friction_of_material_;                    // empty where the effect is off
   Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well
   Buffer<WallPlane<Real>> planes_;
+  Buffer<BoxSurface<Real>> box_surfaces_;
   int plane_count_ = 0;
   Restitution<Real> restitution_;
   Buffer<Aabb> boxes_, extent_;  // extent: the box, or scratch for the extent of all boxes
@@ -153,6 +155,21 @@ std::vector<Vector3<Real>> narrowed(const std::vector<Vector3d>& wide) {
   std::vector<Vector3<Real>> narrow(wide.size());
   for (std::size_t i = 0; i < wide.size(); ++i) narrow[i] = wide[i].cast<Real>();
   return narrow;
+}
+
+template <class Real>
+std::vector<BoxSurface<Real>> box_surfaces(const Scene& scene) {
+  std::vector<BoxSurface<Real>> surfaces;
+  for (const BoxObstacle& box : scene.boxes) {
+    const Material& material = scene.materials[static_cast<std::size_t>(box.material)];
+    const Matrix3d turn = box.orientation.toRotationMatrix();
+    surfaces.push_back({box.center.cast<Real>(),
+                        (box.size / 2).cast<Real>(),
+                        {turn.col(0).cast<Real>(), turn.col(1).cast<Real>(), turn.col(2).cast<Real>()},
+                        static_cast<Real>(material.restitution),
+                        static_cast<Real>(material.friction)});
+  }
+  return surfaces;
 }
 
 template <class Real>
@@ -200,6 +217,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       rolling_of_material_(executor, "rolling resistance by material"),
       rolling_of_plane_(executor, "rolling resistance by plane"),
       planes_(executor, "walls"),
+      box_surfaces_(executor, "box obstacles"),
       boxes_(executor, "boxes"),
       extent_(executor, "extent"),
       broad_phase_(make_broad_phase(executor.options().broad_phase, executor)),
@@ -281,10 +299,12 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
     for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) by_material.push_back(of(k));
     for (const Plane& plane : scene.obstacles) by_plane.push_back(of(plane.material));
     by_plane.resize(planes_.size(), of(0));  // the box
+    for (const BoxObstacle& box : scene.boxes) by_plane.push_back(of(box.material));
     rolling_of_material_.upload(by_material);
     rolling_of_plane_.upload(by_plane);
   }
-  if (plane_count_ > 0) state_.ledger.upload(std::vector<WallLedger>(n));
+  box_surfaces_.upload(box_surfaces<Real>(scene));
+  if (plane_count_ > 0 || !scene.boxes.empty()) state_.ledger.upload(std::vector<WallLedger>(n));
 
   control_.upload({StepControl{}});
   const auto time_step = static_cast<Real>(scene.physics.time_step);
@@ -302,6 +322,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        {rolling_of_material_.data(), state_.material.data(), rolling_of_plane_.data()},
        planes_.data(),
        plane_count_,
+       boxes(),
        state_.ledger.data(),
        gravity_,
        DragLaw<Real>::of(scene.physics.drag),
@@ -406,7 +427,7 @@ void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector
     write(state_.orientation, orientation);
     write(state_.angular_velocity, narrowed<Real>(states.angular_velocity));
   }
-  if (plane_count_ > 0 && ledgers.size() >= n) write(state_.ledger, ledgers);
+  if (state_.ledger.size() > 0 && ledgers.size() >= n) write(state_.ledger, ledgers);
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 }
 
 TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
-  for (const char* name : {"rolling", "rolling_out", "sinking", "orbits", "carousel", "wrecking_ball"})
+  for (const char* name :
+       {"rolling", "rolling_out", "sinking", "orbits", "carousel", "wrecking_ball", "marble_run"})
     for (const Precision precision : {Precision::f32, Precision::f64}) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;
@@ -197,6 +198,7 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
                                         "sinking",
                                         "orbits",
                                         "carousel",
+                                        "marble_run",
                                         "one_body",
                                         "empty"};
   const auto file = project_file("tests/golden/hashes.json");

@@ -56,7 +56,8 @@ TEST(SceneFile, EveryFieldIsRead) {
                {"shape": "mesh", "motion": "kinematic", "mesh": "a/b.obj"}],
     "generators": [{"kind": "box_collider", "count": 1e1, "radius_max": 0.25, "variant": "equal", "spawn": "apart",
                     "seed": 18446744073709551615, "speed_max": 2, "material": "steel"}],
-    "obstacles": [{"shape": "plane", "normal": [0, 0, 3], "offset": -4, "material": "steel"}],
+    "obstacles": [{"shape": "box", "center": [1, 2, 3], "size": [4, 5, 6], "orientation": [0, 2, 0, 0], "material": "steel"},
+                  {"shape": "plane", "normal": [0, 0, 3], "offset": -4, "material": "steel"}],
     "joints": [{"kind": "distance", "a": 0, "b": 1, "anchor_a": [1, 2, 3], "anchor_b": [4, 5, 6], "min_length": 0.5,
                 "max_length": 2, "collide": true},
                {"kind": "spring", "a": 2, "b": "world", "anchor_b": [7, 8, 9], "length": 3, "frequency": 4,
@@ -110,6 +111,10 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(generator.seed, ~std::uint64_t{0});
   EXPECT_EQ(generator.speed_max, 2);
   EXPECT_EQ(generator.material, 1);
+  EXPECT_EQ(scene.boxes.at(0).center, Vector3d(1, 2, 3));
+  EXPECT_EQ(scene.boxes.at(0).size, Vector3d(4, 5, 6));
+  EXPECT_EQ(scene.boxes.at(0).orientation.coeffs(), Quaterniond(0, 1, 0, 0).coeffs());
+  EXPECT_EQ(scene.boxes.at(0).material, 1);
   EXPECT_EQ(scene.obstacles.at(0).normal, Vector3d(0, 0, 1));
   EXPECT_EQ(scene.obstacles.at(0).offset, -4);
   EXPECT_EQ(scene.obstacles.at(0).material, 1);
@@ -247,8 +252,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"solver\": \"soft_step\", \"effects\": [\"rotation\", \"rolling_resistance\"]}",
             "s:2:35: effects: must hold friction where they hold rolling_resistance"},
         Bad{"\"obstacles\": [{\"shape\": \"box\"}]}",
-            "s:2:25: an obstacle has \"shape\": \"plane\", the only one so far"},
-        Bad{"\"obstacles\": [{}]}", "s:2:15: an obstacle has \"shape\": \"plane\""},
+            "s:2:25: obstacles[0].shape: must be plane with the solver impulse"},
+        Bad{"\"solver\": \"soft_step\", \"obstacles\": [{\"shape\": \"plane\"}, {\"shape\": \"box\", "
+            "\"size\": [1, 0, 1]}]}",
+            "s:2:87: obstacles[1].size[1]: must lie in [1e-09, 1e+09] m, not 0"},
+        Bad{"\"obstacles\": [{}]}", "s:2:15: an obstacle has \"shape\": \"plane\" or \"shape\": \"box\""},
         Bad{"\"gravity\": [0, 0, 0], \"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"variant\": "
             "\"settled\"}]}",
             "s:2:85: generators[0].variant: must not be settled without gravity"},
@@ -398,6 +406,10 @@ class RandomScene {
     for (int i = static_cast<int>(random_() % 4); s.bodies.size() > 1 && i > 0; --i)
       s.joints.push_back(joint());
     if (s.physics.solver == Solver::impulse) s.physics.effects = Effects{};
+    if (s.physics.solver == Solver::soft_step && coin())
+      s.boxes.push_back({vector(10), Vector3d(real(1, 2), real(1, 2), real(1, 2)),
+                         Quaterniond(real(-1, 1), real(-1, 1), real(-1, 1), real(-1, 1)).normalized(),
+                         material(s)});
     if (coin()) s.camera.position = vector(1000);
     if (coin()) s.camera.target = vector(1000);
     s.camera.up = vector(1);
@@ -491,6 +503,10 @@ std::string bits(const Scene& s) {
     whole(g.seed), real(g.speed_max), whole(g.material);
   }
   for (const Plane& o : s.obstacles) text += "\n", vec(o.normal), real(o.offset), whole(o.material);
+  for (const BoxObstacle& o : s.boxes) {
+    text += "\n", vec(o.center), vec(o.size), whole(o.material);
+    real(o.orientation.w()), real(o.orientation.x()), real(o.orientation.y()), real(o.orientation.z());
+  }
   const Vector3d unset(-1, -1, -1);
   for (const Joint& j : s.joints) {
     text += "\n";

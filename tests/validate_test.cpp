@@ -40,6 +40,13 @@ std::vector<Attractor>& pulling(Scene& scene) {
   return scene.physics.attractors;
 }
 
+/// Boxes, and a solver that has them.
+std::vector<BoxObstacle>& boxes(Scene& scene) {
+  scene.physics.solver = Solver::soft_step;
+  scene.boxes.resize(2);
+  return scene.boxes;
+}
+
 TEST(Validate, AcceptsWhatIsValid) {
   EXPECT_TRUE(validate(Scene{}).empty());
   EXPECT_TRUE(validate(full_scene()).empty());
@@ -181,6 +188,14 @@ TEST(Validate, NamesEveryFault) {
       {"obstacles[0].normal", "must be a vector of length 1", [](Scene& s) { s.obstacles[0].normal *= 2; }},
       {"obstacles[0].offset", "must lie in", [](Scene& s) { s.obstacles[0].offset = nan_value; }},
       {"obstacles[0].material", "must be the index", [](Scene& s) { s.obstacles[0].material = 9; }},
+      {"boxes[0].shape", "must be plane with the solver impulse (soft_step has boxes)",
+       [](Scene& s) { s.boxes.resize(1); }},
+      {"boxes[1].center[2]", "must lie in [-1e+09, 1e+09] m",
+       [](Scene& s) { boxes(s)[1].center[2] = nan_value; }},
+      {"boxes[1].size[0]", "must lie in [1e-09, 1e+09] m", [](Scene& s) { boxes(s)[1].size[0] = -1; }},
+      {"boxes[1].orientation", "must be a quaternion of length 1",
+       [](Scene& s) { boxes(s)[1].orientation = Quaterniond(2, 0, 0, 0); }},
+      {"boxes[1].material", "must be the index", [](Scene& s) { boxes(s)[1].material = 9; }},
       {"camera.position[1]", "must lie in", [](Scene& s) { s.camera.position->y() = 1e10; }},
       {"camera.target", "must differ", [](Scene& s) { s.camera.target = s.camera.position; }},
       {"camera.up", "must not be zero", [](Scene& s) { s.camera.up.setZero(); }},

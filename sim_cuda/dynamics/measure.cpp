@@ -31,6 +31,7 @@ struct MeasureBody {
   const WallLedger* ledger;  ///< null where there are no walls
   const WallPlane<Real>* planes;
   int plane_count;
+  BoxView<Real> boxes;
   Vector3d gravity;  ///< m/s^2
   PullView<Real> attractors;
   double ground;  ///< m, z at which potential energy is zero
@@ -76,6 +77,9 @@ struct MeasureBody {
           planes[p].normal.template cast<double>().dot(x) - static_cast<double>(planes[p].offset) - r;
       s.max_depth = max_of(s.max_depth, -gap);
     }
+    for (int b = 0; !moved && b < boxes.count; ++b)
+      s.max_depth = max_of(
+          s.max_depth, -static_cast<double>(boxes.boxes[b].gap(bodies.position[body], bodies.radius[body])));
     s.non_finite = whole ? 0 : 1;
     s.escaped = 0;
     if (boxed) {
@@ -159,6 +163,7 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
                                source.ledger,
                                source.planes,
                                source.plane_count,
+                               source.boxes,
                                source.gravity,
                                source.attractors,
                                box ? box->min.z() : 0.0,

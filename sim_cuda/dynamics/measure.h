@@ -10,6 +10,7 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/walls.h"
 #include "sim_cuda/step_stats.h"
@@ -41,6 +42,7 @@ struct MeasureSource {
   const WallLedger* ledger;  ///< null where there are no walls
   const WallPlane<Real>* planes;
   int plane_count;
+  BoxView<Real> boxes;
   Vector3d gravity;  ///< m/s^2
   PullView<Real> attractors;
   std::optional<Box> box;

@@ -260,17 +260,27 @@ class SceneReader {
   }
 
   void read_obstacle(const JsonNode& node) {
-    Plane& plane = scene_.obstacles.emplace_back();
     ObjectReader reader(reading_, node, "an obstacle");
     const JsonNode* shape = reader.member("shape");
-    if (reader.is_object() &&
-        (shape == nullptr || shape->kind != JsonKind::text || document_.text(*shape) != "plane")) {
+    const std::string_view name =
+        shape != nullptr && shape->kind == JsonKind::text ? document_.text(*shape) : "";
+    if (reader.is_object() && name != "plane" && name != "box")
       reading_.fault(shape == nullptr ? node : *shape,
-                     "an obstacle has \"shape\": \"plane\", the only one so far");
+                     "an obstacle has \"shape\": \"plane\" or \"shape\": \"box\"");
+    if (name == "box") {
+      BoxObstacle& box = scene_.boxes.emplace_back();
+      box_places_.push_back(obstacle_count_++);
+      reader.vector("center", box.center);
+      reader.vector("size", box.size);
+      read_orientation(reader, box.orientation);
+      read_material_name(reader, box.material);
+    } else {
+      Plane& plane = scene_.obstacles.emplace_back();
+      plane_places_.push_back(obstacle_count_++);
+      read_direction(reader, "normal", plane.normal);
+      reader.real("offset", plane.offset);
+      read_material_name(reader, plane.material);
     }
-    read_direction(reader, "normal", plane.normal);
-    reader.real("offset", plane.offset);
-    read_material_name(reader, plane.material);
     reader.finish();
   }
 
@@ -345,13 +355,25 @@ class SceneReader {
   /// validate()'s faults, where the text has them; a value that is not in the text is a fault of what holds
   /// it.
   void locate_faults() {
-    for (const Fault& fault : validate(scene_)) {
+    for (Fault& fault : validate(scene_)) {
+      fault.path = path_in_file(fault.path);
       const auto [node, exact] = locate(fault.path);
       std::string message = fault.path.empty() ? fault.message : fault.path + ": " + fault.message;
       const bool is_plain = node->kind == JsonKind::number || node->kind == JsonKind::text;
       if (exact && is_plain) message += fmt::format(", not {}", printable(document_.token(*node)));
       reading_.fault(*node, std::move(message));
     }
+  }
+
+  /// Planes and boxes are two lists in the struct, and one, in any order, in the file.
+  std::string path_in_file(const std::string& path) const {
+    for (const auto& [list, places] : {std::pair("obstacles[", &plane_places_), {"boxes[", &box_places_}}) {
+      if (!path.starts_with(list)) continue;
+      const std::size_t begin = std::string_view(list).size(), end = path.find(']');
+      const std::size_t index = std::stoul(path.substr(begin, end - begin));
+      return fmt::format("obstacles[{}", places->at(index)) + path.substr(end);
+    }
+    return path;
   }
 
   /// The node of a path such as `bodies[3].position[0]` or `materials["a b"].density`, or the innermost one
@@ -390,6 +412,8 @@ class SceneReader {
   Reading reading_;
   Scene& scene_;
   std::unordered_map<std::string, int> material_numbers_;
+  std::vector<int> plane_places_, box_places_;  ///< in the file's list of obstacles
+  int obstacle_count_ = 0;
 };
 
 }  // namespace

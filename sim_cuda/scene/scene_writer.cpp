@@ -88,7 +88,7 @@ class SceneWriter {
     root.member("materials", materials());
     root.member("bodies", items(scene_.bodies, [&](const Body& body) { return one(body); }));
     root.member("generators", items(scene_.generators, [&](const BoxCollider& g) { return one(g); }));
-    root.member("obstacles", items(scene_.obstacles, [&](const Plane& plane) { return one(plane); }));
+    root.member("obstacles", obstacles());
     root.member("joints", items(scene_.joints, [&](const Joint& joint) { return one(joint); }));
     root.member("camera", camera());
     return text + "\n}\n";
@@ -196,6 +196,21 @@ class SceneWriter {
     }
     if (joint.collide) members.member("collide", "true");
     return text + "}";
+  }
+
+  std::string one(const BoxObstacle& box) const {
+    const Quaterniond& q = box.orientation;
+    return fmt::format(
+        R"({{"shape": "box", "center": {}, "size": {}, "orientation": [{}, {}, {}, {}], "material": {}}})",
+        list(box.center), list(box.size), q.w(), q.x(), q.y(), q.z(), material_name(box.material));
+  }
+
+  /// Planes first.
+  std::string obstacles() const {
+    std::vector<std::string> all;
+    for (const Plane& plane : scene_.obstacles) all.push_back(one(plane));
+    for (const BoxObstacle& box : scene_.boxes) all.push_back(one(box));
+    return items(all, [](const std::string& text) { return text; });
   }
 
   std::string camera() const {

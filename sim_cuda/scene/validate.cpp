@@ -67,7 +67,9 @@ class Validator {
     for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
       check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
     }
-    if (!scene_.boxes.empty()) fault({"boxes"}, "boxes are not simulated yet; the list must be empty");
+    for (std::size_t i = 0; i < scene_.boxes.size(); ++i) {
+      check_box_obstacle(scene_.boxes[i], {"boxes", static_cast<std::int64_t>(i)});
+    }
     check_joints();
     check_camera(scene_.camera);
     return std::move(faults_);
@@ -398,6 +400,17 @@ class Validator {
       fault(path.at("length"), "must not stand beside min_length or max_length");
     if (good && joint.min_length && joint.max_length && *joint.min_length > *joint.max_length)
       fault(path.at("max_length"), "must be at least min_length");
+  }
+
+  void check_box_obstacle(const BoxObstacle& box, const Path& path) {
+    if (scene_.physics.solver == Solver::impulse)
+      fault(path.at("shape"), "must be plane with the solver impulse (soft_step has boxes)");
+    vector(path.at("center"), box.center, limits::max_coordinate, "m");
+    for (int axis = 0; axis < 3; ++axis)
+      number(path.at("size").at(axis), box.size[axis], limits::min_radius, limits::max_coordinate, "m");
+    if (!is_unit(box.orientation.squaredNorm()))
+      fault(path.at("orientation"), "must be a quaternion of length 1 and of finite numbers");
+    material(path, box.material);
   }
 
   void check_camera(const Camera& camera) {

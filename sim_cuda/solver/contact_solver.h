@@ -13,6 +13,7 @@
 #include "sim_cuda/dynamics/prescribed_motion.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/joints.h"
 #include "sim_cuda/solver/restitution.h"
@@ -34,7 +35,8 @@ struct SolverScene {
   RollingLaw<Real> rolling;  ///< of no meaning where the effect is off
   const WallPlane<Real>* planes;
   int plane_count;
-  WallLedger* ledger;     ///< null where there are no planes
+  BoxView<Real> boxes;
+  WallLedger* ledger;     ///< null where there are no planes or boxes
   Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
   DragLaw<Real> drag;     ///< of no meaning where the effect is off
   PullView<Real> attractors;
@@ -45,6 +47,9 @@ struct SolverScene {
   int substeps;    ///< >= 1
   int iterations;  ///< sweeps over all contacts, >= 1
   StepControl* control;
+
+  /// What each body rests on by itself: planes, then boxes.
+  int surfaces() const { return plane_count + boxes.count; }
   Joints<Real>* joints;  ///< null where the effect is off
 };
 

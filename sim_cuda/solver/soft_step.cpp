@@ -74,14 +74,14 @@ struct PlaceContacts {
 enum class Pull { none, uniform, field };
 
 /// Forces, the impulses of the substep before, and the first sweep over the planes.
-template <class Real, Pull pull, bool walled, bool rubbed>
+template <class Real, Pull pull, bool walled, bool rubbed, bool boxed>
 struct BeginSubstep {
   BodyView<Real> bodies;
   const Pair* bodies_of;
   const SoftContact<Real>* soft;
   const SoftGrip<Real>* grips;
   ContactsByBodyView by_body;
-  SoftWalls<Real, rubbed> walls;
+  SoftWalls<Real, rubbed, boxed> walls;
   Vector3<Real> gravity;       ///< m/s^2
   const Vector3<Real>* field;  ///< m/s^2, by body
   Real h;                      ///< s
@@ -89,11 +89,12 @@ struct BeginSubstep {
 
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
+    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
     const Vector3<Real> before = body.v;
-    SoftWalls<Real, rubbed> own = walls;
+    SoftWalls<Real, rubbed, boxed> own = walls;
     if constexpr (pull == Pull::field) own.gravity = gravity + field[id];
     if constexpr (pull != Pull::none) body.v += h * own.gravity;
+    if constexpr (boxed) own.face_boxes(id, body);
     if constexpr (walled) own.warm_start(id, body);
     if (control->contacts > 0) warm_start(id, body);
     if constexpr (walled) own.solve(id, body, false, &before);
@@ -101,7 +102,7 @@ struct BeginSubstep {
     walls.store(id, body);
   }
 
-  SIM_HD void warm_start(int id, typename SoftWalls<Real, rubbed>::Body& body) const {
+  SIM_HD void warm_start(int id, typename SoftWalls<Real, rubbed, boxed>::Body& body) const {
     const std::uint32_t n = by_body.count[id];
     if (n == 0) return;
     Vector3<Real> momentum = Vector3<Real>::Zero();
@@ -191,19 +192,24 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       wall_grip_(executor, "friction at walls"),
       wall_grip_total_(executor, "friction at walls in a step"),
       wall_pressed_(executor, "impulses of walls in a step"),
+      box_face_(executor, "faces of boxes"),
+      box_touched_(executor, "normals of boxes"),
       rolling_(executor),
       prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
       known_grip_(executor, "friction of the last step"),
       known_count_(executor, "number of contacts of the last step") {
-  const auto walls = static_cast<std::size_t>(scene.plane_count) * static_cast<std::size_t>(scene.body_count);
+  const auto walls = static_cast<std::size_t>(scene.surfaces()) * static_cast<std::size_t>(scene.body_count);
   wall_impulse_.upload(std::vector<Real>(walls, 0));
   wall_bounce_.upload(std::vector<Real>(walls, -1));
+  const auto boxes = static_cast<std::size_t>(scene.boxes.count) * static_cast<std::size_t>(scene.body_count);
+  box_face_.resize_discarding(boxes);
+  box_touched_.resize_discarding(boxes);
   known_count_.upload({0});
   bounces_.upload({0});
   if (scene.effects.rolling_resistance)
-    rolling_.enable(scene.bodies, scene.body_count, scene.plane_count, scene.rolling, scene.control);
+    rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
   if (!scene.effects.friction) return;
   wall_grip_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
   wall_grip_total_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
@@ -273,7 +279,7 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   rolling_.remember(memory, m);
   if (scene_.joints) scene_.joints->remember(memory.joints);
 
-  if (memory.walls.size() != static_cast<std::size_t>(scene_.plane_count)) return;
+  if (memory.walls.size() != static_cast<std::size_t>(scene_.surfaces())) return;
   std::vector<Real> walls(wall_impulse_.size(), 0);
   std::vector<Vector3<Real>> wall_grips(wall_grip_.size(), Vector3<Real>::Zero());
   const auto n = static_cast<std::size_t>(scene_.body_count);
@@ -323,12 +329,14 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
       if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
     }
   }
-  if (scene_.plane_count > 0)
-    executor_.run("bounce", scene_.body_count, BounceOffWalls<Real, rubbed>{walls<rubbed>(), scene_.control});
+  on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
+    executor_.run("bounce", scene_.body_count, BounceOffWalls<Real, rubbed, boxed>{walls, scene_.control});
+  });
   sweep("bounce", Bounce<Real>{scene_.restitution, bounces_.data()});
   if constexpr (rubbed) {
-    if (scene_.plane_count > 0)
-      executor_.run("friction", scene_.body_count, GripWalls<Real>{walls<true>(), scene_.control});
+    on_walls<true>([&]<bool boxed>(const SoftWalls<Real, true, boxed>& walls) {
+      executor_.run("friction", scene_.body_count, GripWalls<Real, boxed>{walls, scene_.control});
+    });
     sweep("friction", Grip<Real>{bounces_.data()});
   }
   prescribed_.hold();
@@ -383,15 +391,20 @@ void SoftStepSolver<Real>::begin_substep() {
     executor_.run(
         "drag", scene_.body_count,
         DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_, scene_.control});
-  const auto with = [&]<Pull pull, bool walled>() {
+  const auto with = [&]<Pull pull, bool walled, bool boxed>() {
     executor_.run(
         "forces", scene_.body_count,
-        BeginSubstep<Real, pull, walled, rubbed>{scene_.bodies, swept_.data(), soft_.data(), grips_.data(),
-                                                 all_.view(colouring_.degrees()), walls<rubbed>(),
-                                                 scene_.gravity, scene_.field, h_, scene_.control});
+        BeginSubstep<Real, pull, walled, rubbed, boxed>{
+            scene_.bodies, swept_.data(), soft_.data(), grips_.data(), all_.view(colouring_.degrees()),
+            walls<rubbed, boxed>(), scene_.gravity, scene_.field, h_, scene_.control});
   };
   const auto with_walls = [&]<Pull pull>() {
-    scene_.plane_count > 0 ? with.template operator()<pull, true>() : with.template operator()<pull, false>();
+    if (scene_.boxes.count > 0)
+      with.template operator()<pull, true, true>();
+    else if (scene_.plane_count > 0)
+      with.template operator()<pull, true, false>();
+    else
+      with.template operator()<pull, false, false>();
   };
   if (scene_.effects.attractor)
     with_walls.template operator()<Pull::field>();
@@ -422,8 +435,8 @@ void SoftStepSolver<Real>::sweep(const char* stage, const Act& act) {
 }
 
 template <class Real>
-template <bool rubbed>
-SoftWalls<Real, rubbed> SoftStepSolver<Real>::walls() const {
+template <bool rubbed, bool boxed>
+SoftWalls<Real, rubbed, boxed> SoftStepSolver<Real>::walls() const {
   return {scene_.bodies,
           scene_.body_count,
           scene_.planes,
@@ -434,15 +447,26 @@ SoftWalls<Real, rubbed> SoftStepSolver<Real>::walls() const {
           wall_impulse_.data(),
           wall_bounce_.data(),
           scene_.ledger,
-          {scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()}};
+          {scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()},
+          {scene_.boxes, box_face_.data(), box_touched_.data()}};
+}
+
+template <class Real>
+template <bool rubbed, class With>
+void SoftStepSolver<Real>::on_walls(const With& with) {
+  if (scene_.boxes.count > 0)
+    with(walls<rubbed, true>());
+  else if (scene_.plane_count > 0)
+    with(walls<rubbed, false>());
 }
 
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::sweep_walls(const char* stage, bool relaxing, bool last) {
-  if (scene_.plane_count > 0)
+  on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
     executor_.run(stage, scene_.body_count,
-                  SolveWalls<Real, rubbed>{walls<rubbed>(), relaxing, last, scene_.control});
+                  SolveWalls<Real, rubbed, boxed>{walls, relaxing, last, scene_.control});
+  });
 }
 
 template <class Real>

@@ -48,8 +48,10 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void begin_substep();
   template <class Act>
   void sweep(const char* stage, const Act& act);
-  template <bool rubbed>
-  SoftWalls<Real, rubbed> walls() const;
+  template <bool rubbed, bool boxed>
+  SoftWalls<Real, rubbed, boxed> walls() const;
+  template <bool rubbed, class With>
+  void on_walls(const With& with);
   template <bool rubbed>
   void sweep_walls(const char* stage, bool relaxing, bool last);
   RollingSource<Real> rolling_source() const;
@@ -74,9 +76,11 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Real> split_change_;                ///< N s
   Buffer<Vector3<Real>> split_rubbed_;       ///< N s
   Buffer<std::uint32_t> bounces_;            ///< one
-  Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes x bodies; empty without planes
+  Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes and boxes x bodies; empty without them
   Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
   Buffer<Real> wall_pressed_;
+  Buffer<Face<Real>> box_face_;  ///< boxes x bodies; empty without boxes
+  Buffer<Vector3<Real>> box_touched_;
   RollingResistance<Real> rolling_;
   PrescribedMotion<Real> prescribed_;
   Buffer<Pair> known_contacts_;        ///< of the last committed run, with

@@ -1,6 +1,7 @@
 #pragma once
 // The planes of `soft_step`: contacts like all others, but that each body resolves its own, obstacles first,
-// then the faces of the box. Nothing behind a plane pushes back, so the planes are rigid: a body is at once
+// then the faces of the box, then box obstacles, each as the plane that it is to this body in this substep
+// (box_surface.h). Nothing behind a plane pushes back, so the planes are rigid: a body is at once
 // out of them, and ends no substep inside.
 //
 // A bounce takes the speed at which the body reaches the plane, sqrt(v^2 + 2 g s) after a fall through the
@@ -13,6 +14,7 @@
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/walls.h"
@@ -28,7 +30,7 @@ struct WallGrips {
   Real* pressed;           ///< N s, along the normal, of the step so far
 };
 
-template <class Real, bool rubbed>
+template <class Real, bool rubbed, bool boxed>
 struct SoftWalls {
   BodyView<Real> bodies;
   std::int64_t body_count;
@@ -41,6 +43,7 @@ struct SoftWalls {
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
   WallLedger* ledger;
   WallGrips<Real> grips;
+  BoxContacts<Real> boxes;
 
   struct Nothing {};
   /// A body while its planes are resolved.
@@ -52,6 +55,65 @@ struct SoftWalls {
   };
 
   SIM_HD std::int64_t place(int plane, int body) const { return plane * body_count + body; }
+  SIM_HD int count() const { return boxed ? plane_count + boxes.view.count : plane_count; }
+
+  /// Plane p of a body; those from plane_count on are boxes.
+  SIM_HD WallPlane<Real> plane(int p, int body) const {
+    if constexpr (boxed) {
+      if (p >= plane_count) {
+        const Face<Real> face = boxes.face[place(p - plane_count, body)];
+        const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
+        return {face.normal, face.offset, box.restitution, box.friction};
+      }
+    }
+    return planes[p];
+  }
+  /// Its normal when it pressed last in this step.
+  SIM_HD Vector3<Real> touched(int p, int body) const {
+    if constexpr (boxed)
+      if (p >= plane_count) return boxes.touched[place(p - plane_count, body)];
+    return planes[p].normal;
+  }
+  /// At the start of a substep: the planes of boxes that it touches.
+  SIM_HD void face_boxes(int id, const Body& body) const {
+    for (int b = 0; b < boxes.view.count; ++b) {
+      const BoxSurface<Real>& box = boxes.view.boxes[b];
+      const bool touches = impulse[place(plane_count + b, id)] > 0 || !(box.gap(body.x, body.radius) > 0);
+      boxes.face[place(b, id)] = touches ? box.facing(body.x) : Face<Real>::none();
+    }
+  }
+  /// Of a box that it does not touch, the plane that it would meet in this substep as it moves now; whether
+  /// there is one.
+  SIM_HD bool foresee(int b, int id, const Body& body) const {
+    Face<Real>& face = boxes.face[place(b, id)];
+    if (face.is_none()) face = boxes.view.boxes[b].swept(body.x, (1 / inverse_h) * body.v, body.radius);
+    return !face.is_none();
+  }
+  /// After a sweep: what the last plane gave may lead through a box that came before it. A body that finds no
+  /// way out between boxes stops.
+  SIM_HD void hold_boxes(int id, Body& body) const {
+    if (!(body.inverse_mass > 0)) return;
+    constexpr int rounds = 8;
+    for (int round = 0; round < rounds; ++round) {
+      bool clear = true;
+      for (int b = 0; b < boxes.view.count; ++b) {
+        if (!foresee(b, id, body)) continue;
+        const Face<Real> face = boxes.face[place(b, id)];
+        const Real gap = max_of(face.normal.dot(body.x) - face.offset - body.radius, Real(0));
+        const Real speed = face.normal.dot(body.v), over = speed + gap * inverse_h;
+        const Real rounding = Real(1e-6) * body.v.template lpNorm<1>() + Real(1e-4) * body.radius * inverse_h;
+        if (!(over < -rounding)) continue;
+        clear = false;
+        impulse[place(plane_count + b, id)] -= body.mass * over;
+        boxes.touched[place(b, id)] = face.normal;
+        give(id, body, face.normal, -body.mass * over);
+      }
+      if (clear) return;
+    }
+    for (int k = 0; k < 3; ++k) ledger[id].vector[k] -= static_cast<double>(body.mass * body.v[k]);
+    body.v = Vector3<Real>::Zero();
+    body.given = true;
+  }
 
   SIM_HD void give(int id, Body& body, const Vector3<Real>& normal, Real change) const {
     const Vector3<Real> momentum = change * normal;
@@ -74,32 +136,33 @@ struct SoftWalls {
 
   /// The impulses of the substep before, as a start.
   SIM_HD void warm_start(int id, Body& body) const {
-    for (int p = 0; p < plane_count; ++p) {
+    for (int p = 0; p < count(); ++p) {
       const Real start = impulse[place(p, id)];
       if (!(start > 0)) continue;
-      give(id, body, planes[p].normal, start);
-      if constexpr (rubbed) turn(id, body, planes[p].normal, grips.impulse[place(p, id)]);
+      const Vector3<Real> normal = plane(p, id).normal;
+      give(id, body, normal, start);
+      if constexpr (rubbed) turn(id, body, normal, grips.impulse[place(p, id)]);
     }
   }
 
   /// Friction at one plane within `pressing` N s times its coefficient, of which `given` is already there.
-  SIM_HD void rub_plane(int id, Body& body, int plane, Real pressing, Vector3<Real>& given) const {
+  SIM_HD void rub_plane(int id, Body& body, int p, const Vector3<Real>& normal, Real pressing,
+                        Vector3<Real>& given) const {
     if constexpr (rubbed) {
       if (!(pressing > 0) && given.dot(given) == 0) return;
-      const Vector3<Real> normal = planes[plane].normal;
       const Vector3<Real> slip = across<Real>(body.v - body.radius * body.spin.rate.cross(normal), normal);
       const Real mass = 1 / (body.inverse_mass + body.radius * body.radius * body.spin.ease());
       const Real mu = Friction<Real>::between(grips.friction.of_body(static_cast<std::uint32_t>(id)),
-                                              planes[plane].friction);
+                                              plane(p, id).friction);
       turn(id, body, normal, rub<Real>(slip, mass, mu * pressing, given));
     }
   }
   /// After the normal impulses are relaxed; `last`: for the last time in this substep, which is counted.
   SIM_HD void rub_all(int id, Body& body, bool last) const {
     if constexpr (rubbed) {
-      for (int p = 0; p < plane_count; ++p) {
+      for (int p = 0; p < count(); ++p) {
         const std::int64_t at = place(p, id);
-        rub_plane(id, body, p, impulse[at], grips.impulse[at]);
+        rub_plane(id, body, p, plane(p, id).normal, impulse[at], grips.impulse[at]);
         if (!last || !(impulse[at] > 0)) continue;
         grips.pressed[at] += impulse[at];
         grips.total[at] += grips.impulse[at];
@@ -110,9 +173,14 @@ struct SoftWalls {
   /// One sweep. `relaxing`: after the move, when no contact may begin that the next move closes. `before`:
   /// the velocity before forces acted in this substep, where this is the first.
   SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>* before) const {
-    for (int p = 0; p < plane_count; ++p) {
-      const Vector3<Real> normal = planes[p].normal;
-      Real gap = normal.dot(body.x) - planes[p].offset - body.radius;
+    for (int p = 0; p < count(); ++p) {
+      if constexpr (boxed)
+        if (p >= plane_count && (relaxing ? plane(p, id).normal.dot(plane(p, id).normal) == 0
+                                          : !foresee(p - plane_count, id, body)))
+          continue;
+      const WallPlane<Real> surface = plane(p, id);
+      const Vector3<Real> normal = surface.normal;
+      Real gap = normal.dot(body.x) - surface.offset - body.radius;
       if (gap < 0) {
         const Vector3<Real> shift = -gap * normal;
         body.x += shift;
@@ -126,6 +194,8 @@ struct SoftWalls {
       const Real next = max_of(known - body.mass * (speed + gap * inverse_h), Real(0));
       if (next == known) continue;
       impulse[place(p, id)] = next;
+      if constexpr (boxed)
+        if (p >= plane_count && next > 0) boxes.touched[place(p - plane_count, id)] = normal;
       if (next > 0 && bounce[place(p, id)] < 0) {
         Real approach = -speed;
         if (before != nullptr) {
@@ -135,11 +205,13 @@ struct SoftWalls {
               start > 0 ? sqrt(max_of(start * start - 2 * gap * normal.dot(gravity), Real(0))) : Real(0);
         }
         const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(id)),
-                                           planes[p].restitution, approach);
+                                           surface.restitution, approach);
         bounce[place(p, id)] = e * max_of(approach, Real(0));
       }
       give(id, body, normal, next - known);
     }
+    if constexpr (boxed)
+      if (!relaxing) hold_boxes(id, body);
   }
 
   SIM_HD Body load(int id) const {
@@ -161,14 +233,14 @@ struct SoftWalls {
 };
 
 /// One sweep over all bodies' planes. `last`: of those that relax.
-template <class Real, bool rubbed>
+template <class Real, bool rubbed, bool boxed>
 struct SolveWalls {
-  SoftWalls<Real, rubbed> walls;
+  SoftWalls<Real, rubbed, boxed> walls;
   bool relaxing, last;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
+    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
     walls.solve(id, body, relaxing, nullptr);
     if (relaxing) walls.rub_all(id, body, last);
     walls.store(id, body);
@@ -176,22 +248,23 @@ struct SolveWalls {
 };
 
 /// The bounce off every plane that the step has touched; makes the next step start afresh.
-template <class Real, bool rubbed>
+template <class Real, bool rubbed, bool boxed>
 struct BounceOffWalls {
-  SoftWalls<Real, rubbed> walls;
+  SoftWalls<Real, rubbed, boxed> walls;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real, rubbed>::Body body = walls.load(id);
-    for (int p = 0; p < walls.plane_count; ++p) {
+    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
+    for (int p = 0; p < walls.count(); ++p) {
       const std::int64_t place = walls.place(p, id);
       const Real wanted = walls.bounce[place];
       if (wanted < 0) continue;
       walls.bounce[place] = -1;
-      const Real speed = walls.planes[p].normal.dot(body.v);
+      const Vector3<Real> normal = walls.touched(p, id);
+      const Real speed = normal.dot(body.v);
       if (!(wanted > 0 && wanted > speed)) continue;
       const Real change = body.mass * (wanted - speed);
-      walls.give(id, body, walls.planes[p].normal, change);
+      walls.give(id, body, normal, change);
       walls.impulse[place] = 0;  // it leaves
       if constexpr (rubbed) {
         walls.grips.impulse[place] = Vector3<Real>::Zero();
@@ -203,18 +276,18 @@ struct BounceOffWalls {
 };
 
 /// What a bounce adds to the friction of the step; after all bounces.
-template <class Real>
+template <class Real, bool boxed>
 struct GripWalls {
-  SoftWalls<Real, true> walls;
+  SoftWalls<Real, true, boxed> walls;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real, true>::Body body = walls.load(id);
-    for (int p = 0; p < walls.plane_count; ++p) {
+    typename SoftWalls<Real, true, boxed>::Body body = walls.load(id);
+    for (int p = 0; p < walls.count(); ++p) {
       const std::int64_t place = walls.place(p, id);
       const Real pressed = walls.grips.pressed[place];
       if (!(pressed > 0)) continue;
-      walls.rub_plane(id, body, p, pressed, walls.grips.total[place]);
+      walls.rub_plane(id, body, p, walls.touched(p, id), pressed, walls.grips.total[place]);
       walls.grips.pressed[place] = 0;
       walls.grips.total[place] = Vector3<Real>::Zero();
     }
