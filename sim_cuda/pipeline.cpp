@@ -333,6 +333,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        time_step,
        substeps,
        scene.physics.iterations,
+       scene.physics.sleep.value_or(Sleep{}),
        control_.data(),
        joints_.get()});
 

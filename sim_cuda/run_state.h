@@ -17,6 +17,8 @@ struct RunState {
   BodyStates bodies;
   std::vector<WallLedger> ledgers;  ///< by body; empty where there are no walls
   SolverMemory memory;
+  /// Of all settings but N: a world of others lets nothing sleep on.
+  std::uint64_t settings = 0;
 };
 
 }  // namespace collidoscope

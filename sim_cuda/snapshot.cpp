@@ -54,10 +54,11 @@ class Fingerprint {
 /// The members of a file in their order, for who writes and who reads them alike.
 template <class Archive, class SnapshotOrConst>
 void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
-  auto& [steps, bodies, ledgers, memory] = snapshot.state;
+  auto& [steps, bodies, ledgers, memory, settings] = snapshot.state;
   archive.text(scene);
   archive.text(directory);
   archive.number(steps);
+  archive.number(settings);
   archive.number(snapshot.state_hash);
   archive.number(snapshot.bodies_hash);
   archive.list(bodies.position);

@@ -9,6 +9,7 @@
 #include "sim_cuda/broad_phase/quality.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/hash.h"
 #include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/placed_joint.h"
@@ -263,11 +264,24 @@ void World::set_launch_shape(LaunchShape shape) {
 
 namespace {
 
+/// Of all settings but N; 0 where nothing can sleep.
+std::uint64_t settings_hash(Scene scene) {
+  if (!scene.physics.sleep) return 0;
+  for (BoxCollider& generator : scene.generators) generator.count = 0;
+  std::uint64_t hash = 0;
+  for (const char letter : write_scene(scene)) hash = mix64(hash ^ static_cast<unsigned char>(letter));
+  return hash;
+}
+
 /// Without the contacts of others: they are gone.
 SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < memory.contacts.size(); ++k) {
-    if (memory.contacts[k].b >= count) continue;
+    const ContactImpulse& contact = memory.contacts[k];
+    if (contact.b >= count) {
+      if (contact.a < memory.slow.size()) memory.slow[contact.a] = 0;  // it may have rested on what is gone
+      continue;
+    }
     memory.contacts[kept] = memory.contacts[k];
     if (!memory.grips.empty()) memory.grips[kept] = memory.grips[k];
     if (!memory.rolls.empty()) memory.rolls[kept] = memory.rolls[k];
@@ -286,7 +300,7 @@ SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
 
 RunState World::state() {
   Impl& w = *impl_;
-  return {w.steps, w.pipeline->bodies(), w.pipeline->ledgers(), w.pipeline->memory()};
+  return {w.steps, w.pipeline->bodies(), w.pipeline->ledgers(), w.pipeline->memory(), settings_hash(w.scene)};
 }
 
 void World::adopt(World& other) { adopt(other.state()); }
@@ -304,7 +318,9 @@ void World::adopt(const RunState& other) {
   w.plain.reset();  // what the solver remembers may move
   w.instrumented.reset();
   w.pipeline->set_bodies(states, ledgers);
-  w.pipeline->remember(of_bodies_below(common, other.memory));
+  SolverMemory memory = of_bodies_below(common, other.memory);
+  if (other.settings != settings_hash(w.scene)) memory.slow.clear();
+  w.pipeline->remember(memory);
   w.steps = other.steps;
   w.detected = false;
 }

@@ -260,7 +260,15 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"gravity\": [0, 0, 0], \"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"variant\": "
             "\"settled\"}]}",
             "s:2:85: generators[0].variant: must not be settled without gravity"},
-        Bad{"\"sleep\": {}}", "s:2:10: sleep: sleeping is not simulated yet"},
+        Bad{"\"solver\": \"impulse\", \"sleep\": {}}",
+            "s:2:31: sleep: must be left out with the solver impulse"},
+        Bad{"\"solver\": \"soft_step\", \"sleep\": true}",
+            "s:2:33: \"sleep\" is an object, { ... }, not true or false"},
+        Bad{"\"solver\": \"soft_step\", \"sleep\": {\"sped\": 1}}", "s:2:34: unknown key \"sped\""},
+        Bad{"\"solver\": \"soft_step\", \"sleep\": {\"speed\": -1}}",
+            "s:2:43: sleep.speed: must lie in [0, 1e+09] m/s, not -1"},
+        Bad{"\"solver\": \"soft_step\", \"sleep\": {\"time\": 2e6}}",
+            "s:2:42: sleep.time: must lie in [0, 1e+06] s, not 2e6"},
         Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not hold sleeping without \"sleep\""},
         // generators
         Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},
@@ -383,6 +391,7 @@ class RandomScene {
     p.precision = pick({Precision::f32, Precision::f64});
     if (coin()) p.effects = Effects{.gravity = coin(), .rotation = coin()};
     if (coin()) p.restitution_threshold = real(0, 2);
+    if (coin() && p.solver == Solver::soft_step) p.sleep = Sleep{real(0, 1), real(0, 10)};
     s.materials[0].density = real(1, 1e4);
     for (const char* name : {"steel", "a b", "x.y[3]", "\xC3\xA9"}) {
       if (coin())
@@ -485,6 +494,7 @@ std::string bits(const Scene& s) {
       whole(static_cast<int>(p.precision));
   whole(p.effects ? p.effects->gravity + 2 * p.effects->rotation : -1),
       real(p.restitution_threshold.value_or(-1));
+  whole(p.sleep.has_value()), real(p.sleep.value_or(Sleep{}).speed), real(p.sleep.value_or(Sleep{}).time);
   for (const Material& m : s.materials) {
     text += "\n" + m.name + " ";
     real(m.density), real(m.restitution), real(m.friction), real(m.rolling_resistance);

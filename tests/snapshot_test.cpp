@@ -208,11 +208,11 @@ TEST_F(SpoiltSnapshot, ForeignNewerAndNoFile) {
 }
 
 TEST_F(SpoiltSnapshot, AListLongerThanTheFileTakesNoMemory) {
-  // The first list's length follows the header, the scene, the folder, and three numbers.
+  // The first list's length follows the header, the scene, the folder, and four numbers.
   std::uint64_t scene_bytes = 0;
   std::memcpy(&scene_bytes, good_.data() + 40, 8);
   EXPECT_THAT(line_of(with(40, std::uint64_t{1} << 60)), HasSubstr("longer than the file"));
-  const std::size_t positions = 48 + (scene_bytes + 7) / 8 * 8 + 8 + 3 * 8;
+  const std::size_t positions = 48 + (scene_bytes + 7) / 8 * 8 + 8 + 4 * 8;
   for (const std::uint64_t bodies : {std::uint64_t{1} << 61, ~std::uint64_t{0}, std::uint64_t{1} << 40})
     EXPECT_THAT(line_of(with(positions, bodies)), HasSubstr("longer than the file"));
   EXPECT_THAT(line_of(with(positions, 19)), HasSubstr("is damaged"));

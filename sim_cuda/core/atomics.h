@@ -80,6 +80,17 @@ SIM_HD T atomic_swap(T* target, std::type_identity_t<T> value) {
 #endif
 }
 
+/// Puts `value` if `expected` stands there. Returns what stood there.
+SIM_HD inline std::uint32_t atomic_replace(std::uint32_t* target, std::uint32_t expected,
+                                           std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicCAS(target, expected, value);
+#else
+  std::atomic_ref<std::uint32_t>(*target).compare_exchange_strong(expected, value, std::memory_order_relaxed);
+  return expected;
+#endif
+}
+
 /// Puts the value where it is lower than what stands there. Whether it was.
 SIM_HD inline bool atomic_min(std::uint32_t* target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)

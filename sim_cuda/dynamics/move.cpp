@@ -1,16 +1,18 @@
 #include "sim_cuda/dynamics/move.h"
 
+#include "sim_cuda/dynamics/awake.h"
+
 namespace collidoscope {
 
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
-                 const StepControl* control) {
+                 const StepControl* control, const std::uint8_t* asleep) {
   const auto with = [&]<bool pulled, bool rotation, bool boxed>() {
     const Vector3<Real> low = box ? box->min.cast<Real>() : Vector3<Real>(0, 0, 0);
     const Vector3<Real> high = box ? box->max.cast<Real>() : Vector3<Real>(0, 0, 0);
-    executor.run("move", body_count,
-                 MoveBodies<Real, pulled, rotation, boxed>{bodies, gravity, low, high, h, control});
+    run_awake_bodies(executor, "move", body_count, asleep,
+                     MoveBodies<Real, pulled, rotation, boxed>{bodies, gravity, low, high, h, control});
   };
   const auto with_box = [&]<bool pulled, bool rotation>() {
     box ? with.template operator()<pulled, rotation, true>()
@@ -25,8 +27,8 @@ void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t 
 }
 
 template void move_bodies(Executor&, const BodyView<float>&, std::int64_t, Effects, const Vector3<float>&,
-                          const std::optional<Box>&, float, const StepControl*);
+                          const std::optional<Box>&, float, const StepControl*, const std::uint8_t*);
 template void move_bodies(Executor&, const BodyView<double>&, std::int64_t, Effects, const Vector3<double>&,
-                          const std::optional<Box>&, double, const StepControl*);
+                          const std::optional<Box>&, double, const StepControl*, const std::uint8_t*);
 
 }  // namespace collidoscope

@@ -71,6 +71,6 @@ struct MoveBodies {
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
-                 const StepControl* control);
+                 const StepControl* control, const std::uint8_t* asleep = nullptr);
 
 }  // namespace collidoscope

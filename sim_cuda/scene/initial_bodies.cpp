@@ -201,6 +201,7 @@ Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
   }
   effects.joints = !scene.joints.empty();
   effects.rotation = effects.friction || joints_turn_bodies(scene);
+  effects.sleeping = scene.physics.sleep.has_value();
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
   return effects;
 }

@@ -159,7 +159,11 @@ class Validator {
     if (!physics.sleep) return;
     number(path.at("speed"), physics.sleep->speed, 0, limits::max_speed, "m/s");
     number(path.at("time"), physics.sleep->time, 0, limits::max_sleep_time, "s");
-    fault(root.at("sleep"), "sleeping is not simulated yet; leave it out");
+    if (physics.solver == Solver::impulse && (!physics.effects || physics.effects->sleeping))
+      fault(
+          root.at("sleep"),
+          "must be left out with the solver impulse, unless a list of effects leaves sleeping out (soft_step "
+          "has it)");
   }
 
   void check_drag(const Drag& drag) {

@@ -74,6 +74,15 @@ struct ClearContacts {
   }
 };
 
+struct LeaveSleepersOut {
+  const Pair* contacts;
+  const std::uint8_t* asleep;
+  std::uint8_t* colour;
+  SIM_HD void operator()(int contact) const {
+    if (asleep[contacts[contact].a] || asleep[contacts[contact].b]) colour[contact] = unused;
+  }
+};
+
 /// Whether a round has contacts to look at. Thousands of warps say so at about the same time: each of them in
 /// one of some places, far enough apart for the memory to take them side by side.
 struct Pending {
@@ -224,12 +233,15 @@ void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   temporary_.resize_discarding(sort_temporary_bytes<std::uint8_t>(executor_, contact_capacity, key_bits));
 }
 
-void Colouring::colour(const Pair* contacts, StepControl* control) {
+void Colouring::colour(const Pair* contacts, StepControl* control, const std::uint8_t* asleep) {
   const auto capacity = static_cast<std::int64_t>(order_.size());
   const ContactSet all{contacts, nullptr, nullptr, &control->contacts};
   degrees_.count("colour", all);
   executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});
   executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data(), bids_.data()});
+  if (asleep != nullptr)
+    executor_.run("colour", Count(&control->contacts, capacity),
+                  LeaveSleepersOut{contacts, asleep, colour_.data()});
   executor_.run("colour", rounds + 1, ClearRounds{control, {pending_.data()}});
   executor_.run_rounds(
       "colour", 2 * rounds, capacity,

@@ -52,8 +52,9 @@ class Colouring {
 
   explicit Colouring(Executor& executor);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Colours control->contacts contacts; sets control->split_contacts.
-  void colour(const Pair* contacts, StepControl* control);
+  /// Colours control->contacts contacts; sets control->split_contacts. Those of bodies that are `asleep` (by
+  /// body, or null) get no colour and stand behind all others in `order`.
+  void colour(const Pair* contacts, StepControl* control, const std::uint8_t* asleep = nullptr);
   /// Of all contacts.
   const ContactDegrees& degrees() const { return degrees_; }
   ColourView view() const { return {order_.data(), begin_.data(), count_.data()}; }

@@ -46,6 +46,7 @@ struct SolverScene {
   Real time_step;  ///< s
   int substeps;    ///< >= 1
   int iterations;  ///< sweeps over all contacts, >= 1
+  Sleep sleep;     ///< of no meaning where the effect is off
   StepControl* control;
 
   /// What each body rests on by itself: planes, then boxes.

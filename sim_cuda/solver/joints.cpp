@@ -158,6 +158,16 @@ struct SweepJoints : JointRounds<Real> {
   }
 };
 
+template <class Rounds>
+struct OfAwakeJoints : Rounds {
+  const std::uint8_t* asleep;
+  SIM_HD void operator()(int round, int item) const {
+    const auto& joint = this->joints.rows[this->place(round, item)];
+    if (asleep[joint.a] || (joint.b != PlacedJoint::world && asleep[joint.b])) return;
+    Rounds::operator()(round, item);
+  }
+};
+
 template <class Real, bool turning>
 struct MeasureJoint {
   JointView<Real> joints;
@@ -229,12 +239,20 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
 }
 
 template <class Real>
+template <class Rounds>
+void Joints<Real>::run(const Rounds& rounds) {
+  asleep_ != nullptr
+      ? executor_.run_rounds("joints", colours_, widest_, OfAwakeJoints<Rounds>{rounds, asleep_})
+      : executor_.run_rounds("joints", colours_, widest_, rounds);
+}
+
+template <class Real>
 void Joints<Real>::warm_start() {
   const JointRounds<Real> rounds{view(), bodies_, h_, control_};
   if (rotation_)
-    executor_.run_rounds("joints", colours_, widest_, WarmJoints<Real, true>{rounds});
+    run(WarmJoints<Real, true>{rounds});
   else
-    executor_.run_rounds("joints", colours_, widest_, WarmJoints<Real, false>{rounds});
+    run(WarmJoints<Real, false>{rounds});
 }
 
 template <class Real>
@@ -242,9 +260,9 @@ template <JointPhase phase>
 void Joints<Real>::sweep() {
   const JointRounds<Real> rounds{view(), bodies_, h_, control_};
   if (rotation_)
-    executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, true, phase>{rounds});
+    run(SweepJoints<Real, true, phase>{rounds});
   else
-    executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, false, phase>{rounds});
+    run(SweepJoints<Real, false, phase>{rounds});
 }
 
 template <class Real>

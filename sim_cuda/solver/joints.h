@@ -34,6 +34,9 @@ class Joints {
   /// Those whose bodies do not touch each other.
   PartedPairs parted() const { return {parted_.data(), static_cast<std::uint32_t>(parted_.size())}; }
 
+  /// Joints of bodies that are asleep, 1 by body, are left as they are from now on.
+  void leave_out(const std::uint8_t* asleep) { asleep_ = asleep; }
+
   // In each substep, in this order, with bodies that move between solve and relax.
   void warm_start();
   void solve();
@@ -50,12 +53,15 @@ class Joints {
  private:
   template <JointPhase phase>
   void sweep();
+  template <class Rounds>
+  void run(const Rounds& rounds);
 
   Executor& executor_;
   const BodyView<Real> bodies_;
   const bool rotation_;
   const Real h_;
   const StepControl* control_;
+  const std::uint8_t* asleep_ = nullptr;
   int colours_ = 0;
   std::int64_t widest_ = 0;               ///< joints of one colour
   std::vector<std::size_t> scene_order_;  ///< where each joint of the scene stands

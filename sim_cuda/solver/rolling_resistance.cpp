@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/solver/friction.h"
 
 namespace collidoscope {
@@ -190,18 +191,18 @@ void RollingResistance<Real>::prepare(const RollingSource<Real>& source, const I
 
 template <class Real>
 void RollingResistance<Real>::warm_start(const RollingSource<Real>& source) {
-  executor_.run("rolling", body_count_,
-                WarmRolls<Real>{source, bodies_, body_count_, plane_count_, rolls_.data(),
-                                wall_impulse_.data(), control_});
+  run_awake_bodies(executor_, "rolling", body_count_, source.asleep,
+                   WarmRolls<Real>{source, bodies_, body_count_, plane_count_, rolls_.data(),
+                                   wall_impulse_.data(), control_});
 }
 
 template <class Real>
 void RollingResistance<Real>::resist(const RollingSource<Real>& source) {
-  executor_.run("rolling", source.count,
-                ResistAtContacts<Real>{source, bodies_, rolls_.data(), change_.data()});
-  executor_.run("rolling", body_count_,
-                ResistAtBodies<Real>{source, bodies_, body_count_, plane_count_, law_, change_.data(),
-                                     wall_impulse_.data(), control_});
+  run_awake_contacts(executor_, "rolling", source.count, source.contacts, source.asleep,
+                     ResistAtContacts<Real>{source, bodies_, rolls_.data(), change_.data()});
+  run_awake_bodies(executor_, "rolling", body_count_, source.asleep,
+                   ResistAtBodies<Real>{source, bodies_, body_count_, plane_count_, law_, change_.data(),
+                                        wall_impulse_.data(), control_});
 }
 
 template <class Real>

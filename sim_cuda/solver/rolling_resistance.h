@@ -51,8 +51,9 @@ struct RollingSource {
   const SoftContact<Real>* soft;
   const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
-  Count count;               ///< of contacts
-  const Real* wall_impulse;  ///< N s, plane by plane, all bodies of each
+  Count count;                 ///< of contacts
+  const Real* wall_impulse;    ///< N s, plane by plane, all bodies of each
+  const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
 };
 
 template <class Real>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/solver/soft_sweeps.h"
 
@@ -196,6 +197,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       box_touched_(executor, "normals of boxes"),
       rolling_(executor),
       prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
+      sleeping_(executor),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
       known_grip_(executor, "friction of the last step"),
@@ -208,6 +210,11 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   box_touched_.resize_discarding(boxes);
   known_count_.upload({0});
   bounces_.upload({0});
+  if (scene.effects.sleeping) {
+    sleeping_.enable(scene.bodies, scene.body_count, scene.sleep, static_cast<double>(scene.time_step),
+                     scene.control);
+    if (scene.joints) scene.joints->leave_out(sleeping_.asleep());
+  }
   if (scene.effects.rolling_resistance)
     rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
   if (!scene.effects.friction) return;
@@ -252,6 +259,7 @@ SolverMemory SoftStepSolver<Real>::memory() const {
   for (auto plane = walls.begin(); plane != walls.end(); plane += scene_.body_count)
     memory.walls.emplace_back(plane, plane + scene_.body_count);
   rolling_.memory(count, memory);
+  memory.slow = sleeping_.memory();
   if (!scene_.effects.friction) return memory;
   memory.grips = widened<Real>(known_grip_.download(count), count);
   memory.wall_grips = widened<Real>(wall_grip_.download(), wall_grip_.size());
@@ -278,6 +286,7 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   known_count_.upload({static_cast<std::uint32_t>(count)});
   rolling_.remember(memory, m);
   if (scene_.joints) scene_.joints->remember(memory.joints);
+  if (scene_.effects.sleeping) sleeping_.remember(memory.slow);
 
   if (memory.walls.size() != static_cast<std::size_t>(scene_.surfaces())) return;
   std::vector<Real> walls(wall_impulse_.size(), 0);
@@ -304,6 +313,9 @@ template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
   prescribed_.begin();
+  if (scene_.effects.sleeping)
+    sleeping_.find_islands(contacts, contact_capacity_,
+                           scene_.joints ? scene_.joints->view() : JointView<Real>{});
   prepare<rubbed>(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
     if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
@@ -316,10 +328,10 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
       sweep_walls<rubbed>("solve", false, false);
     }
     move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, {.rotation = scene_.effects.rotation},
-                      scene_.gravity, scene_.box, h_, scene_.control);
+                      scene_.gravity, scene_.box, h_, scene_.control, sleeping_.asleep());
     prescribed_.hold(h_);
-    executor_.run("relax", Count(&scene_.control->contacts, contact_capacity_),
-                  PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
+    run_awake_contacts(executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
+                       sleeping_.asleep(), PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
       if (scene_.joints) scene_.joints->relax();
@@ -330,24 +342,31 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     }
   }
   on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
-    executor_.run("bounce", scene_.body_count, BounceOffWalls<Real, rubbed, boxed>{walls, scene_.control});
+    run_bodies("bounce", BounceOffWalls<Real, rubbed, boxed>{walls, scene_.control});
   });
   sweep("bounce", Bounce<Real>{scene_.restitution, bounces_.data()});
   if constexpr (rubbed) {
     on_walls<true>([&]<bool boxed>(const SoftWalls<Real, true, boxed>& walls) {
-      executor_.run("friction", scene_.body_count, GripWalls<Real, boxed>{walls, scene_.control});
+      run_bodies("friction", GripWalls<Real, boxed>{walls, scene_.control});
     });
     sweep("friction", Grip<Real>{bounces_.data()});
   }
   prescribed_.hold();
   keep<rubbed>(contacts, impulses);
+  if (scene_.effects.sleeping) sleeping_.count();
+}
+
+template <class Real>
+template <class Stage>
+void SoftStepSolver<Real>::run_bodies(const char* name, const Stage& stage) {
+  run_awake_bodies(executor_, name, scene_.body_count, sleeping_.asleep(), stage);
 }
 
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   StepControl* control = scene_.control;
-  colouring_.colour(contacts.bodies, control);
+  colouring_.colour(contacts.bodies, control, sleeping_.asleep());
   const ColourView colours = colouring_.view();
   const ImpulseView<Real> known{known_contacts_.data(), known_impulse_.data(), known_count_.data()};
   executor_.run("prepare", Count(&control->contacts, contact_capacity_),
@@ -378,7 +397,8 @@ RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
           place_of_.data(),
           all_.view(colouring_.degrees()),
           Count(&scene_.control->contacts, contact_capacity_),
-          wall_impulse_.data()};
+          wall_impulse_.data(),
+          sleeping_.asleep()};
 }
 
 template <class Real>
@@ -388,15 +408,13 @@ void SoftStepSolver<Real>::begin_substep() {
     executor_.run("attractor", scene_.body_count,
                   PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
   if (scene_.effects.drag)
-    executor_.run(
-        "drag", scene_.body_count,
-        DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_, scene_.control});
+    run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
+                                        scene_.control});
   const auto with = [&]<Pull pull, bool walled, bool boxed>() {
-    executor_.run(
-        "forces", scene_.body_count,
-        BeginSubstep<Real, pull, walled, rubbed, boxed>{
-            scene_.bodies, swept_.data(), soft_.data(), grips_.data(), all_.view(colouring_.degrees()),
-            walls<rubbed, boxed>(), scene_.gravity, scene_.field, h_, scene_.control});
+    run_bodies("forces",
+               BeginSubstep<Real, pull, walled, rubbed, boxed>{
+                   scene_.bodies, swept_.data(), soft_.data(), grips_.data(), all_.view(colouring_.degrees()),
+                   walls<rubbed, boxed>(), scene_.gravity, scene_.field, h_, scene_.control});
   };
   const auto with_walls = [&]<Pull pull>() {
     if (scene_.boxes.count > 0)
@@ -464,8 +482,7 @@ template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::sweep_walls(const char* stage, bool relaxing, bool last) {
   on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
-    executor_.run(stage, scene_.body_count,
-                  SolveWalls<Real, rubbed, boxed>{walls, relaxing, last, scene_.control});
+    run_bodies(stage, SolveWalls<Real, rubbed, boxed>{walls, relaxing, last, scene_.control});
   });
 }
 

@@ -19,6 +19,7 @@
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
 #include "sim_cuda/solver/soft_grip.h"
 #include "sim_cuda/solver/soft_sweeps.h"
@@ -55,6 +56,9 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <bool rubbed>
   void sweep_walls(const char* stage, bool relaxing, bool last);
   RollingSource<Real> rolling_source() const;
+  /// A stage over the bodies that are awake.
+  template <class Stage>
+  void run_bodies(const char* name, const Stage& stage);
   template <bool rubbed>
   void keep(const ContactView<Real>& contacts, Real* impulses);
 
@@ -83,6 +87,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> box_touched_;
   RollingResistance<Real> rolling_;
   PrescribedMotion<Real> prescribed_;
+  Sleeping<Real> sleeping_;
   Buffer<Pair> known_contacts_;        ///< of the last committed run, with
   Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
   Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s

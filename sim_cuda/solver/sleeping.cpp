@@ -1,0 +1,193 @@
+#include "sim_cuda/solver/sleeping.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/dynamics/awake.h"
+#include "sim_cuda/solver/solver_memory.h"
+
+namespace collidoscope {
+
+namespace {
+
+struct BeginIslands {
+  std::uint32_t* parent;
+  std::uint8_t *restless, *asleep;
+  SIM_HD void operator()(int body) const {
+    parent[body] = static_cast<std::uint32_t>(body);
+    restless[body] = asleep[body] = 0;
+  }
+};
+
+/// The root of a body's component as it is so far, while others join.
+SIM_HD inline std::uint32_t root_of(std::uint32_t* parent, std::uint32_t body) {
+  std::uint32_t at = atomic_load(&parent[body]);
+  for (std::uint32_t before = body; at != before;) {
+    const std::uint32_t above = atomic_load(&parent[at]);
+    if (above == at) break;
+    atomic_store(&parent[before], above);  // whoever stores here, stores an ancestor
+    before = at;
+    at = above;
+  }
+  return at;
+}
+
+/// Makes one island of two bodies.
+template <class Real>
+struct Islands {
+  BodyView<Real> bodies;
+  std::uint32_t* parent;
+  std::uint8_t* stirred;  ///< by body: something that no force stops moves at it
+
+  SIM_HD bool moves(std::uint32_t body) const {
+    const Vector3<Real> v = bodies.velocity[body];
+    if (v.dot(v) > 0 || bodies.angular_velocity == nullptr) return v.dot(v) > 0;
+    const Vector3<Real> spin = bodies.angular_velocity[body];
+    return spin.dot(spin) > 0;
+  }
+  SIM_HD void join(std::uint32_t a, std::uint32_t b) const {
+    const bool a_stays = bodies.inverse_mass[a] == 0, b_stays = bodies.inverse_mass[b] == 0;
+    if (a_stays || b_stays) {
+      if (a_stays && moves(a)) atomic_store(&stirred[b], std::uint8_t{1});
+      if (b_stays && moves(b)) atomic_store(&stirred[a], std::uint8_t{1});
+      return;
+    }
+    a = root_of(parent, a);
+    b = root_of(parent, b);
+    while (a != b) {
+      const std::uint32_t low = min_of(a, b), high = max_of(a, b);
+      a = low;
+      b = atomic_replace(&parent[high], high, low);
+      if (b == high) return;  // it was a root, and is none any more
+    }
+  }
+};
+
+template <class Real>
+struct JoinByContacts {
+  const Pair* contacts;
+  Islands<Real> islands;
+  SIM_HD void operator()(int contact) const { islands.join(contacts[contact].a, contacts[contact].b); }
+};
+
+template <class Real>
+struct JoinByJoints {
+  const JointRow<Real>* rows;
+  Islands<Real> islands;
+  SIM_HD void operator()(int joint) const {
+    if (rows[joint].b != JointRow<Real>::world) islands.join(rows[joint].a, rows[joint].b);
+  }
+};
+
+/// The components are whole; one body that is not at rest keeps all awake.
+struct StirIslands {
+  const std::uint32_t* slow;
+  std::uint32_t needed;
+  std::uint32_t* parent;
+  const std::uint8_t* stirred;
+  std::uint8_t* restless;
+  SIM_HD void operator()(int body) const {
+    if (slow[body] < needed || stirred[body])
+      atomic_store(&restless[root_of(parent, static_cast<std::uint32_t>(body))], std::uint8_t{1});
+  }
+};
+
+template <class Real>
+struct FallAsleepOrWake {
+  BodyView<Real> bodies;
+  std::uint32_t* parent;
+  const std::uint8_t* restless;
+  std::uint32_t* slow;
+  std::uint8_t* asleep;
+  const StepControl* control;
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    const bool sleeps =
+        restless[root_of(parent, static_cast<std::uint32_t>(body))] == 0 && bodies.inverse_mass[body] > 0;
+    const bool slept = slow[body] == slow_and_asleep;
+    asleep[body] = sleeps ? 1 : 0;
+    if (sleeps == slept) return;
+    slow[body] = sleeps ? slow_and_asleep : 0;
+    if (!sleeps) return;
+    bodies.velocity[body] = Vector3<Real>::Zero();
+    if (bodies.angular_velocity != nullptr) bodies.angular_velocity[body] = Vector3<Real>::Zero();
+  }
+};
+
+template <class Real>
+struct CountSlowSteps {
+  BodyView<Real> bodies;
+  Real speed;
+  std::uint32_t needed;
+  std::uint32_t* slow;
+  const StepControl* control;
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    const Vector3<Real> v = bodies.velocity[body];
+    bool is_slow = v.dot(v) < speed * speed;
+    if (bodies.angular_velocity != nullptr) {
+      const Vector3<Real> surface = bodies.radius[body] * bodies.angular_velocity[body];
+      is_slow = is_slow && surface.dot(surface) < speed * speed;
+    }
+    slow[body] = is_slow ? min_of(slow[body] + 1, needed) : 0;
+  }
+};
+
+}  // namespace
+
+template <class Real>
+Sleeping<Real>::Sleeping(Executor& executor)
+    : executor_(executor),
+      slow_(executor, "slow steps of bodies"),
+      parent_(executor, "islands"),
+      restless_(executor, "restless islands"),
+      asleep_(executor, "bodies asleep") {}
+
+template <class Real>
+void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_count, const Sleep& sleep,
+                            double time_step, const StepControl* control) {
+  bodies_ = bodies;
+  body_count_ = body_count;
+  speed_ = static_cast<Real>(sleep.speed);
+  needed_ = static_cast<std::uint32_t>(std::clamp(std::ceil(sleep.time / time_step), 1.0, 4e9));
+  control_ = control;
+  const auto n = static_cast<std::size_t>(body_count);
+  slow_.upload(std::vector<std::uint32_t>(n));
+  parent_.resize_discarding(n);
+  restless_.resize_discarding(n);
+  asleep_.upload(std::vector<std::uint8_t>(n));
+}
+
+template <class Real>
+void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
+                                  const JointView<Real>& joints) {
+  const Islands<Real> islands{bodies_, parent_.data(), asleep_.data()};  // known anew at the end
+  executor_.run("islands", body_count_, BeginIslands{parent_.data(), restless_.data(), asleep_.data()});
+  executor_.run("islands", Count(&control_->contacts, contact_capacity),
+                JoinByContacts<Real>{contacts.bodies, islands});
+  executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
+  executor_.run("islands", body_count_,
+                StirIslands{slow_.data(), needed_, parent_.data(), asleep_.data(), restless_.data()});
+  executor_.run("islands", body_count_,
+                FallAsleepOrWake<Real>{bodies_, parent_.data(), restless_.data(), slow_.data(),
+                                       asleep_.data(), control_});
+}
+
+template <class Real>
+void Sleeping<Real>::count() {
+  run_awake_bodies(executor_, "islands", body_count_, asleep_.data(),
+                   CountSlowSteps<Real>{bodies_, speed_, needed_, slow_.data(), control_});
+}
+
+template <class Real>
+void Sleeping<Real>::remember(std::vector<std::uint32_t> slow) {
+  slow.resize(static_cast<std::size_t>(body_count_), 0);
+  slow_.upload(slow);
+}
+
+template class Sleeping<float>;
+template class Sleeping<double>;
+
+}  // namespace collidoscope

@@ -1,0 +1,68 @@
+#pragma once
+// The effect `sleeping`: islands at rest are neither solved nor moved. Called for by a scene's `sleep`: a
+// speed in m/s and a time in s.
+//
+// An island is a connected component of bodies over joints and over the contacts of a step, which are all
+// that its motion may bring together. Walls, and bodies that no force moves, join nothing and never sleep;
+// one of the latter that moves keeps awake what it touches. It sleeps in a step where each of its bodies has
+// been slow, in speed and in radius times spin, for at least the time; where one has not, all are awake, so
+// that no contact ever has one side asleep. So an island wakes in the very step in which something that moves
+// may touch it, before that does; and who is woken is slow from then on anew. Who falls asleep loses what
+// speed is left; who sleeps keeps its state, and what is remembered of its contacts, bit for bit.
+//
+// Components: ECL-CC (Jaiganesh & Burtscher, 2018). Each body points to one with a lower id; a contact hangs
+// the greater of its two roots under the lesser by compare-and-swap, halving paths on its way. The last root
+// is the least id of its component, whatever the order of arrival.
+//
+// Owned by the solver; without the effect it has no memory.
+
+#include <cstdint>
+#include <vector>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/joint_state.h"
+
+namespace collidoscope {
+
+/// In place of a number of steps: the body sleeps.
+inline constexpr std::uint32_t slow_and_asleep = 0xffffffffu;
+
+template <class Real>
+class Sleeping {
+ public:
+  explicit Sleeping(Executor& executor);
+  /// Once, where the effect is on; `time_step` in s.
+  void enable(const BodyView<Real>& bodies, std::int64_t body_count, const Sleep& sleep, double time_step,
+              const StepControl* control);
+
+  /// By body, 1: asleep in this run; null without the effect.
+  const std::uint8_t* asleep() const { return asleep_.data(); }
+
+  /// In each run, once its contacts are known, `contact_capacity` at most: who sleeps.
+  void find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
+                    const JointView<Real>& joints);
+  /// At the end of a run: counts for how long each body has been slow.
+  void count();
+
+  /// Steps for which each body has been slow, or slow_and_asleep; empty without the effect.
+  std::vector<std::uint32_t> memory() const { return slow_.download(); }
+  /// Bodies beyond those that are known, all of them if none are, have not been slow yet.
+  void remember(std::vector<std::uint32_t> slow);
+
+ private:
+  Executor& executor_;
+  BodyView<Real> bodies_{};
+  std::int64_t body_count_ = 0;
+  Real speed_ = 0;            ///< m/s
+  std::uint32_t needed_ = 1;  ///< steps
+  const StepControl* control_ = nullptr;
+  Buffer<std::uint32_t> slow_;              ///< by body
+  Buffer<std::uint32_t> parent_;            ///< by body; at the root itself
+  Buffer<std::uint8_t> restless_, asleep_;  ///< by root; by body
+};
+
+}  // namespace collidoscope

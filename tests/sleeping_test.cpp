@@ -1,0 +1,320 @@
+// Islands fall asleep at rest, cost nothing while they sleep, and wake when something may touch them.
+
+#include "sim_cuda/solver/sleeping.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "sim_cuda/run_state.h"
+#include "sim_cuda/scene/names.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class Sleepers : public OnEachExecutor {};
+ON_EACH_EXECUTOR(Sleepers);
+
+/// By body: whether it slept in the last step.
+std::vector<bool> sleepers(World& world) {
+  std::vector<bool> asleep;
+  for (const std::uint32_t slow : world.state().memory.slow) asleep.push_back(slow == slow_and_asleep);
+  return asleep;
+}
+int count(World& world, std::size_t first = 0, std::size_t last = ~std::size_t{0}) {
+  const std::vector<bool> asleep = sleepers(world);
+  return static_cast<int>(
+      std::count(asleep.begin() + static_cast<std::ptrdiff_t>(first),
+                 asleep.begin() + static_cast<std::ptrdiff_t>(std::min(last, asleep.size())), true));
+}
+
+/// A floor, and columns of `high` spheres of 1 m at these places; friction, and nothing bounces much.
+Scene columns(const std::vector<double>& places, int high) {
+  Scene scene;
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.sleep = Sleep{};
+  scene.materials[0].friction = 0.5;
+  scene.materials[0].restitution = 0.2;
+  scene.obstacles.push_back({});
+  for (const double x : places)
+    for (int k = 0; k < high; ++k) scene.bodies.push_back(sphere(1, Vector3d(x, 0, 1 + 2 * k)));
+  return scene;
+}
+
+TEST_P(Sleepers, FallAsleepTogetherOnceAllHaveBeenSlowForTheTime) {
+  Scene scene = columns({0, 10}, 3);
+  scene.bodies[5].position.z() = 5.8;  // falls for 0.4 s onto the second column
+  World world(scene, options());
+  int first = 0, second = 0;
+  for (int step = 1; step <= 120; ++step) {
+    world.step();
+    const int left = count(world, 0, 3), right = count(world, 3);
+    EXPECT_TRUE(left == 0 || left == 3) << step;
+    // Until it lands, the falling sphere is an island of its own.
+    EXPECT_TRUE(right == 0 || right == 3 || (step < 40 && right == 2)) << step;
+    if (left == 3 && first == 0) first = step;
+    if (right == 3 && second == 0) second = step;
+  }
+  EXPECT_EQ(first, 16) << "slow from the first of its 15 steps on";
+  EXPECT_GT(second, 15 + 12);
+  EXPECT_LT(second, 60);
+  EXPECT_EQ(world.measure().kinetic_energy, 0);
+}
+
+TEST_P(Sleepers, KeepTheirStateAndWhatIsRememberedOfThem) {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = columns({0, 2, 30}, 3);
+    scene.materials[0].rolling_resistance = 0.01;
+    scene.physics.precision = precision;
+    World world(scene, options());
+    world.step(150);
+    ASSERT_EQ(count(world), 9) << name_of(precision_names, precision);
+    world.step(2);  // contacts that pressed nothing are forgotten with the speed
+    const RunState before = world.state();
+    const std::uint64_t hash = world.state_hash();
+    world.step(100);
+    EXPECT_EQ(world.state_hash(), hash);
+    const RunState after = world.state();
+    ASSERT_EQ(after.memory.contacts.size(), before.memory.contacts.size());
+    EXPECT_GE(after.memory.contacts.size(), 6u);
+    for (std::size_t k = 0; k < after.memory.contacts.size(); ++k)
+      EXPECT_EQ(after.memory.contacts[k].impulse, before.memory.contacts[k].impulse);
+    EXPECT_EQ(after.memory.grips, before.memory.grips);
+    EXPECT_EQ(after.memory.rolls, before.memory.rolls);
+    EXPECT_EQ(after.memory.walls, before.memory.walls);
+    EXPECT_EQ(after.memory.wall_grips, before.memory.wall_grips);
+    EXPECT_EQ(after.memory.wall_rolls, before.memory.wall_rolls);
+  }
+}
+
+TEST_P(Sleepers, WakeWhereTheyAreTouchedAndOnlyThere) {
+  Scene scene = columns({0, 10, 20}, 4);
+  scene.bodies.push_back(sphere(0.5, Vector3d(10, 0, 60)));  // falls for 3.2 s onto the middle one
+  World world(scene, options());
+  world.step(80);
+  ASSERT_EQ(count(world), 12);
+  const BodyStates before = world.bodies();
+  bool woken = false;
+  for (int step = 0; step < 60; ++step) {
+    world.step();
+    woken = woken || count(world, 4, 8) == 0;
+    EXPECT_EQ(count(world, 0, 4), 4);
+    EXPECT_EQ(count(world, 8, 12), 4);
+  }
+  EXPECT_TRUE(woken);
+  const BodyStates after = world.bodies();
+  for (const std::size_t i : {0, 1, 2, 3, 8, 9, 10, 11})
+    EXPECT_EQ(after.position[i], before.position[i]) << i;
+  EXPECT_NE(after.position[7], before.position[7]);
+}
+
+TEST_P(Sleepers, AWokenSceneGoesOnAsOneThatNeverSlept) {
+  // A ball rolls into a sleeping row. What sleeping takes is at most the slow speed of each body for a
+  // moment, and what it saves is the creep of 3 s: 1 mm and 1 cm/s remain.
+  Scene scene = columns({0, 2, 4, 6}, 1);
+  scene.materials[0].friction = 0.1;
+  scene.bodies.push_back(sphere(1, Vector3d(-24, 0, 1), Vector3d(6, 0, 0)));
+  scene.bodies.back().angular_velocity = Vector3d(0, 6, 0);
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    scene.physics.precision = precision;
+    scene.physics.sleep = Sleep{};
+    World slept(scene, options());
+    scene.physics.sleep.reset();
+    World never(scene, options());
+    slept.step(90);
+    never.step(90);
+    ASSERT_EQ(count(slept, 0, 4), 4);
+    EXPECT_EQ(count(slept, 4), 0);
+    slept.step(50);  // it hits at state 110
+    never.step(50);
+    EXPECT_EQ(count(slept), 0);
+    const BodyStates a = slept.bodies(), b = never.bodies();
+    for (std::size_t i = 0; i < 5; ++i) {
+      EXPECT_LT((a.position[i] - b.position[i]).norm(), 1e-3) << i;
+      EXPECT_LT((a.velocity[i] - b.velocity[i]).norm(), 1e-2) << i;
+    }
+    EXPECT_GT(b.velocity[3].x(), 1) << "the blow went through";
+  }
+}
+
+TEST_P(Sleepers, TouchedInTheVeryStepInWhichTheyWouldFallAsleep) {
+  // The row would sleep at its 16th step. A fast ball reaches it then, a step before and a step after: it
+  // never meets a body that stands still as if nailed down.
+  for (int k = 13; k <= 18; ++k) {
+    Scene scene = columns({0}, 1);
+    scene.physics.gravity = Vector3d(0, 0, 0);
+    scene.obstacles.clear();
+    scene.materials[0].friction = 0;
+    scene.materials[0].restitution = 1;
+    const double speed = 30;
+    scene.bodies.push_back(sphere(1, Vector3d(-2 - speed * (k - 0.5) / 30, 0, 1), Vector3d(speed, 0, 0)));
+    World world(scene, options());
+    world.step(25);
+    const BodyStates states = world.bodies();
+    EXPECT_NEAR(states.velocity[0].x(), speed, 1e-3) << k;
+    EXPECT_NEAR(states.velocity[1].x(), 0, 1e-3) << k;
+    EXPECT_EQ(count(world), 0) << k;
+  }
+}
+
+TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
+  const Scene scene = columns({0, 10}, 2);
+  World world(scene, options());
+  world.step(60);
+  ASSERT_EQ(count(world), 4);
+  World same(scene, options());
+  same.adopt(world);
+  same.step();
+  EXPECT_EQ(count(same), 4);
+  Scene turned = scene;
+  turned.physics.gravity = Vector3d(0, 0, 3);
+  World other(turned, options());
+  other.adopt(world);
+  other.step();
+  EXPECT_EQ(count(other), 0);
+
+  // The last column's lower sphere goes: 2 rests on 3.
+  Scene upside_down = columns({0}, 2);
+  upside_down.bodies.push_back(sphere(1, Vector3d(10, 0, 3)));
+  upside_down.bodies.push_back(sphere(1, Vector3d(10, 0, 1)));
+  World full(upside_down, options());
+  full.step(60);
+  ASSERT_EQ(count(full), 4);
+  RunState state = full.state();
+  upside_down.bodies.pop_back();
+  World less(upside_down, options());
+  state.settings = less.state().settings;  // as where N of a generator is turned
+  less.adopt(state);
+  less.step();
+  EXPECT_EQ(count(less), 2);
+  EXPECT_FALSE(sleepers(less)[2]);
+}
+
+TEST_P(Sleepers, ABodyThatSpinsOrRollsIsNotAtRest) {
+  Scene scene = columns({0, 10}, 1);
+  scene.bodies[0].angular_velocity = Vector3d(0, 0, 1);  // drills on: friction of a point does not stop it
+  World world(scene, options());
+  world.step(60);
+  EXPECT_FALSE(sleepers(world)[0]);
+  EXPECT_TRUE(sleepers(world)[1]);
+}
+
+TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
+  // A rod of 10 m between two balls, the second of which is hit.
+  Scene scene = columns({0, 10}, 1);
+  scene.joints.emplace_back();
+  scene.joints[0].a = 0;
+  scene.joints[0].b = 1;
+  scene.bodies.push_back(sphere(1, Vector3d(34, 0, 1), Vector3d(-6, 0, 0)));
+  scene.bodies.back().angular_velocity = Vector3d(0, -6, 0);
+  World joined(scene, options());
+  joined.step(40);
+  EXPECT_EQ(count(joined, 0, 2), 2);
+  const std::uint64_t impulses = joined.state().memory.joints.size();
+  EXPECT_EQ(impulses, 1u);
+  joined.step(90);  // it hits 1 at state 110, and 0 is 10 m from there
+  EXPECT_EQ(count(joined), 0);
+  EXPECT_LT(joined.bodies().velocity[0].x(), -0.5);
+  scene.joints.clear();
+  World apart(scene, options());
+  apart.step(120);
+  EXPECT_TRUE(sleepers(apart)[0]);
+  EXPECT_FALSE(sleepers(apart)[1]);
+}
+
+TEST_P(Sleepers, OnWhatNoForceMovesAreOnesOwnAndWakeWhenItMoves) {
+  // Two balls on a static slab of a sphere and on a slow kinematic one.
+  Scene scene = columns({}, 1);
+  scene.obstacles.clear();
+  for (const double x : {0.0, 40.0}) {
+    scene.bodies.push_back(sphere(10, Vector3d(x, 0, -10)));
+    scene.bodies.back().motion = x == 0 ? Motion::fixed : Motion::kinematic;
+    scene.bodies.push_back(sphere(1, Vector3d(x, 0, 1)));
+  }
+  scene.bodies[2].velocity = Vector3d(0, 0, 0.01);  // slower than slow, and it goes on
+  World world(scene, options());
+  world.step(90);
+  const std::vector<bool> asleep = sleepers(world);
+  EXPECT_FALSE(asleep[0]);
+  EXPECT_TRUE(asleep[1]) << "what is fixed joins nothing";
+  EXPECT_FALSE(asleep[2]);
+  EXPECT_FALSE(asleep[3]);
+  EXPECT_NEAR(world.bodies().position[2].z(), -10 + 0.03, 1e-3);
+}
+
+TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
+  Scene scene = box_collider(400);
+  scene.generators[0].radius_max = 7;
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.sleep = Sleep{.speed = 1, .time = 0.1};  // some fall asleep and are woken all the time
+  scene.materials[0].friction = 0.6;
+  World first(scene, options());
+  first.step(150);
+  const std::uint64_t expected = first.state_hash();
+  EXPECT_GT(count(first), 20);
+  EXPECT_LT(count(first), 400);
+  for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}, {3, 37}})
+    for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled}) {
+      if (GetParam() == ExecutorKind::cuda && order != LaneOrder::contiguous) continue;
+      RunOptions o = options();
+      o.shape = shape;
+      o.lane_order = order;
+      o.cpu_threads = 2;
+      o.initial_pair_capacity = 50;  // steps that are done again count no sleep twice
+      World world(scene, o);
+      world.step(70);
+      World second(scene, o);
+      second.adopt(world);
+      second.step(80);
+      EXPECT_EQ(second.state_hash(), expected) << shape.blocks << " x " << shape.threads;
+    }
+}
+
+TEST_P(Sleepers, OffTheyCostNothing) {
+  Scene off = columns({0, 2}, 3), on = off;
+  off.physics.sleep.reset();
+  Scene listed = on;
+  listed.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
+  World without(off, options()), unlisted(listed, options()), with(on, options());
+  for (World* world : {&without, &unlisted, &with}) world->step(6);
+  EXPECT_EQ(without.allocated_bytes(), unlisted.allocated_bytes());
+  EXPECT_LT(without.allocated_bytes(), with.allocated_bytes());
+  EXPECT_EQ(without.state_hash(), unlisted.state_hash());
+  EXPECT_EQ(without.state_hash(), with.state_hash()) << "until something sleeps";
+  EXPECT_TRUE(without.state().memory.slow.empty());
+  const auto launches = [](World& world) {
+    int all = 0;
+    for (const StageTime& stage : world.times().stages) all += static_cast<int>(stage.launches);
+    return all;
+  };
+  EXPECT_EQ(launches(without), launches(unlisted));
+  EXPECT_EQ(launches(without) + 6, launches(with))
+      << "four for the islands, one to count, one for the colours";
+}
+
+TEST_P(Sleepers, APileOfHundredsComesToRestAndSleeps) {
+  Scene scene = box_collider(500, Variant::scaled);
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.sleep = Sleep{.speed = 0.1, .time = 0.5};
+  scene.materials[0].friction = 0.5;
+  scene.materials[0].rolling_resistance = 0.1;
+  scene.materials[0].restitution = 0.2;
+  World world(scene, options());
+  int steps = 0;
+  while (count(world) < 500 && steps < 3000) {
+    world.step(50);
+    steps += 50;
+  }
+  EXPECT_EQ(count(world), 500);
+  const std::uint64_t hash = world.state_hash();
+  EXPECT_EQ(world.measure().kinetic_energy, 0);
+  EXPECT_LT(world.measure().max_penetration, 0.2);
+  world.step(30);
+  EXPECT_EQ(world.state_hash(), hash);
+}
+
+}  // namespace
+}  // namespace collidoscope
