@@ -42,7 +42,7 @@ Scene falling(const Scene& scene) {
   Physics& physics = inner.physics;
   physics.sleep.reset();
   if (physics.effects) physics.effects->sleeping = false;
-  if (physics.solver == Solver::soft_step) return inner;
+  if (physics.solver != Solver::impulse) return inner;
   physics.solver = Solver::soft_step;
   physics.substeps.reset();
   physics.iterations = 1;

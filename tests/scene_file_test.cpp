@@ -196,7 +196,8 @@ INSTANTIATE_TEST_SUITE_P(
             "values"},
         // names
         Bad{"\"solver\": \"soft_stop\"}",
-            "s:2:11: unknown solver \"soft_stop\"; did you mean \"soft_step\"? (impulse or soft_step)"},
+            "s:2:11: unknown solver \"soft_stop\"; did you mean \"soft_step\"? (impulse, soft_step or "
+            "jacobi_split)"},
         Bad{"\"integrator\": \"rk4\"}", "s:2:15: unknown integrator \"rk4\""},
         Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
         Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},

@@ -149,11 +149,14 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   choice_row(workspace, "settings.precision", "precision", precisions, s.precision,
              "Of everything that is simulated");
 
-  static constexpr std::array<std::pair<Solver, const char*>, 2> solvers{
-      {{Solver::impulse, "impulse"}, {Solver::soft_step, "soft_step"}}};
+  static constexpr std::array<std::pair<Solver, const char*>, 3> solvers{
+      {{Solver::impulse, "impulse"},
+       {Solver::soft_step, "soft_step"},
+       {Solver::jacobi_split, "jacobi_split"}}};
   choice_row(workspace, "settings.solver", "solver", solvers, s.solver,
              "What contacts do. impulse: the paper's, which lets piles sink. soft_step: contacts are soft, "
-             "steps go in substeps, and piles come to rest");
+             "steps go in substeps, and piles come to rest. jacobi_split: the same, but all contacts at once "
+             "between parts of bodies");
 
   if (view.generated) {
     ImGui::Spacing();

@@ -55,7 +55,7 @@ int substeps_of(const Scene& scene, const InitialBodies& bodies) {
   const Physics& physics = scene.physics;
   const int usual = substeps_in_effect(physics);
   const bool off = scene.joints.empty() || (physics.effects && !physics.effects->joints);
-  if (off || physics.substeps || physics.solver != Solver::soft_step) return usual;
+  if (off || physics.substeps || physics.solver == Solver::impulse) return usual;
   const double wanted = physics.time_step / std::sqrt(least_square(scene, bodies));
   return wanted > usual ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : usual;
 }

@@ -20,8 +20,8 @@ struct Named {
 
 inline constexpr std::array<Named<Precision>, 2> precision_names{
     {{"f32", Precision::f32}, {"f64", Precision::f64}}};
-inline constexpr std::array<Named<Solver>, 2> solver_names{
-    {{"impulse", Solver::impulse}, {"soft_step", Solver::soft_step}}};
+inline constexpr std::array<Named<Solver>, 3> solver_names{
+    {{"impulse", Solver::impulse}, {"soft_step", Solver::soft_step}, {"jacobi_split", Solver::jacobi_split}}};
 inline constexpr std::array<Named<Integrator>, 1> integrator_names{
     {{"semi_implicit_euler", Integrator::semi_implicit_euler}}};
 inline constexpr std::array<Named<Shape>, 2> shape_names{{{"sphere", Shape::sphere}, {"mesh", Shape::mesh}}};

@@ -15,8 +15,9 @@
 namespace collidoscope {
 
 enum class Precision { f32, f64 };
-/// The paper's immediate impulses, or soft contacts in substeps.
-enum class Solver { impulse, soft_step };
+/// The paper's immediate impulses; soft contacts in substeps, colour by colour; the same, all contacts at
+/// once between parts of bodies (Tonge, Benevolenski, Voroshilov 2012).
+enum class Solver { impulse, soft_step, jacobi_split };
 enum class Integrator { semi_implicit_euler };
 
 /// The closed container; its six inner faces are walls of the material "default".
@@ -126,9 +127,10 @@ struct Physics {
   std::optional<Sleep> sleep;                   ///< unset: nothing falls asleep
 };
 
-/// K as set, or what "auto" comes to: soft_step lives of its substeps, `impulse` is the paper's without them.
+/// K as set, or what "auto" comes to: soft contacts live of their substeps, `impulse` is the paper's without
+/// them.
 inline int substeps_in_effect(const Physics& physics) {
-  return physics.substeps.value_or(physics.solver == Solver::soft_step ? 4 : 1);
+  return physics.substeps.value_or(physics.solver == Solver::impulse ? 1 : 4);
 }
 
 struct Scene {

@@ -60,6 +60,7 @@ SIM_HD inline std::uint64_t* bid_place(std::uint64_t* bids, const ColouredBody& 
 constexpr std::uint32_t bids_per_contact = 4;  // twice, and at both bodies
 
 struct ClearContacts {
+  std::uint8_t first;  // the colour to start from
   const StepControl* control;
   std::uint8_t* colour;
   std::uint32_t* contact;
@@ -67,8 +68,8 @@ struct ClearContacts {
   SIM_HD void operator()(int k) const {
     contact[k] = static_cast<std::uint32_t>(k);
     const bool there = static_cast<std::uint32_t>(k) < control->contacts;
-    colour[k] = there ? uncoloured : unused;
-    if (!there) return;
+    colour[k] = there ? first : unused;
+    if (!there || bids == nullptr) return;
     for (std::uint32_t i = 0; i < bids_per_contact; ++i)
       bids[bids_per_contact * static_cast<std::uint64_t>(k) + i] = 0;
   }
@@ -203,8 +204,9 @@ struct FindColours {
 
 }  // namespace
 
-Colouring::Colouring(Executor& executor)
+Colouring::Colouring(Executor& executor, bool by_lots)
     : executor_(executor),
+      by_lots_(by_lots),
       degrees_(executor),
       bids_(executor, "colouring bids"),
       coloured_(executor, "colours of bodies"),
@@ -221,9 +223,11 @@ void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   bodies_ = bodies;
   const auto contacts = static_cast<std::size_t>(contact_capacity);
   degrees_.reserve(bodies, contact_capacity);
-  bids_.resize_discarding(bids_per_contact * contacts);
-  coloured_.resize_discarding(static_cast<std::size_t>(bodies));
-  pending_.resize_discarding((rounds + 1) * Pending::places * Pending::apart);
+  if (by_lots_) {
+    bids_.resize_discarding(bids_per_contact * contacts);
+    coloured_.resize_discarding(static_cast<std::size_t>(bodies));
+    pending_.resize_discarding((rounds + 1) * Pending::places * Pending::apart);
+  }
   colour_.resize_discarding(contacts);
   sorted_colour_.resize_discarding(contacts);
   contact_.resize_discarding(contacts);
@@ -237,16 +241,20 @@ void Colouring::colour(const Pair* contacts, StepControl* control, const std::ui
   const auto capacity = static_cast<std::int64_t>(order_.size());
   const ContactSet all{contacts, nullptr, nullptr, &control->contacts};
   degrees_.count("colour", all);
-  executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});
-  executor_.run("colour", capacity, ClearContacts{control, colour_.data(), contact_.data(), bids_.data()});
+  executor_.run("colour", capacity,
+                ClearContacts{by_lots_ ? uncoloured : no_colour_free, control, colour_.data(),
+                              contact_.data(), bids_.data()});
   if (asleep != nullptr)
     executor_.run("colour", Count(&control->contacts, capacity),
                   LeaveSleepersOut{contacts, asleep, colour_.data()});
-  executor_.run("colour", rounds + 1, ClearRounds{control, {pending_.data()}});
-  executor_.run_rounds(
-      "colour", 2 * rounds, capacity,
-      BidInRounds{
-          contacts, control, capacity, coloured_.data(), bids_.data(), colour_.data(), {pending_.data()}});
+  if (by_lots_) {
+    executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});
+    executor_.run("colour", rounds + 1, ClearRounds{control, {pending_.data()}});
+    executor_.run_rounds(
+        "colour", 2 * rounds, capacity,
+        BidInRounds{
+            contacts, control, capacity, coloured_.data(), bids_.data(), colour_.data(), {pending_.data()}});
+  }
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());
   executor_.run("colour", colours + 1,

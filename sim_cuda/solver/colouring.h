@@ -50,7 +50,8 @@ class Colouring {
   static constexpr int colours = 32;
   static constexpr int rounds = 24;
 
-  explicit Colouring(Executor& executor);
+  /// `by_lots` false: nothing is coloured, and all contacts are the mass-split set.
+  explicit Colouring(Executor& executor, bool by_lots = true);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
   /// Colours control->contacts contacts; sets control->split_contacts. Those of bodies that are `asleep` (by
   /// body, or null) get no colour and stand behind all others in `order`.
@@ -61,6 +62,7 @@ class Colouring {
 
  private:
   Executor& executor_;
+  const bool by_lots_;
   std::int64_t bodies_ = 0;
   ContactDegrees degrees_;
   Buffer<std::uint64_t> bids_;  ///< by body, then by colour

@@ -8,8 +8,9 @@ namespace collidoscope {
 template <class Real>
 std::unique_ptr<ContactSolver<Real>> make_contact_solver(Solver solver, Executor& executor,
                                                          const SolverScene<Real>& scene) {
-  if (solver == Solver::soft_step) return std::make_unique<SoftStepSolver<Real>>(executor, scene);
-  return std::make_unique<ImpulseSolver<Real>>(executor, scene);
+  if (solver == Solver::impulse) return std::make_unique<ImpulseSolver<Real>>(executor, scene);
+  const bool coloured = solver == Solver::soft_step;
+  return std::make_unique<SoftStepSolver<Real>>(executor, scene, coloured);
 }
 
 template std::unique_ptr<ContactSolver<float>> make_contact_solver(Solver, Executor&,

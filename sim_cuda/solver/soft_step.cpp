@@ -170,12 +170,12 @@ Vector3<Real> narrowed(const std::array<double, 3>& v) {
 }  // namespace
 
 template <class Real>
-SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>& scene)
+SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>& scene, bool coloured)
     : executor_(executor),
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
       softness_(Softness<Real>::of(h_)),
-      colouring_(executor),
+      colouring_(executor, coloured),
       split_degrees_(executor),
       all_(executor),
       split_(executor),

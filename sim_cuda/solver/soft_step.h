@@ -30,7 +30,8 @@ namespace collidoscope {
 template <class Real>
 class SoftStepSolver final : public ContactSolver<Real> {
  public:
-  SoftStepSolver(Executor& executor, const SolverScene<Real>& scene);
+  /// `coloured` false: the solver `jacobi_split`, which sweeps all contacts at once, as the mass-split set.
+  SoftStepSolver(Executor& executor, const SolverScene<Real>& scene, bool coloured);
   int runs_per_step() const override { return 1; }
   Real foresight() const override { return scene_.time_step; }
   void reserve(std::int64_t contact_capacity) override;

@@ -1,0 +1,122 @@
+// The solver jacobi_split: what it shares with soft_step, and that nothing is coloured.
+
+#include "sim_cuda/solver/soft_step.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class JacobiSplit : public OnEachExecutor {
+ protected:
+  static Scene pile(std::int64_t bodies, Solver solver) {
+    Scene scene = box_collider(bodies);
+    scene.generators[0].radius_max = 6;
+    scene.generators[0].spawn = Spawn::apart;
+    scene.physics.solver = solver;
+    return scene;
+  }
+};
+ON_EACH_EXECUTOR(JacobiSplit);
+
+TEST_P(JacobiSplit, ColoursNothing) {
+  World world(pile(500, Solver::jacobi_split), options());
+  world.step(100);
+  const StepStats stats = world.measure();
+  EXPECT_GT(stats.contacts, 100);
+  EXPECT_EQ(stats.split_contacts, stats.contacts);
+  World coloured(pile(500, Solver::soft_step), options());
+  coloured.step(1);
+  World split(pile(500, Solver::jacobi_split), options());
+  split.step(1);
+  EXPECT_LT(split.allocated_bytes(), coloured.allocated_bytes());
+}
+
+TEST_P(JacobiSplit, OneContactIsThatOfSoftStep) {
+  Scene scene;
+  scene.materials[0].restitution = 0.5;
+  scene.physics.gravity = Vector3d(0, 0, 0);
+  scene.physics.precision = Precision::f64;
+  for (const double x : {-1.5, 1.5}) {
+    Body body;
+    body.position = Vector3d(x, 0, 0);
+    body.velocity = Vector3d(-x, 0.1 * x, 0);
+    body.radius = x < 0 ? 1 : 0.7;
+    scene.bodies.push_back(body);
+  }
+  scene.physics.solver = Solver::soft_step;
+  World coloured(scene, options());
+  scene.physics.solver = Solver::jacobi_split;
+  World split(scene, options());
+  coloured.step(40);
+  split.step(40);
+  ASSERT_GT(coloured.bodies().velocity[1].x(), 0) << "they bounced";
+  for (const std::size_t body : {0, 1})
+    EXPECT_LT((split.bodies().velocity[body] - coloured.bodies().velocity[body]).norm(), 1e-12);
+}
+
+TEST_P(JacobiSplit, KeepsMomentumAndGainsNoEnergy) {
+  // A heavy sphere into a wall of light ones: many contacts at one body.
+  Scene scene;
+  scene.physics.gravity = Vector3d(0, 0, 0);
+  scene.physics.precision = Precision::f64;
+  scene.physics.solver = Solver::jacobi_split;
+  scene.physics.effects = Effects{};
+  for (int y = -4; y <= 4; ++y)
+    for (int z = -4; z <= 4; ++z) {
+      Body body;
+      body.radius = 0.5;
+      body.position = Vector3d(0, 1.001 * y, 1.001 * z);
+      scene.bodies.push_back(body);
+    }
+  Body heavy;
+  heavy.radius = 6;
+  heavy.position = Vector3d(-8, 0.1, 0.2);
+  heavy.velocity = Vector3d(10, 0, 0);
+  scene.bodies.push_back(heavy);
+  World world(scene, options());
+  const StepStats before = world.measure();
+  double last = before.energy();
+  for (int k = 0; k < 30; ++k) {
+    world.step();
+    const StepStats now = world.measure();
+    EXPECT_LE(now.energy(), last * (1 + 1e-12)) << k;
+    last = now.energy();
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(now.momentum[axis], before.momentum[axis], 1e-9 * before.momentum[0]);
+  }
+  EXPECT_GT(world.bodies().velocity[40].x(), 5) << "the middle one was hit";
+}
+
+TEST_P(JacobiSplit, PilesComeToRestDeeperThanWithColours) {
+  World split(pile(800, Solver::jacobi_split), options());
+  World coloured(pile(800, Solver::soft_step), options());
+  split.step(600);
+  coloured.step(600);
+  const StepStats s = split.measure(), c = coloured.measure();
+  EXPECT_EQ(s.escaped + s.non_finite, 0);
+  EXPECT_LT(s.max_penetration, 1.2);
+  EXPECT_GT(s.max_penetration, c.max_penetration);
+  double mass = 0;
+  for (const double m : split.initial().mass) mass += m;
+  EXPECT_LT(s.kinetic_energy, 1e-3 * mass * 9.81 * 50) << "of what the fall released";
+}
+
+TEST_P(JacobiSplit, IsOneAnswer) {
+  Scene scene = pile(600, Solver::jacobi_split);
+  scene.materials[0].friction = 0.4;
+  World plain(scene, options());
+  plain.step(60);
+  for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {3, 37}})
+    for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::shuffled}) {
+      RunOptions o = options();
+      o.shape = shape;
+      o.lane_order = order;
+      World world(scene, o);
+      world.step(60);
+      EXPECT_EQ(world.state_hash(), plain.state_hash());
+    }
+}
+
+}  // namespace
+}  // namespace collidoscope
