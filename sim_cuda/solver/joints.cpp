@@ -116,6 +116,8 @@ std::vector<std::size_t> colour(const std::vector<PlacedJoint>& joints, const st
 
 // ---- stages ----
 
+}  // namespace
+
 template <class Real>
 struct JointRounds {
   JointView<Real> joints;
@@ -130,6 +132,8 @@ struct JointRounds {
     return joints.begin[round] + static_cast<std::uint32_t>(item);
   }
 };
+
+namespace {
 
 template <class Real, bool turning>
 struct WarmJoints : JointRounds<Real> {
