@@ -144,5 +144,70 @@ TEST(PlanePass, FromBehindAPlaneIsAVeil) {
   EXPECT_GT(veiled, 50);
 }
 
+// Distance along a ray at which it enters a box grown by `more`, m; 1e300 where it misses.
+double entry(const BoxObstacle& box, const EyeRay& ray, double more) {
+  const Vector3d from = box.orientation.conjugate() * Vector3d(ray.origin - box.center),
+                 along = box.orientation.conjugate() * ray.direction;
+  double in = 0, out = 1e300;
+  for (int k = 0; k < 3; ++k) {
+    const double half = box.size[k] / 2 + more;
+    const double a = (-half - from[k]) / along[k], b = (half - from[k]) / along[k];
+    in = std::max(in, std::min(a, b));
+    out = std::min(out, std::max(a, b));
+  }
+  return in < out ? in : 1e300;
+}
+
+TEST(PlanePass, BoxesAreWhereRaysMeetThemAndSpheresInFrontHideThem) {
+  TestBodies bodies;
+  const Vector3d front(0, -6, 4), inside(1, 1, 3);
+  for (const Vector3d& center : {front, inside}) {
+    bodies.initial.position.push_back(center);
+    bodies.initial.radius.push_back(1.5);
+    const auto id = static_cast<std::uint32_t>(bodies.instances.size());
+    bodies.instances.push_back(sphere_instance(center, 1.5, 0.9, id));
+  }
+  FrameScene without = frame_scene(bodies.scene, bodies.initial), with = without;
+  const BoxObstacle box{.center = Vector3d(1, 1, 3),
+                        .size = Vector3d(6, 5, 4),
+                        .orientation = Quaterniond(0.9, 0.1, 0.2, 0.3).normalized()};
+  with.boxes = {box};
+  OrbitCamera camera = frame_all({Vector3d(-7, -9, -2), Vector3d(8, 7, 9)}, 4.0 / 3);
+  const auto draw = [&](const FrameScene& frame) {
+    test_context();
+    Renderer renderer(width, height, {.supersampling = 1});
+    renderer.set_scene(frame);
+    renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
+    renderer.draw(camera, {.spheres = true, .grid = true, .overlay = false}, {0, 1});
+    return renderer.read_picture();
+  };
+  for (const bool orthographic : {false, true}) {
+    camera.orthographic = orthographic;
+    const Image a = draw(without), b = draw(with);
+    int on = 0, off = 0, hidden = 0;
+    for_each_pixel(camera, [&](int x, int y, const EyeRay& ray) {
+      const auto across = [&](const Vector3d& center) {
+        const Vector3d to = center - ray.origin;
+        return (to - to.dot(ray.direction) * ray.direction).norm();
+      };
+      const bool meets = entry(box, ray, -0.1) < 1e300, misses = entry(box, ray, 0.1) == 1e300;
+      if (across(front) < 1.3 && meets) {
+        ++hidden;
+        EXPECT_LE(difference(a, b, x, y), 40)
+            << x << ' ' << y << ": but for the light that the box keeps off";
+      } else if (meets && across(front) > 1.6) {
+        ++on;
+        EXPECT_GE(difference(a, b, x, y), 12) << x << ' ' << y;
+      } else if (misses && across(front) > 1.6 && across(inside) > 1.6) {
+        ++off;
+        EXPECT_EQ(difference(a, b, x, y), 0) << x << ' ' << y;
+      }
+    });
+    EXPECT_GT(on, 400);
+    EXPECT_GT(off, 400);
+    EXPECT_GT(hidden, 20);
+  }
+}
+
 }  // namespace
 }  // namespace collidoscope

@@ -47,6 +47,7 @@ FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
   FrameScene result;
   result.box = bodies.box;
   result.planes = scene.obstacles;
+  result.boxes = scene.boxes;
   result.bounds = bodies.box ? Bounds{bodies.box->min, bodies.box->max} : bounds_of(bodies);
   result.floor = result.bounds.min.z();
   if (!bodies.box) {

@@ -19,13 +19,14 @@ struct FrameScene {
   };
 
   Bounds bounds;  ///< of the box, else of the bodies at state 0 and of where they meet the planes below them
-  std::optional<Box> box;     ///< whose edges are the walls
-  std::vector<Plane> planes;  ///< the obstacles
-  double floor = 0;           ///< m, height of the grid
-  double grid_spacing = 10;   ///< m, a round number
-  double body_size = 1;       ///< m, mean radius
-  double largest_radius = 0;  ///< m
-  double total_mass = 0;      ///< kg
+  std::optional<Box> box;          ///< whose edges are the walls
+  std::vector<Plane> planes;       ///< the obstacles
+  std::vector<BoxObstacle> boxes;  ///< as well
+  double floor = 0;                ///< m, height of the grid
+  double grid_spacing = 10;        ///< m, a round number
+  double body_size = 1;            ///< m, mean radius
+  double largest_radius = 0;       ///< m
+  double total_mass = 0;           ///< kg
   std::int64_t body_count = 0;
   std::vector<Mesh> meshes;
   std::vector<Run> runs;

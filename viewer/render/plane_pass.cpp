@@ -15,6 +15,11 @@ struct PlaneRecord {
   float normal_offset[4], center_radius[4], side_kind[4];
 };
 
+/// As `Obstacle` in obstacle.vert.
+struct ObstacleRecord {
+  float center[4], half_size[4], side[3][4];
+};
+
 void store(float (&to)[4], const Vector3d& from, double last) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
   to[3] = static_cast<float>(last);
@@ -35,7 +40,10 @@ PlaneRecord plane_record(const Plane& plane, const FrameScene& scene, double rad
 }  // namespace
 
 PlanePass::PlanePass()
-    : surface_("plane.vert", "plane.frag"), veil_("plane.vert", "plane.frag", "#define VEIL\n"), nothing_{} {}
+    : surface_("plane.vert", "plane.frag"),
+      veil_("plane.vert", "plane.frag", "#define VEIL\n"),
+      obstacle_("obstacle.vert", "obstacle.frag"),
+      nothing_{} {}
 
 void PlanePass::set_scene(const FrameScene& scene) {
   const Vector3d size = scene.bounds.max - scene.bounds.min;
@@ -48,6 +56,16 @@ void PlanePass::set_scene(const FrameScene& scene) {
   if (records.empty()) records.push_back(plane_record(floor, scene, floor_radius, Kind::reference));
   planes_.upload(records.data(), records.size() * sizeof(PlaneRecord));
   count_ = static_cast<int>(records.size());
+
+  std::vector<ObstacleRecord> boxes;
+  for (const BoxObstacle& box : scene.boxes) {
+    ObstacleRecord& record = boxes.emplace_back();
+    store(record.center, box.center, 0);
+    store(record.half_size, box.size / 2, 0);
+    for (int k = 0; k < 3; ++k) store(record.side[k], box.orientation * Vector3d(Vector3d::Unit(k)), 0);
+  }
+  boxes_.upload(boxes.data(), boxes.size() * sizeof(ObstacleRecord));
+  box_count_ = static_cast<int>(boxes.size());
 
   const double far = 1e30;
   const Vector3d min = scene.box ? scene.box->min : Vector3d::Constant(-far);
@@ -69,7 +87,15 @@ void PlanePass::draw(const gl::Program& program) const {
   gl::check("to draw " + std::to_string(count_) + " planes");
 }
 
-void PlanePass::draw_surfaces() const { draw(surface_); }
+void PlanePass::draw_surfaces() const {
+  draw(surface_);
+  if (box_count_ == 0) return;
+  obstacle_.use();
+  nothing_.bind(0, 0);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, boxes_.get());
+  glDrawArraysInstanced(GL_TRIANGLES, 0, 36, box_count_);
+  gl::check("to draw " + std::to_string(box_count_) + " boxes");
+}
 
 void PlanePass::draw_veils() const {
   glEnable(GL_BLEND);

@@ -1,7 +1,7 @@
 #pragma once
 // Draws what bodies rest on: the floor of the box and the planes among the obstacles, each as a gridded disc
-// that fades at its edge and ends where another plane or a wall begins; and, where there is neither, a faint
-// grid for reference. Owns its shaders and the planes; belongs to a Renderer.
+// that fades at its edge and ends where another plane or a wall begins; boxes among the obstacles; and, where
+// there is no plane, a faint grid for reference. Owns its shaders and what they draw; belongs to a Renderer.
 
 #include <cstdint>
 
@@ -25,10 +25,10 @@ class PlanePass {
  private:
   void draw(const gl::Program& program) const;
 
-  gl::Program surface_, veil_;
+  gl::Program surface_, veil_, obstacle_;
   gl::VertexLayout nothing_;
-  gl::Buffer planes_{"planes"};
-  int count_ = 0;
+  gl::Buffer planes_{"planes"}, boxes_{"box obstacles"};
+  int count_ = 0, box_count_ = 0;
 };
 
 }  // namespace collidoscope
