@@ -7,6 +7,7 @@
 #include "headless/bench/paper.h"
 #include "headless/bench/predictors.h"
 #include "headless/bench/scaling.h"
+#include "headless/bench/solvers.h"
 
 namespace collidoscope {
 namespace {
@@ -16,6 +17,7 @@ constexpr Suite every[] = {
     {"scaling", "how the time of each broad phase grows with N, fitted", bench_scaling},
     {"predictors", "which measure of a tree's quality predicts the time of its queries", bench_predictors},
     {"paper", "the Tables 1 to 5 of the term project that this program carries on", bench_paper},
+    {"solvers", "our solvers and Bullet's on one pile: time, overlap, energy", bench_solvers},
     {"frames", "what a frame of the live view costs: simulate, publish, draw, panels", bench_frames},
 };
 

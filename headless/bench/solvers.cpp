@@ -1,0 +1,254 @@
+#include "headless/bench/solvers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "headless/bench/peer_bullet.h"
+#include "headless/bench/result_files.h"
+#include "headless/bench/spread.h"
+#include "headless/progress.h"
+#include "headless/report.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/run_state.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr int stride = 6;  // steps of one turn
+
+/// What is left of overlap and motion.
+struct Residual {
+  StepStats stats;
+  double overlap = 0;  ///< of two bodies, over the radius of the smaller: r.m.s. of all that overlap
+};
+
+Residual residual(const Scene& scene, const RunOptions& options, const BodyStates& bodies) {
+  RunState state;
+  state.bodies = bodies;
+  World world(scene, options, &state);
+  Residual left{world.measure(), 0};
+  const std::vector<double>& radius = world.initial().radius;
+  std::int64_t overlapping = 0;
+  for (const auto& [a, b] : world.pairs()) {
+    const double gap = (bodies.position[b] - bodies.position[a]).norm() - radius[a] - radius[b];
+    if (!(gap < 0)) continue;
+    const double share = gap / std::min(radius[a], radius[b]);
+    left.overlap += share * share;
+    ++overlapping;
+  }
+  if (overlapping > 0) left.overlap = std::sqrt(left.overlap / static_cast<double>(overlapping));
+  return left;
+}
+
+struct Contestant {
+  std::string name, settings;
+  std::optional<World> world;
+  std::unique_ptr<PeerBullet> bullet;
+  std::vector<float> ms;  ///< a step, of each turn
+
+  void turn() {
+    const auto start = std::chrono::steady_clock::now();
+    if (world)
+      world->step(stride);
+    else
+      for (int k = 0; k < stride; ++k) bullet->step();
+    ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count() /
+                 stride);
+  }
+  BodyStates bodies() { return world ? world->bodies() : bullet->bodies(); }
+};
+
+void refuse_what_bullet_is_not_told(const Scene& scene, const World& world) {
+  const Effects effects = world.effects();
+  bool moved = false;  // by something else than forces
+  for (const Motion motion : world.initial().motion) moved |= motion != Motion::dynamic;
+  if (effects.drag || effects.attractor || effects.rolling_resistance || effects.sleeping || effects.joints ||
+      moved || !world.initial().meshes.empty() || !scene.boxes.empty())
+    throw InputError(
+        scene.name +
+        ": bench solvers compares spheres, planes and friction; leave out drag, attractors, rolling "
+        "resistance, sleep, joints, kinematic and fixed bodies, boxes and meshes");
+}
+
+std::vector<Contestant> contestants(const Scene& scene, const RunOptions& options, World& first) {
+  std::vector<Contestant> all;
+  RunState start = first.state();
+  Scene ours = scene;
+  ours.physics.solver = Solver::soft_step;
+  const int substeps = substeps_in_effect(ours.physics);
+  const auto text = [](int parts, int sweeps, const char* more) {
+    return fmt::format("{} substeps, {} iteration{}{}", parts, sweeps, sweeps > 1 ? "s" : "", more);
+  };
+  const auto add = [&](const Scene& one, const char* more) {
+    Contestant& c = all.emplace_back();
+    c.name = name_of(solver_names, one.physics.solver);
+    c.settings = text(substeps_in_effect(one.physics), one.physics.iterations, more);
+    c.world.emplace(one, options, &start);
+  };
+  add(ours, "");
+  Scene paper = ours;
+  paper.physics.solver = Solver::impulse;
+  paper.physics.substeps = substeps;
+  bool rubs = false;
+  for (Material& material : paper.materials) {
+    rubs |= material.friction != 0;
+    material.friction = 0;
+  }
+  add(paper, rubs ? ", no friction" : "");
+  if (!has_bullet()) return all;
+  // Its own default step is 1/60 s.
+  const int of_60 = std::max(1, static_cast<int>(std::lround(scene.physics.time_step * 60)));
+  std::vector<int> parts{of_60};
+  if (substeps != of_60) parts.push_back(substeps);
+  for (const int each : parts) {
+    const BulletSettings settings{each, 10};
+    Contestant& c = all.emplace_back();
+    c.name = "Bullet";
+    c.settings = text(each, settings.iterations, "");
+    c.bullet = std::make_unique<PeerBullet>(first, start.bodies, settings);
+  }
+  return all;
+}
+
+struct Row {
+  std::string name, settings;
+  Spread ms, ratio;  ///< a step; over the first contestant's of the same turn
+  Residual left;
+  double speed = 0;  ///< m/s, r.m.s. by mass
+};
+
+std::vector<Row> rows_of(std::vector<Contestant>& all, const Scene& scene, const RunOptions& options,
+                         double mass) {
+  std::vector<Row> rows;
+  for (Contestant& c : all) {
+    std::vector<float> ratios;
+    for (std::size_t k = 0; k < c.ms.size(); ++k) ratios.push_back(c.ms[k] / all[0].ms[k]);
+    Row& row = rows.emplace_back(
+        Row{c.name, c.settings, spread_of(c.ms), spread_of(ratios), residual(scene, options, c.bodies()), 0});
+    row.speed = std::sqrt(2 * row.left.stats.kinetic_energy / mass);
+  }
+  return rows;
+}
+
+struct Setting {
+  std::string scene, device;
+  StepStats start;
+  double time_step = 0;
+  int threads = 1;
+  std::int64_t steps = 0;
+};
+
+Json spread_json(const Spread& s) { return {{"median", s.median}, {"p5", s.p5}, {"p95", s.p95}}; }
+
+std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
+  Json json{{"suite", "solvers"},
+            {"scene", setting.scene},
+            {"device", setting.device},
+            {"threads", setting.threads},
+            {"bodies", setting.start.bodies},
+            {"time_step", setting.time_step},
+            {"steps", setting.steps},
+            {"start",
+             {{"pairs", setting.start.pairs},
+              {"contacts", setting.start.contacts},
+              {"kinetic_energy", setting.start.kinetic_energy},
+              {"potential_energy", setting.start.potential_energy},
+              {"max_penetration", setting.start.max_penetration}}},
+            {"rows", Json::array()}};
+  for (const Row& r : rows)
+    json["rows"].push_back({{"solver", r.name},
+                            {"settings", r.settings},
+                            {"step_ms", spread_json(r.ms)},
+                            {"ratio", spread_json(r.ratio)},
+                            {"overlap_rms", r.left.overlap},
+                            {"max_penetration", r.left.stats.max_penetration},
+                            {"kinetic_energy", r.left.stats.kinetic_energy},
+                            {"speed_rms", r.speed},
+                            {"energy_change", r.left.stats.energy() - setting.start.energy()},
+                            {"escaped", r.left.stats.escaped}});
+  return json_text(json);
+}
+
+std::string results_csv(const std::vector<Row>& rows) {
+  std::string text =
+      "solver,settings,step_ms,step_ms_p5,step_ms_p95,ratio,ratio_p5,ratio_p95,overlap_rms,max_penetration,"
+      "kinetic_energy,speed_rms\n";
+  for (const Row& r : rows)
+    text += fmt::format("{},\"{}\",{},{},{},{},{},{},{},{},{},{}\n", r.name, r.settings, r.ms.median, r.ms.p5,
+                        r.ms.p95, r.ratio.median, r.ratio.p5, r.ratio.p95, r.left.overlap,
+                        r.left.stats.max_penetration, r.left.stats.kinetic_energy, r.speed);
+  return text;
+}
+
+std::string results_markdown(const Setting& setting, const std::vector<Row>& rows) {
+  std::string text = fmt::format(
+      "{}, N = {}, {} contacts, steps of {:.4g} s, {} of them; {}, {} thread{}.\n\n"
+      "| solver | settings | a step, ms (p5 to p95) | over soft_step (p5 to p95) | overlap, r.m.s. | "
+      "deepest, m | "
+      "kinetic energy, J | speed, r.m.s., m/s | energy since the start, J |\n"
+      "|---|---|---:|---:|---:|---:|---:|---:|---:|\n",
+      setting.scene, grouped(setting.start.bodies), grouped(setting.start.contacts), setting.time_step,
+      setting.steps, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
+  for (const Row& r : rows)
+    text += fmt::format(
+        "| {} | {} | {:.2f} ({:.2f} to {:.2f}) | {:.2f} ({:.2f} to {:.2f}) | {:.2g} % | {:.2g} | "
+        "{:.2g} | {:.2g} | {:.2g} |\n",
+        r.name == "Bullet" ? r.name : fmt::format("`{}`", r.name), r.settings, r.ms.median, r.ms.p5, r.ms.p95,
+        r.ratio.median, r.ratio.p5, r.ratio.p95, 100 * r.left.overlap, r.left.stats.max_penetration,
+        r.left.stats.kinetic_energy, r.speed, r.left.stats.energy() - setting.start.energy());
+  return text;
+}
+
+std::string results_text(const Setting& setting, const std::vector<Row>& rows) {
+  std::string text =
+      fmt::format("{}, N = {}, {} contacts; {} steps of {:.4g} s on {}, {} thread{}\n\n", setting.scene,
+                  grouped(setting.start.bodies), grouped(setting.start.contacts), setting.steps,
+                  setting.time_step, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
+  text += fmt::format("{:<10}{:<40}{:>9}{:>20}{:>11}{:>9}{:>10}{:>10}\n", "solver", "", "ms",
+                      "over soft_step", "overlap", "deepest", "J", "m/s");
+  for (const Row& r : rows)
+    text += fmt::format(
+        "{:<10}{:<40}{:>9.2f}{:>20}{:>9.2g} %{:>9.2g}{:>10.2g}{:>10.2g}\n", r.name, r.settings, r.ms.median,
+        fmt::format("{:.2f} ({:.2f}-{:.2f})", r.ratio.median, r.ratio.p5, r.ratio.p95), 100 * r.left.overlap,
+        r.left.stats.max_penetration, r.left.stats.kinetic_energy, r.speed);
+  return text;
+}
+
+}  // namespace
+
+int bench_solvers(const CommandLine& line) {
+  const ResultFiles files(line.options);
+  const Scene scene = load_scene(line);
+  RunOptions options = line.options.run;
+  options.executor = ExecutorKind::cpu;
+  if (options.cpu_threads == 0) options.cpu_threads = 1;
+  World first(scene, options);
+  refuse_what_bullet_is_not_told(scene, first);
+  const std::int64_t turns = line.options.bench.repeats;
+  const Setting setting{scene.name,          first.device_name(), first.measure(), scene.physics.time_step,
+                        options.cpu_threads, turns * stride};
+  double mass = 0;
+  for (const double m : first.initial().mass) mass += m;
+
+  std::vector<Contestant> all = contestants(scene, options, first);
+  {
+    Progress progress("turns", turns);
+    for (std::int64_t turn = 0; turn < turns; ++turn) {
+      for (Contestant& c : all) c.turn();
+      progress.update(turn + 1);
+    }
+  }
+  const std::vector<Row> rows = rows_of(all, scene, options, mass);
+  files.write(results_json(setting, rows), results_csv(rows), results_markdown(setting, rows));
+  fmt::print("{}", line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
+  return 0;
+}
+
+}  // namespace collidoscope
