@@ -237,8 +237,6 @@ bool fits(const RunState& state) {
               per(state.ledgers.size(), n) && per(memory.grips.size(), memory.contacts.size()) &&
               per(memory.wall_grips.size(), memory.walls.size() * n) &&
               per(memory.rolls.size(), memory.contacts.size()) &&
-              per(memory.wall_rolls.size(), memory.walls.size() * n) &&
-              per(memory.rolls.size(), memory.contacts.size()) &&
               per(memory.wall_rolls.size(), memory.walls.size() * n) && per(memory.slow.size(), n);
   for (const std::vector<double>& wall : memory.walls) good = good && wall.size() == n;
   std::uint64_t before = 0;

@@ -111,9 +111,11 @@ class Executor {
 #if !SIM_CUDA || defined(__CUDACC__)
   /// Runs several rounds of one stage, each over all its items before the next begins:
   ///
-  ///   SIM_HD std::int64_t items(int round) const;  // at most `most`; asked when the rounds before are done
+  ///   SIM_HD std::int64_t items(int round) const;  // asked when the rounds before are done
   ///   SIM_HD void operator()(int round, int item) const;
   ///   static constexpr bool planned = true;  // where no round changes the items of a later one
+  ///
+  /// `most` items is a round by which the launch is shaped; none: nothing runs.
   ///
   /// On a GPU it is one launch, whose threads wait for each other between rounds, and for nobody at a round
   /// of no items; a block alone does planned rounds of few items, which leaves it nobody to wait for. (A

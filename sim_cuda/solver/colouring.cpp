@@ -220,7 +220,6 @@ Colouring::Colouring(Executor& executor, bool by_lots)
       temporary_(executor, "colour sort workspace") {}
 
 void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
-  bodies_ = bodies;
   const auto contacts = static_cast<std::size_t>(contact_capacity);
   degrees_.reserve(bodies, contact_capacity);
   if (by_lots_) {
