@@ -29,6 +29,7 @@ struct OfAwakeContacts {
   }
 };
 
+#if !SIM_CUDA || defined(__CUDACC__)  // as Executor::run
 /// `asleep`: 1 for each body that sleeps; null where nothing does.
 template <class Stage>
 void run_awake_bodies(Executor& executor, const char* name, std::int64_t bodies, const std::uint8_t* asleep,
@@ -43,5 +44,6 @@ void run_awake_contacts(Executor& executor, const char* name, const Count& count
   asleep != nullptr ? executor.run(name, count, OfAwakeContacts<Stage>{stage, contacts, asleep})
                     : executor.run(name, count, stage);
 }
+#endif
 
 }  // namespace collidoscope
