@@ -325,6 +325,8 @@ constexpr Reader readers[] = {
     {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching},
      [](Reading& in) { read_path(in.value, in.options.bench.markdown); }},
 
+    {{"--effects-code", "FOLDER", "of bench effects: objects whose machine code is compared", benching},
+     [](Reading& in) { read_path(in.value, in.options.bench.effects_code); }},
     {{"--plot", "FILE.png", "a chart of the suite", benching},
      [](Reading& in) { read_path(in.value, in.options.bench.plot); }},
 

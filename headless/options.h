@@ -32,6 +32,7 @@ struct BenchRequest {
   std::vector<std::int64_t> sizes;  ///< numbers of bodies
   std::int64_t repeats = 50;        ///< of what is timed
   std::string csv, markdown, plot;  ///< files, or empty
+  std::string effects_code;         ///< folder of the objects of effects_code, or empty
 };
 
 /// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows

@@ -109,9 +109,15 @@ class TypedPipeline final : public Pipeline {
   Foresight<Real> foresight() const {
     const Real time = solver_->foresight();
     if (!(time > 0)) return {};
+    const Course course = effects_.continuous_collision ? Course::any
+                          : effects_.drag               ? Course::dragged
+                                                        : Course::straight;
+    return {course, state_.velocity.data(), time, slack_in(time)};
+  }
+  /// m: what gravity and attractors add to the way of two bodies to each other in `time`.
+  Real slack_in(Real time) const {
     using std::sqrt;
-    const Real pull = sqrt(gravity_.dot(gravity_)) + 2 * largest_pull_;
-    return {state_.velocity.data(), time, time * time * pull, effects_.drag};
+    return time * time * (sqrt(gravity_.dot(gravity_)) + 2 * largest_pull_);
   }
   void find_pairs(const Foresight<Real>& foresight);
   void detect(const Foresight<Real>& foresight) {
@@ -331,6 +337,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        effects,
        box_,
        time_step,
+       slack_in(time_step),
        substeps,
        scene.physics.iterations,
        scene.physics.sleep.value_or(Sleep{}),
@@ -349,13 +356,17 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
 
 template <class Real>
 void TypedPipeline<Real>::find_pairs(const Foresight<Real>& foresight) {
-  if (foresight.velocity != nullptr)
+  const auto foresee = [&]<bool anywhere>() {
+    using Box = std::conditional_t<anywhere, ReachBounds<Real>, SweptBounds<Real>>;
     executor_.run("bounds", body_count_,
-                  SweptBounds<Real>{state_.position.data(), foresight.velocity, state_.radius.data(),
-                                    foresight.time, foresight.slack, boxes_.data()});
-  else
+                  Box{state_.position.data(), foresight.velocity, state_.radius.data(), foresight.time,
+                      foresight.slack, boxes_.data()});
+  };
+  if (foresight.course == Course::rest)
     executor_.run("bounds", body_count_,
                   Bounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
+  else
+    with_effect<&Effects::continuous_collision>(effects_, foresee);
   const Aabb* extent = extent_.data();
   if (!box_ && body_count_ > 0)
     extent = reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());

@@ -223,6 +223,7 @@ bool World::on_gpu() const { return impl_->executor.on_device(); }
 int World::gpu() const { return impl_->executor.gpu(); }
 std::string World::device_name() const { return impl_->executor.device_name(); }
 std::int64_t World::allocated_bytes() const { return impl_->executor.allocated_bytes(); }
+std::map<std::string, std::int64_t> World::buffers() const { return impl_->executor.bytes_by_name(); }
 LaunchShape World::launch_shape() const { return impl_->options.shape; }
 std::int64_t World::steps() const { return impl_->steps; }
 

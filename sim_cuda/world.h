@@ -3,6 +3,7 @@
 // measured, published, destroyed; owns everything it uses. Not thread-safe: one thread at a time.
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,10 +44,11 @@ class World {
   int key_bits() const;                  ///< of the broad phase's Morton keys: 30 or 63; 0: it has none
   Effects effects() const;
   bool on_gpu() const;
-  int gpu() const;                       ///< CUDA's number of the device, -1 on the CPU
-  std::string device_name() const;       ///< "NVIDIA H200", or the CPU's own name
-  std::int64_t allocated_bytes() const;  ///< in the executor's memory space
-  LaunchShape launch_shape() const;      ///< what was asked for; zeros are "auto"
+  int gpu() const;                                      ///< CUDA's number of the device, -1 on the CPU
+  std::string device_name() const;                      ///< "NVIDIA H200", or the CPU's own name
+  std::int64_t allocated_bytes() const;                 ///< in the executor's memory space
+  std::map<std::string, std::int64_t> buffers() const;  ///< the same by what it is for
+  LaunchShape launch_shape() const;                     ///< what was asked for; zeros are "auto"
 
   /// Advances by `count` steps; returns when they are done (overflows grown and repeated).
   /// Odd-numbered steps run instrumented, even-numbered ones plain, so that times() knows both.

@@ -284,7 +284,7 @@ TEST(Cli, JsonOnStdoutStandsAloneWithEveryField) {
   EXPECT_EQ(report.at("threads"), 4);
   EXPECT_EQ(report.at("steps"), 6);
   EXPECT_EQ(report.at("broad_phase"), "lbvh_ropes");
-  EXPECT_EQ(report.at("solver"), "impulse");
+  EXPECT_EQ(report.at("solver"), "soft_step");
   EXPECT_EQ(report.at("precision"), "f32");
   EXPECT_EQ(report.at("effects"), json::array({"gravity"}));
   EXPECT_THAT(report.at("state_hash").get<std::string>(), testing::MatchesRegex("[0-9a-f]{16}"));

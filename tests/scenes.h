@@ -13,10 +13,11 @@ inline Scene project_scene(const std::string& name) {
   return read_scene(project_file("assets/scenes/" + name + ".json").string());
 }
 
-/// No box, no gravity, elastic.
+/// No box, no gravity, elastic; the paper's solver.
 inline Scene empty_space() {
   Scene scene;
   scene.name = "test";
+  scene.physics.solver = Solver::impulse;
   scene.physics.gravity = Vector3d(0, 0, 0);
   scene.materials[0].restitution = 1;
   return scene;
@@ -30,9 +31,11 @@ inline Body sphere(double radius, Vector3d position, Vector3d velocity = Vector3
   return body;
 }
 
+/// By the paper's solver.
 inline Scene box_collider(std::int64_t count, Variant variant = Variant::paper, std::uint64_t seed = 1) {
   Scene scene;
   scene.name = "Box Collider";
+  scene.physics.solver = Solver::impulse;
   scene.box = Box{};
   BoxCollider generator;
   generator.count = count;

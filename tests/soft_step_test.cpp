@@ -370,8 +370,9 @@ void expect_foreseen() {
     }
     if (!meet) continue;
     ++met;
-    const Foresight<double> foresight{v, dt, dt * dt * g.norm(), dragged};
-    EXPECT_TRUE((spheres_will_touch<double, dragged>(x[0], r[0], v[0], x[1], r[1], v[1], foresight)));
+    constexpr Course course = dragged ? Course::dragged : Course::straight;
+    const Foresight<double> foresight{course, v, dt, dt * dt * g.norm()};
+    EXPECT_TRUE((spheres_will_touch<double, course>(x[0], r[0], v[0], x[1], r[1], v[1], foresight)));
     Aabb boxes[2];
     const SweptBounds<double> bounds{x, v, r, dt, foresight.slack, boxes};
     bounds(0);

@@ -20,6 +20,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// One of everything, valid.
 Scene full_scene() {
   Scene scene;
+  scene.physics.solver = Solver::impulse;
   scene.box = Box{};
   scene.materials.push_back({.name = "steel", .density = 7850});
   scene.bodies.resize(2);
@@ -79,6 +80,8 @@ TEST(Validate, NamesEveryFault) {
        [](Scene& s) { s.physics.attractors.resize(1); }},
       {"effects", "must not hold attractors with the solver impulse (soft_step has them)",
        [](Scene& s) { s.physics.effects = Effects{.attractor = true}; }},
+      {"effects", "must not hold continuous_collision with the solver impulse (soft_step has it)",
+       [](Scene& s) { s.physics.effects = Effects{.continuous_collision = true}; }},
       {"attractors", "must be at most 1000 attractors", [](Scene& s) { pulling(s).resize(1001); }},
       {"attractors[0].position[1]", "must lie in [-1e+09, 1e+09] m",
        [](Scene& s) { pulling(s)[0].position[1] = 2e9; }},

@@ -30,7 +30,7 @@ struct Settings {
   double time_step = 1.0 / 30;  ///< s
   double restitution = 0.8;     ///< of the material "default"
   Precision precision = Precision::f32;
-  Solver solver = Solver::impulse;
+  Solver solver = Solver::soft_step;
   ExecutorKind executor = ExecutorKind::automatic;
   LaunchShape shape;  ///< (B, T); zeros are "auto"
   std::string broad_phase;

@@ -346,7 +346,8 @@ Chart chart_of(const std::vector<Row>& rows, const std::string& device) {
 
 int bench_paper(const CommandLine& line) {
   const Options& options = line.options;
-  const Scene scene = load_scene(line);
+  Scene scene = load_scene(line);
+  if (!options.overrides.solver) scene.physics.solver = Solver::impulse;  // the paper's
   if (scene.generators.size() != 1)
     throw InputError(scene.name +
                      ": bench paper varies the number of bodies: a scene with one generator is needed");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "headless/bench/broad_phases.h"
+#include "headless/bench/effects.h"
 #include "headless/bench/frames.h"
 #include "headless/bench/paper.h"
 #include "headless/bench/predictors.h"
@@ -18,6 +19,7 @@ constexpr Suite every[] = {
     {"predictors", "which measure of a tree's quality predicts the time of its queries", bench_predictors},
     {"paper", "the Tables 1 to 5 of the term project that this program carries on", bench_paper},
     {"solvers", "our solvers and Bullet's on one pile: time, overlap, energy", bench_solvers},
+    {"effects", "that an effect which is off costs nothing; and what one that is on costs", bench_effects},
     {"frames", "what a frame of the live view costs: simulate, publish, draw, panels", bench_frames},
 };
 

@@ -179,12 +179,21 @@ void* Executor::allocate(const char* name, std::size_t bytes) {
   }
 #endif
   allocated_bytes_ += static_cast<std::int64_t>(bytes);
+  allocations_[memory] = {name, bytes};
   return memory;
+}
+
+std::map<std::string, std::int64_t> Executor::bytes_by_name() const {
+  std::map<std::string, std::int64_t> bytes;
+  for (const auto& [memory, allocation] : allocations_)
+    bytes[allocation.name] += static_cast<std::int64_t>(allocation.bytes);
+  return bytes;
 }
 
 void Executor::release(void* memory, std::size_t bytes) {
   if (memory == nullptr) return;
   allocated_bytes_ -= static_cast<std::int64_t>(bytes);
+  allocations_.erase(memory);
 #if SIM_CUDA
   if (on_device_) {
     cudaFree(

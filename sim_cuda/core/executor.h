@@ -13,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -69,6 +70,7 @@ class Executor {
   void* allocate(const char* name, std::size_t bytes);
   void release(void* memory, std::size_t bytes);
   std::int64_t allocated_bytes() const { return allocated_bytes_; }
+  std::map<std::string, std::int64_t> bytes_by_name() const;  ///< what is allocated; names may share a sum
 
   /// Bytes that may still be taken: what the machine has free, within RunOptions::memory_limit.
   std::int64_t available_bytes() const;
@@ -163,6 +165,11 @@ class Executor {
   bool on_device_ = false;
   std::string device_name_;
   std::int64_t allocated_bytes_ = 0;
+  struct Allocation {
+    const char* name;
+    std::size_t bytes;
+  };
+  std::unordered_map<const void*, Allocation> allocations_;
   bool rehearsing_ = false;
   std::int64_t rehearsed_bytes_ = 0;
   ThreadTeam team_;

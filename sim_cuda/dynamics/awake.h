@@ -6,6 +6,7 @@
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/scene/effects.h"
 
 namespace collidoscope {
 
@@ -34,15 +35,17 @@ struct OfAwakeContacts {
 template <class Stage>
 void run_awake_bodies(Executor& executor, const char* name, std::int64_t bodies, const std::uint8_t* asleep,
                       const Stage& stage) {
-  asleep != nullptr ? executor.run(name, bodies, OfAwakeBodies<Stage>{stage, asleep})
-                    : executor.run(name, bodies, stage);
+  if constexpr (built_effects.sleeping)
+    if (asleep != nullptr) return executor.run(name, bodies, OfAwakeBodies<Stage>{stage, asleep});
+  executor.run(name, bodies, stage);
 }
 
 template <class Stage>
 void run_awake_contacts(Executor& executor, const char* name, const Count& count, const Pair* contacts,
                         const std::uint8_t* asleep, const Stage& stage) {
-  asleep != nullptr ? executor.run(name, count, OfAwakeContacts<Stage>{stage, contacts, asleep})
-                    : executor.run(name, count, stage);
+  if constexpr (built_effects.sleeping)
+    if (asleep != nullptr) return executor.run(name, count, OfAwakeContacts<Stage>{stage, contacts, asleep});
+  executor.run(name, count, stage);
 }
 #endif
 

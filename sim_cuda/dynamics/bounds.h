@@ -6,8 +6,20 @@
 
 namespace collidoscope {
 
-/// Double runs round outward, so that the float box holds the sphere. A body whose position is not finite
-/// gets an empty box: it meets nobody, and the tree around it stays whole.
+/// The float box around all between `low` and `high`: double runs round outward. What is not finite gets an
+/// empty box: it meets nobody, and the tree around it stays whole.
+template <class Real>
+SIM_HD Aabb box_around(const Vector3<Real>& low, const Vector3<Real>& high) {
+  Aabb box;
+  bool whole = true;
+  for (int k = 0; k < 3; ++k) {
+    box.min[k] = round_down(low[k]);
+    box.max[k] = round_up(high[k]);
+    whole = whole && finite(box.min[k]) && finite(box.max[k]);
+  }
+  return whole ? box : Aabb::empty();
+}
+
 template <class Real>
 struct Bounds {
   const Vector3<Real>* position;
@@ -15,16 +27,8 @@ struct Bounds {
   Aabb* boxes;
 
   SIM_HD void operator()(int body) const {
-    const Vector3<Real> x = position[body];
-    const Real r = radius[body];
-    Aabb box;
-    bool whole = true;
-    for (int k = 0; k < 3; ++k) {
-      box.min[k] = round_down(x[k] - r);
-      box.max[k] = round_up(x[k] + r);
-      whole = whole && finite(box.min[k]) && finite(box.max[k]);
-    }
-    boxes[body] = whole ? box : Aabb::empty();
+    const Vector3<Real> x = position[body], r = Vector3<Real>::Constant(radius[body]);
+    boxes[body] = box_around<Real>(x - r, x + r);
   }
 };
 
@@ -41,14 +45,29 @@ struct SweptBounds {
   SIM_HD void operator()(int body) const {
     const Vector3<Real> x = position[body], way = time * velocity[body];
     const Real r = radius[body] + slack;
-    Aabb box;
-    bool whole = true;
+    Vector3<Real> low, high;
     for (int k = 0; k < 3; ++k) {
-      box.min[k] = round_down(x[k] - r + min_of(way[k], Real(0)));
-      box.max[k] = round_up(x[k] + r + max_of(way[k], Real(0)));
-      whole = whole && finite(box.min[k]) && finite(box.max[k]);
+      low[k] = x[k] - r + min_of(way[k], Real(0));
+      high[k] = x[k] + r + max_of(way[k], Real(0));
     }
-    boxes[body] = whole ? box : Aabb::empty();
+    boxes[body] = box_around<Real>(low, high);
+  }
+};
+
+/// The box of all that the body can come to in `time` at the speed that it has, whatever turns it.
+template <class Real>
+struct ReachBounds {
+  const Vector3<Real>*position, *velocity;
+  const Real* radius;
+  Real time;   ///< s
+  Real slack;  ///< m
+  Aabb* boxes;
+
+  SIM_HD void operator()(int body) const {
+    using std::sqrt;
+    const Vector3<Real> x = position[body], v = velocity[body];
+    const Vector3<Real> r = Vector3<Real>::Constant(radius[body] + slack + time * sqrt(v.dot(v)));
+    boxes[body] = box_around<Real>(x - r, x + r);
   }
 };
 

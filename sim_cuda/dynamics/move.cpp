@@ -7,28 +7,34 @@ namespace collidoscope {
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
-                 const StepControl* control, const std::uint8_t* asleep) {
-  const auto with = [&]<bool pulled, bool rotation, bool boxed>() {
+                 const StepControl* control, const std::uint8_t* asleep, const HeldMotion<Real>& motion) {
+  const auto with = [&]<bool pulled, bool rotation, bool held, bool boxed>() {
     const Vector3<Real> low = box ? box->min.cast<Real>() : Vector3<Real>(0, 0, 0);
     const Vector3<Real> high = box ? box->max.cast<Real>() : Vector3<Real>(0, 0, 0);
-    run_awake_bodies(executor, "move", body_count, asleep,
-                     MoveBodies<Real, pulled, rotation, boxed>{bodies, gravity, low, high, h, control});
+    run_awake_bodies(
+        executor, "move", body_count, asleep,
+        MoveBodies<Real, pulled, rotation, boxed, held>{bodies, gravity, low, high, h, control, motion});
   };
-  const auto with_box = [&]<bool pulled, bool rotation>() {
-    box ? with.template operator()<pulled, rotation, true>()
-        : with.template operator()<pulled, rotation, false>();
+  const auto with_rotation = [&]<bool pulled, bool held>() {
+    with_effect<&Effects::rotation>(effects, [&]<bool rotation>() {
+      box ? with.template operator()<pulled, rotation, held, true>()
+          : with.template operator()<pulled, rotation, held, false>();
+    });
   };
-  if (effects.gravity)
-    effects.rotation ? with_box.template operator()<true, true>()
-                     : with_box.template operator()<true, false>();
-  else
-    effects.rotation ? with_box.template operator()<false, true>()
-                     : with_box.template operator()<false, false>();
+  with_effect<&Effects::continuous_collision>(effects, [&]<bool held>() {
+    if constexpr (held)
+      with_rotation.template operator()<false, true>();
+    else
+      with_effect<&Effects::gravity>(
+          effects, [&]<bool pulled>() { with_rotation.template operator()<pulled, false>(); });
+  });
 }
 
 template void move_bodies(Executor&, const BodyView<float>&, std::int64_t, Effects, const Vector3<float>&,
-                          const std::optional<Box>&, float, const StepControl*, const std::uint8_t*);
+                          const std::optional<Box>&, float, const StepControl*, const std::uint8_t*,
+                          const HeldMotion<float>&);
 template void move_bodies(Executor&, const BodyView<double>&, std::int64_t, Effects, const Vector3<double>&,
-                          const std::optional<Box>&, double, const StepControl*, const std::uint8_t*);
+                          const std::optional<Box>&, double, const StepControl*, const std::uint8_t*,
+                          const HeldMotion<double>&);
 
 }  // namespace collidoscope

@@ -7,8 +7,10 @@
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/only.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/dynamics/continuous_collision.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
@@ -36,13 +38,14 @@ SIM_HD void rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<R
 }
 
 /// The effects are template parameters: what is off leaves no instruction.
-template <class Real, bool gravity, bool rotation, bool boxed>
+template <class Real, bool gravity, bool rotation, bool boxed, bool held>
 struct MoveBodies {
   BodyView<Real> bodies;
   Vector3<Real> acceleration;  ///< m/s^2
   Vector3<Real> low, high;     ///< m, the box
   Real h;                      ///< s
   const StepControl* control;
+  [[no_unique_address]] Only<held, HeldMotion<Real>> motion;
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
@@ -52,7 +55,11 @@ struct MoveBodies {
       bodies.velocity[body] = v;
     }
     const Vector3<Real> x = bodies.position[body];
-    Vector3<Real> next = x + h * v;
+    Vector3<Real> next;
+    if constexpr (held)
+      next = x + motion.held_way(body, x, v, h);
+    else
+      next = x + h * v;
     if constexpr (boxed) {
       // The walls have already stopped what would leave; this catches the last rounding of a sphere smaller
       // than that.
@@ -67,10 +74,11 @@ struct MoveBodies {
 };
 
 /// Enqueues the stage "move" with just the effects that are on. `gravity` in m/s^2, `h` in s; `box`: none
-/// where there are no walls.
+/// where there are no walls; `motion`: read with continuous_collision, which goes without gravity.
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
-                 const StepControl* control, const std::uint8_t* asleep = nullptr);
+                 const StepControl* control, const std::uint8_t* asleep = nullptr,
+                 const HeldMotion<Real>& motion = {});
 
 }  // namespace collidoscope

@@ -1,18 +1,16 @@
 #include "sim_cuda/narrow_phase/contact_list.h"
 
 #include "sim_cuda/core/scan.h"
+#include "sim_cuda/scene/effects.h"
 
 namespace collidoscope {
 
 namespace {
 
-/// What counts as a contact, beside what touches.
-enum class Foreseen { nothing, smooth_motion, dragged_motion };
-
 /// Whether a body touches others, or may soon.
-template <class Real, Foreseen foreseen>
+template <class Real, Course course>
 struct TouchTest {
-  static constexpr bool foreseeing = foreseen != Foreseen::nothing;
+  static constexpr bool foreseeing = course != Course::rest;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
   Vector3<Real> x, v;
@@ -25,8 +23,7 @@ struct TouchTest {
     const Vector3<Real> y = spheres.position[other];
     const Real s = spheres.radius[other];
     if constexpr (foreseeing)
-      return spheres_will_touch<Real, foreseen == Foreseen::dragged_motion>(
-          x, r, v, y, s, foresight.velocity[other], foresight);
+      return spheres_will_touch<Real, course>(x, r, v, y, s, foresight.velocity[other], foresight);
     else
       return spheres_touch<Real>(x, r, y, s);
   }
@@ -43,7 +40,7 @@ struct Apart {
   }
 };
 
-template <class Real, Foreseen foreseen, class Parted>
+template <class Real, Course course, class Parted>
 struct CountContacts {
   PairView pairs;
   SphereView<Real> spheres;
@@ -53,7 +50,7 @@ struct CountContacts {
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    const TouchTest<Real, foreseen> touch(spheres, foresight, body);
+    const TouchTest<Real, course> touch(spheres, foresight, body);
     const auto id = static_cast<std::uint32_t>(body);
     std::uint32_t touching = 0;
     for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
@@ -79,7 +76,7 @@ struct AcceptContacts {
   }
 };
 
-template <class Real, Foreseen foreseen, class Parted>
+template <class Real, Course course, class Parted>
 struct WriteContacts {
   PairView pairs;
   SphereView<Real> spheres;
@@ -91,7 +88,7 @@ struct WriteContacts {
   Vector3<Real>* normal;
   SIM_HD void operator()(int body) const {
     if (control->overflow || offset[body] == offset[body + 1]) return;
-    const TouchTest<Real, foreseen> touch(spheres, foresight, body);
+    const TouchTest<Real, course> touch(spheres, foresight, body);
     std::uint32_t at = offset[body];
     for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
       const std::uint32_t other = pairs.second[k];
@@ -129,28 +126,34 @@ template <class Real>
 void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres,
                              const Foresight<Real>& foresight, const PartedPairs& parted,
                              StepControl* control) {
-  const auto list = [&]<Foreseen foreseen, class Parted>(const Parted& apart) {
+  const auto list = [&]<Course course, class Parted>(const Parted& apart) {
     executor_.run(
         "contacts", bodies_,
-        CountContacts<Real, foreseen, Parted>{pairs, spheres, foresight, apart, control, count_.data()});
+        CountContacts<Real, course, Parted>{pairs, spheres, foresight, apart, control, count_.data()});
     exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
                    temporary_.bytes());
     executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
     executor_.run("contacts", bodies_,
-                  WriteContacts<Real, foreseen, Parted>{pairs, spheres, foresight, apart, offset_.data(),
-                                                        control, bodies_of_.data(), normal_.data()});
+                  WriteContacts<Real, course, Parted>{pairs, spheres, foresight, apart, offset_.data(),
+                                                      control, bodies_of_.data(), normal_.data()});
   };
-  const auto with = [&]<Foreseen foreseen>() {
+  const auto with = [&]<Course course>() {
     parted.count > 0 || spheres.inverse_mass != nullptr
-        ? list.template operator()<foreseen>(Apart<Real>{parted, spheres.inverse_mass})
-        : list.template operator()<foreseen>(NoPartedPairs{});
+        ? list.template operator()<course>(Apart<Real>{parted, spheres.inverse_mass})
+        : list.template operator()<course>(NoPartedPairs{});
   };
-  if (foresight.velocity == nullptr)
-    with.template operator()<Foreseen::nothing>();
-  else if (foresight.dragged)
-    with.template operator()<Foreseen::dragged_motion>();
-  else
-    with.template operator()<Foreseen::smooth_motion>();
+  switch (foresight.course) {
+    case Course::rest:
+      return with.template operator()<Course::rest>();
+    case Course::straight:
+      return with.template operator()<Course::straight>();
+    case Course::dragged:
+      if constexpr (built_effects.drag) with.template operator()<Course::dragged>();
+      return;
+    case Course::any:
+      if constexpr (built_effects.continuous_collision) with.template operator()<Course::any>();
+      return;
+  }
 }
 
 template class ContactList<float>;

@@ -14,13 +14,21 @@ SIM_HD bool spheres_touch(const Vector3<Real>& a, Real radius_a, const Vector3<R
   return d.dot(d) <= reach * reach;
 }
 
-/// What a contact must foresee, beside what touches now. None: `velocity` is null.
+/// What a body may do within the foreseen time, beside what gravity and attractors do to it.
+enum class Course {
+  rest,      ///< stay where it is: nothing is foreseen
+  straight,  ///< go on
+  dragged,   ///< lose any part of its way to a medium
+  any,       ///< turn anywhere, at the speed it has: continuous collision
+};
+
+/// What a contact must foresee, beside what touches now.
 template <class Real>
 struct Foresight {
+  Course course = Course::rest;
   const Vector3<Real>* velocity = nullptr;  ///< m/s, by id
   Real time = 0;                            ///< s
   Real slack = 0;                           ///< m: |acceleration| time^2 of what pulls
-  bool dragged = false;                     ///< a medium may stop one of two bodies and not the other
 };
 
 /// Whether two spheres may touch within the foreseen time while they move smoothly: while each is
@@ -29,18 +37,23 @@ struct Foresight {
 /// ball over the diameter g. So the gap shrinks by at most time |v_b - v_a| + |g| time^2 (semi-implicit
 /// Euler's own K (K + 1) / (2 K^2) is at most 1). Attractors add at most their largest pull to each of the
 /// two. Drag leaves of each body's way any part: of |l_b v_b - l_a v_a|, l between 0 and 1, the largest is
-/// at a corner.
-template <class Real, bool dragged = false>
+/// at a corner. Of two bodies on any course, each may come towards the other.
+template <class Real, Course course = Course::straight>
 SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& velocity_a,
                                const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
                                const Foresight<Real>& foresight) {
-  const Vector3<Real> way = velocity_b - velocity_a;
-  Real squared = way.dot(way);
-  if constexpr (dragged)
-    squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
   using std::sqrt;
-  const Real margin = foresight.time * sqrt(squared) + foresight.slack;
-  return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
+  if constexpr (course == Course::any) {
+    const Real speeds = sqrt(velocity_a.dot(velocity_a)) + sqrt(velocity_b.dot(velocity_b));
+    return spheres_touch<Real>(a, radius_a, b, radius_b + (foresight.time * speeds + 2 * foresight.slack));
+  } else {
+    const Vector3<Real> way = velocity_b - velocity_a;
+    Real squared = way.dot(way);
+    if constexpr (course == Course::dragged)
+      squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
+    const Real margin = foresight.time * sqrt(squared) + foresight.slack;
+    return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
+  }
 }
 
 /// The unit normal from a to b, and the gap along it (m; negative where they overlap). Coincident centres, or

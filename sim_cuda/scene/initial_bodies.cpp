@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <numbers>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/placed_joint.h"
@@ -102,6 +104,15 @@ void fill_or_drop(std::vector<Value>& array, bool needed, std::size_t size, cons
   } else {
     std::vector<Value>().swap(array);
   }
+}
+
+/// Whether some body starts so fast that it may jump over the smallest of them in a substep.
+bool crosses_radii(const Scene& scene, const InitialBodies& bodies) {
+  if (bodies.size() < 2 || bodies.velocity.empty()) return false;
+  double fastest = 0;
+  for (const Vector3d& v : bodies.velocity) fastest = std::max(fastest, v.norm());
+  const double smallest = *std::min_element(bodies.radius.begin(), bodies.radius.end());
+  return fastest * scene.physics.time_step > smallest * substeps_of(scene, bodies);
 }
 
 /// Ranges that only hold for the numbers worked out here. Spin makes every body's inertia matter.
@@ -202,6 +213,7 @@ Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
   effects.joints = !scene.joints.empty();
   effects.rotation = effects.friction || joints_turn_bodies(scene);
   effects.sleeping = scene.physics.sleep.has_value();
+  effects.continuous_collision = scene.physics.solver != Solver::impulse && crosses_radii(scene, bodies);
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
   return effects;
 }

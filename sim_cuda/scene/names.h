@@ -51,6 +51,7 @@ inline constexpr auto effect_names = std::to_array<EffectName>({
     {"friction", &Effects::friction},
     {"rolling_resistance", &Effects::rolling_resistance},
     {"joints", &Effects::joints},
+    {"continuous_collision", &Effects::continuous_collision},
     {"sleeping", &Effects::sleeping},
 });
 

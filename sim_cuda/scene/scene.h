@@ -119,7 +119,7 @@ struct Physics {
   std::optional<int> steps_per_second;  ///< set where the scene said so; then time_step is 1/steps_per_second
   std::optional<int> substeps;          ///< K, 1 to 1000, each over time_step / K; unset: "auto"
   int iterations = 1;                   ///< sweeps of the solver over all contacts, 1 to 1000
-  Solver solver = Solver::impulse;
+  Solver solver = Solver::soft_step;
   Integrator integrator = Integrator::semi_implicit_euler;
   Precision precision = Precision::f32;
   std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for

@@ -144,6 +144,9 @@ class Validator {
       if (!physics.effects->rotation)
         fault(root.at("effects"), "must hold rotation where they hold friction, which turns bodies");
     }
+    if (physics.effects && physics.effects->continuous_collision && physics.solver == Solver::impulse)
+      fault(root.at("effects"),
+            "must not hold continuous_collision with the solver impulse (soft_step has it)");
     if (physics.effects && physics.effects->rolling_resistance && !physics.effects->friction)
       fault(root.at("effects"), "must hold friction where they hold rolling_resistance");
     if (physics.restitution_threshold) {

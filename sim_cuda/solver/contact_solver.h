@@ -44,6 +44,7 @@ struct SolverScene {
   Effects effects;
   std::optional<Box> box;
   Real time_step;  ///< s
+  Real slack;      ///< m, by which a body goes aside in a step at most, for gravity and attractors
   int substeps;    ///< >= 1
   int iterations;  ///< sweeps over all contacts, >= 1
   Sleep sleep;     ///< of no meaning where the effect is off

@@ -88,6 +88,17 @@ struct alignas(4 * sizeof(Real)) SoftContact {
     return squared > 0 ? sqrt(squared) / reach : Real(0);
   }
 
+  /// Whether b, moving at `velocity` relative to a, gets by a or does not reach it in `time` s; they are
+  /// apart now.
+  SIM_HD bool passes(const Vector3<Real>& velocity, Real reach, Real time) const {
+    const Real distance = reach + gap, speed = -velocity.dot(normal);
+    if (!(speed > 0)) return true;
+    const Real closed = gap * (distance + reach);
+    const Real squared = distance * speed * distance * speed - velocity.dot(velocity) * closed;
+    using std::sqrt;
+    return !(squared > 0) || closed > time * (distance * speed + sqrt(squared));
+  }
+
   SIM_HD bool bounced() const { return approach < 0; }
 
   /// The impulse of the bounce, N s, >= 0; `e` is the pair's coefficient, 0 where it does not bounce. What

@@ -25,13 +25,13 @@ struct PrepareContacts {
   const std::uint32_t* order;
   BodyView<Real> bodies;
   ImpulseView<Real> known;
-  KnownGrips<Real> known_grips;
+  [[no_unique_address]] Only<rubbed, KnownGrips<Real>> known_grips;
   std::uint32_t* place_of;
   Pair* bodies_of;
   InverseMasses<Real>* inverse_masses;
   SoftContact<Real>* soft;
-  SoftGrip<Real>* grips;
-  GrippedPair<Real>* gripped;
+  [[no_unique_address]] Only<rubbed, SoftGrip<Real>*> grips;
+  [[no_unique_address]] Only<rubbed, GrippedPair<Real>*> gripped;
 
   SIM_HD void operator()(int place) const {
     const std::uint32_t contact = order[place];
@@ -80,12 +80,13 @@ struct BeginSubstep {
   BodyView<Real> bodies;
   const Pair* bodies_of;
   const SoftContact<Real>* soft;
-  const SoftGrip<Real>* grips;
+  [[no_unique_address]] Only<rubbed, const SoftGrip<Real>*> grips;
   ContactsByBodyView by_body;
   SoftWalls<Real, rubbed, boxed> walls;
-  Vector3<Real> gravity;       ///< m/s^2
-  const Vector3<Real>* field;  ///< m/s^2, by body
-  Real h;                      ///< s
+  Vector3<Real> gravity;  ///< m/s^2
+  /// m/s^2, by body
+  [[no_unique_address]] Only<pull == Pull::field, const Vector3<Real>*> field;
+  Real h;  ///< s
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
@@ -129,11 +130,11 @@ struct KeepContacts {
   const Pair* contacts;
   const std::uint32_t* place_of;
   const SoftContact<Real>* soft;
-  const SoftGrip<Real>* grips;
+  [[no_unique_address]] Only<rubbed, const SoftGrip<Real>*> grips;
   Pair* known_contacts;
   Real* known_impulse;
-  Vector3<Real>* known_grip;
-  Real* total;
+  [[no_unique_address]] Only<rubbed, Vector3<Real>*> known_grip;
+  [[no_unique_address]] Only<record, Real*> total;
   SIM_HD void operator()(int contact) const {
     const std::uint32_t place = place_of[contact];
     known_contacts[contact] = contacts[contact];
@@ -197,6 +198,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       box_touched_(executor, "normals of boxes"),
       rolling_(executor),
       prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
+      continuous_(executor),
       sleeping_(executor),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
@@ -217,6 +219,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   }
   if (scene.effects.rolling_resistance)
     rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
+  if (scene.effects.continuous_collision) continuous_.enable(scene.bodies, scene.body_count, scene.control);
   if (!scene.effects.friction) return;
   wall_grip_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
   wall_grip_total_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
@@ -306,39 +309,44 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
 
 template <class Real>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
-  scene_.effects.friction ? advance<true>(contacts, impulses) : advance<false>(contacts, impulses);
+  with_effect<&Effects::friction>(scene_.effects,
+                                  [&]<bool rubbed>() { advance<rubbed>(contacts, impulses); });
 }
 
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
   prescribed_.begin();
-  if (scene_.effects.sleeping)
+  where_on<&Effects::sleeping>(scene_.effects, [&] {
     sleeping_.find_islands(contacts, contact_capacity_,
                            scene_.joints ? scene_.joints->view() : JointView<Real>{});
+  });
   prepare<rubbed>(contacts);
+  where_on<&Effects::continuous_collision>(scene_.effects,
+                                           [&] { continuous_.begin(scene_.time_step, scene_.slack); });
   for (int substep = 0; substep < scene_.substeps; ++substep) {
-    if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
+    where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.warm_start(rolling_source()); });
     begin_substep<rubbed>();
     prescribed_.hold();
-    if (scene_.joints) scene_.joints->warm_start();
+    where_on<&Effects::joints>(scene_.effects, [&] { scene_.joints->warm_start(); });
     for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
-      if (scene_.joints) scene_.joints->solve();
-      sweep("solve", Solve<Real>{softness_});
+      where_on<&Effects::joints>(scene_.effects, [&] { scene_.joints->solve(); });
+      with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool held>() {
+        sweep("solve", Solve<Real, held>{softness_, scene_.bodies.radius});
+      });
       sweep_walls<rubbed>("solve", false, false);
     }
-    move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, {.rotation = scene_.effects.rotation},
-                      scene_.gravity, scene_.box, h_, scene_.control, sleeping_.asleep());
+    move();
     prescribed_.hold(h_);
     run_awake_contacts(executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
                        sleeping_.asleep(), PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
-      if (scene_.joints) scene_.joints->relax();
+      where_on<&Effects::joints>(scene_.effects, [&] { scene_.joints->relax(); });
       sweep_walls<rubbed>("relax", true, last);
       sweep("relax", Relax<Real, rubbed>{softness_, scene_.bodies.radius, last, scene_.restitution,
                                          last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
-      if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
+      where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.resist(rolling_source()); });
     }
   }
   on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
@@ -353,7 +361,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   }
   prescribed_.hold();
   keep<rubbed>(contacts, impulses);
-  if (scene_.effects.sleeping) sleeping_.count();
+  where_on<&Effects::sleeping>(scene_.effects, [&] { sleeping_.count(); });
 }
 
 template <class Real>
@@ -370,24 +378,17 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   const ColourView colours = colouring_.view();
   const ImpulseView<Real> known{known_contacts_.data(), known_impulse_.data(), known_count_.data()};
   executor_.run("prepare", Count(&control->contacts, contact_capacity_),
-                PrepareContacts<Real, rubbed>{contacts.bodies,
-                                              colours.order,
-                                              scene_.bodies,
-                                              known,
-                                              {scene_.friction, known_grip_.data()},
-                                              place_of_.data(),
-                                              swept_.data(),
-                                              inverse_masses_.data(),
-                                              soft_.data(),
-                                              grips_.data(),
-                                              gripped_.data()});
+                PrepareContacts<Real, rubbed>{contacts.bodies, colours.order, scene_.bodies, known,
+                                              KnownGrips<Real>{scene_.friction, known_grip_.data()},
+                                              place_of_.data(), swept_.data(), inverse_masses_.data(),
+                                              soft_.data(), grips_.data(), gripped_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
                          &control->split_contacts};
   split_degrees_.count("prepare", split);
   split_.list("prepare", split, split_degrees_, place_of_.data());
-  if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), known);
+  where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.prepare(rolling_source(), known); });
 }
 
 template <class Real>
@@ -404,12 +405,14 @@ RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::begin_substep() {
-  if (scene_.effects.attractor)
+  where_on<&Effects::attractor>(scene_.effects, [&] {
     executor_.run("attractor", scene_.body_count,
                   PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
-  if (scene_.effects.drag)
+  });
+  where_on<&Effects::drag>(scene_.effects, [&] {
     run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
                                         scene_.control});
+  });
   const auto with = [&]<Pull pull, bool walled, bool boxed>() {
     run_bodies("forces",
                BeginSubstep<Real, pull, walled, rubbed, boxed>{
@@ -424,29 +427,41 @@ void SoftStepSolver<Real>::begin_substep() {
     else
       with.template operator()<pull, false, false>();
   };
-  if (scene_.effects.attractor)
-    with_walls.template operator()<Pull::field>();
-  else if (scene_.effects.gravity)
-    with_walls.template operator()<Pull::uniform>();
-  else
-    with_walls.template operator()<Pull::none>();
+  with_effect<&Effects::attractor>(scene_.effects, [&]<bool field>() {
+    if constexpr (field)
+      with_walls.template operator()<Pull::field>();
+    else
+      with_effect<&Effects::gravity>(scene_.effects, [&]<bool gravity>() {
+        with_walls.template operator()<gravity ? Pull::uniform : Pull::none>();
+      });
+  });
+}
+
+template <class Real>
+void SoftStepSolver<Real>::move() {
+  where_on<&Effects::continuous_collision>(scene_.effects,
+                                           [&] { continuous_.hold(swept_.data(), contact_capacity_, h_); });
+  Effects moving = scene_.effects;
+  moving.gravity = false;  // it is in the velocities
+  move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, moving, scene_.gravity, scene_.box, h_,
+                    scene_.control, sleeping_.asleep(), continuous_.motion());
 }
 
 template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::sweep(const char* stage, const Act& act) {
   const ColourView colours = colouring_.view();
-  const SweptContacts<Real> swept{swept_.data(),
-                                  inverse_masses_.data(),
-                                  soft_.data(),
-                                  grips_.data(),
-                                  gripped_.data(),
-                                  colours.begin,
-                                  colours.count,
-                                  split_.view(split_degrees_),
-                                  split_degrees_.body_items(),
-                                  split_change_.data(),
-                                  split_rubbed_.data()};
+  const SweptContacts<Real, Act::rubs> swept{swept_.data(),
+                                             inverse_masses_.data(),
+                                             soft_.data(),
+                                             grips_.data(),
+                                             gripped_.data(),
+                                             colours.begin,
+                                             colours.count,
+                                             split_.view(split_degrees_),
+                                             split_degrees_.body_items(),
+                                             split_change_.data(),
+                                             split_rubbed_.data()};
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   executor_.run_rounds(stage, Sweep<Real, Act>::rounds, std::min(contact_capacity_, scene_.body_count / 2),
                        Sweep<Real, Act>{swept, scene_.bodies, act});
@@ -465,8 +480,8 @@ SoftWalls<Real, rubbed, boxed> SoftStepSolver<Real>::walls() const {
           wall_impulse_.data(),
           wall_bounce_.data(),
           scene_.ledger,
-          {scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()},
-          {scene_.boxes, box_face_.data(), box_touched_.data()}};
+          WallGrips<Real>{scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()},
+          BoxContacts<Real>{scene_.boxes, box_face_.data(), box_touched_.data()}};
 }
 
 template <class Real>
@@ -496,7 +511,7 @@ void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulse
                                                      known_impulse_.data(), known_grip_.data(), impulses});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
-  if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
+  where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.keep(rolling_source()); });
   executor_.run("keep", 1, EndStep{scene_.control, known_count_.data(), bounces_.data()});
 }
 

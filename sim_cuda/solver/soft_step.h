@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/dynamics/continuous_collision.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
@@ -48,6 +49,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void prepare(const ContactView<Real>& contacts);
   template <bool rubbed>
   void begin_substep();
+  void move();
   template <class Act>
   void sweep(const char* stage, const Act& act);
   template <bool rubbed, bool boxed>
@@ -88,6 +90,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> box_touched_;
   RollingResistance<Real> rolling_;
   PrescribedMotion<Real> prescribed_;
+  ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
   Buffer<Pair> known_contacts_;        ///< of the last committed run, with
   Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s

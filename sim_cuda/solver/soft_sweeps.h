@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/only.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/restitution.h"
@@ -18,11 +19,22 @@ namespace collidoscope {
 // ---- acts: b moves at `velocity` relative to a, and `mass`, in kg, is what it works against; returns the
 // impulse, N s ----
 
-template <class Real>
+/// A foreseen contact stops what would close its gap along today's normal, also of two that will fly past
+/// each other. `held`: with continuous collision, which foresees many such, and keeps them apart should they
+/// not: those are left alone.
+template <class Real, bool held>
 struct Solve {
   static constexpr bool rubs = false;
   Softness<Real> softness;
-  SIM_HD Real press(SoftContact<Real>& contact, Pair, const Vector3<Real>& velocity, Real mass) const {
+  [[no_unique_address]] Only<held, const Real*> radius;
+  SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
+    if constexpr (held)
+      if (contact.gap > 0 &&
+          contact.passes(velocity, radius[bodies.a] + radius[bodies.b], 1 / softness.inverse_h)) {
+        const Real change = -contact.impulse;
+        contact.impulse = 0;
+        return change;
+      }
     return contact.template solve<true>(velocity.dot(contact.normal), mass, softness);
   }
 };
@@ -86,19 +98,19 @@ struct InverseMasses {
 
 /// The contacts of a step in the order in which they are swept: colour by colour, then the mass-split set. A
 /// contact's place in it is not its number in the list of contacts.
-template <class Real>
+template <class Real, bool rubbed>
 struct SweptContacts {
   const Pair* bodies_of;
   const InverseMasses<Real>* inverse_masses;
   SoftContact<Real>* soft;
-  SoftGrip<Real>* grips;              ///< read by acts that rub, as
-  const GrippedPair<Real>* gripped;   ///< this
+  [[no_unique_address]] Only<rubbed, SoftGrip<Real>*> grips;
+  [[no_unique_address]] Only<rubbed, const GrippedPair<Real>*> gripped;
   const std::uint32_t* begin;         ///< where colour c starts; c = Colouring::colours: the split set
   const std::uint32_t* count;         ///< how many it has
   ContactsByBodyView split;           ///< places of the split set, by body
   const std::uint32_t* split_bodies;  ///< all bodies, or 0 where the set is empty
   Real* split_change;                 ///< N s, along the normal
-  Vector3<Real>* split_rubbed;        ///< N s, across it; written by acts that rub
+  [[no_unique_address]] Only<rubbed, Vector3<Real>*> split_rubbed;  ///< N s, across it
 };
 
 /// For Executor::run_rounds: a round for each colour, whose contacts share no body; then the mass-split set
@@ -109,7 +121,7 @@ struct Sweep {
   static constexpr bool planned = true;
   static constexpr int rounds = Colouring::colours + 2;
 
-  SweptContacts<Real> contacts;
+  SweptContacts<Real, Act::rubs> contacts;
   BodyView<Real> bodies;
   Act act;
 

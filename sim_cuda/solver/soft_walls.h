@@ -13,6 +13,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/only.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/friction.h"
@@ -42,20 +43,24 @@ struct SoftWalls {
   Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
   WallLedger* ledger;
-  WallGrips<Real> grips;
-  BoxContacts<Real> boxes;
+  [[no_unique_address]] Only<rubbed, WallGrips<Real>> grips;
+  [[no_unique_address]] Only<boxed, BoxContacts<Real>> boxes;
 
-  struct Nothing {};
   /// A body while its planes are resolved.
   struct Body {
     Vector3<Real> x, v;
     Real radius, mass, inverse_mass;
-    [[no_unique_address]] std::conditional_t<rubbed, Spin<Real>, Nothing> spin;
+    [[no_unique_address]] Only<rubbed, Spin<Real>> spin;
     bool moved = false, given = false;
   };
 
   SIM_HD std::int64_t place(int plane, int body) const { return plane * body_count + body; }
-  SIM_HD int count() const { return boxed ? plane_count + boxes.view.count : plane_count; }
+  SIM_HD int count() const {
+    if constexpr (boxed)
+      return plane_count + boxes.view.count;
+    else
+      return plane_count;
+  }
 
   /// Plane p of a body; those from plane_count on are boxes.
   SIM_HD WallPlane<Real> plane(int p, int body) const {

@@ -1,0 +1,357 @@
+#include "headless/bench/effects.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "headless/bench/machine_code.h"
+#include "headless/bench/result_files.h"
+#include "headless/bench/spread.h"
+#include "headless/progress.h"
+#include "headless/report.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr int stride = 4;  // steps of one turn
+
+/// How a scene comes to call for an effect.
+struct Trial {
+  std::string_view effect;
+  void (*ground)(Scene&);    ///< of all three runs
+  void (*call_for)(Scene&);  ///< of those that call for it; null: the ground calls for it already
+};
+
+void nothing(Scene&) {}
+void spin(Scene& scene) { scene.bodies[0].angular_velocity = Vector3d(0, 0, 1); }
+void rub(Scene& scene) {
+  spin(scene);
+  scene.materials[0].friction = 0.5;
+}
+
+constexpr Trial trials[] = {
+    {"gravity",
+     [](Scene& s) {
+       s.generators[0].speed_max = 5;
+       s.physics.restitution_threshold = 1;
+       s.physics.gravity.setZero();
+     },
+     [](Scene& s) { s.physics.gravity = Vector3d(0, 0, -9.81); }},
+    {"attractor", nothing,
+     [](Scene& s) {
+       s.physics.attractors = {Attractor{Vector3d(50, 50, 50), 1e4, 5}};
+     }},
+    {"drag", nothing, [](Scene& s) { s.physics.drag.density = 1.2; }},
+    {"rotation", nothing, spin},
+    {"friction", spin, rub},
+    {"rolling_resistance", rub, [](Scene& s) { s.materials[0].rolling_resistance = 0.02; }},
+    {"joints", nothing,
+     [](Scene& s) {
+       for (int k = 1; k < 200; k += 2) {
+         Joint rod;
+         rod.a = k;
+         rod.b = k + 1;
+         s.joints.push_back(rod);
+       }
+     }},
+    {"continuous_collision", [](Scene& s) { s.generators[0].speed_max = 300; }, nullptr},
+    {"sleeping", nothing,
+     [](Scene& s) {
+       s.physics.sleep = Sleep{2, 0.1};
+     }},
+};
+
+struct Launched {
+  std::string stage;
+  int launches;
+  friend bool operator==(const Launched&, const Launched&) = default;
+};
+
+/// What a run takes and comes to.
+struct Footprint {
+  std::vector<Launched> launches;
+  std::map<std::string, std::int64_t> buffers;
+  std::uint64_t hash = 0;
+
+  int launch_count() const {
+    int count = 0;
+    for (const Launched& each : launches) count += each.launches;
+    return count;
+  }
+  std::int64_t bytes() const {
+    std::int64_t sum = 0;
+    for (const auto& [name, bytes] : buffers) sum += bytes;
+    return sum;
+  }
+};
+
+struct Runner {
+  World world;
+  std::vector<float> ms = {};  ///< a step, of each turn
+
+  void turn() {
+    const auto start = std::chrono::steady_clock::now();
+    world.step(stride);
+    ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count() /
+                 stride);
+  }
+  Footprint footprint() {
+    Footprint print;
+    for (const StageTime& stage : world.times().stages)
+      print.launches.push_back({stage.name, stage.launches});
+    print.buffers = world.buffers();
+    print.hash = world.state_hash();
+    return print;
+  }
+};
+
+/// Kernels of all files that an effect touches, in a build without it and in one with all effects.
+struct CodeRow {
+  std::int64_t kernels = 0, bytes = 0;              ///< without the effect
+  std::int64_t different = 0;                       ///< of those, in the whole build
+  std::int64_t added_kernels = 0, added_bytes = 0;  ///< of the whole build
+};
+
+struct Row {
+  std::string effect;
+  Footprint without, off, on;
+  Spread ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
+  std::optional<CodeRow> code;
+
+  bool off_is_free() const {
+    return off.launches == without.launches && off.buffers == without.buffers && off.hash == without.hash &&
+           (!code || code->different == 0);
+  }
+  bool on_is_seen() const { return on.hash != without.hash && (!code || code->added_kernels > 0); }
+};
+
+Scene base_of(const CommandLine& line) {
+  Scene scene = load_scene(line);
+  Effects gravity;
+  gravity.gravity = true;
+  if (scene.generators.size() != 1 || World(scene, line.options.run).effects() != gravity)
+    throw InputError(scene.name +
+                     ": bench effects adds each effect to a scene of one generator that calls for gravity "
+                     "alone, such as box_collider_scaled");
+  scene.physics.substeps = substeps_in_effect(scene.physics);  // also with joints, which might call for more
+  Body body;                                                   // one that can be told to spin
+  body.position = World(scene, line.options.run).initial().box.value_or(Box{}).max * 0.5;
+  scene.bodies.push_back(body);
+  return scene;
+}
+
+Row measure(const Trial& trial, const Scene& base, const RunOptions& options, std::int64_t turns,
+            const std::function<void()>& turned) {
+  Scene without = base;
+  trial.ground(without);
+  Scene on = without;
+  if (trial.call_for != nullptr) trial.call_for(on);
+  Scene off = on;
+  Runner with{World(on, options)};
+  Effects effects = with.world.effects();
+  for (const EffectName& each : effect_names)
+    if (each.name == trial.effect) effects.*each.flag = false;
+  off.physics.effects = effects;
+  if (trial.call_for == nullptr) without = off;
+  Runner first{World(without, options)}, second{World(off, options)};
+  for (std::int64_t turn = 0; turn < turns; ++turn) {
+    // Who goes first finds other caches than who goes second.
+    (turn % 2 == 0 ? first : second).turn();
+    (turn % 2 == 0 ? second : first).turn();
+    with.turn();
+    turned();
+  }
+  std::vector<float> off_ratios, on_ratios;
+  for (std::size_t k = 0; k < first.ms.size(); ++k) {
+    off_ratios.push_back(second.ms[k] / first.ms[k]);
+    on_ratios.push_back(with.ms[k] / first.ms[k]);
+  }
+  return {std::string(trial.effect), first.footprint(),     second.footprint(),   with.footprint(),
+          spread_of(first.ms),       spread_of(off_ratios), spread_of(on_ratios), {}};
+}
+
+/// Adds up the objects of effects_code_<effect>.dir, beside those of the same files with all effects.
+CodeRow compare_code(const std::filesystem::path& folder, const std::string& effect) {
+  namespace fs = std::filesystem;
+  const fs::path without = folder / ("effects_code_" + effect + ".dir"),
+                 with = folder / "effects_code_all.dir";
+  CodeRow row;
+  std::error_code failed;
+  for (const auto& entry : fs::recursive_directory_iterator(without, failed)) {
+    if (entry.path().extension() != ".o") continue;
+    const auto lean = kernels_of(entry.path()),
+               whole = kernels_of(with / fs::relative(entry.path(), without));
+    for (const auto& [name, kernel] : lean) {
+      ++row.kernels;
+      row.bytes += static_cast<std::int64_t>(kernel.code.size());
+      const auto found = whole.find(name);
+      row.different += found == whole.end() || found->second != kernel;
+    }
+    for (const auto& [name, kernel] : whole) {
+      if (lean.contains(name)) continue;
+      ++row.added_kernels;
+      row.added_bytes += static_cast<std::int64_t>(kernel.code.size());
+    }
+  }
+  if (row.kernels == 0)
+    throw InputError(without.string() +
+                     ": no objects; build the target effects_code, and name the folder that "
+                     "holds effects_code_all.dir");
+  return row;
+}
+
+Json spread_json(const Spread& s) { return {{"median", s.median}, {"p5", s.p5}, {"p95", s.p95}}; }
+
+Json footprint_json(const Footprint& print) {
+  Json launches = Json::object();
+  for (const Launched& each : print.launches) launches[each.stage] = each.launches;
+  return {{"launches", launches},
+          {"buffers", print.buffers},
+          {"allocated_bytes", print.bytes()},
+          {"state_hash", fmt::format("{:016x}", print.hash)}};
+}
+
+struct Setting {
+  std::string scene, device, solver;
+  std::int64_t bodies, steps;
+};
+
+std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
+  Json json{{"suite", "effects"},       {"scene", setting.scene},   {"device", setting.device},
+            {"solver", setting.solver}, {"bodies", setting.bodies}, {"steps", setting.steps},
+            {"effects", Json::array()}};
+  for (const Row& r : rows) {
+    Json one{{"effect", r.effect},
+             {"off_costs_nothing", r.off_is_free()},
+             {"on_is_seen", r.on_is_seen()},
+             {"step_ms", spread_json(r.ms)},
+             {"off_ratio", spread_json(r.off_ratio)},
+             {"on_ratio", spread_json(r.on_ratio)},
+             {"machine_code", nullptr},
+             {"without", footprint_json(r.without)},
+             {"off", footprint_json(r.off)},
+             {"on", footprint_json(r.on)}};
+    if (r.code)
+      one["machine_code"] = {{"kernels", r.code->kernels},
+                             {"bytes", r.code->bytes},
+                             {"different", r.code->different},
+                             {"added_kernels", r.code->added_kernels},
+                             {"added_bytes", r.code->added_bytes}};
+    json["effects"].push_back(std::move(one));
+  }
+  return json_text(json);
+}
+
+/// The cells of a row, as the table on the terminal and that in Markdown have them.
+std::vector<std::string> cells_of(const Row& r) {
+  const auto ratio = [](const Spread& s) {
+    return fmt::format("{:.3f} ({:.3f} to {:.3f})", s.median, s.p5, s.p95);
+  };
+  std::vector<std::string> cells{
+      r.effect,
+      r.off_is_free() ? "same" : "DIFFERENT",
+      r.code ? fmt::format("{} of {} KiB {}", r.code->kernels, r.code->bytes / 1024,
+                           r.code->different == 0 ? "same" : "DIFFERENT")
+             : "-",
+      fmt::format("{:.2f}", r.ms.median),
+      ratio(r.off_ratio),
+      ratio(r.on_ratio),
+      fmt::format("{:+}", r.on.launch_count() - r.without.launch_count()),
+      fmt::format("{:+.1f}",
+                  static_cast<double>(r.on.bytes() - r.without.bytes()) / static_cast<double>(1 << 10)),
+      r.code ? fmt::format("{} of {} KiB", r.code->added_kernels, r.code->added_bytes / 1024) : "-",
+      r.on.hash != r.without.hash ? "another" : "THE SAME"};
+  return cells;
+}
+const std::vector<std::string> heads{"effect",
+                                     "off: launches, buffers, hash",
+                                     "off: kernels",
+                                     "step, ms",
+                                     "off, A/B (p5 to p95)",
+                                     "on, A/B (p5 to p95)",
+                                     "on: launches",
+                                     "on: KiB",
+                                     "on: kernels",
+                                     "on: hash"};
+
+std::string results_markdown(const std::vector<Row>& rows) {
+  std::string text =
+      fmt::format("| {} |\n|---|---|---|---:|---:|---:|---:|---:|---|---|\n", fmt::join(heads, " | "));
+  for (const Row& r : rows) {
+    std::vector<std::string> cells = cells_of(r);
+    cells[0] = "`" + cells[0] + "`";
+    text += fmt::format("| {} |\n", fmt::join(cells, " | "));
+  }
+  return text;
+}
+
+std::string results_csv(const std::vector<Row>& rows) {
+  std::string text =
+      "effect,off_costs_nothing,on_is_seen,step_ms,off_ratio,off_ratio_p5,off_ratio_p95,on_ratio,on_ratio_p5,"
+      "on_ratio_p95,launches_without,launches_off,launches_on,bytes_without,bytes_off,bytes_on,kernels,"
+      "kernels_"
+      "different,kernels_added\n";
+  for (const Row& r : rows) {
+    const CodeRow code = r.code.value_or(CodeRow{});
+    text += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_is_free(),
+        r.on_is_seen(), r.ms.median, r.off_ratio.median, r.off_ratio.p5, r.off_ratio.p95, r.on_ratio.median,
+        r.on_ratio.p5, r.on_ratio.p95, r.without.launch_count(), r.off.launch_count(), r.on.launch_count(),
+        r.without.bytes(), r.off.bytes(), r.on.bytes(), code.kernels, code.different, code.added_kernels);
+  }
+  return text;
+}
+
+std::string results_text(const Setting& setting, const std::vector<Row>& rows) {
+  std::string text = fmt::format("{}, N = {}, {}, {} steps on {}\n\n", setting.scene, grouped(setting.bodies),
+                                 setting.solver, setting.steps, setting.device);
+  std::vector<std::size_t> widths;
+  std::vector<std::vector<std::string>> table{heads};
+  for (const Row& r : rows) table.push_back(cells_of(r));
+  for (std::size_t k = 0; k < heads.size(); ++k) {
+    widths.push_back(0);
+    for (const auto& cells : table) widths.back() = std::max(widths.back(), cells[k].size());
+  }
+  for (const auto& cells : table) {
+    for (std::size_t k = 0; k < cells.size(); ++k) text += fmt::format("{:<{}}  ", cells[k], widths[k]);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+int bench_effects(const CommandLine& line) {
+  const ResultFiles files(line.options);
+  const Scene base = base_of(line);
+  const std::int64_t turns = line.options.bench.repeats;
+  World probe(base, line.options.run);
+  const Setting setting{base.name, probe.device_name(),
+                        std::string(name_of(solver_names, base.physics.solver)),
+                        static_cast<std::int64_t>(probe.initial().size()), turns * stride};
+  std::vector<Row> rows;
+  {
+    Progress progress("turns", turns * static_cast<std::int64_t>(std::size(trials)));
+    std::int64_t done = 0;
+    for (const Trial& trial : trials) {
+      rows.push_back(measure(trial, base, line.options.run, turns, [&] { progress.update(++done); }));
+      if (!line.options.bench.effects_code.empty())
+        rows.back().code = compare_code(line.options.bench.effects_code, rows.back().effect);
+      files.write(results_json(setting, rows), results_csv(rows), results_markdown(rows));
+    }
+  }
+  fmt::print("{}", line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
+  for (const Row& row : rows)
+    if (!row.off_is_free() || !row.on_is_seen()) return 1;
+  return 0;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,185 @@
+// Continuous collision: the share of a way that keeps clear of a core, against brute force; swarms and
+// bullets in which nobody passes through anybody, and without the effect somebody does; and what it costs
+// where it is off.
+
+#include "sim_cuda/dynamics/continuous_collision.h"
+
+#include <cmath>
+
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class Continuous : public OnEachExecutor {};
+ON_EACH_EXECUTOR(Continuous);
+
+/// m: how near the origin a straight way from `d` to `d + way` comes.
+double nearest(const Vector3d& d, const Vector3d& way) {
+  const double length = way.squaredNorm();
+  const double at = length > 0 ? std::clamp(-d.dot(way) / length, 0.0, 1.0) : 0;
+  return (d + at * way).norm();
+}
+
+struct Uniform {
+  Random random;
+  double operator()(double low, double high) { return low + (high - low) * (random() / 4294967296.0); }
+  Vector3d vector(double size) {
+    return Vector3d((*this)(-size, size), (*this)(-size, size), (*this)(-size, size));
+  }
+};
+
+TEST(ShareOutsideCore, StopsWhereTheyTouchAndOnlyBeforeACore) {
+  Uniform uniform{Random(3)};
+  int cut = 0, stuck = 0;
+  for (int k = 0; k < 100000; ++k) {
+    const double reach = uniform(0.01, 2);
+    const Vector3d d = uniform.vector(3), way = uniform.vector(6);
+    const double share = share_outside_core<double>(d, way, reach);
+    ASSERT_GE(share, 0);
+    ASSERT_LE(share, 1);
+    const bool enters = d.norm() > reach / 2 && nearest(d, way) < reach / 2;
+    EXPECT_EQ(share < 1, enters);
+    if (!enters) continue;
+    ++cut;
+    if (d.norm() <= reach) {
+      EXPECT_EQ(share, 0);
+      ++stuck;
+      continue;
+    }
+    EXPECT_NEAR((d + share * way).norm(), reach, 1e-9 * (d.norm() + way.norm()));
+    EXPECT_GE(nearest(d, share * way), reach * (1 - 1e-9));
+  }
+  EXPECT_GT(cut, 1000);
+  EXPECT_GT(stuck, 30);
+}
+
+/// Small spheres that fly at up to 1,000 m/s in a small box, and two heavy ones among them.
+Scene swarm(Precision precision, bool continuous) {
+  Scene scene;
+  scene.name = "test";
+  scene.box = Box{Vector3d(0, 0, 0), Vector3d(10, 10, 10)};
+  scene.physics.precision = precision;
+  scene.physics.time_step = 1.0 / 60;
+  scene.physics.substeps = 1;  // so that the way in a step is straight
+  scene.materials[0].restitution = 0.5;
+  Uniform uniform{Random(7)};
+  for (int k = 0; k < 300; ++k) {
+    Body body = sphere(uniform(0.05, 0.4), Vector3d(5, 5, 5) + uniform.vector(4.5), uniform.vector(1000));
+    if (k % 100 == 0) body.mass = 1e5;
+    bool apart = true;
+    for (const Body& other : scene.bodies)
+      apart &= (other.position - body.position).norm() > other.radius + body.radius;
+    if (apart) scene.bodies.push_back(body);
+  }
+  scene.physics.effects = Effects{.gravity = true, .continuous_collision = continuous};
+  return scene;
+}
+
+/// How many pairs that are apart when a step begins have their centres come within half the sum of their
+/// radii in it, in `steps` steps of one substep each.
+int passed(World& world, const Scene& scene, int steps) {
+  int count = 0;
+  std::vector<Vector3d> before = world.bodies().position;
+  for (int k = 0; k < steps; ++k) {
+    world.step();
+    const std::vector<Vector3d> after = world.bodies().position;
+    for (std::size_t a = 0; a < before.size(); ++a)
+      for (std::size_t b = a + 1; b < before.size(); ++b) {
+        const double reach = scene.bodies[a].radius + scene.bodies[b].radius;
+        const Vector3d d = before[b] - before[a];
+        if (d.norm() < reach) continue;
+        count += nearest(d, after[b] - after[a] - d) < 0.499 * reach;
+      }
+    before = after;
+  }
+  return count;
+}
+
+TEST_P(Continuous, NobodyPassesThroughAnybodyInASwarm) {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    const Scene on = swarm(precision, true), off = swarm(precision, false);
+    ASSERT_GT(on.bodies.size(), 200u);
+    World held(on, options()), loose(off, options());
+    EXPECT_EQ(passed(held, on, 60), 0);
+    EXPECT_GT(passed(loose, off, 60), 20);  // so that the count can find something
+    EXPECT_EQ(held.measure().escaped, 0);
+  }
+}
+
+TEST_P(Continuous, ABulletPassesNoSphereOfATenthOfAMetre) {
+  // Against one that is free, one that leans at a wall, and a heavy bullet against a row of three.
+  for (const double bullet_mass : {0.01, 1000.0})
+    for (const bool continuous : {true, false})
+      for (const double offset : {0.0, 0.03, 0.06}) {
+        Scene scene;
+        scene.physics.gravity = Vector3d(0, 0, 0);
+        scene.physics.time_step = 1.0 / 60;
+        scene.materials[0].restitution = 0;
+        scene.physics.effects = Effects{.continuous_collision = continuous};
+        scene.obstacles.push_back(Plane{Vector3d(-1, 0, 0), -30.3, 0});
+        for (const double x : {29.8, 30.0, 30.2}) scene.bodies.push_back(sphere(0.1, Vector3d(x, 0, 0)));
+        Body bullet = sphere(0.02, Vector3d(0, offset, 0), Vector3d(1000, 0, 0));
+        bullet.mass = bullet_mass;
+        scene.bodies.push_back(bullet);
+        World world(scene, options());
+        int behind = 0;
+        for (int k = 0; k < 10; ++k) {
+          world.step();
+          const std::vector<Vector3d> x = world.bodies().position;
+          // Aside of a row it may go on; through it, it may not.
+          const bool aside = std::abs(x[3].y() - x[0].y()) > 0.06;
+          behind += x[3].x() > x[0].x() && !aside;
+        }
+        if (continuous) {
+          EXPECT_EQ(behind, 0) << bullet_mass << " kg, " << offset << " m aside";
+        }
+      }
+}
+
+TEST_P(Continuous, IsCalledForBySpeedsThatCrossTheSmallestRadius) {
+  Scene scene = empty_space();
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.time_step = 1.0 / 60;  // of 4 substeps
+  scene.bodies = {sphere(0.1, Vector3d(0, 0, 0), Vector3d(23.9, 0, 0)), sphere(1, Vector3d(9, 0, 0))};
+  EXPECT_FALSE(World(scene, options()).effects().continuous_collision);
+  scene.bodies[0].velocity = Vector3d(24.1, 0, 0);
+  EXPECT_TRUE(World(scene, options()).effects().continuous_collision);
+  scene.physics.solver = Solver::impulse;
+  EXPECT_FALSE(World(scene, options()).effects().continuous_collision);
+}
+
+TEST_P(Continuous, ChangesNothingWhereNobodyIsHeld) {
+  // Slow bodies that meet: no way is cut short. (Among many, more contacts are foreseen, and so coloured
+  // differently.)
+  Scene scene = empty_space();
+  scene.physics.solver = Solver::soft_step;
+  scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(3, 0, 0)), sphere(1, Vector3d(4, 0.5, 0))};
+  scene.physics.effects = Effects{};
+  World off(scene, options());
+  scene.physics.effects = Effects{.continuous_collision = true};
+  World on(scene, options());
+  off.step(60);
+  on.step(60);
+  EXPECT_EQ(on.state_hash(), off.state_hash());
+  EXPECT_GT(on.bodies().velocity[1].norm(), 1);
+  EXPECT_GT(on.allocated_bytes(), off.allocated_bytes());
+}
+
+TEST_P(Continuous, KeepsMomentum) {
+  Scene scene = swarm(Precision::f64, true);
+  scene.box.reset();
+  scene.physics.gravity = Vector3d(0, 0, 0);
+  scene.physics.effects = Effects{.continuous_collision = true};
+  World world(scene, options());
+  const StepStats before = world.measure();
+  world.step(30);
+  const StepStats after = world.measure();
+  double size = 0;
+  for (const Body& body : scene.bodies) size = std::max(size, body.velocity.norm() * body.mass.value_or(1));
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(after.momentum[k], before.momentum[k], 1e-9 * size);
+}
+
+}  // namespace
+}  // namespace collidoscope
