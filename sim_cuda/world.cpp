@@ -12,6 +12,7 @@
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
+#include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/settle.h"
@@ -48,6 +49,14 @@ std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what
   return std::min<std::int64_t>(max_list, static_cast<std::int64_t>(needed + needed / 2));
 }
 
+void refuse_what_is_not_built(const Effects& effects) {
+  for (const EffectName& effect : effect_names)
+    if (effects.*effect.flag && !(built_effects.*effect.flag))
+      throw MachineError(
+          "this program was built without " + std::string(effect.name) +
+          ", which the scene calls for (COLLIDOSCOPE_WITHOUT); leave it out by a list of effects");
+}
+
 }  // namespace
 
 struct World::Impl {
@@ -57,6 +66,7 @@ struct World::Impl {
         initial(initial_bodies(scene)),
         executor(with_key_bits(asked, initial)) {
     effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
+    refuse_what_is_not_built(effects);
     pipeline = make_pipeline(executor, scene, initial, effects);
     const std::int64_t guess = options.initial_pair_capacity > 0
                                    ? options.initial_pair_capacity

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 #include "tests/run_program.h"
 #include "viewer/render/image.h"
@@ -103,6 +104,31 @@ TEST(Suites, ThePaperOwnsItsShapesAndSaysWhatItClaims) {
   EXPECT_THAT(run.out, HasSubstr("by calls"));
   EXPECT_THAT(run.out, HasSubstr("eats up the speedup"));
   EXPECT_GT(read_png(at + "r.png").width, 1000);
+}
+
+TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {
+  const Outcome run = run_headless({"bench", "effects", "box_collider_scaled", "--executor", "cpu",
+                                    "--bodies", "300", "--repeats", "4", "--json", "-"});
+  ASSERT_EQ(run.status, 0) << run.err << run.out;
+  const json report = json::parse(run.out);
+  std::set<std::string> seen;
+  for (const json& row : report["effects"]) {
+    seen.insert(row["effect"].get<std::string>());
+    EXPECT_TRUE(row["off_costs_nothing"].get<bool>()) << row["effect"];
+    EXPECT_TRUE(row["on_is_seen"].get<bool>()) << row["effect"];
+    EXPECT_EQ(row["without"]["launches"], row["off"]["launches"]);
+    EXPECT_EQ(row["without"]["buffers"], row["off"]["buffers"]);
+    EXPECT_NE(row["without"]["state_hash"], row["on"]["state_hash"]);
+  }
+  for (const EffectName& effect : effect_names)
+    EXPECT_TRUE(seen.contains(std::string(effect.name))) << effect.name;
+  // Frictionless spheres that cannot turn: nothing is stored of how they turn, or of friction.
+  for (const char* absent :
+       {"orientations", "angular velocities", "inertia", "friction of contacts", "friction at walls"})
+    EXPECT_FALSE(report["effects"][0]["without"]["buffers"].contains(absent)) << absent;
+  const Outcome refused = run_headless({"bench", "effects", "rolling", "--executor", "cpu"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("calls for gravity alone"));
 }
 
 TEST(Suites, RefuseWhatCannotBeWrittenBeforeTheyMeasure) {

@@ -32,9 +32,10 @@ struct Effects {
 };
 
 constexpr bool is_built(std::string_view effect, std::string_view without = SIM_WITHOUT) {
-  for (std::size_t at = without.find(effect); at != without.npos; at = without.find(effect, at + 1)) {
-    const std::size_t end = at + effect.size();
-    if ((at == 0 || without[at - 1] == ' ') && (end == without.size() || without[end] == ' ')) return false;
+  while (!without.empty()) {
+    const std::size_t end = without.find(' ');
+    if (without.substr(0, end) == effect) return false;
+    without.remove_prefix(end == without.npos ? without.size() : end + 1);
   }
   return true;
 }
