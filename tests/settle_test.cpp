@@ -82,8 +82,8 @@ TEST_P(Settled, IsAtRestBeforeItsFirstStepAndStaysThere) {
       EXPECT_EQ(start.escaped, 0);
       EXPECT_EQ(world.initial().radius, initial_bodies(box_collider(bodies, Variant::scaled)).radius);
       world.step(60);
-      // Without the drag, layers slide on a little.
-      EXPECT_LE(world.measure().kinetic_energy, 6 * at_rest) << bodies << ' ' << friction;
+      // Without the drag, layers slide on a little, and what lies in bowls rolls on.
+      EXPECT_LE(world.measure().kinetic_energy, 8 * at_rest) << bodies << ' ' << friction;
       EXPECT_NEAR(world.measure().potential_energy / start.potential_energy, 1, 3e-3);
     }
   EXPECT_THAT(lines_, testing::IsEmpty());
