@@ -131,6 +131,7 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
   add("--csv", options.bench.csv);
   add("--markdown", options.bench.markdown);
   if (options.save != options.load) add("--load", options.load);  // going on in one file is no loss
+  add("--changes", options.changes);
   add("--save", options.save);
 }
 

@@ -225,6 +225,8 @@ constexpr Reader readers[] = {
      [](Reading& in) { read_path(in.value, in.options.save); }},
     {{"--load", "FILE", "goes on from a snapshot, in place of a SCENE", running | capturing | viewing},
      [](Reading& in) { read_path(in.value, in.options.load); }},
+    {{"--changes", "FILE", "what is changed on the way: settings, bodies added and removed", running},
+     [](Reading& in) { read_path(in.value, in.options.changes); }},
 
     {{"--states", "LIST", "states to draw [0,30,60; after --load, counted from there]", capturing},
      [](Reading& in) {

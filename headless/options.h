@@ -62,6 +62,7 @@ struct Options {
   std::string dump_dynamics;          ///<
   std::string energy_trace;           ///<
   std::string save, load;             ///< snapshots, or empty
+  std::string changes;                ///< of `run`: what is changed on the way, or empty
   CaptureRequest capture;
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`

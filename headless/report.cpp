@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/launch_json.h"
+#include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
@@ -91,9 +92,8 @@ std::string numbers_text(const RunReport& report) {
                                      grouped(last.escaped)));
   text += line("memory", fmt::format("{} bytes", grouped(report.allocated_bytes)));
   if (report.wall_seconds && *report.wall_seconds > 0 && last.step > first.step) {
-    const auto steps = static_cast<double>(last.step - first.step);
     text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", *report.wall_seconds,
-                                     steps * report.time_step / *report.wall_seconds));
+                                     report.simulated_seconds / *report.wall_seconds));
   }
   return text + line("state hash", fmt::format("{:016x}", report.state_hash));
 }
@@ -124,6 +124,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
                    .precision = std::string(name_of(precision_names, scene.physics.precision)),
                    .effects = names_of(world.effects()),
+                   .effect_reasons = {},
                    .shape = world.launch_shape(),
                    .substeps = substeps_of(scene, world.initial()),
                    .iterations = scene.physics.iterations,
@@ -134,6 +135,9 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .state_hash = world.state_hash(),
                    .allocated_bytes = world.allocated_bytes(),
                    .wall_seconds = wall_seconds};
+  for (const EffectName& effect : effect_names)
+    report.effect_reasons.emplace_back(effect.name, effect_reason(scene, world.initial(), effect.flag).why);
+  report.simulated_seconds = static_cast<double>(report.final.step - initial.step) * report.time_step;
   if (!scene.generators.empty()) {
     report.variant = name_of(variant_names, scene.generators[0].variant);
     report.seed = scene.generators[0].seed;
@@ -162,6 +166,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["integrator"] = report.integrator;
   json["precision"] = report.precision;
   json["effects"] = report.effects;
+  for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
   json["state_hash"] = fmt::format("{:016x}", report.state_hash);
   json["pairs"] = {
       {"aabb", last.pairs}, {"contacts", last.contacts}, {"split_contacts", last.split_contacts}};

@@ -23,8 +23,9 @@ struct RunReport {
   std::string device, broad_phase;
   int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
   std::string solver, integrator, precision;
-  std::vector<std::string> effects;
-  LaunchShape shape;  ///< zeros are "auto"
+  std::vector<std::string> effects;                                 ///< that are on
+  std::vector<std::pair<std::string, std::string>> effect_reasons;  ///< of all: why called for, or why not
+  LaunchShape shape;                                                ///< zeros are "auto"
   int substeps = 1, iterations = 1;
   double time_step = 0;  ///< s
   StepStats initial, final;
@@ -32,6 +33,7 @@ struct RunReport {
   std::uint64_t state_hash = 0;
   std::int64_t allocated_bytes = 0;
   std::optional<double> wall_seconds;  ///< s, of the stepping alone; unset where pictures were drawn between
+  double simulated_seconds = 0;        ///< s, between its first state and its last
 };
 
 /// `initial`: World::measure() at the state that the run started from.

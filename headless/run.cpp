@@ -11,6 +11,7 @@
 #include "headless/flag_value.h"
 #include "headless/output_file.h"
 #include "headless/progress.h"
+#include "headless/replay.h"
 #include "headless/report.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/world.h"
@@ -47,8 +48,8 @@ struct Outputs {
   }
 };
 
-World make_world(const Start& start, const Options& options) {
-  World world = start.world(options.run);
+World make_world(const Start& start, const RunOptions& options) {
+  World world = start.world(options);
   if (!world.initial().meshes.empty())
     std::fputs("note: mesh bodies collide as their bounding spheres for now\n", stderr);
   return world;
@@ -60,25 +61,47 @@ std::string trace_row(const StepStats& s) {
                      s.escaped);
 }
 
+/// Seconds of the clock that stepping took, and of the time that was simulated.
+struct Stepped {
+  double seconds = 0, simulated = 0;
+};
+
 /// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
 /// progress. With a trace every state is measured.
-double step_all(World& world, std::int64_t steps, std::string* trace) {
+Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace) {
   Progress progress("steps", steps);
-  double seconds = 0;
+  Stepped stepped;
   std::int64_t stride = 1;
   for (std::int64_t done = 0; done < steps;) {
-    const int count = static_cast<int>(trace ? 1 : std::min(stride, steps - done));
+    const std::int64_t rest = std::min(steps - done, replay.steps_to_next(world));
+    const int count = static_cast<int>(trace ? 1 : std::min(stride, rest));
     const Clock::time_point start = Clock::now();
     world.step(count);
     const double spent = seconds_since(start);
-    seconds += spent;
+    stepped.seconds += spent;
+    stepped.simulated += count * world.scene().physics.time_step;
     done += count;
+    replay.make_due(world);
     if (trace) *trace += trace_row(world.measure());
     if (spent < 0.05 && stride < 1 << 20) stride *= 2;
     if (spent > 0.2 && stride > 1) stride /= 2;
     progress.update(done);
   }
-  return seconds;
+  return stepped;
+}
+
+/// Whether the run came to what its list of changes says it came to when it was recorded; says so if not.
+bool as_recorded(World& world, const Replay& replay, const std::string& file) {
+  if (const std::size_t left = replay.left(); left > 0)
+    std::fprintf(stderr, "note: %s: the run ended before %zu of its changes\n", file.c_str(), left);
+  const std::optional<RecordedEnd>& end = replay.end();
+  if (!end || end->step != world.steps() || end->state_hash == world.state_hash()) return true;
+  std::fputs(fmt::format("{}: state {} was recorded with the hash {:016x}, and has {:016x} here: is it "
+                         "the same scene, with the same flags?\n",
+                         file, end->step, end->state_hash, world.state_hash())
+                 .c_str(),
+             stderr);
+  return false;
 }
 
 void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
@@ -87,16 +110,22 @@ void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), s
 
 int run_command(const CommandLine& line) {
   const Options& options = line.options;
-  const Start start = load_start(line);
+  Start start = load_start(line);
+  RunOptions how = options.run;
+  Replay replay(options.changes, start, how);
   Outputs outputs(options);
-  World world = make_world(start, options);
+  World world = make_world(start, how);
+  replay.make_due(world);
 
   const StepStats initial = world.measure();
   std::string trace =
       "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped\n" +
       trace_row(initial);
-  const double seconds = step_all(world, options.steps_or(300), outputs.energy ? &trace : nullptr);
-  const RunReport report = make_report(world, initial, seconds);
+  const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
+  const Stepped stepped = step_all(world, options.steps_or(std::max<std::int64_t>(recorded, 0)), replay,
+                                   outputs.energy ? &trace : nullptr);
+  RunReport report = make_report(world, initial, stepped.seconds);
+  report.simulated_seconds = stepped.simulated;
 
   // All is written before anything is put in place: a disk that fills up leaves no half of a set.
   if (outputs.bodies) write_body_states(world, [&](std::string_view text) { outputs.bodies->write(text); });
@@ -109,7 +138,7 @@ int run_command(const CommandLine& line) {
   for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
     if (*file) (*file)->commit();
   print(options.json == "-" ? to_json(report) : to_text(report));
-  return 0;
+  return as_recorded(world, replay, options.changes) ? 0 : 1;
 }
 
 int capture_command(const CommandLine& line) {
@@ -117,7 +146,7 @@ int capture_command(const CommandLine& line) {
   const Start start = load_start(line);
   const Outputs checked(options);
   ensure_writable_folder(options.capture.out);
-  World world = make_world(start, options);
+  World world = make_world(start, options.run);
 
   const StepStats initial = world.measure();
   const int status = run_capture(options.capture, world);

@@ -21,4 +21,9 @@ struct RunState {
   std::uint64_t settings = 0;
 };
 
+/// The same with other bodies: those of `ids` (see World::adopt) with what is known of them, all others as
+/// they are in `fresh`, which holds all there are then. What was between a body that is gone and another goes
+/// with it, and the other has not been slow yet: it may have rested on what is gone.
+RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh);
+
 }  // namespace collidoscope

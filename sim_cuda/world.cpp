@@ -212,11 +212,11 @@ bool World::Impl::run_plain(std::uint32_t target) {
   return true;
 }
 
-World::World(const Scene& scene, const RunOptions& options, const RunState* start) {
+World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids) {
   std::optional<RunState> rest;
   if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
   impl_ = std::make_unique<Impl>(scene, options);
-  if (start != nullptr) adopt(*start);
+  if (start != nullptr) adopt(*start, ids);
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -275,36 +275,19 @@ void World::set_launch_shape(LaunchShape shape) {
 
 namespace {
 
-/// Of all settings but N; 0 where nothing can sleep.
+/// Of all settings, but not of which bodies there are; 0 where nothing can sleep.
 std::uint64_t settings_hash(Scene scene) {
   if (!scene.physics.sleep) return 0;
-  for (BoxCollider& generator : scene.generators) generator.count = 0;
+  scene.bodies.clear();
+  scene.added.clear();
+  scene.joints.clear();
+  for (BoxCollider& generator : scene.generators) {
+    generator.count = 0;
+    generator.without.clear();
+  }
   std::uint64_t hash = 0;
   for (const char letter : write_scene(scene)) hash = mix64(hash ^ static_cast<unsigned char>(letter));
   return hash;
-}
-
-/// Without the contacts of others: they are gone.
-SolverMemory of_bodies_below(std::size_t count, SolverMemory memory) {
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < memory.contacts.size(); ++k) {
-    const ContactImpulse& contact = memory.contacts[k];
-    if (contact.b >= count) {
-      if (contact.a < memory.slow.size()) memory.slow[contact.a] = 0;  // it may have rested on what is gone
-      continue;
-    }
-    memory.contacts[kept] = memory.contacts[k];
-    if (!memory.grips.empty()) memory.grips[kept] = memory.grips[k];
-    if (!memory.rolls.empty()) memory.rolls[kept] = memory.rolls[k];
-    ++kept;
-  }
-  memory.contacts.resize(kept);
-  std::erase_if(memory.joints, [&](const JointMemory& joint) {
-    return joint.a >= count || (joint.b >= count && joint.b != PlacedJoint::world);
-  });
-  if (!memory.grips.empty()) memory.grips.resize(kept);
-  if (!memory.rolls.empty()) memory.rolls.resize(kept);
-  return memory;
 }
 
 }  // namespace
@@ -316,22 +299,14 @@ RunState World::state() {
 
 void World::adopt(World& other) { adopt(other.state()); }
 
-void World::adopt(const RunState& other) {
+void World::adopt(const RunState& other, const BodyIds& ids) {
   Impl& w = *impl_;
-  BodyStates states = other.bodies;
-  std::vector<WallLedger> ledgers = other.ledgers;
-  const std::size_t common = std::min(states.position.size(), w.initial.size());
-  states.position.resize(common);
-  states.velocity.resize(common);
-  states.orientation.resize(common);
-  states.angular_velocity.resize(common);
-  if (ledgers.size() > common) ledgers.resize(common);
+  RunState state = renumbered(other, ids, w.pipeline->bodies());
   w.plain.reset();  // what the solver remembers may move
   w.instrumented.reset();
-  w.pipeline->set_bodies(states, ledgers);
-  SolverMemory memory = of_bodies_below(common, other.memory);
-  if (other.settings != settings_hash(w.scene)) memory.slow.clear();
-  w.pipeline->remember(memory);
+  w.pipeline->set_bodies(state.bodies, state.ledgers);
+  if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
+  w.pipeline->remember(state.memory);
   w.steps = other.steps;
   w.detected = false;
 }

@@ -27,13 +27,17 @@ struct BodyStates {
 };
 
 struct RunState;
+/// What became of bodies: the new id of each, or `no_body`. Ascending.
+using BodyIds = std::vector<std::uint32_t>;
+inline constexpr std::uint32_t no_body = 0xffffffffu;
 
 class World {
  public:
-  /// At state 0, or, as adopt() does it, at `start`. Throws InputError where the scene is not valid or the
-  /// options name nothing known, MachineError where the machine lacks what was asked for (the line says what
-  /// and how much).
-  World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr);
+  /// At state 0, or, as adopt() does it, at `start`, whose bodies have the ids `ids` here. Throws InputError
+  /// where the scene is not valid or the options name nothing known, MachineError where the machine lacks
+  /// what was asked for (the line says what and how much).
+  World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr,
+        const BodyIds& ids = {});
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -58,12 +62,13 @@ class World {
   /// (B, T) for the steps from now on. Throws MachineError beyond the device's limits, and changes nothing
   /// then.
   void set_launch_shape(LaunchShape shape);
-  /// Takes the state of all bodies that both worlds have (ids below both N), the step count, the ledgers of
-  /// the walls and what a solver of the same kind remembers from `other`, whatever executor, precision or
-  /// settings it has: how a running scene changes them. Bodies beyond keep their initial state. With the same
-  /// physical settings and N, the run goes on bit for bit as `other` would have.
+  /// Takes the state of all bodies that both worlds have, the step count, the ledgers of the walls and what a
+  /// solver of the same kind remembers from `other`, whatever executor, precision or settings it has: how a
+  /// running scene changes them. `ids` says which body of `other` is which; empty: ids are the same in both.
+  /// Bodies that `other` lacks keep their initial state. With the same physical settings and bodies, the run
+  /// goes on bit for bit as `other` would have.
   void adopt(World& other);
-  void adopt(const RunState& other);
+  void adopt(const RunState& other, const BodyIds& ids = {});
   /// Where the run stands; waits for the device.
   RunState state();
 

@@ -449,5 +449,44 @@ TEST(Cli, AnEmptySceneAndNoStepsAreFine) {
   }
 }
 
+TEST(Cli, ChangesAreMadeAndCheckedAgainstWhatWasRecorded) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& changes, std::vector<std::string> more = {}) {
+    std::ofstream(folder / "changes.json")
+        << "{\"format\": \"collidoscope-changes\", \"version\": 1, " << changes;
+    more.insert(more.begin(), {"run", "box_collider", "--bodies", "60", "--json", "-", "--changes",
+                               folder / "changes.json"});
+    return run_program(program_folder() / "collidoscope-headless", more);
+  };
+  const std::string changes =
+      "\"changes\": [{\"step\": 3, \"bodies\": 80}, {\"step\": 5, \"remove\": [2]}, {\"step\": 5, "
+      "\"time_step\": 0.01}]";
+  const Outcome first = run(changes + "}", {"--steps", "9"});
+  ASSERT_EQ(first.status, 0) << first.err;
+  const json report = json::parse(first.out);
+  EXPECT_EQ(report["bodies"], 79);
+  EXPECT_EQ(report["steps"], 9);
+  const std::string hash = report["state_hash"];
+
+  const std::string end = ", \"end\": {\"step\": 9, \"state_hash\": \"";
+  const Outcome again = run(changes + end + hash + "\"}}");
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(json::parse(again.out)["state_hash"], hash) << "it stops at the end that was recorded";
+  const Outcome other = run(changes + end + "0123456789abcdef\"}}");
+  EXPECT_EQ(other.status, 1);
+  EXPECT_THAT(other.err, HasSubstr("state 9 was recorded with the hash 0123456789abcdef, and has " + hash));
+  const Outcome soon = run(changes + end + hash + "\"}}", {"--steps", "4"});
+  EXPECT_EQ(soon.status, 0);
+  EXPECT_THAT(soon.err, HasSubstr("the run ended before 2 of its changes"));
+
+  const Outcome wrong = run("\"changes\": [\n {\"step\": 3, \"remove\": [60]}]}");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("changes.json:2:25: there is no body 60; ids are below 60 here"));
+  EXPECT_EQ(run_program(program_folder() / "collidoscope-headless",
+                        {"run", "box_collider", "--changes", folder / "none.json"})
+                .status,
+            2);
+}
+
 }  // namespace
 }  // namespace collidoscope

@@ -117,6 +117,33 @@ TEST(InitialBodies, AMeshBringsMassAndAxes) {
   EXPECT_TRUE(initial_bodies(scene).inertia[0].isApprox(block.inertia_per_density * 2000, 1e-14));
 }
 
+TEST(InitialBodies, WhoIsLeftOutIsMissedByNobodyElse) {
+  Scene scene = box_collider(50);
+  scene.generators[0].speed_max = 2;
+  scene.generators[0].spawn = Spawn::apart;
+  scene.bodies = {sphere(1, Vector3d(20, 20, 20))};
+  const InitialBodies all = initial_bodies(scene);
+  scene.generators[0].without = {0, 7, 49};
+  scene.added = {sphere(2, Vector3d(60, 60, 60), Vector3d(0, 0, 3))};
+  scene.added[0].angular_velocity = Vector3d(0, 1, 0);
+  const InitialBodies some = initial_bodies(scene);
+  ASSERT_EQ(some.size(), 1u + 47u + 1u);
+  std::size_t at = 1;
+  for (std::size_t number = 0; number < 50; ++number) {
+    if (number == 0 || number == 7 || number == 49) continue;
+    EXPECT_EQ(some.position[at], all.position[1 + number]);
+    EXPECT_EQ(some.velocity[at], all.velocity[1 + number]);
+    EXPECT_EQ(some.mass[at], all.mass[1 + number]);
+    EXPECT_EQ(some.radius[at++], all.radius[1 + number]);
+  }
+  EXPECT_EQ(some.radius[48], 2);
+  EXPECT_EQ(some.velocity[48], Vector3d(0, 0, 3));
+  ASSERT_EQ(some.angular_velocity.size(), 49u);
+  EXPECT_EQ(some.angular_velocity[48], Vector3d(0, 1, 0));
+  EXPECT_TRUE(some.orientation.empty());
+  EXPECT_TRUE(some.inertia.empty());
+}
+
 TEST(InitialBodies, RefusesWhatCannotBe) {
   Scene scene;
   scene.name = "s";

@@ -273,6 +273,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not hold sleeping without \"sleep\""},
         // generators
         Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 3, \"without\": [0, 3]}]}",
+            "s:2:80: generators[0].without[1]: must be the number of one of its 3 bodies, from 0, more than"},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"without\": [1.5]}]}",
+            "s:2:65: \"without\" is a list of whole numbers"},
+        Bad{"\"added\": [{\"radius\": 0}]}", "s:2:22: added[0].radius: must lie in"},
         Bad{"\"box\": {}, \"generators\": [{}]}",
             "s:2:27: a generator has \"kind\": \"box_collider\", the only one"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"rain\"}]}", "s:2:36: a generator has \"kind\""},
@@ -571,6 +576,20 @@ TEST(SceneFile, WritingAndReadingKeepsEveryBit) {
     ASSERT_EQ(bits(again), bits(scene)) << seed << "\n" << text;
     ASSERT_EQ(write_scene(again), text);
   }
+}
+
+TEST(SceneFile, WhoCameAndWhoLeftSurvivesTheRoundTrip) {
+  Scene scene;
+  scene.box = Box{};
+  scene.generators.resize(1);
+  scene.generators[0].without = {1, 5, 1999};
+  scene.added.resize(2);
+  scene.added[1].position = Vector3d(0.1, 0.2, 0.3);
+  const Scene again = parse_scene(write_scene(scene), "text");
+  EXPECT_EQ(again.generators.at(0).without, scene.generators[0].without);
+  ASSERT_EQ(again.added.size(), 2u);
+  EXPECT_EQ(again.added[1].position, scene.added[1].position);
+  EXPECT_EQ(write_scene(again), write_scene(scene));
 }
 
 TEST(SceneFile, ScenesOfTheProjectSurviveTheRoundTrip) {

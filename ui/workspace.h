@@ -16,6 +16,7 @@
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "ui/color_key.h"
+#include "ui/effect_facts.h"
 #include "ui/tree_facts.h"
 
 namespace collidoscope {
@@ -31,6 +32,7 @@ struct Settings {
   double restitution = 0.8;     ///< of the material "default"
   Precision precision = Precision::f32;
   Solver solver = Solver::soft_step;
+  std::optional<Effects> effects;  ///< unset: "auto", what the scene calls for
   ExecutorKind executor = ExecutorKind::automatic;
   LaunchShape shape;  ///< (B, T); zeros are "auto"
   std::string broad_phase;
@@ -57,7 +59,8 @@ struct Folds {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
        inspector = true,
-       tree = false;  ///< measuring takes time
+       tree = false,    ///< measuring takes time
+      effects = false;  ///< rarely asked for
 
   friend bool operator==(const Folds&, const Folds&) = default;
 };
@@ -77,6 +80,10 @@ struct Workspace {
   // Wishes, cleared by the owner once they are met.
   int step_wishes = 0;
   bool restart_wish = false, screenshot_wish = false, csv_wish = false, json_wish = false;
+  bool changes_wish = false;     ///< a file of what was changed since the start
+  bool throw_wish = false;       ///< a new body, from the camera
+  bool remove_wish = false;      ///< of the selected body
+  bool measure_effects = false;  ///< what each costs, anew where something else is simulated
   CameraWish camera_wish = CameraWish::none;
 
   std::optional<std::uint32_t> selection;  ///< id of a body
@@ -108,13 +115,16 @@ struct WorkspaceView {
   bool generated = false;  ///< N, radius, seed and variant can be changed
   Settings in_effect;
   bool edited = false;                    ///< a physical setting was changed since state 0
+  std::int64_t changes = 0;               ///< that a replay would make
   std::string executor, device;           ///< "CPU" or "CUDA", and its name
   std::string renderer, display_path;     ///< what draws, and how the data get there
   bool software = false;                  ///< the renderer draws on the CPU
   double view_scale = 1;                  ///< of the 3D view: pixels drawn for each one seen, along an axis
   bool cuda = false;                      ///< can be chosen
   std::vector<std::string> broad_phases;  ///< names, the default first
-  std::vector<std::string> effects;
+  std::vector<std::string> effects;       ///< that are on
+  std::vector<EffectFacts> effect_facts;  ///< of all; empty while their panel is folded
+  bool measuring_effects = false;
   int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
 
   StepStats stats;

@@ -57,9 +57,20 @@ struct Needs {
   bool mesh = false, motion = false;
 };
 
-void append_listed(const Scene& scene, InitialBodies& all, Needs& needs) {
-  MeshStore meshes(scene, all);
-  for (const Body& body : scene.bodies) {
+/// Those of `list`. Arrays that may stay empty are filled up to it: bodies before it have none of these.
+void append_listed(const Scene& scene, const std::vector<Body>& list, MeshStore& meshes, InitialBodies& all,
+                   Needs& needs) {
+  if (list.empty()) return;
+  const std::size_t first = all.size();
+  all.velocity.resize(first, Vector3d(0, 0, 0));
+  all.angular_velocity.resize(first, Vector3d(0, 0, 0));
+  all.orientation.resize(first, Quaterniond(1, 0, 0, 0));
+  for (std::size_t i = all.inertia.size(); i < first; ++i)
+    all.inertia.push_back(sphere_inertia(all.mass[i], all.radius[i]));
+  all.material.resize(first, 0);
+  all.mesh.resize(first, 0);
+  all.motion.resize(first, Motion::dynamic);
+  for (const Body& body : list) {
     const double density = scene.materials[body.material].density;
     const bool is_mesh = body.shape == Shape::mesh;
     const std::uint32_t number = is_mesh ? meshes.number_of(body.mesh) : 0;
@@ -94,6 +105,26 @@ void append_listed(const Scene& scene, InitialBodies& all, Needs& needs) {
     needs.mesh |= is_mesh;
     needs.motion |= body.motion != Motion::dynamic;
   }
+}
+
+/// Takes what a generator was told to leave out from its bodies, which are the last ones.
+void leave_out(const std::vector<std::int64_t>& without, std::size_t first, InitialBodies& all) {
+  const auto leave_out_of = [&](auto& array) {
+    if (array.size() <= first) return;
+    auto next = without.begin();
+    std::size_t kept = first;
+    for (std::size_t i = first; i < array.size(); ++i) {
+      if (next != without.end() && first + static_cast<std::size_t>(*next) == i)
+        ++next;
+      else
+        array[kept++] = array[i];
+    }
+    array.resize(kept);
+  };
+  if (without.empty()) return;
+  leave_out_of(all.position);
+  leave_out_of(all.radius);
+  leave_out_of(all.velocity);
 }
 
 /// Keeps an optional array at full length, or empties it and gives its memory back.
@@ -138,8 +169,8 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
                           limits::min_inertia, limits::max_inertia));
       }
     }
-    if (all.box && i < scene.bodies.size() &&
-        !(2 * all.radius[i] <= (all.box->max - all.box->min).minCoeff())) {
+    const bool listed = i < scene.bodies.size() || i >= all.size() - scene.added.size();
+    if (all.box && listed && !(2 * all.radius[i] <= (all.box->max - all.box->min).minCoeff())) {
       fault(i, fmt::format("its bounding sphere of {:.3g} m radius does not fit between the walls",
                            all.radius[i]));
     }
@@ -159,19 +190,21 @@ InitialBodies initial_bodies(const Scene& scene) {
   }
   InitialBodies all;
   all.box = box_in_effect(scene);
-  std::size_t total = scene.bodies.size();
+  std::size_t total = scene.bodies.size() + scene.added.size();
   for (const BoxCollider& generator : scene.generators) total += static_cast<std::size_t>(generator.count);
   all.position.reserve(total);
   all.radius.reserve(total);
   all.mass.reserve(total);
 
   Needs needs;
-  append_listed(scene, all, needs);
+  MeshStore meshes(scene, all);
+  append_listed(scene, scene.bodies, meshes, all, needs);
   for (std::size_t g = 0; g < scene.generators.size(); ++g) {
     const BoxCollider& generator = scene.generators[g];
     const std::size_t first = all.size();
     append_box_collider(generator, all.box.value(),
                         fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all);
+    leave_out(generator.without, first, all);
     const double density = scene.materials[generator.material].density;
     for (std::size_t i = first; i < all.size(); ++i) {
       all.mass.push_back(static_cast<float>(density * sphere_volume(all.radius[i])));
@@ -183,6 +216,9 @@ InitialBodies initial_bodies(const Scene& scene) {
       all.material.resize(all.size(), static_cast<std::uint16_t>(generator.material));
     }
   }
+
+  append_listed(scene, scene.added, meshes, all, needs);
+  total = all.size();
 
   if (needs.inertia) {
     for (std::size_t i = all.inertia.size(); i < total; ++i) {

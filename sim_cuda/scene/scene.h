@@ -66,6 +66,9 @@ struct BoxCollider {
   std::uint64_t seed = 1;
   double speed_max = 0;  ///< m/s, >= 0: each velocity component is uniform in [-speed_max, speed_max)
   int material = 0;
+  /// Bodies that were taken away: their numbers among the `count`, ascending. The others are as they were,
+  /// and their ids move up.
+  std::vector<std::int64_t> without{};
 };
 
 /// A half-space that never moves: bodies stay where normal . x >= offset.
@@ -142,6 +145,7 @@ struct Scene {
   std::vector<Material> materials{Material{}};  ///< materials[0] is always "default"
   std::vector<Body> bodies;                     ///< ids 0, 1, ... in order
   std::vector<BoxCollider> generators;          ///< their bodies follow, generator by generator
+  std::vector<Body> added;                      ///< theirs follow these: bodies that came in mid-run
   std::vector<Plane> obstacles;
   std::vector<BoxObstacle> boxes;  ///< in files they stand among the obstacles
   std::vector<Joint> joints;

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/json_document.h"
 #include "sim_cuda/scene/object_reader.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -19,7 +19,10 @@ namespace {
 class SceneReader {
  public:
   SceneReader(const JsonDocument& document, Scene& scene)
-      : document_(document), reading_{document, document.duplicates()}, scene_(scene) {}
+      : document_(document),
+        reading_{document, document.duplicates()},
+        scene_(scene),
+        materials_(scene.materials) {}
 
   void read() {
     ObjectReader root(reading_, document_.root(), "a scene");
@@ -29,8 +32,9 @@ class SceneReader {
       if (const JsonNode* node = root.member("box")) read_box(*node);
       read_physics(root);
       if (const JsonNode* node = root.member("materials")) read_materials(*node);
-      read_list(root, "bodies", [&](const JsonNode& node) { read_body(node); });
+      read_bodies(root, "bodies", scene_.bodies);
       read_list(root, "generators", [&](const JsonNode& node) { read_generator(node); });
+      read_bodies(root, "added", scene_.added);
       read_list(root, "obstacles", [&](const JsonNode& node) { read_obstacle(node); });
       read_list(root, "joints", [&](const JsonNode& node) { read_joint(node); });
       if (const JsonNode* node = root.member("camera")) read_camera(*node);
@@ -86,7 +90,7 @@ class SceneReader {
     root.choice("solver", solver_names, physics.solver);
     root.choice("integrator", integrator_names, physics.integrator);
     root.choice("precision", precision_names, physics.precision);
-    if (const JsonNode* node = root.member("effects")) read_effects(*node);
+    if (const JsonNode* node = root.member("effects")) read_effects(reading_, *node, physics.effects);
     if (const JsonNode* node = root.member("restitution_threshold")) {
       const std::optional<double> number = document_.number(*node);
       if (node->kind == JsonKind::number && number) {
@@ -131,28 +135,6 @@ class SceneReader {
     if (root.whole("substeps", substeps)) scene_.physics.substeps = substeps;
   }
 
-  void read_effects(const JsonNode& node) {
-    if (node.kind == JsonKind::text && document_.text(node) == "auto") return;
-    if (node.kind != JsonKind::array) {
-      return reading_.fault(node, "\"effects\" is \"auto\" or a list of effects, such as [\"gravity\"]");
-    }
-    Effects& effects = scene_.physics.effects.emplace();
-    const std::vector<std::string_view> names = names_in(effect_names);
-    for (const JsonNode& child : document_.children(node)) {
-      const std::string_view name =
-          child.kind == JsonKind::text ? document_.text(child) : document_.token(child);
-      bool found = false;
-      for (const EffectName& effect : effect_names) {
-        if (child.kind != JsonKind::text || effect.name != name) continue;
-        if (effects.*effect.flag)
-          reading_.fault(child, fmt::format("\"{}\" stands twice in this list", name));
-        effects.*effect.flag = true;
-        found = true;
-      }
-      if (!found) reading_.fault(child, unknown_name("effect", name, names));
-    }
-  }
-
   void read_materials(const JsonNode& node) {
     if (node.kind != JsonKind::object) {
       return reading_.fault(
@@ -171,24 +153,7 @@ class SceneReader {
       reader.real("rolling_resistance", material.rolling_resistance);
       reader.finish();
     }
-    for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
-      material_numbers_.emplace(scene_.materials[i].name, static_cast<int>(i));
-    }
-  }
-
-  void read_material_name(ObjectReader& reader, int& material) {
-    const JsonNode* node = reader.member("material", JsonKind::text);
-    if (node == nullptr) return;
-    const std::string name(document_.text(*node));
-    if (name == "default") {
-      material = 0;
-    } else if (const auto entry = material_numbers_.find(name); entry != material_numbers_.end()) {
-      material = entry->second;
-    } else {
-      std::vector<std::string_view> names;
-      for (const Material& known : scene_.materials) names.push_back(known.name);
-      reading_.fault(*node, unknown_name("material", name, names));
-    }
+    materials_.number();
   }
 
   template <class Read>
@@ -198,46 +163,9 @@ class SceneReader {
     for (const JsonNode& child : document_.children(*list)) read(child);
   }
 
-  void read_body(const JsonNode& node) {
-    Body& body = scene_.bodies.emplace_back();
-    ObjectReader reader(reading_, node, "a body");
-    reader.choice("shape", shape_names, body.shape);
-    reader.choice("motion", motion_names, body.motion);
-    const JsonNode* radius = reader.member("radius");
-    if (body.shape == Shape::mesh && radius != nullptr) {
-      reading_.fault_at_key(*radius, "a mesh has no radius; give \"shape\": \"sphere\" or remove it");
-    } else {
-      reader.real("radius", body.radius);
-    }
-    const JsonNode* mesh = reader.member("mesh");
-    if (body.shape == Shape::sphere && mesh != nullptr) {
-      reading_.fault_at_key(*mesh, "a sphere has no mesh; give \"shape\": \"mesh\" or remove it");
-    } else {
-      reader.text("mesh", body.mesh);
-    }
-    reader.vector("position", body.position);
-    read_orientation(reader, body.orientation);
-    reader.vector("velocity", body.velocity);
-    reader.vector("angular_velocity", body.angular_velocity);
-    double mass = 0;
-    if (reader.real("mass", mass)) body.mass = mass;
-    Vector3d inertia(0, 0, 0);
-    if (reader.vector("inertia", inertia)) body.inertia = inertia;
-    read_material_name(reader, body.material);
-    reader.finish();
-  }
-
-  void read_orientation(ObjectReader& reader, Quaterniond& orientation) {
-    double q[4];
-    const JsonNode* node = reader.numbers("orientation", q, 4, "four numbers, the quaternion [w, x, y, z]");
-    if (node == nullptr) return;
-    double largest = 0;
-    for (const double part : q) largest = std::max(largest, std::abs(part));
-    if (!(largest > 0)) return reading_.fault(*node, "the quaternion [w, x, y, z] must not be zero");
-    orientation = Quaterniond(q[0], q[1], q[2], q[3]);
-    if (is_unit(orientation.squaredNorm())) return;  // as it is: reading what was written changes no bit
-    orientation.coeffs() /= largest;                 // the squares of huge or tiny parts are out of range
-    orientation.coeffs() /= std::sqrt(orientation.squaredNorm());
+  void read_bodies(ObjectReader& root, std::string_view key, std::vector<Body>& bodies) {
+    read_list(root, key,
+              [&](const JsonNode& node) { read_body(reading_, node, materials_, bodies.emplace_back()); });
   }
 
   void read_generator(const JsonNode& node) {
@@ -255,7 +183,16 @@ class SceneReader {
     reader.choice("spawn", spawn_names, generator.spawn);
     reader.whole("seed", generator.seed);
     reader.real("speed_max", generator.speed_max);
-    read_material_name(reader, generator.material);
+    read_material_name(reading_, reader, materials_, generator.material);
+    if (const JsonNode* list = reader.member("without", JsonKind::array))
+      for (const JsonNode& number : document_.children(*list)) {
+        const std::optional<double> value =
+            number.kind == JsonKind::number ? document_.number(number) : std::nullopt;
+        if (value && *value == std::floor(*value) && std::abs(*value) < 0x1p53)
+          generator.without.push_back(static_cast<std::int64_t>(*value));
+        else
+          reading_.fault(number, "\"without\" is a list of whole numbers");
+      }
     reader.finish();
   }
 
@@ -272,14 +209,14 @@ class SceneReader {
       box_places_.push_back(obstacle_count_++);
       reader.vector("center", box.center);
       reader.vector("size", box.size);
-      read_orientation(reader, box.orientation);
-      read_material_name(reader, box.material);
+      read_orientation(reading_, reader, box.orientation);
+      read_material_name(reading_, reader, materials_, box.material);
     } else {
       Plane& plane = scene_.obstacles.emplace_back();
       plane_places_.push_back(obstacle_count_++);
       read_direction(reader, "normal", plane.normal);
       reader.real("offset", plane.offset);
-      read_material_name(reader, plane.material);
+      read_material_name(reading_, reader, materials_, plane.material);
     }
     reader.finish();
   }
@@ -357,7 +294,7 @@ class SceneReader {
   void locate_faults() {
     for (Fault& fault : validate(scene_)) {
       fault.path = path_in_file(fault.path);
-      const auto [node, exact] = locate(fault.path);
+      const auto [node, exact] = locate(document_, document_.root(), fault.path);
       std::string message = fault.path.empty() ? fault.message : fault.path + ": " + fault.message;
       const bool is_plain = node->kind == JsonKind::number || node->kind == JsonKind::text;
       if (exact && is_plain) message += fmt::format(", not {}", printable(document_.token(*node)));
@@ -376,42 +313,10 @@ class SceneReader {
     return path;
   }
 
-  /// The node of a path such as `bodies[3].position[0]` or `materials["a b"].density`, or the innermost one
-  /// on the way to it that there is.
-  std::pair<const JsonNode*, bool> locate(std::string_view path) const {
-    const JsonNode* node = &document_.root();
-    while (!path.empty()) {
-      const JsonNode* next = nullptr;
-      if (path.starts_with("[\"")) {
-        const std::size_t end = std::min(path.find("\"]"), path.size() - 2);
-        next = member_of(*node, path.substr(2, end - 2));
-        path.remove_prefix(end + 2);
-      } else if (path.starts_with('[')) {
-        const std::size_t end = std::min(path.find(']'), path.size() - 1);
-        std::size_t index = 0;
-        std::from_chars(path.data() + 1, path.data() + end, index);
-        if (node->kind == JsonKind::array && index < node->child_count)
-          next = &document_.children(*node)[index];
-        path.remove_prefix(end + 1);
-      } else {
-        if (path.starts_with('.')) path.remove_prefix(1);
-        const std::size_t end = std::min(path.find_first_of(".["), path.size());
-        next = member_of(*node, path.substr(0, end));
-        path.remove_prefix(end);
-      }
-      if (next == nullptr) return {node, false};
-      node = next;
-    }
-    return {node, true};
-  }
-  const JsonNode* member_of(const JsonNode& node, std::string_view key) const {
-    return node.kind == JsonKind::object ? document_.find(node, key) : nullptr;
-  }
-
   const JsonDocument& document_;
   Reading reading_;
   Scene& scene_;
-  std::unordered_map<std::string, int> material_numbers_;
+  KnownMaterials materials_;
   std::vector<int> plane_places_, box_places_;  ///< in the file's list of obstacles
   int obstacle_count_ = 0;
 };

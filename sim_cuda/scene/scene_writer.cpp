@@ -79,7 +79,7 @@ class SceneWriter {
     root.member("solver", json_text(name_of(solver_names, physics.solver)));
     root.member("integrator", json_text(name_of(integrator_names, physics.integrator)));
     root.member("precision", json_text(name_of(precision_names, physics.precision)));
-    root.member("effects", effects());
+    root.member("effects", write_effects(physics.effects));
     root.member("restitution_threshold", physics.restitution_threshold
                                              ? fmt::format("{}", *physics.restitution_threshold)
                                              : json_text("auto"));
@@ -88,43 +88,12 @@ class SceneWriter {
     root.member("materials", materials());
     root.member("bodies", items(scene_.bodies, [&](const Body& body) { return one(body); }));
     root.member("generators", items(scene_.generators, [&](const BoxCollider& g) { return one(g); }));
+    if (!scene_.added.empty())
+      root.member("added", items(scene_.added, [&](const Body& body) { return one(body); }));
     root.member("obstacles", obstacles());
     root.member("joints", items(scene_.joints, [&](const Joint& joint) { return one(joint); }));
     root.member("camera", camera());
     return text + "\n}\n";
-  }
-
- private:
-  template <class Item, class Write>
-  static std::string items(const std::vector<Item>& all, Write write) {
-    if (all.empty()) return "[]";
-    std::string text = "[\n    ";
-    Items separated(text, ",\n    ");
-    for (const Item& item : all) separated.next() += write(item);
-    return text + "\n  ]";
-  }
-
-  std::string material_name(int index) const { return json_text(scene_.materials.at(index).name); }
-
-  std::string effects() const {
-    if (!scene_.physics.effects) return json_text("auto");
-    std::string text = "[";
-    Items names(text, ", ");
-    for (const EffectName& effect : effect_names) {
-      if ((*scene_.physics.effects).*effect.flag) names.next() += json_text(effect.name);
-    }
-    return text + "]";
-  }
-
-  std::string materials() const {
-    std::string text = "{\n    ";
-    Items separated(text, ",\n    ");
-    for (const Material& m : scene_.materials) {
-      separated.member(m.name, fmt::format(R"({{"density": {}, "restitution": {}, "friction": {}, )"
-                                           R"("rolling_resistance": {}}})",
-                                           m.density, m.restitution, m.friction, m.rolling_resistance));
-    }
-    return text + "\n  }";
   }
 
   std::string one(const Body& body) const {
@@ -152,12 +121,36 @@ class SceneWriter {
     return text + "}";
   }
 
+ private:
+  template <class Item, class Write>
+  static std::string items(const std::vector<Item>& all, Write write) {
+    if (all.empty()) return "[]";
+    std::string text = "[\n    ";
+    Items separated(text, ",\n    ");
+    for (const Item& item : all) separated.next() += write(item);
+    return text + "\n  ]";
+  }
+
+  std::string material_name(int index) const { return json_text(scene_.materials.at(index).name); }
+
+  std::string materials() const {
+    std::string text = "{\n    ";
+    Items separated(text, ",\n    ");
+    for (const Material& m : scene_.materials) {
+      separated.member(m.name, fmt::format(R"({{"density": {}, "restitution": {}, "friction": {}, )"
+                                           R"("rolling_resistance": {}}})",
+                                           m.density, m.restitution, m.friction, m.rolling_resistance));
+    }
+    return text + "\n  }";
+  }
+
   std::string one(const BoxCollider& g) const {
     return fmt::format(
         R"({{"kind": "box_collider", "count": {}, "radius_max": {}, "variant": {}, "spawn": {}, )"
-        R"("seed": {}, "speed_max": {}, "material": {}}})",
+        R"("seed": {}, "speed_max": {}, "material": {}{}}})",
         g.count, g.radius_max, json_text(name_of(variant_names, g.variant)),
-        json_text(name_of(spawn_names, g.spawn)), g.seed, g.speed_max, material_name(g.material));
+        json_text(name_of(spawn_names, g.spawn)), g.seed, g.speed_max, material_name(g.material),
+        g.without.empty() ? "" : fmt::format(R"(, "without": [{}])", fmt::join(g.without, ", ")));
   }
 
   static std::string one(const Attractor& a) {
@@ -229,5 +222,17 @@ class SceneWriter {
 }  // namespace
 
 std::string write_scene(const Scene& scene) { return SceneWriter(scene).write(); }
+
+std::string write_body(const Body& body, const Scene& scene) { return SceneWriter(scene).one(body); }
+
+std::string write_effects(const std::optional<Effects>& effects) {
+  if (!effects) return json_text("auto");
+  std::string text = "[";
+  Items names(text, ", ");
+  for (const EffectName& effect : effect_names) {
+    if ((*effects).*effect.flag) names.next() += json_text(effect.name);
+  }
+  return text + "]";
+}
 
 }  // namespace collidoscope

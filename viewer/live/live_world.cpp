@@ -4,23 +4,7 @@
 
 #include <chrono>
 
-#include "sim_cuda/run_state.h"
-#include "sim_cuda/scene/box_collider.h"
-
 namespace collidoscope {
-namespace {
-
-bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
-  if (!a || !b) return a.has_value() == b.has_value();
-  return a->min == b->min && a->max == b->max;
-}
-
-bool physics_differ(const Settings& a, const Settings& b) {
-  return a.time_step != b.time_step || a.restitution != b.restitution || a.precision != b.precision ||
-         a.solver != b.solver || a.bodies != b.bodies;
-}
-
-}  // namespace
 
 Settings settings_of(const World& world) {
   const Scene& scene = world.scene();
@@ -38,37 +22,31 @@ Settings settings_of(const World& world) {
   s.restitution = scene.materials[0].restitution;
   s.precision = scene.physics.precision;
   s.solver = scene.physics.solver;
+  s.effects = scene.physics.effects;
   s.executor = options.executor;
   s.shape = options.shape;
   s.broad_phase = options.broad_phase;
   return s;
 }
 
-void set_scene(const Settings& wish, Scene& scene) {
-  if (scene.generators.size() == 1) {
-    BoxCollider& generator = scene.generators[0];
-    generator.count = wish.bodies;
-    generator.radius_max = wish.radius_max;
-    generator.seed = wish.seed;
-    generator.variant = wish.variant;
-    // Joints go with their bodies.
-    const std::int64_t bodies = static_cast<std::int64_t>(scene.bodies.size()) + generator.count;
-    std::erase_if(scene.joints,
-                  [&](const Joint& joint) { return joint.a >= bodies || joint.b.value_or(0) >= bodies; });
-  }
-  if (wish.time_step != scene.physics.time_step) {
-    scene.physics.time_step = wish.time_step;
-    scene.physics.steps_per_second.reset();
-  }
-  scene.materials[0].restitution = wish.restitution;
-  scene.physics.precision = wish.precision;
-  scene.physics.solver = wish.solver;
-}
-
-void set_options(const Settings& wish, RunOptions& options) {
-  options.executor = wish.executor;
-  options.shape = wish.shape;
-  options.broad_phase = wish.broad_phase;
+Change change_between(const Settings& now, const Settings& wish) {
+  Change change;
+  const auto set = [](auto& member, const auto& before, const auto& after) {
+    if (before != after) member = after;
+  };
+  set(change.bodies, now.bodies, wish.bodies);
+  set(change.radius_max, now.radius_max, wish.radius_max);
+  set(change.seed, now.seed, wish.seed);
+  set(change.variant, now.variant, wish.variant);
+  set(change.time_step, now.time_step, wish.time_step);
+  set(change.restitution, now.restitution, wish.restitution);
+  set(change.precision, now.precision, wish.precision);
+  set(change.solver, now.solver, wish.solver);
+  if (now.effects != wish.effects) change.effects.emplace(wish.effects);
+  set(change.blocks, now.shape.blocks, wish.shape.blocks);
+  set(change.threads, now.shape.threads, wish.shape.threads);
+  set(change.broad_phase, now.broad_phase, wish.broad_phase);
+  return change;
 }
 
 void record_step(World& world, const StepStats* measured, History& history) {
@@ -100,48 +78,56 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
 }
 
 std::string LiveWorld::apply(const Settings& wish) {
-  Settings now = settings();
+  const Settings now = settings();
   if (wish == now) return "";
-  Settings with_shape = now;
-  with_shape.shape = wish.shape;
-  if (wish == with_shape) {
-    world_->set_launch_shape(wish.shape);
-    return "";
-  }
-  const auto start = std::chrono::steady_clock::now();
-  Scene scene = world_->scene();
   RunOptions options = world_->options();
-  set_scene(wish, scene);
-  set_options(wish, options);
-  const bool new_box = !same_box(world_->initial().box, box_in_effect(scene));
-  const bool new_bodies =
-      wish.radius_max != now.radius_max || wish.seed != now.seed || wish.variant != now.variant;
-  // Where spheres start apart, or at rest, each place depends on all the others.
-  const bool new_places = wish.bodies != now.bodies &&
-                          (scene.generators[0].spawn == Spawn::apart || wish.variant == Variant::settled);
-  const bool again = new_box || new_bodies || new_places;
-  const RunState kept = again ? RunState{} : world_->state();
-  auto next = std::make_unique<World>(scene, options, again ? nullptr : &kept);
+  options.executor = wish.executor;
+  return apply(change_between(now, wish), options);
+}
+
+std::string LiveWorld::apply(Change change) { return apply(std::move(change), world_->options()); }
+
+std::string LiveWorld::apply(Change change, const RunOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  change.step = world_->steps();
+  Scene after = world_->scene();
+  RunOptions unused = options;
+  last_ids_ = make_change(change, after, unused);
+  const bool again = begins_another_run(world_->scene(), after);
+  const bool new_bodies = change.radius_max || change.seed || change.variant;
+  const std::optional<Box> old_box = world_->initial().box;
+  std::unique_ptr<World> next = changed_world(*world_, change, options);
   std::string said;
   if (again) {
-    history_.clear();
-    edited_ = false;
-    if (new_box && !new_bodies)
+    const std::optional<Box>& box = next->initial().box;
+    if (!new_bodies && box && old_box && box->max != old_box->max)
       said = fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
-                         next->initial().box->max.x() - next->initial().box->min.x());
+                         box->max.x() - box->min.x());
     else if (world_->steps() > 0)
       said = "restarted: these are other bodies";
-  } else if (physics_differ(wish, now) && world_->steps() > 0) {
+    history_.clear();
+    edited_ = false;
+  } else if (change.physical() && world_->steps() > 0) {
     edited_ = true;
   }
+  const bool recorded = change.physical() || change.broad_phase || change.blocks || change.threads;
+  if (recorded) record_change(changes_, std::move(change));
+  if (again) record_restart(changes_);
+  if (next == nullptr) return "";  // (B, T) alone
   replace(std::move(next));
   change_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return said;
 }
 
+std::string LiveWorld::changes_text() {
+  return write_changes({changes_, RecordedEnd{world_->steps(), state_hash()}}, world_->scene());
+}
+
 void LiveWorld::restart() {
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options())));
+  record_restart(changes_);
   history_.clear();
+  last_ids_.clear();
   edited_ = false;
 }
 

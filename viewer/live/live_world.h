@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/changes_file.h"
 #include "sim_cuda/history.h"
 #include "sim_cuda/world.h"
 #include "ui/workspace.h"
@@ -29,8 +30,12 @@ class LiveWorld {
   Settings settings() const { return settings_of(*world_); }
   /// N, radius, seed and variant can be changed.
   bool generated() const { return world_->scene().generators.size() == 1; }
-  /// Whether a physical setting was changed since state 0.
+  /// Whether what decides the state was changed since state 0.
   bool edited() const { return edited_; }
+  /// All that was changed since this world was made, for a replay of it from where it began.
+  const std::vector<Change>& changes() const { return changes_; }
+  /// The same as a file, with the state that it led to.
+  std::string changes_text();
   /// Changes whenever world() is another one: whoever keeps what belongs to it asks this.
   int generation() const { return generation_; }
 
@@ -39,6 +44,10 @@ class LiveWorld {
   /// the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
   /// MachineError, and changes nothing then.
   std::string apply(const Settings& wish);
+  /// The same of any change; its step is the current one.
+  std::string apply(Change change);
+  /// What became of the bodies at the last change; empty: their ids are what they were.
+  const BodyIds& last_ids() const { return last_ids_; }
   /// Back to state 0, with the settings in effect.
   void restart();
 
@@ -54,10 +63,13 @@ class LiveWorld {
   double last_change_seconds() const { return change_seconds_; }
 
  private:
+  std::string apply(Change change, const RunOptions& options);
   void replace(std::unique_ptr<World> world);
 
   std::unique_ptr<World> world_;
   History history_;
+  std::vector<Change> changes_;
+  BodyIds last_ids_;
   bool edited_ = false, stats_known_ = false, hash_known_ = false;
   StepStats stats_;
   std::uint64_t hash_ = 0;
@@ -70,8 +82,7 @@ class LiveWorld {
 /// Adds the step that the World just made. `measured`: its stats at the state that it led to, or null.
 void record_step(World& world, const StepStats* measured, History& history);
 
-/// The scene and the options that such settings ask for.
-void set_scene(const Settings& wish, Scene& scene);
-void set_options(const Settings& wish, RunOptions& options);
+/// What leads from `now` to `wish`, but for the executor, which no run is told.
+Change change_between(const Settings& now, const Settings& wish);
 
 }  // namespace collidoscope

@@ -1,0 +1,353 @@
+#include "sim_cuda/changes_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/text_file.h"
+
+namespace collidoscope {
+namespace {
+
+class ChangesReader {
+ public:
+  ChangesReader(const JsonDocument& document, const Scene& scene, const RunOptions& options,
+                std::int64_t start)
+      : document_(document),
+        reading_{document, document.duplicates()},
+        scene_(scene),
+        options_(options),
+        materials_(scene.materials),
+        start_(start) {}
+
+  ChangeList read() {
+    ObjectReader root(reading_, document_.root(), "a list of changes");
+    ChangeList list;
+    if (root.is_object()) {
+      read_header(root);
+      if (const JsonNode* changes = root.member("changes", JsonKind::array))
+        for (const JsonNode& node : document_.children(*changes)) read_change(node, list.changes);
+      if (const JsonNode* node = root.member("end")) read_end(*node, list);
+    }
+    root.finish();
+    if (!reading_.faults.empty()) throw InputError(document_.lines(std::move(reading_.faults)));
+    return list;
+  }
+
+ private:
+  void read_header(ObjectReader& root) {
+    const JsonNode* format = root.member("format");
+    if (format == nullptr || format->kind != JsonKind::text ||
+        document_.text(*format) != "collidoscope-changes")
+      reading_.fault(format == nullptr ? document_.root() : *format,
+                     "a list of changes starts with \"format\": \"collidoscope-changes\"");
+    const JsonNode* version = root.member("version");
+    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0)
+      reading_.fault(version == nullptr ? document_.root() : *version,
+                     version == nullptr ? "\"version\" is missing; it is 1"
+                                        : "this version of the format is not known; it is 1");
+  }
+
+  void read_end(const JsonNode& node, ChangeList& list) {
+    ObjectReader reader(reading_, node, "\"end\"");
+    RecordedEnd end;
+    std::string hash;
+    reader.whole("step", end.step);
+    if (reader.text("state_hash", hash)) {
+      const auto [stop, error] = std::from_chars(hash.data(), hash.data() + hash.size(), end.state_hash, 16);
+      if (error != std::errc{} || stop != hash.data() + hash.size() || hash.size() != 16)
+        reading_.fault(*reader.member("state_hash"), "\"state_hash\" is 16 hexadecimal digits");
+    }
+    reader.finish();
+    if (reader.is_object() && (reader.member("step") == nullptr || reader.member("state_hash") == nullptr))
+      reading_.fault(node, "\"end\" is a \"step\" and its \"state_hash\"");
+    list.end = end;
+  }
+
+  void read_change(const JsonNode& node, std::vector<Change>& changes) {
+    Change change;
+    ObjectReader reader(reading_, node, "a change");
+    if (!reader.is_object()) return;
+    read_step(node, reader, change);
+    read_settings(reader, change);
+    const JsonNode* remove = reader.member("remove", JsonKind::array);
+    if (remove != nullptr) read_ids(*remove, change.remove);
+    const JsonNode* add = reader.member("add", JsonKind::array);
+    if (add != nullptr)
+      for (const JsonNode& body : document_.children(*add))
+        read_body(reading_, body, materials_, change.add.emplace_back());
+    reader.finish();
+    if (!reading_.faults.empty()) return;  // what follows would be faults of these
+    try_change(node, change, remove);
+    changes.push_back(std::move(change));
+  }
+
+  void read_step(const JsonNode& node, ObjectReader& reader, Change& change) {
+    if (!reader.whole("step", change.step)) {
+      if (reader.member("step") == nullptr)
+        reading_.fault(node, "a change has a \"step\", the number of the state at which it acts");
+      return;
+    }
+    if (change.step < 0)
+      reading_.fault(*reader.member("step"), "\"step\" is the number of a state, 0 or more");
+    else if (change.step < last_)
+      reading_.fault(*reader.member("step"),
+                     fmt::format("changes stand in the order of their steps, and one of state {} stands "
+                                 "before this one",
+                                 last_));
+    else if (change.step > 0 && change.step < start_)
+      reading_.fault(*reader.member("step"),
+                     fmt::format("lies before state {}, where the run goes on; changes are of that state or "
+                                 "later ones (of state 0 to begin anew)",
+                                 start_));
+    if (change.step == 0) start_ = 0;
+    last_ = std::max(last_, change.step);
+  }
+
+  void read_settings(ObjectReader& reader, Change& change) {
+    const auto whole = [&](std::string_view key, auto& value) {
+      if (typename std::remove_reference_t<decltype(value)>::value_type read{}; reader.whole(key, read))
+        value = read;
+    };
+    const auto real = [&](std::string_view key, std::optional<double>& value) {
+      if (double read = 0; reader.real(key, read)) value = read;
+    };
+    const auto choice = [&](std::string_view key, const auto& table, auto& value) {
+      typename std::remove_reference_t<decltype(value)>::value_type read{};
+      if (reader.choice(key, table, read)) value = read;
+    };
+    whole("bodies", change.bodies);
+    real("radius_max", change.radius_max);
+    whole("seed", change.seed);
+    choice("variant", variant_names, change.variant);
+    real("time_step", change.time_step);
+    whole("steps_per_second", change.steps_per_second);
+    if (change.time_step && change.steps_per_second)
+      reading_.fault_at_key(*reader.member("steps_per_second"),
+                            "time_step and steps_per_second are both given; keep one of them");
+    read_substeps(reader, change);
+    whole("iterations", change.iterations);
+    real("restitution", change.restitution);
+    choice("solver", solver_names, change.solver);
+    choice("precision", precision_names, change.precision);
+    if (const JsonNode* node = reader.member("effects")) {
+      std::optional<Effects> effects;
+      collidoscope::read_effects(reading_, *node, effects);
+      change.effects = effects;
+    }
+    read_shape(reader, "blocks", 2147483647, change.blocks);
+    read_shape(reader, "threads", 1024, change.threads);
+    if (std::string name; reader.text("broad_phase", name)) {
+      const std::vector<std::string> known = broad_phase_names();
+      if (std::ranges::find(known, name) == known.end())
+        reading_.fault(
+            *reader.member("broad_phase"),
+            unknown_name("broad phase", name, std::vector<std::string_view>(known.begin(), known.end())));
+      change.broad_phase = name;
+    }
+  }
+
+  void read_substeps(ObjectReader& reader, Change& change) {
+    const JsonNode* node = reader.member("substeps");
+    if (node == nullptr) return;
+    if (node->kind == JsonKind::text && document_.text(*node) == "auto")
+      change.substeps = std::optional<int>{};
+    else if (int substeps = 0; reader.whole("substeps", substeps))
+      change.substeps = substeps;
+  }
+
+  void read_shape(ObjectReader& reader, std::string_view key, int most, std::optional<int>& value) {
+    const JsonNode* node = reader.member(key);
+    if (node == nullptr) return;
+    int count = 0;
+    if (node->kind == JsonKind::text && document_.text(*node) == "auto") {
+      value = 0;
+    } else if (reader.whole(key, count)) {
+      if (count < 1 || count > most)
+        reading_.fault(*node, fmt::format("\"{}\" is \"auto\" or a whole number from 1 to {}", key, most));
+      value = count;
+    }
+  }
+
+  void read_ids(const JsonNode& list, std::vector<std::int64_t>& ids) {
+    for (const JsonNode& child : document_.children(list)) {
+      const std::string_view digits = document_.token(child);
+      std::int64_t id = -1;
+      const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id);
+      if (child.kind != JsonKind::number || error != std::errc{} || stop != digits.data() + digits.size())
+        reading_.fault(child, "\"remove\" is a list of ids, which are whole numbers");
+      ids.push_back(id);
+    }
+  }
+
+  /// Makes it, and says what is wrong with what comes out.
+  void try_change(const JsonNode& node, const Change& change, const JsonNode* remove) {
+    if (!fits_generators(node, change) || !ids_exist(change, remove)) return;
+    const Scene before = scene_;
+    make_change(change, scene_, options_);
+    for (Fault& fault : validate(scene_)) {
+      const JsonNode* at = place_of(fault.path, node, before.added.size());
+      const bool is_value = at != &node && (at->kind == JsonKind::number || at->kind == JsonKind::text);
+      reading_.fault(*at, fmt::format("{}: {}", fault.path, fault.message) +
+                              (is_value ? fmt::format(", not {}", printable(document_.token(*at))) : ""));
+    }
+    if (reading_.faults.empty() && change.step > 0 && begins_another_run(before, scene_))
+      reading_.fault(node,
+                     "these are other bodies, or another box: a change that begins another run stands "
+                     "at \"step\": 0");
+    if (reading_.faults.empty() && !change.add.empty()) try_bodies(node);
+  }
+
+  bool fits_generators(const JsonNode& node, const Change& change) {
+    if (!(change.bodies || change.radius_max || change.seed || change.variant)) return true;
+    if (scene_.generators.size() == 1) return true;
+    const char* key = change.bodies       ? "bodies"
+                      : change.radius_max ? "radius_max"
+                      : change.seed       ? "seed"
+                                          : "variant";
+    reading_.fault(
+        *document_.find(node, key),
+        fmt::format("\"{}\" is of scenes with one generator; this one has {}", key,
+                    scene_.generators.empty() ? "none" : fmt::to_string(scene_.generators.size())));
+    return false;
+  }
+
+  bool ids_exist(const Change& change, const JsonNode* remove) {
+    if (remove == nullptr) return true;
+    Scene counted = scene_;
+    Change settings = change;
+    settings.remove.clear();
+    settings.add.clear();
+    RunOptions options = options_;
+    make_change(settings, counted, options);
+    const std::int64_t bodies = bodies_of(counted);
+    std::vector<std::int64_t> seen;
+    for (std::size_t k = 0; k < change.remove.size(); ++k) {
+      const std::int64_t id = change.remove[k];
+      const JsonNode& at = document_.children(*remove)[k];
+      if (id < 0 || id >= bodies)
+        reading_.fault(at, fmt::format("there is no body {}; ids are below {} here", id, bodies));
+      if (std::ranges::find(seen, id) != seen.end())
+        reading_.fault(at, fmt::format("body {} stands twice in this list", id));
+      seen.push_back(id);
+    }
+    return reading_.faults.empty();
+  }
+
+  /// What only the bodies themselves show: meshes, masses that follow from densities.
+  void try_bodies(const JsonNode& node) {
+    try {
+      initial_bodies(scene_);
+    } catch (const InputError& error) {
+      for (const std::string& line : error.lines()) reading_.fault(node, line);
+    }
+  }
+
+  /// Of a fault in the scene that the change made; the change itself where no member of it is to blame. The
+  /// path becomes the one in the change.
+  const JsonNode* place_of(std::string& path, const JsonNode& change, std::size_t added_before) {
+    static constexpr std::pair<std::string_view, std::string_view> members[] = {
+        {"generators[0].count", "bodies"},
+        {"generators[0].radius_max", "radius_max"},
+        {"generators[0].variant", "variant"},
+        {"time_step", "time_step"},
+        {"steps_per_second", "steps_per_second"},
+        {"substeps", "substeps"},
+        {"iterations", "iterations"},
+        {"effects", "effects"},
+        {"materials.default.restitution", "restitution"}};
+    for (const auto& [of_scene, of_change] : members)
+      if (path == of_scene)
+        if (const JsonNode* node = document_.find(change, of_change)) {
+          path = of_change;
+          return node;
+        }
+    if (const JsonNode* add = document_.find(change, "add"); add != nullptr && path.starts_with("added[")) {
+      std::size_t index = 0;
+      const char* const digits = path.data() + std::string_view("added[").size();
+      const char* const stop = std::from_chars(digits, path.data() + path.size(), index).ptr;
+      if (index >= added_before && index - added_before < add->child_count && *stop == ']') {
+        const JsonNode& body = document_.children(*add)[index - added_before];
+        const std::string member(stop + 1);
+        path = fmt::format("add[{}]{}", index - added_before, member);
+        return locate(document_, body, member).first;
+      }
+    }
+    if (const JsonNode* solver = document_.find(change, "solver")) return solver;  // most faults are of it
+    return &change;
+  }
+
+  const JsonDocument& document_;
+  Reading reading_;
+  Scene scene_;  ///< as the changes so far have made it
+  RunOptions options_;
+  KnownMaterials materials_;
+  std::int64_t start_, last_ = 0;
+};
+
+std::string text_of(const Change& change, const Scene& scene) {
+  std::string text = fmt::format("{{\"step\": {}", change.step);
+  const auto number = [&](const char* key, const auto& value) {
+    if (value) text += fmt::format(", \"{}\": {}", key, *value);
+  };
+  const auto word = [&](const char* key, std::string_view value) {
+    text += fmt::format(", \"{}\": \"{}\"", key, value);
+  };
+  const auto or_auto = [&](const char* key, const std::optional<int>& value) {
+    if (value && *value == 0)
+      word(key, "auto");
+    else
+      number(key, value);
+  };
+  number("bodies", change.bodies);
+  number("radius_max", change.radius_max);
+  number("seed", change.seed);
+  if (change.variant) word("variant", name_of(variant_names, *change.variant));
+  number("time_step", change.time_step);
+  number("steps_per_second", change.steps_per_second);
+  if (change.substeps) *change.substeps ? number("substeps", *change.substeps) : word("substeps", "auto");
+  number("iterations", change.iterations);
+  number("restitution", change.restitution);
+  if (change.solver) word("solver", name_of(solver_names, *change.solver));
+  if (change.precision) word("precision", name_of(precision_names, *change.precision));
+  if (change.effects) text += ", \"effects\": " + write_effects(*change.effects);
+  if (!change.remove.empty()) text += fmt::format(", \"remove\": [{}]", fmt::join(change.remove, ", "));
+  std::vector<std::string> bodies;
+  for (const Body& body : change.add) bodies.push_back(write_body(body, scene));
+  if (!bodies.empty()) text += fmt::format(", \"add\": [{}]", fmt::join(bodies, ", "));
+  or_auto("blocks", change.blocks);
+  or_auto("threads", change.threads);
+  if (change.broad_phase) word("broad_phase", *change.broad_phase);
+  return text + "}";
+}
+
+}  // namespace
+
+ChangeList parse_changes(const std::string& text, const std::string& name, const Scene& scene,
+                         const RunOptions& options, std::int64_t start) {
+  const JsonDocument document(text, name);
+  return ChangesReader(document, scene, options, start).read();
+}
+
+ChangeList read_changes(const std::string& file, const Scene& scene, const RunOptions& options,
+                        std::int64_t start) {
+  return parse_changes(read_text_file(file, JsonDocument::max_bytes, "a list of changes (.json)"), file,
+                       scene, options, start);
+}
+
+std::string write_changes(const ChangeList& list, const Scene& scene) {
+  std::string text = "{\n  \"format\": \"collidoscope-changes\",\n  \"version\": 1,\n  \"changes\": [";
+  for (std::size_t k = 0; k < list.changes.size(); ++k)
+    text += (k > 0 ? ",\n    " : "\n    ") + text_of(list.changes[k], scene);
+  text += list.changes.empty() ? "]" : "\n  ]";
+  if (list.end)
+    text += fmt::format(",\n  \"end\": {{\"step\": {}, \"state_hash\": \"{:016x}\"}}", list.end->step,
+                        list.end->state_hash);
+  return text + "\n}\n";
+}
+
+}  // namespace collidoscope
