@@ -49,6 +49,10 @@ void PanelPicture::record(World& world) {
 void PanelPicture::fill(World& world, const StepStats& stats, const History& history,
                         const std::vector<std::int64_t>& level_sizes, const ValueRange& range) {
   fill_view(world, stats, history, view_);
+  if (workspace_.folds.effects) {
+    if (!costs_.begun()) costs_.begin(world);
+    view_.effect_facts = costs_.facts(world);
+  }
   view_.level_sizes = level_sizes;
   const ShownLayers& layers = workspace_.layers;
   view_.body_colors = layers.spheres ? color_key(body_legend(layers.color, range, stats)) : ColorKey{};

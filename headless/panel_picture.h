@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ui/workspace.h"
+#include "viewer/live/effect_costs.h"
 #include "viewer/live/live_world.h"
 #include "viewer/live/tree_inspector.h"
 #include "viewer/render/frame_layers.h"
@@ -27,6 +28,7 @@ class PanelPicture {
   static ScreenRect scene_rect(int width, int height);
 
   Workspace& workspace() { return workspace_; }
+  EffectCosts& costs() { return costs_; }
   /// Before the 3D view is drawn: measures the tree where its panel is unfolded, meets what is wished for of
   /// it, and marks the selection.
   void refresh(World& world, Renderer& renderer);
@@ -51,6 +53,7 @@ class PanelPicture {
   WorkspaceView view_;
   History history_;
   TreeInspector tree_;
+  EffectCosts costs_;
   std::optional<BodyReport> selected_;
   WindowFrame frame_;
 };

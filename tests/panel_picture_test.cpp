@@ -39,8 +39,9 @@ RunOptions on_cpu() {
 /// A world at state 40, and its panels.
 struct Desk {
   explicit Desk(
-      const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4})
-      : layers(shown), world(small_box(300), on_cpu()), panels(world, shown, width, height, false) {
+      const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4},
+      const Scene& scene = small_box(300))
+      : layers(shown), world(scene, on_cpu()), panels(world, shown, width, height, false) {
     world.record_impulses(shown.contacts);
     for (int k = 0; k < 40; ++k) {
       world.step();
@@ -79,6 +80,21 @@ TEST(PanelPicture, Light) {
   Desk desk({.spheres = true, .contacts = true, .color = BodyColor::radius});
   desk.panels.workspace().theme = Theme::light;
   EXPECT_EQ(check_golden("workspace_light", desk.draw()), "");
+}
+
+// Switches that are on, one that was switched off, greyed ones with the reason; bytes as they are, no times.
+TEST(PanelPicture, Effects) {
+  test_context();
+  Scene scene = small_box(300);
+  scene.materials[0].friction = 0.4;
+  scene.materials[0].rolling_resistance = 0.02;
+  scene.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
+  Desk desk({.spheres = true}, scene);
+  desk.panels.workspace().folds.effects = true;
+  EffectCosts& costs = desk.panels.costs();
+  costs.begin(desk.world);
+  while (!costs.done()) costs.go_on(desk.world, 1e9);
+  EXPECT_EQ(check_golden("workspace_effects", desk.draw()), "");
 }
 
 FrameLayers tree_layers(NodeMetric metric) {

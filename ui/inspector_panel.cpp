@@ -116,6 +116,10 @@ void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::SameLine();
   const bool closed = ImGui::SmallButton("close");
   track(workspace, "inspector.close");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("remove")) workspace.remove_wish = true;
+  track(workspace, "inspector.remove");
+  explain("Delete: takes the body out of the run; the ids above it move down by one");
   draw_state(*view.selected);
   draw_contacts(workspace, *view.selected);
   draw_path(view, *view.selected);

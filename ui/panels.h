@@ -8,9 +8,11 @@ namespace collidoscope {
 
 void draw_run_panel(Workspace& workspace, const WorkspaceView& view);       ///< play, step, speed
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view);  ///< (N, B, T) and their kin
-void draw_layers_panel(Workspace& workspace, const WorkspaceView& view);   ///< what is shown, and its colours
-void draw_camera_panel(Workspace& workspace, const WorkspaceView& view);   ///< views, theme, size of text
-void draw_timing_panel(Workspace& workspace, const WorkspaceView& view);   ///< the table of stages
+void draw_layers_panel(Workspace& workspace, const WorkspaceView& view);  ///< what is shown, and its colours
+void draw_camera_panel(Workspace& workspace, const WorkspaceView& view);  ///< views, theme, size of text
+void draw_effects_panel(Workspace& workspace,
+                        const WorkspaceView& view);                       ///< what is on, and what each costs
+void draw_timing_panel(Workspace& workspace, const WorkspaceView& view);  ///< the table of stages
 void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view);  ///< counts, energy, momentum
 void draw_tree_panel(Workspace& workspace,
                      const WorkspaceView& view);  ///< how good the tree is, and where not

@@ -15,7 +15,19 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     if (view.edited) {
       ImGui::SameLine();
       ImGui::TextColored({0.95f, 0.66f, 0.22f, 1}, "edited");
-      explain("A physical setting was changed since state 0: this run is not the one that its flags name.");
+      explain(
+          "What decides the state was changed since state 0: this run is not the one that its flags name.");
+    }
+    if (view.changes > 0) {
+      const std::string text =
+          fmt::format("{} change{}", grouped_number(view.changes), view.changes == 1 ? "" : "s");
+      const float width = ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+      ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
+      if (ImGui::SmallButton(text.c_str())) workspace.changes_wish = true;
+      track(workspace, "run.changes");
+      explain(
+          "Writes what was changed, and at which states, to captures/: collidoscope-headless run SCENE "
+          "--changes FILE makes the same run again, to the same hash");
     }
     const float gap = ImGui::GetStyle().ItemSpacing.x;
     const float third = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;

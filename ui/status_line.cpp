@@ -76,6 +76,8 @@ void draw_help(Workspace& workspace) {
       {"5", "with or without perspective"},
       {"click", "select a body, or, with the tree unfolded, a box; nothing: deselect"},
       {"Escape", "deselect"},
+      {"B", "throw a ball from where you look"},
+      {"Delete", "take the selected body away"},
       {"P", "picture of the window, in captures/"},
       {"Tab", "fold all panels away, and back"},
       {"F1", "these keys"}};

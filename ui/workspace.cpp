@@ -112,6 +112,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   if (folds.right)
     window("details", layout.right, true, [&] {
       draw_tree_panel(workspace, view);
+      draw_effects_panel(workspace, view);
       draw_timing_panel(workspace, view);
       draw_numbers_panel(workspace, view);
       draw_inspector_panel(workspace, view);

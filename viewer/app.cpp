@@ -62,7 +62,9 @@ void App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
   while (!window_.closing() && !ended()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
-    const bool idle = !workspace_.playing && !automation_ && window_.events().empty() && buttons_.empty();
+    const bool busy = workspace_.measure_effects && !costs_.done();
+    const bool idle =
+        !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - last).count();
@@ -124,6 +126,11 @@ void App::fill(WorkspaceView& view) {
   fill_view(live_.world(), live_.stats(), live_.history(), view);
   view.level_sizes = live_.level_sizes(workspace_.layers.boxes || !workspace_.playing);
   view.edited = live_.edited();
+  view.changes = std::ssize(live_.changes());
+  if (workspace_.folds.right && workspace_.folds.effects) {
+    view.effect_facts = costs_.facts(live_.world());
+    view.measuring_effects = workspace_.measure_effects && !costs_.done();
+  }
   view.renderer = renderer_name_;
   view.software = software_;
   view.view_scale = scene_.scale();

@@ -12,6 +12,7 @@
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"
+#include "viewer/live/effect_costs.h"
 #include "viewer/live/live_world.h"
 #include "viewer/live/tree_inspector.h"
 #include "viewer/render/gui_pass.h"
@@ -50,6 +51,11 @@ class App {
   void advance(double seconds);
   void say(const std::string& notice);
   void export_history(bool csv);
+  void export_changes();
+  void throw_ball();
+  void remove_selected();
+  void follow_selection();
+  void measure_effects();
   void save_picture();
 
   void fill(WorkspaceView& view);
@@ -63,6 +69,8 @@ class App {
   WindowFrame picture_;
   SceneView scene_;
   TreeInspector tree_;
+  EffectCosts costs_;
+  int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;
   std::optional<Automation> automation_;
   std::string renderer_name_, picture_file_;

@@ -83,6 +83,13 @@ void App::handle_key(const InputEvent& event) {
     case GLFW_KEY_KP_5:
       if (!again) workspace_.camera_wish = CameraWish::orthographic;
       break;
+    case GLFW_KEY_B:
+      workspace_.throw_wish = !again;
+      break;
+    case GLFW_KEY_DELETE:
+    case GLFW_KEY_KP_DECIMAL:  // the same key beside the numbers
+      workspace_.remove_wish = !again;
+      break;
     case GLFW_KEY_P:
       workspace_.screenshot_wish = !again;
       break;

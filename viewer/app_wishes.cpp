@@ -9,6 +9,7 @@
 
 #include "sim_cuda/core/whole_file.h"
 #include "viewer/app_guard.h"
+#include "viewer/live/thrown_ball.h"
 #include "viewer/render/image.h"
 
 namespace collidoscope {
@@ -36,6 +37,9 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.json_wish, false)) guarded([&] { export_history(false); });
   guarded([&] { scene_.meet_wish(std::exchange(workspace_.camera_wish, CameraWish::none)); });
   guarded([&] { apply_settings(); });
+  if (std::exchange(workspace_.changes_wish, false)) guarded([&] { export_changes(); });
+  if (std::exchange(workspace_.throw_wish, false)) guarded([&] { throw_ball(); });
+  if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
   if (std::exchange(workspace_.restart_wish, false))
     guarded([&] {
       live_.restart();
@@ -44,6 +48,17 @@ void App::meet_wishes(double seconds) {
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   guarded([&] { advance(seconds); });
+  guarded([&] { measure_effects(); });
+}
+
+void App::measure_effects() {
+  const Folds& folds = workspace_.folds;
+  if (!folds.right || !folds.effects) return;
+  const bool another = costs_generation_ != live_.generation();
+  if (another || (costs_.begun() && !workspace_.measure_effects)) costs_.begin(live_.world());
+  costs_generation_ = live_.generation();
+  constexpr double slice = 10;  // ms of a frame
+  if (workspace_.measure_effects) costs_.go_on(live_.world(), slice);
 }
 
 void App::apply_settings() {
@@ -59,6 +74,7 @@ void App::apply_settings() {
   try {
     const std::string said = live_.apply(workspace_.settings);
     if (!said.empty()) say(said);
+    follow_selection();
   } catch (...) {
     workspace_.settings = live_.settings();
     throw;
@@ -95,6 +111,41 @@ void App::export_history(bool csv) {
       free_name(fmt::format("history_{:06}", live_.world().steps()), csv ? "csv" : "json");
   write_whole_file(file, csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
   say("wrote " + file);
+}
+
+void App::export_changes() {
+  const std::string file = free_name(fmt::format("changes_{:06}", live_.world().steps()), "json");
+  write_whole_file(file, live_.changes_text());
+  say("wrote " + file);
+}
+
+void App::throw_ball() {
+  const Vector3d eye = scene_.camera().eye();
+  const std::optional<Body> ball =
+      thrown_ball(eye, scene_.camera().target - eye, scene_.scene_size(), live_.world().initial().box);
+  if (!ball) return say("from here a ball would not come between the walls");
+  Change change;
+  change.add = {*ball};
+  live_.apply(std::move(change));
+  workspace_.settings = live_.settings();
+}
+
+void App::remove_selected() {
+  if (!workspace_.selection) return;
+  Change change;
+  change.remove = {*workspace_.selection};
+  live_.apply(std::move(change));
+  workspace_.settings = live_.settings();
+  follow_selection();
+}
+
+/// The selected body keeps its mark where its id has changed; one that is gone loses it.
+void App::follow_selection() {
+  const BodyIds& ids = live_.last_ids();
+  if (!workspace_.selection || *workspace_.selection >= ids.size()) return;
+  const std::uint32_t now = ids[*workspace_.selection];
+  workspace_.selection = now == no_body ? std::nullopt : std::optional(now);
+  workspace_.follow = workspace_.follow && workspace_.selection;
 }
 
 void App::save_picture() {

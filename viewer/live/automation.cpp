@@ -34,6 +34,21 @@ nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView
   return tree;
 }
 
+/// What the panel of effects says; null while it is folded.
+nlohmann::ordered_json effects_json(const WorkspaceView& view) {
+  nlohmann::ordered_json effects;
+  for (const EffectFacts& effect : view.effect_facts) {
+    auto& one = effects[effect.name];
+    one = {{"on", effect.on}, {"called_for", effect.called_for}};
+    if (effect.cost)
+      one["cost"] = {{"pairs", effect.cost->pairs},
+                     {"ms", effect.cost->ms},
+                     {"bytes", effect.cost->bytes},
+                     {"lack", effect.cost->lack}};
+  }
+  return effects;
+}
+
 }  // namespace
 
 Automation::Automation(const std::string& file) : stream_(file, std::ios::trunc) {
@@ -48,6 +63,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"step", view.stats.step},
                {"playing", workspace.playing},
                {"edited", view.edited},
+               {"changes", view.changes},
                {"bodies", view.stats.bodies},
                {"blocks", s.shape.blocks},
                {"threads", s.shape.threads},
@@ -85,6 +101,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
   line["tree"] = tree_json(workspace, view);
+  line["effects"] = effects_json(view);
+  line["measuring_effects"] = view.measuring_effects;
   line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
   Json widgets = Json::object();
   for (const auto& [name, rect] : workspace.widgets)

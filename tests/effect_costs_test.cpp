@@ -1,0 +1,123 @@
+// What effects cost, measured beside a run that must not notice.
+
+#include "viewer/live/effect_costs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_cuda/scene/names.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class CostsOfEffects : public OnEachExecutor {};
+ON_EACH_EXECUTOR(CostsOfEffects);
+
+Scene rubbing() {
+  Scene scene = box_collider(200);
+  scene.box->max = Vector3d(30, 30, 30);
+  scene.generators[0].radius_max = 3;
+  scene.physics.solver = Solver::soft_step;
+  scene.materials[0].friction = 0.5;
+  return scene;
+}
+
+const EffectFacts& of(const std::vector<EffectFacts>& all, bool Effects::*flag) {
+  for (const EffectFacts& facts : all)
+    if (facts.flag == flag) return facts;
+  throw std::out_of_range("no such effect");
+}
+
+TEST_P(CostsOfEffects, AreMeasuredWithoutTouchingTheRun) {
+  for (const int start : {10, 11}) {
+    World world(rubbing(), options()), alone(rubbing(), options());
+    world.step(start);
+    alone.step(start + 5);
+    EffectCosts costs;
+    costs.begin(world);
+    EXPECT_FALSE(of(costs.facts(world), &Effects::gravity).cost.has_value());
+    int slices = 0;
+    for (; !costs.done() && slices < 1000; ++slices) costs.go_on(world, 0);
+    EXPECT_EQ(slices, 3 * EffectCosts::pairs) << "a pair in each: gravity, rotation, friction";
+    world.step(5);
+    EXPECT_EQ(world.state_hash(), alone.state_hash());
+
+    const std::vector<EffectFacts> all = costs.facts(world);
+    ASSERT_EQ(all.size(), effect_names.size());
+    for (const EffectFacts& effect : all) {
+      EXPECT_EQ(effect.cost.has_value(), effect.on) << effect.name;
+      if (!effect.cost) continue;
+      EXPECT_EQ(effect.cost->lack, "");
+      EXPECT_EQ(effect.cost->pairs, EffectCosts::pairs);
+      EXPECT_EQ(effect.cost->step, start);
+      EXPECT_GT(effect.cost->without_ms, 0);
+      EXPECT_LE(effect.cost->ms_low, effect.cost->ms);
+      EXPECT_LE(effect.cost->ms, effect.cost->ms_high);
+    }
+    EXPECT_EQ(of(all, &Effects::gravity).cost->bytes, 0);
+    // Friction keeps what it gave; rotation is only off where friction is, and keeps q and w.
+    EXPECT_GT(of(all, &Effects::friction).cost->bytes, 0);
+    EXPECT_GT(of(all, &Effects::rotation).cost->bytes, of(all, &Effects::friction).cost->bytes);
+  }
+}
+
+TEST_P(CostsOfEffects, OfOneThatIsOffAreThoseOfSwitchingItOn) {
+  Scene scene = rubbing();
+  scene.physics.effects = Effects{.gravity = true};
+  World world(scene, options());
+  EffectCosts costs;
+  costs.begin(world);
+  while (!costs.done()) costs.go_on(world, 1e9);
+  const std::vector<EffectFacts> all = costs.facts(world);
+  EXPECT_FALSE(of(all, &Effects::friction).on);
+  ASSERT_TRUE(of(all, &Effects::friction).cost.has_value());
+  scene.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
+  World with(scene, options());
+  EXPECT_EQ(of(all, &Effects::friction).cost->bytes, with.allocated_bytes() - world.allocated_bytes());
+  EXPECT_FALSE(of(all, &Effects::drag).cost.has_value());
+}
+
+TEST(EffectCosts, SayWhatCannotBeMeasured) {
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  Scene scene = empty_space();
+  scene.physics.solver = Solver::soft_step;
+  scene.bodies = {sphere(1, Vector3d(0, 0, 0))};
+  scene.joints.resize(1);
+  scene.joints[0].kind = JointKind::hinge;
+  scene.joints[0].a = 0;
+  World world(scene, o);
+  EffectCosts costs;
+  costs.begin(world);
+  while (!costs.done()) costs.go_on(world, 1e9);
+  const std::vector<EffectFacts> all = costs.facts(world);
+  EXPECT_THAT(of(all, &Effects::rotation).cost->lack, testing::HasSubstr("must hold rotation"));
+  EXPECT_EQ(of(all, &Effects::joints).cost->lack, "");
+
+  scene = rubbing();
+  scene.physics.solver = Solver::impulse;
+  scene.physics.effects = Effects{};
+  World paper(scene, o);
+  costs.begin(paper);
+  while (!costs.done()) costs.go_on(paper, 1e9);
+  EXPECT_EQ(of(costs.facts(paper), &Effects::friction).cannot, "impulse has none");
+  EXPECT_FALSE(of(costs.facts(paper), &Effects::friction).cost.has_value());
+}
+
+TEST(EffectCosts, SwitchesTakeAlongWhatTheyMust) {
+  const Effects none;
+  EXPECT_EQ(with_switched(none, &Effects::rolling_resistance, true),
+            (Effects{.rotation = true, .friction = true, .rolling_resistance = true}));
+  EXPECT_EQ(with_switched({.gravity = true, .rotation = true, .friction = true, .rolling_resistance = true},
+                          &Effects::rotation, false),
+            Effects{.gravity = true});
+  EXPECT_EQ(with_switched({.rotation = true, .friction = true}, &Effects::friction, false),
+            Effects{.rotation = true});
+}
+
+}  // namespace
+}  // namespace collidoscope

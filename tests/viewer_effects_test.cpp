@@ -1,0 +1,81 @@
+// Effects switched and bodies thrown and taken away in the window, by real events, and the same run from the
+// file that the window wrote of it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/run_program.h"
+#include "tests/viewer_fixture.h"
+
+namespace collidoscope {
+namespace {
+
+TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
+  WindowDriver window({"box_collider", "--bodies", "300", "--steps", "5", "--size", "1280x800"});
+  const auto effect = [&](const char* name) { return window.frame()["effects"][name]; };
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false && f["step"] == 5; }));
+  window.click("panel.effects");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["effects"].contains("gravity"); }));
+  EXPECT_EQ(effect("gravity")["on"], true);
+  EXPECT_EQ(effect("drag")["called_for"], false);
+
+  // What the scene does not call for is greyed: a click does nothing.
+  window.click("effects.drag");
+  window.next_frame();
+  EXPECT_EQ(effect("drag")["on"], false);
+  EXPECT_EQ(window.frame()["changes"], 0);
+
+  const std::string before = window.frame()["state_hash"];
+  window.click("effects.measure");
+  ASSERT_TRUE(window.wait_for([](const Json& f) {
+    return f["effects"]["gravity"].contains("cost") && f["measuring_effects"] == false;
+  }));
+  EXPECT_EQ(effect("gravity")["cost"]["pairs"], 24);
+  EXPECT_EQ(effect("gravity")["cost"]["lack"], "");
+  EXPECT_FALSE(effect("drag").contains("cost"));
+  EXPECT_EQ(window.frame()["state_hash"], before) << "the run was not touched";
+  window.click("effects.measure");
+
+  window.click("effects.gravity");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["effects"]["gravity"]["on"] == false; }));
+  EXPECT_EQ(window.frame()["edited"], true);
+  window.move(640, 20);
+  window.key("s");
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 7; }));
+  window.click("effects.auto");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["effects"]["gravity"]["on"] == true; }));
+
+  // A ball comes, a body goes.
+  window.move(640, 20);
+  window.key("b");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 301; }));
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 8; }));
+  for (int k = 0; k < 12 && window.frame()["selection"].is_null(); ++k)
+    window.click_at(560 + 14 * k, 420 - 6 * k);
+  ASSERT_FALSE(window.frame()["selection"].is_null());
+  window.key("Delete");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 300; }));
+  EXPECT_TRUE(window.frame()["selection"].is_null());
+  for (int k = 0; k < 4; ++k) window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 12; }));
+  EXPECT_EQ(window.frame()["changes"], 4);
+
+  window.click("run.changes");
+  ASSERT_TRUE(window.wait_for(
+      [](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote captures/changes_"); }));
+  const std::string hash = window.frame()["state_hash"];
+  const std::string notice = window.frame()["notice"];
+  const std::string file = window.file(notice.substr(std::string("wrote ").size()));
+  const Outcome again =
+      run_program(program_folder() / "collidoscope-headless",
+                  {"run", "box_collider", "--bodies", "300", "--changes", file, "--json", "-"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(Json::parse(again.out)["state_hash"], hash);
+  EXPECT_EQ(Json::parse(again.out)["steps"], 12);
+  EXPECT_EQ(close(window), "");
+}
+
+}  // namespace
+}  // namespace collidoscope

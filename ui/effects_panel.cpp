@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+std::string spaced(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+/// With its sign, which is not that of a rounded 0.
+std::string signed_time(double ms) {
+  const std::string text = fmt::format("{:+.3f}", ms);
+  return text == "-0.000" ? "+0.000" : text;
+}
+
+std::string signed_bytes(std::int64_t bytes) {
+  return bytes == 0 ? "0" : (bytes < 0 ? "-" : "+") + bytes_text(std::abs(bytes));
+}
+
+/// Text that ends at `right`, from the panel's left edge.
+void text_to(float right, const std::string& text) {
+  ImGui::SameLine(right - ImGui::CalcTextSize(text.c_str()).x);
+  ImGui::TextUnformatted(text.c_str());
+}
+
+std::string cost_text(const EffectFacts& effect, const Effects& now) {
+  std::string text = spaced(effect.name) + ": " + effect.why + ".\n";
+  if (!effect.cost) return text;
+  const EffectCost& cost = *effect.cost;
+  if (!cost.lack.empty()) return text + "Not measured: " + cost.lack + ".";
+  text += fmt::format(
+      "A step takes {:.4f} ms more with it, the middle half of {} pairs {:.4f} to {:.4f} ms, and {:.4f} ms "
+      "without: two worlds from state {}, stepped in turns. Bytes are of their buffers at that state.",
+      cost.ms, cost.pairs, cost.ms_low, cost.ms_high, cost.without_ms, grouped_number(cost.step));
+  const Effects other = with_switched(now, effect.flag, !effect.on);
+  std::string along;
+  for (bool Effects::*flag : {&Effects::rotation, &Effects::friction, &Effects::rolling_resistance})
+    if (flag != effect.flag && now.*flag != other.*flag)
+      along += (along.empty() ? "" : ", ") + std::string(flag == &Effects::rotation   ? "rotation"
+                                                         : flag == &Effects::friction ? "friction"
+                                                                                      : "rolling resistance");
+  if (!along.empty()) text += " Counted with it, as they go together: " + along + '.';
+  return text;
+}
+
+void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
+  const float size = ImGui::GetFontSize();
+  if (!cost.lack.empty()) {
+    ImGui::SameLine(size * 12.3f);
+    faint_text("cannot be measured");
+    return;
+  }
+  const bool shown = view.with_times && cost.pairs > 0;
+  text_to(size * 15.6f, shown ? signed_time(cost.ms) : "–");
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  text_to(size * 19.4f, shown ? fmt::format("±{:.3f}", 0.5 * (cost.ms_high - cost.ms_low)) : "");
+  ImGui::PopStyleColor();
+  text_to(size * 25.0f, signed_bytes(cost.bytes));
+}
+
+void draw_effect(Workspace& workspace, const EffectFacts& effect, const WorkspaceView& view,
+                 const Effects& now) {
+  const bool greyed = !effect.on && (!effect.called_for || !effect.cannot.empty());
+  ImGui::PushID(effect.name.c_str());
+  ImGui::BeginDisabled(greyed);
+  bool on = effect.on;
+  if (ImGui::Checkbox(spaced(effect.name).c_str(), &on))
+    workspace.settings.effects = with_switched(now, effect.flag, on);
+  ImGui::EndDisabled();
+  track(workspace, ("effects." + effect.name).c_str());
+  explain(cost_text(effect, now).c_str());
+  if (greyed) {
+    ImGui::SameLine(ImGui::GetFontSize() * 12.3f);
+    faint_text(effect.called_for ? effect.cannot : effect.why);
+  } else if (effect.cost) {
+    draw_cost(view, *effect.cost);
+  } else if (!effect.called_for) {
+    ImGui::SameLine(ImGui::GetFontSize() * 12.3f);
+    faint_text("on, though " + effect.why);
+  }
+  ImGui::PopID();
+}
+
+}  // namespace
+
+void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "effects", "Effects", workspace.folds.effects)) return end_panel();
+  Effects now;
+  for (const EffectFacts& effect : view.effect_facts) now.*(effect.flag) = effect.on;
+  bool automatic = !workspace.settings.effects.has_value();
+  if (ImGui::Checkbox("auto", &automatic))
+    workspace.settings.effects = automatic ? std::nullopt : std::optional(now);
+  track(workspace, "effects.auto");
+  explain("What the scene calls for. A switch below makes a list of your own; it changes the result.");
+  ImGui::SameLine();
+  ImGui::Checkbox("measure costs", &workspace.measure_effects);
+  track(workspace, "effects.measure");
+  explain(
+      "With an effect minus without it, from the state that is shown, in two more worlds. The run is not "
+      "touched, but slower meanwhile.");
+  const bool costs = std::ranges::any_of(view.effect_facts, [](const auto& e) { return e.cost.has_value(); });
+  if (costs) {
+    const float size = ImGui::GetFontSize();
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    text_to(size * 19.4f, "ms a step");
+    text_to(size * 25.0f, view.measuring_effects ? "…" : "bytes");
+    ImGui::PopStyleColor();
+  }
+  for (const EffectFacts& effect : view.effect_facts) draw_effect(workspace, effect, view, now);
+  end_panel();
+}
+
+}  // namespace collidoscope
