@@ -56,7 +56,7 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
     window.click_at(560 + 14 * k, 420 - 6 * k);
   ASSERT_FALSE(window.frame()["selection"].is_null());
   window.key("Delete");
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 300; }));
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 300; })) << window.frame().dump();
   EXPECT_TRUE(window.frame()["selection"].is_null());
   for (int k = 0; k < 4; ++k) window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 12; }));

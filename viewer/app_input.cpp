@@ -61,7 +61,7 @@ void App::handle_key(const InputEvent& event) {
       ++workspace_.step_wishes;
       break;
     case GLFW_KEY_R:
-      workspace_.restart_wish = !again;
+      workspace_.restart_wish |= !again;
       break;
     case GLFW_KEY_F:
       workspace_.camera_wish =
@@ -84,14 +84,13 @@ void App::handle_key(const InputEvent& event) {
       if (!again) workspace_.camera_wish = CameraWish::orthographic;
       break;
     case GLFW_KEY_B:
-      workspace_.throw_wish = !again;
+      workspace_.throw_wish |= !again;
       break;
     case GLFW_KEY_DELETE:
-    case GLFW_KEY_KP_DECIMAL:  // the same key beside the numbers
-      workspace_.remove_wish = !again;
+      workspace_.remove_wish |= !again;
       break;
     case GLFW_KEY_P:
-      workspace_.screenshot_wish = !again;
+      workspace_.screenshot_wish |= !again;
       break;
     case GLFW_KEY_F1:
       if (!again) workspace_.help = !workspace_.help;
