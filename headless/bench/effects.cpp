@@ -177,7 +177,8 @@ Row measure(const Trial& trial, const Scene& base, const RunOptions& options, st
           spread_of(first.ms),       spread_of(off_ratios), spread_of(on_ratios), {}};
 }
 
-/// Adds up the objects of effects_code_<effect>.dir, beside those of the same files with all effects.
+/// Adds up the objects of effects_code_<effect>.dir, beside those of the same files with all effects; and the
+/// effect's own files, of effects_code_own_<effect>.dir.
 CodeRow compare_code(const std::filesystem::path& folder, const std::string& effect) {
   namespace fs = std::filesystem;
   const fs::path without = folder / ("effects_code_" + effect + ".dir"),
@@ -196,6 +197,14 @@ CodeRow compare_code(const std::filesystem::path& folder, const std::string& eff
     }
     for (const auto& [name, kernel] : whole) {
       if (lean.contains(name)) continue;
+      ++row.added_kernels;
+      row.added_bytes += static_cast<std::int64_t>(kernel.code.size());
+    }
+  }
+  for (const auto& entry :
+       fs::recursive_directory_iterator(folder / ("effects_code_own_" + effect + ".dir"), failed)) {
+    if (entry.path().extension() != ".o") continue;
+    for (const auto& [name, kernel] : kernels_of(entry.path())) {
       ++row.added_kernels;
       row.added_bytes += static_cast<std::int64_t>(kernel.code.size());
     }

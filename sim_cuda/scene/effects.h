@@ -60,11 +60,4 @@ void with_effect(const Effects& effects, const Then& then) {
   then.template operator()<false>();
 }
 
-/// Calls then() where the effect is on.
-template <bool Effects::*effect, class Then>
-void where_on(const Effects& effects, const Then& then) {
-  if constexpr (built_effects.*effect)
-    if (effects.*effect) then();
-}
-
 }  // namespace collidoscope

@@ -150,10 +150,11 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
     executor_.run("walls", scene_.body_count,
                   ResolveWalls<Real>{scene_.bodies, scene_.planes, scene_.plane_count, scene_.restitution,
                                      scene_.gravity, h_, scene_.ledger, scene_.control});
-  where_on<&Effects::drag>(scene_.effects, [&] {
-    executor_.run("drag", scene_.body_count,
-                  DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
-  });
+  if constexpr (built_effects.drag)
+    if (scene_.effects.drag)
+      executor_.run(
+          "drag", scene_.body_count,
+          DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
   move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, scene_.effects, scene_.gravity, scene_.box,
                     h_, scene_.control);
   prescribed_.hold(h_);

@@ -317,20 +317,23 @@ template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
   prescribed_.begin();
-  where_on<&Effects::sleeping>(scene_.effects, [&] {
-    sleeping_.find_islands(contacts, contact_capacity_,
-                           scene_.joints ? scene_.joints->view() : JointView<Real>{});
-  });
+  if constexpr (built_effects.sleeping)
+    if (scene_.effects.sleeping)
+      sleeping_.find_islands(contacts, contact_capacity_,
+                             scene_.joints ? scene_.joints->view() : JointView<Real>{});
   prepare<rubbed>(contacts);
-  where_on<&Effects::continuous_collision>(scene_.effects,
-                                           [&] { continuous_.begin(scene_.time_step, scene_.slack); });
+  if constexpr (built_effects.continuous_collision)
+    if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.slack);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
-    where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.warm_start(rolling_source()); });
+    if constexpr (built_effects.rolling_resistance)
+      if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
     begin_substep<rubbed>();
     prescribed_.hold();
-    where_on<&Effects::joints>(scene_.effects, [&] { scene_.joints->warm_start(); });
+    if constexpr (built_effects.joints)
+      if (scene_.effects.joints) scene_.joints->warm_start();
     for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
-      where_on<&Effects::joints>(scene_.effects, [&] { scene_.joints->solve(); });
+      if constexpr (built_effects.joints)
+        if (scene_.effects.joints) scene_.joints->solve();
       with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool held>() {
         sweep("solve", Solve<Real, held>{softness_, scene_.bodies.radius});
       });
@@ -342,11 +345,13 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
                        sleeping_.asleep(), PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
-      where_on<&Effects::joints>(scene_.effects, [&] { scene_.joints->relax(); });
+      if constexpr (built_effects.joints)
+        if (scene_.effects.joints) scene_.joints->relax();
       sweep_walls<rubbed>("relax", true, last);
       sweep("relax", Relax<Real, rubbed>{softness_, scene_.bodies.radius, last, scene_.restitution,
                                          last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
-      where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.resist(rolling_source()); });
+      if constexpr (built_effects.rolling_resistance)
+        if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
     }
   }
   on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
@@ -361,7 +366,8 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   }
   prescribed_.hold();
   keep<rubbed>(contacts, impulses);
-  where_on<&Effects::sleeping>(scene_.effects, [&] { sleeping_.count(); });
+  if constexpr (built_effects.sleeping)
+    if (scene_.effects.sleeping) sleeping_.count();
 }
 
 template <class Real>
@@ -388,7 +394,8 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
                          &control->split_contacts};
   split_degrees_.count("prepare", split);
   split_.list("prepare", split, split_degrees_, place_of_.data());
-  where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.prepare(rolling_source(), known); });
+  if constexpr (built_effects.rolling_resistance)
+    if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), known);
 }
 
 template <class Real>
@@ -405,14 +412,14 @@ RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::begin_substep() {
-  where_on<&Effects::attractor>(scene_.effects, [&] {
-    executor_.run("attractor", scene_.body_count,
-                  PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
-  });
-  where_on<&Effects::drag>(scene_.effects, [&] {
-    run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
-                                        scene_.control});
-  });
+  if constexpr (built_effects.attractor)
+    if (scene_.effects.attractor)
+      executor_.run("attractor", scene_.body_count,
+                    PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
+  if constexpr (built_effects.drag)
+    if (scene_.effects.drag)
+      run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
+                                          scene_.control});
   const auto with = [&]<Pull pull, bool walled, bool boxed>() {
     run_bodies("forces",
                BeginSubstep<Real, pull, walled, rubbed, boxed>{
@@ -428,8 +435,9 @@ void SoftStepSolver<Real>::begin_substep() {
       with.template operator()<pull, false, false>();
   };
   with_effect<&Effects::attractor>(scene_.effects, [&]<bool field>() {
+    // Both are named by the parameter, so that a build without the effect does not compile them.
     if constexpr (field)
-      with_walls.template operator()<Pull::field>();
+      with_walls.template operator()<field ? Pull::field : Pull::none>();
     else
       with_effect<&Effects::gravity>(scene_.effects, [&]<bool gravity>() {
         with_walls.template operator()<gravity ? Pull::uniform : Pull::none>();
@@ -439,8 +447,8 @@ void SoftStepSolver<Real>::begin_substep() {
 
 template <class Real>
 void SoftStepSolver<Real>::move() {
-  where_on<&Effects::continuous_collision>(scene_.effects,
-                                           [&] { continuous_.hold(swept_.data(), contact_capacity_, h_); });
+  if constexpr (built_effects.continuous_collision)
+    if (scene_.effects.continuous_collision) continuous_.hold(swept_.data(), contact_capacity_, h_);
   Effects moving = scene_.effects;
   moving.gravity = false;  // it is in the velocities
   move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, moving, scene_.gravity, scene_.box, h_,
@@ -511,7 +519,8 @@ void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulse
                                                      known_impulse_.data(), known_grip_.data(), impulses});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
-  where_on<&Effects::rolling_resistance>(scene_.effects, [&] { rolling_.keep(rolling_source()); });
+  if constexpr (built_effects.rolling_resistance)
+    if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
   executor_.run("keep", 1, EndStep{scene_.control, known_count_.data(), bounces_.data()});
 }
 
