@@ -178,7 +178,6 @@ void record_change(std::vector<Change>& changes, Change change) {
 
 void record_restart(std::vector<Change>& changes) {
   for (Change& change : changes) change.step = 0;
-  if (changes.empty()) changes.emplace_back();
 }
 
 }  // namespace collidoscope

@@ -254,6 +254,16 @@ TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
   EXPECT_EQ(live.changes().size(), 3u) << "what is refused is not recorded";
   live.step(true);
   EXPECT_EQ(replayed_hash(live, box_of(50)), live.state_hash());
+  LiveWorld untouched(box_of(50), on_cpu());
+  untouched.step(false);
+  untouched.restart();
+  EXPECT_TRUE(untouched.changes().empty());
+  LiveWorld loaded{World(untouched.world().scene(), on_cpu())};
+  loaded.step(false);
+  LiveWorld later(std::move(loaded.world()));
+  later.restart();
+  ASSERT_EQ(later.changes().size(), 1u) << "from a snapshot, a replay must begin anew";
+  EXPECT_EQ(later.changes()[0].step, 0);
 }
 
 TEST(LiveWorld, HistoryKnowsBothKindsOfTimes) {

@@ -68,7 +68,8 @@ void record_step(World& world, const StepStats* measured, History& history) {
 LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
     : world_(std::make_unique<World>(scene, options)) {}
 
-LiveWorld::LiveWorld(World world) : world_(std::make_unique<World>(std::move(world))) {}
+LiveWorld::LiveWorld(World world)
+    : world_(std::make_unique<World>(std::move(world))), began_(world_->steps()) {}
 
 void LiveWorld::replace(std::unique_ptr<World> world) {
   world_ = std::move(world);
@@ -126,6 +127,7 @@ std::string LiveWorld::changes_text() {
 void LiveWorld::restart() {
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options())));
   record_restart(changes_);
+  if (began_ > 0 && changes_.empty()) changes_.emplace_back();  // a change of state 0 begins anew
   history_.clear();
   last_ids_.clear();
   edited_ = false;

@@ -70,6 +70,7 @@ class LiveWorld {
   History history_;
   std::vector<Change> changes_;
   BodyIds last_ids_;
+  std::int64_t began_ = 0;  ///< the state that it was given, of a snapshot
   bool edited_ = false, stats_known_ = false, hash_known_ = false;
   StepStats stats_;
   std::uint64_t hash_ = 0;
