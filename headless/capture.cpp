@@ -173,6 +173,7 @@ int run_capture(const CaptureRequest& request, World& world) {
   const OrbitCamera camera = scene_camera(world.scene().camera, renderer.scene().bounds, aspect);
 
   world.record_impulses(request.layers.contacts);
+  world.record_residuals(request.layers.convergence);
   Progress progress("capture", states.back());
   for (std::int64_t state : states) {
     while (world.steps() < state) {

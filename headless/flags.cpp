@@ -220,6 +220,8 @@ constexpr Reader readers[] = {
      [](Reading& in) { read_path(in.value, in.options.dump_dynamics); }},
     {{"--energy-trace", "FILE", "CSV: energies, pairs and penetration at every state", running},
      [](Reading& in) { read_path(in.value, in.options.energy_trace); }},
+    {{"--residuals", nullptr, "what each sweep of the last step's solver left, in the report", running},
+     [](Reading& in) { in.options.residuals = true; }},
 
     {{"--save", "FILE", "a snapshot of the run at its end, from which --load goes on", running},
      [](Reading& in) { read_path(in.value, in.options.save); }},
@@ -244,8 +246,8 @@ constexpr Reader readers[] = {
          layers.box_high = before.box_high;
        });
      }},
-    {{"--color", "NAME", "speed, radius, id, contacts, order, depth or visits: what colours the bodies",
-      drawing},
+    {{"--color", "NAME",
+      "speed, radius, id, contacts, order, depth, visits or sleep: what colours the bodies", drawing},
      [](Reading& in) {
        collect(in.faults,
                [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });

@@ -63,6 +63,7 @@ struct Options {
   std::string energy_trace;           ///<
   std::string save, load;             ///< snapshots, or empty
   std::string changes;                ///< of `run`: what is changed on the way, or empty
+  bool residuals = false;             ///< of the last step
   CaptureRequest capture;
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`

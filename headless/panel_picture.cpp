@@ -19,6 +19,7 @@ PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int wi
     folds.tree = true;
     folds.timing = folds.numbers = folds.inspector = false;
   }
+  workspace_.folds.convergence = layers.convergence;
   view_.with_times = timings;
   view_.cuda = world.on_gpu();
 }

@@ -86,6 +86,15 @@ std::string numbers_text(const RunReport& report) {
                                        last.max_joint_error, last.max_joint_angle));
     if (last.spring_energy > 0) text += line("", fmt::format("{:.6g} J in springs", last.spring_energy));
   }
+  if (last.can_sleep)
+    text += line("asleep",
+                 fmt::format("{} of {} bodies; islands {} of {}", grouped(last.asleep), grouped(last.bodies),
+                             grouped(last.islands_asleep), grouped(last.islands)));
+  if (!report.residuals.empty()) {
+    const Residual& left = report.residuals.back();
+    text += line("residual", fmt::format("{:.3g} m/s over {} contacts, {:.3g} m/s at the worst", left.rms,
+                                         grouped(left.contacts), left.max));
+  }
   text += line("wall impulse", fmt::format("{:.6g} N s", last.wall_impulse));
   text += line("penetration", fmt::format("{:.6g} m at the deepest", last.max_penetration));
   text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
@@ -113,6 +122,8 @@ std::vector<std::string> names_of(Effects effects) {
 
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds) {
   const Scene& scene = world.scene();
+  // Before measure(), which finds contacts of its own.
+  std::vector<Residual> residuals = world.residuals();
   RunReport report{.scene = scene.name,
                    .variant = {},
                    .seed = {},
@@ -131,6 +142,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .time_step = scene.physics.time_step,
                    .initial = initial,
                    .final = world.measure(),
+                   .residuals = std::move(residuals),
                    .times = world.times(),
                    .state_hash = world.state_hash(),
                    .allocated_bytes = world.allocated_bytes(),
@@ -184,10 +196,25 @@ nlohmann::ordered_json json_of(const RunReport& report) {
                       {"max_error", last.max_joint_error},
                       {"max_angle", last.max_joint_angle},
                       {"spring_energy", last.spring_energy}};
+  if (last.can_sleep)
+    json["sleep"] = {{"asleep", last.asleep},
+                     {"awake", last.bodies - last.asleep},
+                     {"islands", last.islands},
+                     {"islands_asleep", last.islands_asleep}};
   json["non_finite"] = last.non_finite;
   json["escaped"] = last.escaped;
   json["wall_impulse"] = last.wall_impulse;
   json["wall_impulse_vector"] = vector_json(last.wall_impulse_vector);
+  if (!report.residuals.empty()) {
+    json["residuals"] = Json::array();
+    for (const Residual& r : report.residuals)
+      json["residuals"].push_back({{"stage", r.stage},
+                                   {"substep", r.substep},
+                                   {"sweep", r.sweep},
+                                   {"contacts", r.contacts},
+                                   {"rms", r.rms},
+                                   {"max", r.max}});
+  }
   json["stages"] = Json::array();
   for (const StageTime& stage : report.times.stages)
     json["stages"].push_back({{"name", stage.name},

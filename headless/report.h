@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim_cuda/core/launch_shape.h"
+#include "sim_cuda/residual.h"
 #include "sim_cuda/step_stats.h"
 
 namespace collidoscope {
@@ -29,6 +30,7 @@ struct RunReport {
   int substeps = 1, iterations = 1;
   double time_step = 0;  ///< s
   StepStats initial, final;
+  std::vector<Residual> residuals;  ///< of the last step; empty where nobody asked
   RunTimes times;
   std::uint64_t state_hash = 0;
   std::int64_t allocated_bytes = 0;

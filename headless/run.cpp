@@ -68,13 +68,19 @@ struct Stepped {
 
 /// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
 /// progress. With a trace every state is measured.
-Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace) {
+Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace, bool residuals) {
   Progress progress("steps", steps);
   Stepped stepped;
   std::int64_t stride = 1;
   for (std::int64_t done = 0; done < steps;) {
     const std::int64_t rest = std::min(steps - done, replay.steps_to_next(world));
-    const int count = static_cast<int>(trace ? 1 : std::min(stride, rest));
+    int count = static_cast<int>(trace ? 1 : std::min(stride, rest));
+    if (residuals && done + count == steps) {
+      if (count == 1)
+        world.record_residuals(true);  // of the last step alone
+      else
+        --count;
+    }
     const Clock::time_point start = Clock::now();
     world.step(count);
     const double spent = seconds_since(start);
@@ -123,7 +129,7 @@ int run_command(const CommandLine& line) {
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
   const Stepped stepped = step_all(world, options.steps_or(std::max<std::int64_t>(recorded, 0)), replay,
-                                   outputs.energy ? &trace : nullptr);
+                                   outputs.energy ? &trace : nullptr, options.residuals);
   RunReport report = make_report(world, initial, stepped.seconds);
   report.simulated_seconds = stepped.simulated;
 

@@ -79,7 +79,7 @@ TimeSummary History::summarize_sum(std::size_t window) const {
 std::string history_csv(const History& history, std::size_t window) {
   std::string text =
       "step,step_ms,stage_sum_ms,bodies,pairs,contacts,nodes,allocated_bytes,kinetic,potential,push_work,"
-      "momentum_x,momentum_y,momentum_z,max_penetration,escaped";
+      "momentum_x,momentum_y,momentum_z,max_penetration,escaped,asleep,islands";
   for (const History::Stage& stage : history.stages()) text += "," + stage.name + "_ms";
   text += '\n';
   const auto time = [](double ms) { return ms < 0 ? std::string() : fmt::format("{}", ms); };
@@ -87,12 +87,13 @@ std::string history_csv(const History& history, std::size_t window) {
     const HistoryStep& s = history[i];
     text += fmt::format("{},{},{},", s.step, time(s.plain_ms), time(s.stage_sum()));
     if (s.measured)
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", s.stats.bodies, s.stats.pairs,
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.stats.bodies, s.stats.pairs,
                           s.stats.contacts, s.nodes, s.allocated_bytes, s.stats.kinetic_energy,
                           s.stats.potential_energy, s.stats.push_work, s.stats.momentum[0],
-                          s.stats.momentum[1], s.stats.momentum[2], s.stats.max_penetration, s.stats.escaped);
+                          s.stats.momentum[1], s.stats.momentum[2], s.stats.max_penetration, s.stats.escaped,
+                          s.stats.can_sleep ? fmt::format("{},{}", s.stats.asleep, s.stats.islands) : ",");
     else
-      text += fmt::format(",,,{},{},,,,,,,,", s.nodes, s.allocated_bytes);
+      text += fmt::format(",,,{},{},,,,,,,,,,", s.nodes, s.allocated_bytes);
     for (std::size_t k = 0; k < history.stages().size(); ++k)
       text += "," + (k < s.stage_ms.size() ? time(static_cast<double>(s.stage_ms[k])) : std::string());
     text += '\n';
@@ -150,6 +151,10 @@ std::string history_json(const History& history, std::size_t window) {
                            number(s.stats.momentum[2])};
       entry["max_penetration"] = number(s.stats.max_penetration);
       entry["escaped"] = s.stats.escaped;
+      if (s.stats.can_sleep) {
+        entry["asleep"] = s.stats.asleep;
+        entry["islands"] = s.stats.islands;
+      }
     }
     document["steps"].push_back(entry);
   }

@@ -73,6 +73,12 @@ struct ColorByVisits {
   SIM_HD void operator()(int body) const { out[body].value = static_cast<float>(visits[body]); }
 };
 
+struct ColorBySleep {
+  SleepView sleep;
+  BodyInstance* out;
+  SIM_HD void operator()(int body) const { out[body].value = sleep.distance(body); }
+};
+
 struct PackBoxes {
   const Aabb* boxes;
   const std::uint32_t* children;
@@ -181,8 +187,8 @@ void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView&
 template <class Real>
 void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
           Buffer<std::uint32_t>& counts) {
-  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree, values, joints, gravity] =
-      source;
+  const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree, values, joints, gravity,
+               sleep] = source;
   if (target.boxes != nullptr) pack_boxes(executor, target, tree, values.of_node);
   if (target.contacts != nullptr)
     executor.run("publish", contact_count,
@@ -206,6 +212,8 @@ void pack(Executor& executor, const PublishTarget& target, const PackSource<Real
       executor.run(
           "publish", tree.level_size(level),
           ColorByDepth{tree.body + tree.level_begin(level), static_cast<float>(level), target.bodies});
+  if (target.body_color == BodyColor::sleep)
+    executor.run("publish", body_count, ColorBySleep{sleep, target.bodies});
   if (target.body_color == BodyColor::visits && values.of_body != nullptr)
     executor.run("publish", body_count, ColorByVisits{values.of_body, target.bodies});
 }

@@ -8,6 +8,7 @@
 #include "sim_cuda/publish.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/joint_state.h"
+#include "sim_cuda/solver/sleeping.h"
 
 namespace collidoscope {
 
@@ -24,6 +25,7 @@ struct PackSource {
   TreeValues values;
   JointView<Real> joints;
   Vector3<Real> gravity;  ///< m/s^2, which ropes sag along
+  SleepView sleep;
 };
 
 /// Only enqueues. `counts` is scratch, sized here where bodies are coloured by their contacts.

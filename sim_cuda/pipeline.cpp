@@ -64,6 +64,9 @@ class TypedPipeline final : public Pipeline {
   void keep_impulses() override { impulses_.keep(contacts_.view().bodies, control_.data()); }
   std::vector<ContactImpulse> impulses() override;
 
+  void record_residuals(bool on) override { solver_->record_residuals(on); }
+  std::vector<Residual> residuals() override { return solver_->residuals(); }
+
   SolverMemory memory() override { return solver_->memory(); }
   void remember(const SolverMemory& memory) override { solver_->remember(memory); }
 
@@ -78,6 +81,7 @@ class TypedPipeline final : public Pipeline {
                        control_.data(), contacts_.capacity(), impulses_.view()},
                       stats);
     if (joints_) joints_->measure(stats);
+    if (const Sleeping<Real>* sleeping = solver_->sleeping()) sleeping->measure(stats);
   }
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
@@ -85,7 +89,8 @@ class TypedPipeline final : public Pipeline {
   void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values) override {
     pack<Real>(executor_, target,
                {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(),
-                tree, values, joints_ ? joints_->view() : JointView<Real>{}, gravity_},
+                tree, values, joints_ ? joints_->view() : JointView<Real>{}, gravity_,
+                solver_->sleeping() ? solver_->sleeping()->view() : SleepView{}},
                publish_counts_);
   }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }

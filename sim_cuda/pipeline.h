@@ -46,6 +46,10 @@ class Pipeline {
   virtual void keep_impulses() = 0;
   virtual std::vector<ContactImpulse> impulses() = 0;  ///< what was kept last
 
+  /// As ContactSolver has them.
+  virtual void record_residuals(bool on) = 0;
+  virtual std::vector<Residual> residuals() = 0;
+
   virtual StepControl control() = 0;  ///< read from the device; waits for it
   virtual void clear_overflow() = 0;
   virtual BroadPhase& broad_phase() = 0;

@@ -11,13 +11,14 @@
 namespace collidoscope {
 
 /// What BodyInstance::value holds; the renderer maps it to colour.
-enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order, depth, visits };
+enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order, depth, visits, sleep };
 
 struct BodyInstance {    // 48 bytes
   float center[3];       ///< m
   float radius;          ///< m; of a mesh: bounding radius
   float orientation[4];  ///< unit quaternion x y z w
-  float value;  ///< raw, by BodyColor: m/s, m, id, contacts, place in the tree, level of the leaf, visits
+  float value;  ///< raw, by BodyColor: m/s, m, id, contacts, place in the tree, level of the leaf, visits,
+                ///< how far from sleep (sim_cuda/solver/sleeping.h)
   std::uint32_t id;
   std::uint32_t mesh;  ///< 0: sphere; k: mesh k - 1
   std::uint32_t padding;

@@ -30,6 +30,10 @@ struct StepStats {
   double max_joint_error = 0;          ///< m, that what a joint holds is too far apart, or too near
   double max_joint_angle = 0;          ///< rad, about: between a hinge's axes, or beyond its limits
   double spring_energy = 0;            ///< J, of joints; part of the potential energy
+  bool can_sleep = false;              ///< the scene calls for sleeping; else the next three are 0
+  std::int64_t asleep = 0;             ///< bodies that slept in the last step
+  std::int64_t islands = 0;            ///< of bodies that forces move, in the last step; one may be alone
+  std::int64_t islands_asleep = 0;     ///< of these
   std::int64_t non_finite = 0;         ///< bodies with a component that is not finite
   std::int64_t escaped = 0;            ///< centres outside the box
   double energy() const { return kinetic_energy + potential_energy; }

@@ -156,6 +156,8 @@ struct World::Impl {
   bool leaves_known = false;         // of `tree` now
   bool detected = false;             // pairs and contacts are those of the current state
   bool recording = false;            // steps note the impulses of contacts
+  bool residuals = false;            // steps measure what sweeps leave
+  bool residuals_known = false;      // the last one did
   bool impulses_new = false;         // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
 };
@@ -246,6 +248,7 @@ void World::step(int count) {
     while (!(with_events ? w.run_instrumented(target) : w.run_plain(target))) w.grow();
     ++w.steps;
     w.impulses_new = w.recording;
+    w.residuals_known = w.residuals;
   }
 }
 
@@ -263,6 +266,21 @@ void World::record_impulses(bool on) {
 std::vector<ContactImpulse> World::impulses() {
   impl_->keep_impulses();
   return impl_->pipeline->impulses();
+}
+
+void World::record_residuals(bool on) {
+  Impl& w = *impl_;
+  if (on == w.residuals) return;
+  w.plain.reset();
+  w.instrumented.reset();
+  w.executor.synchronize();
+  w.pipeline->record_residuals(on);
+  w.residuals = on;
+  w.residuals_known = false;
+}
+
+std::vector<Residual> World::residuals() {
+  return impl_->residuals_known ? impl_->pipeline->residuals() : std::vector<Residual>{};
 }
 
 void World::set_launch_shape(LaunchShape shape) {
@@ -308,7 +326,7 @@ void World::adopt(const RunState& other, const BodyIds& ids) {
   if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
   w.pipeline->remember(state.memory);
   w.steps = other.steps;
-  w.detected = false;
+  w.detected = w.residuals_known = false;
 }
 
 BodyReport World::inspect(std::uint32_t id) {

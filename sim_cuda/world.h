@@ -10,6 +10,7 @@
 
 #include "sim_cuda/body_report.h"
 #include "sim_cuda/publish.h"
+#include "sim_cuda/residual.h"
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
@@ -94,6 +95,12 @@ class World {
   /// the last substep; with `soft_step`, of all of them, contacts that gave nothing among them. Empty where
   /// that step was not recorded.
   std::vector<ContactImpulse> impulses();
+
+  /// Whether steps measure what each sweep of the solver left of its contacts' errors. Off at first, and then
+  /// it costs nothing; never changes the state.
+  void record_residuals(bool on);
+  /// Of the last step, in the order of its sweeps; empty where that step was not recorded.
+  std::vector<Residual> residuals();
 
   /// Finds boxes, tree, pairs and contacts of the *current* state without moving it, so that what is drawn
   /// fits the bodies. Changes no hash. publish(), pairs() and tree_levels() then speak of the current state.

@@ -39,6 +39,7 @@ TEST(FrameLayers, EveryFaultHasItsLine) {
     EXPECT_THAT(faults(wrong), testing::ElementsAre(HasSubstr("not a range of levels"))) << wrong;
   EXPECT_TRUE(parse_layers("spheres,ui").ui);
   EXPECT_FALSE(parse_layers("spheres").ui);
+  EXPECT_TRUE(parse_layers("ui:convergence").ui && parse_layers("ui:convergence").convergence);
   EXPECT_THAT(faults("bvh:1,bvh:2"), testing::ElementsAre(HasSubstr("a second range")));
   EXPECT_THAT(faults(""), testing::ElementsAre(HasSubstr("'': unknown layer")));
   EXPECT_THAT(faults("spheres,"), testing::SizeIs(1));

@@ -89,6 +89,37 @@ TEST(Report, WhatIsNotFiniteIsNull) {
   EXPECT_EQ(read["non_finite"], 3);
 }
 
+TEST(Report, SaysWhoSleepsWhereSomethingCan) {
+  RunReport report = example();
+  EXPECT_FALSE(json::parse(to_json(report)).contains("sleep"));
+  EXPECT_THAT(to_text(report), testing::Not(testing::HasSubstr("asleep")));
+  report.final.can_sleep = true;
+  report.final.asleep = 1234000;
+  report.final.islands = 9;
+  report.final.islands_asleep = 7;
+  const json sleep = json::parse(to_json(report))["sleep"];
+  EXPECT_EQ(sleep["asleep"], 1234000);
+  EXPECT_EQ(sleep["awake"], 567);
+  EXPECT_EQ(sleep["islands"], 9);
+  EXPECT_EQ(sleep["islands_asleep"], 7);
+  EXPECT_THAT(to_text(report), testing::HasSubstr("1,234,000 of 1,234,567 bodies; islands 7 of 9\n"));
+}
+
+TEST(Report, SaysWhatEachSweepLeft) {
+  RunReport report = example();
+  EXPECT_FALSE(json::parse(to_json(report)).contains("residuals"));
+  report.residuals = {{"solve", 0, 0, 12, 0.5, 1.25}, {"relax", 3, 2, 10, 0.125, 0.25}};
+  const json read = json::parse(to_json(report))["residuals"];
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[1]["stage"], "relax");
+  EXPECT_EQ(read[1]["substep"], 3);
+  EXPECT_EQ(read[1]["sweep"], 2);
+  EXPECT_EQ(read[1]["contacts"], 10);
+  EXPECT_EQ(read[1]["rms"], 0.125);
+  EXPECT_EQ(read[0]["max"], 1.25);
+  EXPECT_THAT(to_text(report), testing::HasSubstr("0.125 m/s over 10 contacts, 0.25 m/s at the worst\n"));
+}
+
 TEST(Report, ATimeThatWasNotTakenIsNull) {
   RunReport report = example();
   report.times = {};

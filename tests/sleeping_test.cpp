@@ -273,6 +273,43 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
     }
 }
 
+TEST_P(Sleepers, AreCountedAndDrawn) {
+  Scene scene = columns({0, 10, 20}, 2);
+  scene.bodies[5].position.z() = 40;  // falls
+  World world(scene, options());
+  EXPECT_TRUE(world.measure().can_sleep);
+  EXPECT_EQ(world.measure().islands, 0) << "before the first step";
+  world.step(8);
+  const auto values = [&] {
+    PublishTarget target;
+    target.bodies = static_cast<BodyInstance*>(world.scratch(6 * sizeof(BodyInstance), 0));
+    target.body_capacity = 6;
+    target.body_color = BodyColor::sleep;
+    world.publish(target);
+    std::vector<BodyInstance> host(6);
+    world.copy_to_host(host.data(), target.bodies, 6 * sizeof host[0]);
+    std::vector<float> value;
+    for (const BodyInstance& body : host) value.push_back(body.value);
+    return value;
+  };
+  EXPECT_THAT(values(), testing::ElementsAre(0.6f, 0.6f, 0.6f, 0.6f, 0.6f, 1)) << "8 of 15 steps at rest";
+  world.step(22);
+  const StepStats stats = world.measure();
+  EXPECT_EQ(stats.asleep, 5);
+  EXPECT_EQ(stats.islands, 4);
+  EXPECT_EQ(stats.islands_asleep, 3);
+  EXPECT_THAT(values(), testing::ElementsAre(0, 0, 0, 0, 0, 1));
+
+  World loaded(scene, options());
+  loaded.adopt(world);
+  EXPECT_EQ(loaded.measure().asleep, 5);
+  EXPECT_EQ(loaded.measure().islands, 0) << "before its first step";
+  scene.physics.sleep.reset();
+  World never(scene, options());
+  never.step();
+  EXPECT_FALSE(never.measure().can_sleep);
+}
+
 TEST_P(Sleepers, OffTheyCostNothing) {
   Scene off = columns({0, 2}, 3), on = off;
   off.physics.sleep.reset();

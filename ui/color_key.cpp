@@ -24,7 +24,13 @@ std::string title_text(const ColorKey& key) {
   return text;
 }
 
-std::string low_text(const ColorKey& key) { return (key.goes_below ? "≤ " : "") + number(key.min); }
-std::string high_text(const ColorKey& key) { return (key.goes_on ? "≥ " : "") + number(key.max); }
+std::string low_text(const ColorKey& key) {
+  if (!key.low_word.empty()) return key.low_word;
+  return (key.goes_below ? "≤ " : "") + number(key.min);
+}
+std::string high_text(const ColorKey& key) {
+  if (!key.high_word.empty()) return key.high_word;
+  return (key.goes_on ? "≥ " : "") + number(key.max);
+}
 
 }  // namespace collidoscope

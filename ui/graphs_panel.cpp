@@ -69,13 +69,17 @@ void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {gap, space});
   PlotFrame counts{"counts", [](double v) { return grouped_number(static_cast<std::int64_t>(v)); },
                    first_step, true};
-  plot_lines("counts", narrow, height, counts,
-             {{"pairs", stage_color(1, light),
-               over_time(history, first, [](const HistoryStep& s) { return s.stats.pairs; })},
-              {"contacts", stage_color(3, light),
-               over_time(history, first, [](const HistoryStep& s) { return s.stats.contacts; })},
-              {"boxes", stage_color(2, light),
-               over_time(history, first, [](const HistoryStep& s) { return s.nodes; })}});
+  std::vector<PlotLine> lines{
+      {"pairs", stage_color(1, light),
+       over_time(history, first, [](const HistoryStep& s) { return s.stats.pairs; })},
+      {"contacts", stage_color(3, light),
+       over_time(history, first, [](const HistoryStep& s) { return s.stats.contacts; })},
+      {"boxes", stage_color(2, light),
+       over_time(history, first, [](const HistoryStep& s) { return s.nodes; })}};
+  if (view.stats.can_sleep)
+    lines.push_back({"asleep", stage_color(0, light),
+                     over_time(history, first, [](const HistoryStep& s) { return s.stats.asleep; })});
+  plot_lines("counts", narrow, height, counts, lines);
   track(workspace, "graph.counts");
   PlotFrame energy{"energy", [](double v) { return with_prefix(v, "J"); }, first_step, true};
   plot_lines(

@@ -52,14 +52,15 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     const bool told = workspace.folds.right && workspace.folds.tree;  // by the histogram there
     if (!told) draw_color_key(view.box_colors);
   }
-  static constexpr std::array<std::pair<BodyColor, const char*>, 7> colors{
+  static constexpr std::array<std::pair<BodyColor, const char*>, 8> colors{
       {{BodyColor::speed, "speed"},
        {BodyColor::radius, "radius"},
        {BodyColor::id, "id"},
        {BodyColor::contacts, "contacts"},
        {BodyColor::order, "order in the tree"},
        {BodyColor::depth, "depth in the tree"},
-       {BodyColor::visits, "visits of the query"}}};
+       {BodyColor::visits, "visits of the query"},
+       {BodyColor::sleep, "sleep"}}};
   row_label("colour by");
   const char* chosen = "";
   for (const auto& [color, name] : colors)

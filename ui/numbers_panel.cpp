@@ -30,6 +30,12 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
     row("joints", grouped_number(s.joints));
     row("furthest", with_prefix(s.max_joint_error, "m"), "What a joint holds, from where it should be");
   }
+  if (s.can_sleep) {
+    row("asleep", grouped_number(s.asleep),
+        "Bodies that sleep: neither solved nor moved until they are touched");
+    row("islands", fmt::format("{} of {}", grouped_number(s.islands_asleep), grouped_number(s.islands)),
+        "Islands that sleep, of all: bodies that touch, or soon may, sleep and wake together");
+  }
   row("fastest", with_prefix(s.max_speed, "m/s"));
   row("split", grouped_number(s.split_contacts),
       "Contacts that no colour took, solved by splitting the masses of their bodies");

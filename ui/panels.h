@@ -13,6 +13,8 @@ void draw_camera_panel(Workspace& workspace, const WorkspaceView& view);  ///< v
 void draw_effects_panel(Workspace& workspace,
                         const WorkspaceView& view);                       ///< what is on, and what each costs
 void draw_timing_panel(Workspace& workspace, const WorkspaceView& view);  ///< the table of stages
+void draw_convergence_panel(Workspace& workspace,
+                            const WorkspaceView& view);  ///< what sweeps of the solver leave
 void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view);  ///< counts, energy, momentum
 void draw_tree_panel(Workspace& workspace,
                      const WorkspaceView& view);  ///< how good the tree is, and where not

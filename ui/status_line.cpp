@@ -78,6 +78,7 @@ void draw_help(Workspace& workspace) {
       {"Escape", "deselect"},
       {"B", "throw a ball from where you look"},
       {"Delete", "take the selected body away"},
+      {"C", "how the solver converges, sweep by sweep"},
       {"P", "picture of the window, in captures/"},
       {"Tab", "fold all panels away, and back"},
       {"F1", "these keys"}};

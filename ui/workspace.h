@@ -13,6 +13,7 @@
 #include "sim_cuda/body_report.h"
 #include "sim_cuda/history.h"
 #include "sim_cuda/publish.h"
+#include "sim_cuda/residual.h"
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "ui/color_key.h"
@@ -58,9 +59,8 @@ enum class Theme { dark, light };
 struct Folds {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
-       inspector = true,
-       tree = false,    ///< measuring takes time
-      effects = false;  ///< rarely asked for
+       inspector = true, tree = false, convergence = false,  ///< measuring takes time
+      effects = false;                                       ///< rarely asked for
 
   friend bool operator==(const Folds&, const Folds&) = default;
 };
@@ -135,6 +135,7 @@ struct WorkspaceView {
   std::int64_t tree_nodes = 0;            ///< boxes in it
   std::vector<std::int64_t> level_sizes;  ///< boxes of each level of the tree, from the root
   const History* history = nullptr;
+  std::vector<Residual> residuals;  ///< of the last step; empty where they were not recorded
 
   std::vector<std::uint32_t> level_colors;    ///< 0xAABBGGRR, repeating
   ColorKey body_colors, box_colors;           ///< what their colours mean

@@ -89,6 +89,9 @@ void App::handle_key(const InputEvent& event) {
     case GLFW_KEY_DELETE:
       workspace_.remove_wish |= !again;
       break;
+    case GLFW_KEY_C:
+      if (!again) workspace_.folds.convergence = !workspace_.folds.convergence;
+      break;
     case GLFW_KEY_P:
       workspace_.screenshot_wish |= !again;
       break;

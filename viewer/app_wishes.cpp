@@ -99,6 +99,7 @@ void App::advance(double seconds) {
   const Folds& folds = workspace_.folds;
   live_.world().record_impulses(workspace_.layers.contacts ||
                                 (workspace_.selection && folds.right && folds.inspector));
+  live_.world().record_residuals(folds.right && folds.convergence);
   live_.step(true);
   simulated_ += time_step;
   const auto& pause_at = options_.view.pause_at;

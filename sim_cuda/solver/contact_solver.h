@@ -12,12 +12,14 @@
 #include "sim_cuda/dynamics/drag.h"
 #include "sim_cuda/dynamics/prescribed_motion.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/residual.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/joints.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/rolling_resistance.h"
+#include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/solver_memory.h"
 #include "sim_cuda/solver/walls.h"
 
@@ -69,6 +71,15 @@ class ContactSolver {
   /// Enqueues all that changes velocities and poses in one run. `impulses`, unless null: receives what each
   /// contact gave, N s.
   virtual void advance(const ContactView<Real>& contacts, Real* impulses) = 0;
+
+  /// Outside of runs, which must be recorded again afterwards: whether each sweep is followed by a measure of
+  /// what it left (residual.h). Off at first, and then it costs nothing; never changes the state.
+  virtual void record_residuals(bool on) = 0;
+  /// Of the last step, in the order of sweeps; waits for the device. Empty where they were not recorded.
+  virtual std::vector<Residual> residuals() const = 0;
+
+  /// Who sleeps; null where nothing can.
+  virtual const Sleeping<Real>* sleeping() const { return nullptr; }
 
   /// What it knows from the runs before; waits for the device. Nothing, where it does not remember.
   virtual SolverMemory memory() const { return {}; }

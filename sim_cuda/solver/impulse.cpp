@@ -103,6 +103,25 @@ struct ApplySplit {
   }
 };
 
+/// residual.h, of what ResolveContact would do once more.
+template <class Real>
+struct ImpulseResidual {
+  ContactView<Real> contacts;
+  BodyView<Real> bodies;
+  Restitution<Real> restitution;
+  const StepControl* control;
+  SIM_HD ResidualSum operator()(std::int64_t contact) const {
+    ResidualSum sum;
+    if (contact >= static_cast<std::int64_t>(control->contacts)) return sum;
+    const auto [a, b] = contacts.bodies[contact];
+    const Real approach = -(bodies.velocity[b] - bodies.velocity[a]).dot(contacts.normal[contact]);
+    const Real e = restitution.between(restitution.of_body(a), restitution.of_body(b), approach);
+    const double change = approach > 0 ? static_cast<double>((1 + e) * approach) : 0.0;
+    sum.add(change * change);
+    return sum;
+  }
+};
+
 }  // namespace
 
 template <class Real>
@@ -115,7 +134,8 @@ ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& 
       split_(executor),
       split_impulse_(executor, "split impulses"),
       split_push_(executor, "split pushes"),
-      prescribed_(executor, scene.bodies, scene.prescribed, scene.control) {}
+      prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
+      residuals_(executor) {}
 
 template <class Real>
 void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
@@ -123,6 +143,7 @@ void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
   colouring_.reserve(scene_.body_count, contact_capacity);
   split_degrees_.reserve(scene_.body_count, contact_capacity);
   split_.reserve(scene_.body_count, contact_capacity);
+  residuals_.reserve(contact_capacity);
   split_impulse_.resize_discarding(static_cast<std::size_t>(contact_capacity));
   split_push_.resize_discarding(static_cast<std::size_t>(contact_capacity));
 }
@@ -139,12 +160,14 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   if (impulses != nullptr)
     executor_.run("solve", Count(&scene_.control->contacts, contact_capacity_),
                   ClearImpulses<Real>{impulses});
+  record_sweep(contacts, 0);
   for (int iteration = 0; iteration < scene_.iterations; ++iteration) {
     const bool push = iteration + 1 == scene_.iterations;
     if (impulses != nullptr)
       push ? sweep<true, true>(contacts, {impulses}) : sweep<false, true>(contacts, {impulses});
     else
       push ? sweep<true, false>(contacts, {}) : sweep<false, false>(contacts, {});
+    record_sweep(contacts, iteration + 1);
   }
   if (scene_.plane_count > 0)
     executor_.run("walls", scene_.body_count,
@@ -178,6 +201,24 @@ void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const Impulse
                                                  split_impulse_.data(), split_push_.data(), impulses});
   executor_.run("solve", split_degrees_.bodies(),
                 ApplySplit<Real, push>{contacts, bodies, split, split_impulse_.data(), split_push_.data()});
+}
+
+template <class Real>
+void ImpulseSolver<Real>::record_sweep(const ContactView<Real>& contacts, int sweep) {
+  residuals_.record(sweep, contact_capacity_,
+                    ImpulseResidual<Real>{contacts, scene_.bodies, scene_.restitution, scene_.control},
+                    scene_.control);
+}
+
+template <class Real>
+std::vector<Residual> ImpulseSolver<Real>::residuals() const {
+  std::vector<Residual> residuals;
+  const int sums = scene_.iterations + 1;
+  for (const ResidualSum& sum : residuals_.kept()) {
+    const int k = static_cast<int>(residuals.size());
+    residuals.push_back(Residuals::residual("solve", k / sums, k % sums, sum));
+  }
+  return residuals;
 }
 
 template class ImpulseSolver<float>;

@@ -16,6 +16,7 @@
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/residuals.h"
 
 namespace collidoscope {
 
@@ -42,10 +43,14 @@ class ImpulseSolver final : public ContactSolver<Real> {
   void reserve(std::int64_t contact_capacity) override;
   /// `iterations` sweeps over all colours; the push is made in the last.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
+  /// Of bodies alone: walls come after the sweeps.
+  void record_residuals(bool on) override { residuals_.enable(on, scene_.substeps, scene_.iterations + 1); }
+  std::vector<Residual> residuals() const override;
 
  private:
   template <bool push, bool record>
   void sweep(const ContactView<Real>& contacts, const ImpulseSum<Real, record>& impulses);
+  void record_sweep(const ContactView<Real>& contacts, int sweep);
 
   Executor& executor_;
   const SolverScene<Real> scene_;
@@ -57,6 +62,7 @@ class ImpulseSolver final : public ContactSolver<Real> {
   Buffer<Real> split_impulse_;  ///< per contact, N s
   Buffer<Real> split_push_;     ///< per contact, kg m
   PrescribedMotion<Real> prescribed_;
+  Residuals residuals_;
 };
 
 }  // namespace collidoscope

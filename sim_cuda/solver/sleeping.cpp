@@ -5,6 +5,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/reduce.h"
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/solver/solver_memory.h"
 
@@ -135,6 +136,24 @@ struct CountSlowSteps {
   }
 };
 
+/// An island is counted at its root.
+template <class Real>
+struct CountSleepers {
+  BodyView<Real> bodies;
+  const std::uint32_t *parent, *slow;
+  SIM_HD SleepSums operator()(std::int64_t body) const {
+    const std::int64_t asleep = slow[body] == slow_and_asleep ? 1 : 0;
+    const std::int64_t root =
+        parent[body] == static_cast<std::uint32_t>(body) && bodies.inverse_mass[body] > 0 ? 1 : 0;
+    return {asleep, root, root & asleep};
+  }
+};
+
+/// Before the first run: no body is the root of an island.
+std::vector<std::uint32_t> no_islands(std::int64_t bodies) {
+  return std::vector<std::uint32_t>(static_cast<std::size_t>(bodies), 0xffffffffu);
+}
+
 }  // namespace
 
 template <class Real>
@@ -143,7 +162,8 @@ Sleeping<Real>::Sleeping(Executor& executor)
       slow_(executor, "slow steps of bodies"),
       parent_(executor, "islands"),
       restless_(executor, "restless islands"),
-      asleep_(executor, "bodies asleep") {}
+      asleep_(executor, "bodies asleep"),
+      sums_(executor, "sums over islands") {}
 
 template <class Real>
 void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_count, const Sleep& sleep,
@@ -155,9 +175,10 @@ void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_coun
   control_ = control;
   const auto n = static_cast<std::size_t>(body_count);
   slow_.upload(std::vector<std::uint32_t>(n));
-  parent_.resize_discarding(n);
+  parent_.upload(no_islands(body_count));
   restless_.resize_discarding(n);
   asleep_.upload(std::vector<std::uint8_t>(n));
+  sums_.resize_discarding(reduce_scratch_size(body_count));
 }
 
 template <class Real>
@@ -185,6 +206,22 @@ template <class Real>
 void Sleeping<Real>::remember(std::vector<std::uint32_t> slow) {
   slow.resize(static_cast<std::size_t>(body_count_), 0);
   slow_.upload(slow);
+  parent_.upload(no_islands(body_count_));
+}
+
+template <class Real>
+void Sleeping<Real>::measure(StepStats& stats) const {
+  stats.can_sleep = true;
+  if (body_count_ == 0) return;
+  SleepSums sums;
+  executor_.copy_to_host(
+      &sums,
+      reduce<SleepSums>(executor_, "measure", body_count_,
+                        CountSleepers<Real>{bodies_, parent_.data(), slow_.data()}, sums_.data()),
+      sizeof sums);
+  stats.asleep = sums.asleep;
+  stats.islands = sums.islands;
+  stats.islands_asleep = sums.islands_asleep;
 }
 
 template class Sleeping<float>;

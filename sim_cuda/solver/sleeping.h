@@ -19,17 +19,40 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/joint_state.h"
+#include "sim_cuda/step_stats.h"
 
 namespace collidoscope {
 
 /// In place of a number of steps: the body sleeps.
 inline constexpr std::uint32_t slow_and_asleep = 0xffffffffu;
+
+/// For pictures: how far each body is from sleep.
+struct SleepView {
+  const std::uint32_t* slow = nullptr;  ///< by body, steps for which it was slow; null: nothing can sleep
+  std::uint32_t needed = 1;             ///< of these, before an island may sleep
+
+  /// 0: asleep; 1/4 to 1: awake, and at rest for all of the time to not at all.
+  SIM_HD float distance(int body) const {
+    if (slow == nullptr || slow[body] == 0) return 1;
+    if (slow[body] == slow_and_asleep) return 0;
+    return 1 - 0.75f * static_cast<float>(min_of(slow[body], needed)) / static_cast<float>(needed);
+  }
+};
+
+/// What is counted of all bodies.
+struct SleepSums {
+  std::int64_t asleep, islands, islands_asleep;
+};
+SIM_HD inline SleepSums combine(SleepSums a, SleepSums b) {
+  return {a.asleep + b.asleep, a.islands + b.islands, a.islands_asleep + b.islands_asleep};
+}
 
 template <class Real>
 class Sleeping {
@@ -48,6 +71,10 @@ class Sleeping {
   /// At the end of a run: counts for how long each body has been slow.
   void count();
 
+  /// Counts who sleeps, and the islands of the last run: none before the first.
+  void measure(StepStats& stats) const;
+  SleepView view() const { return {slow_.data(), needed_}; }
+
   /// Steps for which each body has been slow, or slow_and_asleep; empty without the effect.
   std::vector<std::uint32_t> memory() const { return slow_.download(); }
   /// Bodies beyond those that are known, all of them if none are, have not been slow yet.
@@ -63,6 +90,7 @@ class Sleeping {
   Buffer<std::uint32_t> slow_;              ///< by body
   Buffer<std::uint32_t> parent_;            ///< by body; at the root itself
   Buffer<std::uint8_t> restless_, asleep_;  ///< by root; by body
+  Buffer<SleepSums> sums_;
 };
 
 }  // namespace collidoscope

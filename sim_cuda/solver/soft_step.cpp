@@ -4,6 +4,7 @@
 
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/dynamics/move.h"
+#include "sim_cuda/solver/soft_residual.h"
 #include "sim_cuda/solver/soft_sweeps.h"
 
 namespace collidoscope {
@@ -200,6 +201,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
       continuous_(executor),
       sleeping_(executor),
+      residuals_(executor),
       known_contacts_(executor, "contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
       known_grip_(executor, "friction of the last step"),
@@ -234,6 +236,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   all_.reserve(scene_.body_count, contact_capacity);
   split_degrees_.reserve(scene_.body_count, contact_capacity);
   split_.reserve(scene_.body_count, contact_capacity);
+  residuals_.reserve(scene_.body_count + contact_capacity);
   swept_.resize_discarding(m);
   place_of_.resize_discarding(m);
   inverse_masses_.resize_discarding(m);
@@ -331,18 +334,21 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     prescribed_.hold();
     if constexpr (built_effects.joints)
       if (scene_.effects.joints) scene_.joints->warm_start();
-    for (int sweeps = 0; sweeps < scene_.iterations; ++sweeps) {
+    record_sweep<rubbed, true>(substep, 0);
+    for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       if constexpr (built_effects.joints)
         if (scene_.effects.joints) scene_.joints->solve();
       with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool held>() {
         sweep("solve", Solve<Real, held>{softness_, scene_.bodies.radius});
       });
       sweep_walls<rubbed>("solve", false, false);
+      record_sweep<rubbed, true>(substep, sweeps);
     }
     move();
     prescribed_.hold(h_);
     run_awake_contacts(executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
                        sleeping_.asleep(), PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
+    record_sweep<rubbed, false>(substep, 0);
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
       if constexpr (built_effects.joints)
@@ -352,6 +358,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
                                          last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
       if constexpr (built_effects.rolling_resistance)
         if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
+      record_sweep<rubbed, false>(substep, sweeps);
     }
   }
   on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
@@ -456,23 +463,62 @@ void SoftStepSolver<Real>::move() {
 }
 
 template <class Real>
+template <bool rubs>
+SweptContacts<Real, rubs> SoftStepSolver<Real>::swept() const {
+  const ColourView colours = colouring_.view();
+  return {swept_.data(),
+          inverse_masses_.data(),
+          soft_.data(),
+          grips_.data(),
+          gripped_.data(),
+          colours.begin,
+          colours.count,
+          split_.view(split_degrees_),
+          split_degrees_.body_items(),
+          split_change_.data(),
+          split_rubbed_.data()};
+}
+
+template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::sweep(const char* stage, const Act& act) {
-  const ColourView colours = colouring_.view();
-  const SweptContacts<Real, Act::rubs> swept{swept_.data(),
-                                             inverse_masses_.data(),
-                                             soft_.data(),
-                                             grips_.data(),
-                                             gripped_.data(),
-                                             colours.begin,
-                                             colours.count,
-                                             split_.view(split_degrees_),
-                                             split_degrees_.body_items(),
-                                             split_change_.data(),
-                                             split_rubbed_.data()};
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   executor_.run_rounds(stage, Sweep<Real, Act>::rounds, std::min(contact_capacity_, scene_.body_count / 2),
-                       Sweep<Real, Act>{swept, scene_.bodies, act});
+                       Sweep<Real, Act>{swept<Act::rubs>(), scene_.bodies, act});
+}
+
+/// In each substep: before the first of the sweeps that solve, after each of them, and the same of those that
+/// relax.
+template <class Real>
+template <bool rubbed, bool soft>
+void SoftStepSolver<Real>::record_sweep(int substep, int sweep) {
+  if (!residuals_.on()) return;
+  const int sums = scene_.iterations + 1, place = (2 * substep + (soft ? 0 : 1)) * sums + sweep;
+  const auto with = [&]<bool boxed>() {
+    residuals_.record(place, scene_.body_count + contact_capacity_,
+                      SoftResidual<Real, soft, rubbed, boxed>{
+                          walls<rubbed, boxed>(), swept < rubbed && !soft > (), softness_, sleeping_.asleep(),
+                          scene_.effects.continuous_collision, scene_.control},
+                      scene_.control);
+  };
+  scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
+}
+
+template <class Real>
+void SoftStepSolver<Real>::record_residuals(bool on) {
+  residuals_.enable(on, 1, scene_.substeps * 2 * (scene_.iterations + 1));
+}
+
+template <class Real>
+std::vector<Residual> SoftStepSolver<Real>::residuals() const {
+  std::vector<Residual> residuals;
+  const int sums = scene_.iterations + 1;
+  for (const ResidualSum& sum : residuals_.kept()) {
+    const int k = static_cast<int>(residuals.size());
+    residuals.push_back(
+        Residuals::residual(k / sums % 2 == 0 ? "solve" : "relax", k / sums / 2, k % sums, sum));
+  }
+  return residuals;
 }
 
 template <class Real>

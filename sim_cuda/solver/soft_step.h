@@ -20,6 +20,7 @@
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
 #include "sim_cuda/solver/soft_grip.h"
@@ -38,6 +39,9 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void reserve(std::int64_t contact_capacity) override;
   /// `iterations` sweeps in each solve and in each relax. `impulses`: of all substeps and the bounce.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
+  void record_residuals(bool on) override;
+  std::vector<Residual> residuals() const override;
+  const Sleeping<Real>* sleeping() const override { return scene_.effects.sleeping ? &sleeping_ : nullptr; }
   SolverMemory memory() const override;
   void remember(const SolverMemory& memory) override;
 
@@ -58,6 +62,10 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void on_walls(const With& with);
   template <bool rubbed>
   void sweep_walls(const char* stage, bool relaxing, bool last);
+  template <bool rubs>
+  SweptContacts<Real, rubs> swept() const;
+  template <bool rubbed, bool soft>
+  void record_sweep(int substep, int sweep);
   RollingSource<Real> rolling_source() const;
   /// A stage over the bodies that are awake.
   template <class Stage>
@@ -92,6 +100,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   PrescribedMotion<Real> prescribed_;
   ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
+  Residuals residuals_;
   Buffer<Pair> known_contacts_;        ///< of the last committed run, with
   Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
   Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s

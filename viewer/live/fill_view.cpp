@@ -20,6 +20,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.allocated_bytes = world.allocated_bytes();
   view.tree_nodes = world.tree_nodes();
   view.history = &history;
+  view.residuals = world.residuals();
 }
 
 }  // namespace collidoscope

@@ -103,6 +103,8 @@ ColorMeaning color_meaning(BodyColor color) {
       return {"depth in the tree", ""};
     case BodyColor::visits:
       return {"boxes that a body's query tests", ""};
+    case BodyColor::sleep:
+      return {"how far from sleep", ""};
   }
   return {"", ""};
 }

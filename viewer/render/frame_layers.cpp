@@ -55,13 +55,15 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
         faults.push_back(
             where + ": '" + name +
             "': not a range of levels; bvh, bvh:A or bvh:A-B with 0 <= A <= B <= 63, such as bvh:2-5");
-    } else if (name == "ui" || name == "ui:tree") {
+    } else if (name == "ui" || name == "ui:tree" || name == "ui:convergence") {
       layers.ui = true;
       layers.tree = name == "ui:tree";
+      layers.convergence = name == "ui:convergence";
     } else {
-      faults.push_back(where + ": '" + name +
-                       "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, ui:tree, grid, walls, "
-                       "joints, overlay, no-grid, no-walls, no-joints, no-overlay");
+      faults.push_back(
+          where + ": '" + name +
+          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, ui:tree, "
+          "ui:convergence, grid, walls, joints, overlay, no-grid, no-walls, no-joints, no-overlay");
     }
   }
   if (!faults.empty()) throw InputError(faults);
@@ -74,11 +76,11 @@ BodyColor parse_body_color(const std::string& text, const std::string& where) {
     BodyColor color;
   } names[] = {{"speed", BodyColor::speed},       {"radius", BodyColor::radius}, {"id", BodyColor::id},
                {"contacts", BodyColor::contacts}, {"order", BodyColor::order},   {"depth", BodyColor::depth},
-               {"visits", BodyColor::visits}};
+               {"visits", BodyColor::visits},     {"sleep", BodyColor::sleep}};
   for (const auto& known : names)
     if (text == known.name) return known.color;
   throw InputError(where + ": '" + text +
-                   "': unknown colour; one of speed, radius, id, contacts, order, depth, visits");
+                   "': unknown colour; one of speed, radius, id, contacts, order, depth, visits, sleep");
 }
 
 NodeMetric parse_box_color(const std::string& text, const std::string& where) {

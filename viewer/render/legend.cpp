@@ -23,6 +23,10 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.logarithmic = range.logarithmic;
   legend.goes_on = color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
   for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
+  if (color == BodyColor::sleep) {
+    legend.low_word = "asleep";
+    legend.high_word = "moves";
+  }
   return legend;
 }
 

@@ -18,6 +18,7 @@ struct Legend {
   bool goes_below = false;            ///< smaller values are drawn as the least
   bool logarithmic = false;           ///< even steps of the logarithm
   std::vector<std::uint32_t> colors;  ///< from least to greatest
+  std::string low_word, high_word;    ///< in place of min and max
 };
 
 /// Of bodies coloured by `color` over `range` at the state of `stats`.

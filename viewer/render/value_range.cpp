@@ -37,6 +37,8 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
       return {0, static_cast<double>(std::max<std::int64_t>(scene.body_count, 2) - 1)};
     case BodyColor::depth:
       return world.tree_nodes() > 0 ? leaf_levels(world) : ValueRange{0, 0};
+    case BodyColor::sleep:
+      return {0, 1};
     case BodyColor::visits: {
       if (world.tree_nodes() == 0) return {0, 0};
       const TreeQuality& tree = world.tree_quality();
