@@ -11,6 +11,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "tests/scenes.h"
 #include "tests/test_files.h"
 
 namespace collidoscope {
