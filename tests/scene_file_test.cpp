@@ -274,9 +274,9 @@ INSTANTIATE_TEST_SUITE_P(
         // generators
         Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 3, \"without\": [0, 3]}]}",
-            "s:2:80: generators[0].without[1]: must be the number of one of its 3 bodies, from 0, more than"},
+            "s:2:79: generators[0].without[1]: must be the number of one of its 3 bodies, from 0, more than"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"without\": [1.5]}]}",
-            "s:2:65: \"without\" is a list of whole numbers"},
+            "s:2:64: \"without\" is a list of whole numbers"},
         Bad{"\"added\": [{\"radius\": 0}]}", "s:2:22: added[0].radius: must lie in"},
         Bad{"\"box\": {}, \"generators\": [{}]}",
             "s:2:27: a generator has \"kind\": \"box_collider\", the only one"},
