@@ -362,10 +362,10 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
 template <class Real>
 void TypedPipeline<Real>::find_pairs(const Foresight<Real>& foresight) {
   const auto foresee = [&]<bool anywhere>() {
-    using Box = std::conditional_t<anywhere, ReachBounds<Real>, SweptBounds<Real>>;
-    executor_.run("bounds", body_count_,
-                  Box{state_.position.data(), foresight.velocity, state_.radius.data(), foresight.time,
-                      foresight.slack, boxes_.data()});
+    executor_.run(
+        "bounds", body_count_,
+        SweptBounds<Real, anywhere>{state_.position.data(), foresight.velocity, state_.radius.data(),
+                                    foresight.time, foresight.slack, boxes_.data()});
   };
   if (foresight.course == Course::rest)
     executor_.run("bounds", body_count_,

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -198,6 +199,8 @@ class Executor {
   LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items);
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
   void check_launch(const char* name, LaunchShape shape);
+  /// Whether host and device agree on the size of each parameter of a kernel.
+  void check_parameters(const void* kernel, const char* name, std::initializer_list<std::size_t> bytes);
   std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
   int multiprocessors_ = 0;
@@ -334,9 +337,10 @@ __global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const St
 
 template <class Stage>
 void Executor::launch(const char* name, const Count& count, const Stage& stage) {
+  const auto kernel = reinterpret_cast<const void*>(&run_stage<Stage>);
+  check_parameters(kernel, name, {sizeof count, sizeof stage});
   // Where the count is only a capacity, no more than run at once: most would find nothing to do.
-  const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(&run_stage<Stage>), name, count.bound,
-                                         count.counter != nullptr, nullptr);
+  const LaunchShape shape = choose_shape(kernel, name, count.bound, count.counter != nullptr, nullptr);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
   check_launch(name, shape);
 }
@@ -391,6 +395,7 @@ __global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const 
 template <class Rounds>
 void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
   const auto all = reinterpret_cast<const void*>(&run_all_rounds<Rounds>);
+  check_parameters(all, name, {sizeof rounds, sizeof stage});
   if (const LaunchShape shape = choose_waiting_shape(all, name, most); shape.blocks > 0) {
     const void* arguments[] = {&rounds, &stage};
     check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),
@@ -400,6 +405,7 @@ void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, co
     return check_launch(name, shape);
   }
   const auto one = reinterpret_cast<const void*>(&run_one_round<Rounds>);
+  check_parameters(one, name, {sizeof rounds, sizeof stage});
   for (int round = 0; round < rounds; ++round) {
     const LaunchShape shape = choose_shape(one, name, most, true, nullptr);
     run_one_round<Rounds><<<shape.blocks, shape.threads, 0, stream_>>>(round, stage);
@@ -412,6 +418,7 @@ void Executor::run_kernel(const char* name, const KernelNeeds& needs, void (*ker
                           const Arguments&... arguments) {
   if (needs.threads == 0) return;
   begin_stage(name);
+  check_parameters(reinterpret_cast<const void*>(kernel), name, {sizeof(Parameters)...});
   const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(kernel), name, needs.threads,
                                          needs.at_once, needs.shared_bytes);
   const std::size_t shared = needs.shared_bytes != nullptr ? needs.shared_bytes(shape.threads) : 0;

@@ -33,8 +33,9 @@ struct Bounds {
 };
 
 /// The box of all that the body will pass through in `time` while it moves smoothly: along its velocity, and
-/// aside by what an acceleration of at most `slack` / time^2 makes of it.
-template <class Real>
+/// aside by what an acceleration of at most `slack` / time^2 makes of it. `anywhere`: of all that it can come
+/// to at the speed that it has, whatever turns it.
+template <class Real, bool anywhere = false>
 struct SweptBounds {
   const Vector3<Real>*position, *velocity;
   const Real* radius;
@@ -46,28 +47,13 @@ struct SweptBounds {
     const Vector3<Real> x = position[body], way = time * velocity[body];
     const Real r = radius[body] + slack;
     Vector3<Real> low, high;
+    using std::sqrt;
+    const Real reach = anywhere ? r + sqrt(way.dot(way)) : Real(0);
     for (int k = 0; k < 3; ++k) {
-      low[k] = x[k] - r + min_of(way[k], Real(0));
-      high[k] = x[k] + r + max_of(way[k], Real(0));
+      low[k] = anywhere ? x[k] - reach : x[k] - r + min_of(way[k], Real(0));
+      high[k] = anywhere ? x[k] + reach : x[k] + r + max_of(way[k], Real(0));
     }
     boxes[body] = box_around<Real>(low, high);
-  }
-};
-
-/// The box of all that the body can come to in `time` at the speed that it has, whatever turns it.
-template <class Real>
-struct ReachBounds {
-  const Vector3<Real>*position, *velocity;
-  const Real* radius;
-  Real time;   ///< s
-  Real slack;  ///< m
-  Aabb* boxes;
-
-  SIM_HD void operator()(int body) const {
-    using std::sqrt;
-    const Vector3<Real> x = position[body], v = velocity[body];
-    const Vector3<Real> r = Vector3<Real>::Constant(radius[body] + slack + time * sqrt(v.dot(v)));
-    boxes[body] = box_around<Real>(x - r, x + r);
   }
 };
 

@@ -12,7 +12,7 @@
 //      not foreseen, since something hit them in the step, keep clear of their core.
 //   3. Before each move, of all contacts: straight ways that would enter the core are cut short, both by the
 //      same share, at the place where the two touch. Who is cut short may now stand in the way of a third, so
-//      it goes in rounds, until a round finds nothing.
+//      it goes in rounds, until a round finds nothing, or there were `rounds` of them.
 //
 // What is held back keeps its velocity and goes along it, so it loses time, not momentum, and no angular
 // momentum (Catto, "Continuous Collision", GDC 2013, which holds bodies at their time of impact with what
@@ -81,8 +81,9 @@ struct HeldMotion {
 template <class Real>
 class ContinuousCollision {
  public:
-  /// Rounds of measure 3 at most; an even number.
+  /// Rounds of measure 3 at most.
   static constexpr int rounds = 16;
+  static_assert(rounds % 2 == 0, "the last of them writes the shares that motion() reads");
 
   explicit ContinuousCollision(Executor& executor);
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, const StepControl* control);

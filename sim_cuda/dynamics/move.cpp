@@ -13,7 +13,7 @@ void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t 
     const Vector3<Real> high = box ? box->max.cast<Real>() : Vector3<Real>(0, 0, 0);
     run_awake_bodies(
         executor, "move", body_count, asleep,
-        MoveBodies<Real, pulled, rotation, boxed, held>{bodies, gravity, low, high, h, control, motion});
+        MoveBodies<Real, pulled, rotation, boxed, held>{bodies, gravity, low, high, h, motion, control});
   };
   const auto with_rotation = [&]<bool pulled, bool held>() {
     with_effect<&Effects::rotation>(effects, [&]<bool rotation>() {

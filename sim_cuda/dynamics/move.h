@@ -44,8 +44,8 @@ struct MoveBodies {
   Vector3<Real> acceleration;  ///< m/s^2
   Vector3<Real> low, high;     ///< m, the box
   Real h;                      ///< s
-  const StepControl* control;
   [[no_unique_address]] Only<held, HeldMotion<Real>> motion;
+  const StepControl* control;
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;

@@ -42,7 +42,7 @@ struct SoftResidual {
     const Vector3<Real> velocity = walls.bodies.velocity[ids.b] - walls.bodies.velocity[ids.a];
     const bool passes =
         soft && held && k.gap > 0 &&
-        k.passes(velocity, walls.bodies.radius[ids.a] + walls.bodies.radius[ids.b], walls.inverse_h);
+        k.passes(velocity, walls.bodies.radius[ids.a] + walls.bodies.radius[ids.b], 1 / walls.inverse_h);
     const Real change =
         passes ? -k.impulse : k.template solve<soft>(velocity.dot(k.normal), 1 / (w_a + w_b), softness);
     const Real pressed = (w_a + w_b) * change;

@@ -30,9 +30,9 @@ struct PrepareContacts {
   std::uint32_t* place_of;
   Pair* bodies_of;
   InverseMasses<Real>* inverse_masses;
-  SoftContact<Real>* soft;
   [[no_unique_address]] Only<rubbed, SoftGrip<Real>*> grips;
   [[no_unique_address]] Only<rubbed, GrippedPair<Real>*> gripped;
+  SoftContact<Real>* soft;
 
   SIM_HD void operator()(int place) const {
     const std::uint32_t contact = order[place];
@@ -132,10 +132,10 @@ struct KeepContacts {
   const std::uint32_t* place_of;
   const SoftContact<Real>* soft;
   [[no_unique_address]] Only<rubbed, const SoftGrip<Real>*> grips;
-  Pair* known_contacts;
-  Real* known_impulse;
   [[no_unique_address]] Only<rubbed, Vector3<Real>*> known_grip;
   [[no_unique_address]] Only<record, Real*> total;
+  Pair* known_contacts;
+  Real* known_impulse;
   SIM_HD void operator()(int contact) const {
     const std::uint32_t place = place_of[contact];
     known_contacts[contact] = contacts[contact];
@@ -339,7 +339,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
       if constexpr (built_effects.joints)
         if (scene_.effects.joints) scene_.joints->solve();
       with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool held>() {
-        sweep("solve", Solve<Real, held>{softness_, scene_.bodies.radius});
+        sweep("solve", Solve<Real, held>{scene_.bodies.radius, softness_});
       });
       sweep_walls<rubbed>("solve", false, false);
       record_sweep<rubbed, true>(substep, sweeps);
@@ -394,7 +394,7 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
                 PrepareContacts<Real, rubbed>{contacts.bodies, colours.order, scene_.bodies, known,
                                               KnownGrips<Real>{scene_.friction, known_grip_.data()},
                                               place_of_.data(), swept_.data(), inverse_masses_.data(),
-                                              soft_.data(), grips_.data(), gripped_.data()});
+                                              grips_.data(), gripped_.data(), soft_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -475,8 +475,8 @@ SweptContacts<Real, rubs> SoftStepSolver<Real>::swept() const {
           colours.count,
           split_.view(split_degrees_),
           split_degrees_.body_items(),
-          split_change_.data(),
-          split_rubbed_.data()};
+          split_rubbed_.data(),
+          split_change_.data()};
 }
 
 template <class Real>
@@ -493,11 +493,12 @@ template <class Real>
 template <bool rubbed, bool soft>
 void SoftStepSolver<Real>::record_sweep(int substep, int sweep) {
   if (!residuals_.on()) return;
+  constexpr bool rubs = rubbed && !soft;
   const int sums = scene_.iterations + 1, place = (2 * substep + (soft ? 0 : 1)) * sums + sweep;
   const auto with = [&]<bool boxed>() {
     residuals_.record(place, scene_.body_count + contact_capacity_,
                       SoftResidual<Real, soft, rubbed, boxed>{
-                          walls<rubbed, boxed>(), swept < rubbed && !soft > (), softness_, sleeping_.asleep(),
+                          walls<rubbed, boxed>(), swept<rubs>(), softness_, sleeping_.asleep(),
                           scene_.effects.continuous_collision, scene_.control},
                       scene_.control);
   };
@@ -533,9 +534,9 @@ SoftWalls<Real, rubbed, boxed> SoftStepSolver<Real>::walls() const {
           softness_.inverse_h,
           wall_impulse_.data(),
           wall_bounce_.data(),
-          scene_.ledger,
           WallGrips<Real>{scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()},
-          BoxContacts<Real>{scene_.boxes, box_face_.data(), box_touched_.data()}};
+          BoxContacts<Real>{scene_.boxes, box_face_.data(), box_touched_.data()},
+          scene_.ledger};
 }
 
 template <class Real>
@@ -561,8 +562,8 @@ void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulse
   const auto with = [&]<bool record>() {
     executor_.run("keep", Count(&scene_.control->contacts, contact_capacity_),
                   KeepContacts<Real, rubbed, record>{contacts.bodies, place_of_.data(), soft_.data(),
-                                                     grips_.data(), known_contacts_.data(),
-                                                     known_impulse_.data(), known_grip_.data(), impulses});
+                                                     grips_.data(), known_grip_.data(), impulses,
+                                                     known_contacts_.data(), known_impulse_.data()});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
   if constexpr (built_effects.rolling_resistance)

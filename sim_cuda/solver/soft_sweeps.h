@@ -25,8 +25,8 @@ namespace collidoscope {
 template <class Real, bool held>
 struct Solve {
   static constexpr bool rubs = false;
-  Softness<Real> softness;
   [[no_unique_address]] Only<held, const Real*> radius;
+  Softness<Real> softness;
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
     if constexpr (held)
       if (contact.gap > 0 &&
@@ -109,8 +109,8 @@ struct SweptContacts {
   const std::uint32_t* count;         ///< how many it has
   ContactsByBodyView split;           ///< places of the split set, by body
   const std::uint32_t* split_bodies;  ///< all bodies, or 0 where the set is empty
-  Real* split_change;                 ///< N s, along the normal
-  [[no_unique_address]] Only<rubbed, Vector3<Real>*> split_rubbed;  ///< N s, across it
+  [[no_unique_address]] Only<rubbed, Vector3<Real>*> split_rubbed;  ///< N s, across the normal
+  Real* split_change;                                               ///< N s, along it
 };
 
 /// For Executor::run_rounds: a round for each colour, whose contacts share no body; then the mass-split set

@@ -43,9 +43,9 @@ struct SoftWalls {
   Real inverse_h;         ///< 1/s
   Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
-  WallLedger* ledger;
   [[no_unique_address]] Only<rubbed, WallGrips<Real>> grips;
   [[no_unique_address]] Only<boxed, BoxContacts<Real>> boxes;
+  WallLedger* ledger;
 
   /// A body while its planes are resolved.
   struct Body {

@@ -1,0 +1,22 @@
+# Whether any struct ends in a member that may be absent: cmake -DROOT=FOLDER -P absent_members.cmake
+file(GLOB_RECURSE files ${ROOT}/sim_cuda/*.h ${ROOT}/sim_cuda/*.cpp)
+set(faults "")
+foreach(file IN LISTS files)
+  file(READ ${file} text)
+  string(REPLACE "[[no_unique_address]]" "@" text "${text}")
+  string(REGEX REPLACE "//[^\n]*" "" text "${text}")
+  string(REGEX REPLACE "[][]" "" text "${text}")  # a list of CMake's is parted by neither of these
+  string(REPLACE ";" "$" text "${text}")
+  string(REGEX REPLACE "[ \n]+" " " text "${text}")
+  string(REGEX MATCHALL "@ [^$]*[$][^$@]*" members "${text}")
+  foreach(member IN LISTS members)
+    if(member MATCHES "[$].*[({}]")  # what follows is no member, but a function or the end
+      string(REGEX REPLACE "^.*/(sim_cuda/)" "\\1" name ${file})
+      string(REPLACE "$" ";" member "${member}")
+      string(APPEND faults "${name}: ends in an absent member: ${member}\n")
+    endif()
+  endforeach()
+endforeach()
+if(faults)
+  message(FATAL_ERROR "${faults}")
+endif()
