@@ -7,7 +7,6 @@
 
 #include "sim_cuda/launch_json.h"
 #include "sim_cuda/scene/effect_reasons.h"
-#include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 
@@ -137,7 +136,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
                    .effects = names_of(world.effects()),
                    .effect_reasons = {},
                    .shape = world.launch_shape(),
-                   .substeps = substeps_of(scene, world.initial()),
+                   .substeps = world.substeps(),
                    .iterations = scene.physics.iterations,
                    .time_step = scene.physics.time_step,
                    .initial = initial,

@@ -12,6 +12,7 @@
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
+#include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -64,7 +65,8 @@ struct World::Impl {
       : scene(valid(s)),
         options(asked),
         initial(initial_bodies(scene)),
-        executor(with_key_bits(asked, initial)) {
+        executor(with_key_bits(asked, initial)),
+        substeps(substeps_of(scene, initial)) {
     effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
     refuse_what_is_not_built(effects);
     pipeline = make_pipeline(executor, scene, initial, effects);
@@ -143,6 +145,7 @@ struct World::Impl {
   InitialBodies initial;
   Executor executor;  // before everything that lives on it
   Effects effects;
+  int substeps;  // as the pipeline takes them
   std::unique_ptr<Pipeline> pipeline;
   std::unique_ptr<StepGraph> plain, instrumented;
   std::int64_t steps = 0;
@@ -231,6 +234,7 @@ int World::key_bits() const {
   return has_morton_keys(impl_->options.broad_phase) ? impl_->executor.options().key_bits : 0;
 }
 Effects World::effects() const { return impl_->effects; }
+int World::substeps() const { return impl_->substeps; }
 bool World::on_gpu() const { return impl_->executor.on_device(); }
 int World::gpu() const { return impl_->executor.gpu(); }
 std::string World::device_name() const { return impl_->executor.device_name(); }

@@ -48,6 +48,7 @@ class World {
   const RunOptions& options() const;     ///< as asked for
   int key_bits() const;                  ///< of the broad phase's Morton keys: 30 or 63; 0: it has none
   Effects effects() const;
+  int substeps() const;  ///< of a step: as set, or what "auto" has come to
   bool on_gpu() const;
   int gpu() const;                                      ///< CUDA's number of the device, -1 on the CPU
   std::string device_name() const;                      ///< "NVIDIA H200", or the CPU's own name

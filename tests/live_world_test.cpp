@@ -9,6 +9,7 @@
 
 #include "headless/replay.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/limits.h"
 #include "tests/random.h"
 #include "tests/test_files.h"
 
@@ -127,6 +128,8 @@ TEST(LiveWorld, WhatIsRefusedChangesNothing) {
   };
   refused([](Settings& s) { s.broad_phase = "none such"; });
   refused([](Settings& s) { s.time_step = -1; });
+  refused([](Settings& s) { s.substeps = 0; });
+  refused([](Settings& s) { s.iterations = limits::max_iterations + 1; });
   if (!cuda_available()) refused([](Settings& s) { s.executor = ExecutorKind::cuda; });
   live.step(true);
   EXPECT_EQ(live.world().steps(), 2);
@@ -175,7 +178,7 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
     for (int act = 0; act < 25; ++act) {
       const auto body = static_cast<std::int64_t>(random() % live.world().initial().size());
       try {
-        switch (random() % 12) {
+        switch (random() % 14) {
           case 0:
             change(live, [&](Settings& s) { s.bodies = 100 + random() % 100; });
             break;
@@ -220,6 +223,15 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
           case 11:
             change(live, [&](Settings& s) { s.broad_phase = "refit"; });
             break;
+          case 12:
+            change(live, [&](Settings& s) {
+              const int parts = static_cast<int>(random() % 7);
+              s.substeps = parts > 0 ? std::optional(parts) : std::nullopt;
+            });
+            break;
+          case 13:
+            change(live, [&](Settings& s) { s.iterations = 1 + static_cast<int>(random() % 3); });
+            break;
         }
       } catch (const InputError&) {
         // friction with the solver impulse: refused, and nothing has changed
@@ -228,6 +240,32 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
     }
     EXPECT_EQ(replayed_hash(live, scene), live.state_hash()) << seed << '\n' << live.changes_text();
   }
+}
+
+// "auto" is another setting than the number that it comes to, and comes to another one with the solver.
+TEST(LiveWorld, SubstepsAndIterationsActAtTheNextStep) {
+  Scene scene = box_of(200);
+  scene.box->max = Vector3d(25, 25, 25);
+  const auto settings_after = [&](auto edit) {
+    LiveWorld live(scene, on_cpu());
+    live.step(false);
+    change(live, edit);
+    EXPECT_TRUE(live.edited());
+    EXPECT_EQ(live.changes().size(), 1u);
+    for (int k = 0; k < 3; ++k) live.step(false);
+    EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+    return std::pair(live.world().substeps(), live.state_hash());
+  };
+  LiveWorld untouched(scene, on_cpu());
+  for (int k = 0; k < 4; ++k) untouched.step(false);
+  EXPECT_EQ(untouched.world().substeps(), 4);
+  const auto four = settings_after([](Settings& s) { s.substeps = 4; });
+  EXPECT_EQ(four, std::pair(4, untouched.state_hash()));
+  const auto two = settings_after([](Settings& s) { s.substeps = 2; });
+  EXPECT_EQ(two.first, 2);
+  EXPECT_NE(two.second, untouched.state_hash());
+  EXPECT_NE(settings_after([](Settings& s) { s.iterations = 2; }).second, untouched.state_hash());
+  EXPECT_EQ(settings_after([](Settings& s) { s.solver = Solver::impulse; }).first, 1);
 }
 
 TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {

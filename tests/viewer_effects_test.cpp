@@ -46,12 +46,27 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   window.click("effects.auto");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["effects"]["gravity"]["on"] == true; }));
 
+  // Other parts of a step, and sweeps in each: typed, by the slider, and back by "auto".
+  EXPECT_EQ(window.frame()["substeps"], "auto");
+  window.type_into("settings.substeps", "2");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["substeps"] == 2; }));
+  const Json slider = window.frame()["widgets"]["settings.iterations.slider"];
+  const int x = slider[0].get<int>(), y = slider[1].get<int>() + slider[3].get<int>() / 2;
+  window.drag(x + 5, y, x + slider[2].get<int>() / 2, y);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["iterations"] > 1 && f["iterations"] < 32; }));
+  EXPECT_GE(window.frame()["changes"], 4) << "one for each place of the slider";
+  window.move(640, 20);
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 8; }));
+  window.click("settings.substeps.auto");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["substeps"] == "auto"; }));
+
   // A ball comes, a body goes.
   window.move(640, 20);
   window.key("b");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 301; }));
   window.key("s");
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 8; }));
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 9; }));
   for (int k = 0; k < 12 && window.frame()["selection"].is_null(); ++k)
     window.click_at(560 + 14 * k, 420 - 6 * k);
   ASSERT_FALSE(window.frame()["selection"].is_null());
@@ -59,8 +74,8 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 300; })) << window.frame().dump();
   EXPECT_TRUE(window.frame()["selection"].is_null());
   for (int k = 0; k < 4; ++k) window.key("s");
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 12; }));
-  EXPECT_EQ(window.frame()["changes"], 4);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 13; }));
+  EXPECT_GE(window.frame()["changes"], 7);
 
   window.click("run.changes");
   ASSERT_TRUE(window.wait_for(
@@ -73,7 +88,7 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
                   {"run", "box_collider", "--bodies", "300", "--changes", file, "--json", "-"});
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(Json::parse(again.out)["state_hash"], hash);
-  EXPECT_EQ(Json::parse(again.out)["steps"], 12);
+  EXPECT_EQ(Json::parse(again.out)["steps"], 13);
   EXPECT_EQ(close(window), "");
 }
 

@@ -16,13 +16,36 @@ namespace {
 /// What a long walk must have come round to: every choice of every list, and what lies deepest: in scrolled
 /// panels, in those that are folded at first, and in what only a selected body, node or query shows.
 std::vector<std::string> named_widgets() {
-  std::vector<std::string> names{
-      "scene",           "graph.momentum", "timing.json",          "timing.keys",         "panel.numbers",
-      "settings.seed",   "view.picture",   "layers.levels",        "layers.contacts",     "camera.ortho",
-      "tree.sort.SAH",   "tree.row.0",     "tree.row.7",           "tree.page.next",      "tree.next",
-      "tree.spread",     "tree.auto",      "tree.frame",           "tree.query.play",     "tree.query.at",
-      "inspector.path",  "error.dismiss",  "inspector.follow",     "inspector.contact.0", "inspector.close",
-      "panel.inspector", "fold.left",      "settings.threads.auto"};
+  std::vector<std::string> names{"scene",
+                                 "graph.momentum",
+                                 "timing.json",
+                                 "timing.keys",
+                                 "panel.numbers",
+                                 "settings.seed",
+                                 "view.picture",
+                                 "layers.levels",
+                                 "layers.contacts",
+                                 "camera.ortho",
+                                 "tree.sort.SAH",
+                                 "tree.row.0",
+                                 "tree.row.7",
+                                 "tree.page.next",
+                                 "tree.next",
+                                 "tree.spread",
+                                 "tree.auto",
+                                 "tree.frame",
+                                 "tree.query.play",
+                                 "tree.query.at",
+                                 "inspector.path",
+                                 "error.dismiss",
+                                 "inspector.follow",
+                                 "inspector.contact.0",
+                                 "inspector.close",
+                                 "panel.inspector",
+                                 "fold.left",
+                                 "settings.threads.auto",
+                                 "settings.substeps.auto",
+                                 "settings.iterations.slider"};
   const auto list = [&](const std::string& name, const std::vector<std::string>& choices) {
     for (const std::string& choice : choices) names.push_back(name + "." + choice);
   };

@@ -157,9 +157,11 @@ void WindowWalker::touch(const Json& widgets) {
 }
 
 void WindowWalker::act_on(const std::string& name, const Json& rect) {
-  // A few bodies touch nothing, and a frame of a million takes seconds: between lie 50 and 6,000.
+  // A few bodies touch nothing, and a frame of a million takes seconds: between lie 50 and 6,000. So does one
+  // of many sweeps.
   const bool number = name == "settings.bodies.slider";
-  const double from = number ? 0.4 : 0, to = number ? 0.6 : 1;
+  const bool sweeps = name == "settings.substeps.slider" || name == "settings.iterations.slider";
+  const double from = number ? 0.4 : 0, to = number ? 0.6 : sweeps ? 0.4 : 1;
   const int x = within(rect, 0, from, to), y = within(rect, 1);
   static const std::set<std::string> fields{"settings.bodies", "settings.blocks", "settings.threads",
                                             "settings.rate",   "settings.radius", "settings.seed"};

@@ -14,22 +14,30 @@
 namespace collidoscope {
 namespace {
 
-// A number that can be typed, and a logarithmic slider of the same. 0 is "auto" where `chosen` says what that
-// has come to, or nothing.
+// A number that can be typed, and a logarithmic slider of the same.
 template <class Number>
-void log_row(Workspace& workspace, const char* name, const char* label, ImGuiDataType type, Number& value,
-             Number low, Number high, Number limit, const std::string* chosen, const char* help) {
+struct LogRow {
+  const char *name, *label, *help;
+  Number low, high, limit;              ///< the slider's ends, and the most that can be typed
+  const std::string* chosen = nullptr;  ///< set: 0 is "auto", which has come to this, if it says so
+  Number manual = 0;                    ///< in its place, where "auto" is let go
+  float column = 2, field = 5.4f;       ///< ems: where the slider begins, and what is typed into
+};
+
+template <class Number>
+void log_row(Workspace& workspace, ImGuiDataType type, Number& value, const LogRow<Number>& row) {
+  const auto& [name, label, help, low, high, limit, chosen, manual, column, field] = row;
   ImGui::PushID(name);
   const float size = ImGui::GetFontSize();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(label);
   explain(help);
-  ImGui::SameLine(size * 2);
+  ImGui::SameLine(size * column);
   const bool automatic = chosen != nullptr, is_auto = automatic && value == 0;
   const std::string text = is_auto ? (chosen->empty() ? "auto" : *chosen) : "";
   const float button = automatic ? ImGui::CalcTextSize("auto").x + 2 * ImGui::GetStyle().FramePadding.x : 0;
   const float gap = ImGui::GetStyle().ItemSpacing.x;
-  const float input = size * 5.4f;
+  const float input = size * field;
   ImGui::SetNextItemWidth(
       std::max(ImGui::GetContentRegionAvail().x - input - gap - (automatic ? button + gap : 0), size));
   Number shown = std::clamp(is_auto ? low : value, low, high);
@@ -49,7 +57,7 @@ void log_row(Workspace& workspace, const char* name, const char* label, ImGuiDat
   if (automatic) {
     ImGui::SameLine();
     if (is_auto) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    if (ImGui::Button("auto", {button, 0})) value = is_auto ? Number{256} : Number{0};
+    if (ImGui::Button("auto", {button, 0})) value = is_auto ? manual : Number{0};
     if (is_auto) ImGui::PopStyleColor();
     track(workspace, (std::string(name) + ".auto").c_str());
   }
@@ -86,19 +94,23 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
   // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
   const std::int64_t highest = s.variant == Variant::paper ? 20'000 : 2'000'000;
   log_row<std::int64_t>(
-      workspace, "settings.bodies", "N", ImGuiDataType_S64, s.bodies, 1, highest, limits::max_bodies, nullptr,
-      "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
-      "then the run starts again");
+      workspace, ImGuiDataType_S64, s.bodies,
+      {"settings.bodies", "N",
+       "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
+       "then the run starts again",
+       1, highest, limits::max_bodies});
 }
 
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   const LaunchRange chosen = launch_range(*view.history);
-  log_row<int>(workspace, "settings.blocks", "B", ImGuiDataType_S32, s.shape.blocks, 1, 65536, 2147483647,
-               &chosen.blocks,
-               "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage");
-  log_row<int>(workspace, "settings.threads", "T", ImGuiDataType_S32, s.shape.threads, 1, 1024, 1024,
-               &chosen.threads, "Threads of a block, 1 to 1024");
+  log_row<int>(workspace, ImGuiDataType_S32, s.shape.blocks,
+               {"settings.blocks", "B",
+                "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage", 1, 65536,
+                2147483647, &chosen.blocks, 256});
+  log_row<int>(
+      workspace, ImGuiDataType_S32, s.shape.threads,
+      {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, 1024, 1024, &chosen.threads, 256});
   const LaunchShape& shape = view.in_effect.shape;
   std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
@@ -111,6 +123,32 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
         "Over all stages of the last step; the timing table explains each. A stage marked * there ignores "
         "(B, T) in part: a library launches it. Nothing here changes the result.");
   }
+}
+
+void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
+  Settings& s = workspace.settings;
+  const std::string chosen = std::to_string(view.substeps);
+  LogRow<int> row{"settings.substeps",
+                  "substeps",
+                  "Parts of a step, 1 to 1000. soft_step and jacobi_split find contacts once in a step and "
+                  "solve them in each part; impulse does all of it in each. auto: 1 with impulse, else 4, or "
+                  "as many as the joints call for",
+                  1,
+                  32,
+                  limits::max_substeps,
+                  &chosen,
+                  view.substeps,
+                  6.6f,
+                  3.4f};
+  int substeps = s.substeps.value_or(0);
+  log_row(workspace, ImGuiDataType_S32, substeps, row);
+  s.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
+  row.name = "settings.iterations";
+  row.label = "iterations";
+  row.help = "Sweeps of the solver over all contacts, in each part of a step, 1 to 1000";
+  row.limit = limits::max_iterations;
+  row.chosen = nullptr;
+  log_row(workspace, ImGuiDataType_S32, s.iterations, row);
 }
 
 }  // namespace
@@ -157,6 +195,7 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
              "What contacts do. impulse: the paper's, which lets piles sink. soft_step: contacts are soft, "
              "steps go in substeps, and piles come to rest. jacobi_split: the same, but all contacts at once "
              "between parts of bodies");
+  draw_sweeps(workspace, view);
 
   if (view.generated) {
     ImGui::Spacing();

@@ -33,6 +33,8 @@ struct Settings {
   double restitution = 0.8;     ///< of the material "default"
   Precision precision = Precision::f32;
   Solver solver = Solver::soft_step;
+  std::optional<int> substeps;  ///< unset: "auto"
+  int iterations = 1;
   std::optional<Effects> effects;  ///< unset: "auto", what the scene calls for
   ExecutorKind executor = ExecutorKind::automatic;
   LaunchShape shape;  ///< (B, T); zeros are "auto"
@@ -123,6 +125,7 @@ struct WorkspaceView {
   bool cuda = false;                      ///< can be chosen
   std::vector<std::string> broad_phases;  ///< names, the default first
   std::vector<std::string> effects;       ///< that are on
+  int substeps = 1;                       ///< of a step, also where they are "auto"
   std::vector<EffectFacts> effect_facts;  ///< of all; empty while their panel is folded
   bool measuring_effects = false;
   int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none

@@ -73,6 +73,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"restitution", s.restitution},
                {"precision", std::string(name_of(precision_names, s.precision))},
                {"solver", std::string(name_of(solver_names, s.solver))},
+               {"substeps", s.substeps ? Json(*s.substeps) : Json("auto")},
+               {"iterations", s.iterations},
                {"broad_phase", s.broad_phase},
                {"layers",
                 {{"spheres", workspace.layers.spheres},

@@ -14,6 +14,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.effects.clear();
   for (const EffectName& effect : effect_names)
     if (world.effects().*(effect.flag)) view.effects.emplace_back(effect.name);
+  view.substeps = world.substeps();
   view.key_bits = world.key_bits();
   view.stats = stats;
   view.time = static_cast<double>(world.steps()) * world.scene().physics.time_step;

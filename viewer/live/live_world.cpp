@@ -22,6 +22,8 @@ Settings settings_of(const World& world) {
   s.restitution = scene.materials[0].restitution;
   s.precision = scene.physics.precision;
   s.solver = scene.physics.solver;
+  s.substeps = scene.physics.substeps;
+  s.iterations = scene.physics.iterations;
   s.effects = scene.physics.effects;
   s.executor = options.executor;
   s.shape = options.shape;
@@ -42,6 +44,8 @@ Change change_between(const Settings& now, const Settings& wish) {
   set(change.restitution, now.restitution, wish.restitution);
   set(change.precision, now.precision, wish.precision);
   set(change.solver, now.solver, wish.solver);
+  if (now.substeps != wish.substeps) change.substeps.emplace(wish.substeps);
+  set(change.iterations, now.iterations, wish.iterations);
   if (now.effects != wish.effects) change.effects.emplace(wish.effects);
   set(change.blocks, now.shape.blocks, wish.shape.blocks);
   set(change.threads, now.shape.threads, wish.shape.threads);
