@@ -11,8 +11,11 @@
 
 #include "tests/gl_fixture.h"
 #include "tests/golden.h"
+#include "ui/panels.h"
+#include "ui/theme.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
+#include "viewer/render/window_frame.h"
 
 namespace collidoscope {
 namespace {
@@ -130,6 +133,48 @@ TEST(PanelPicture, TreeWithAQuery) {
   EXPECT_EQ(check_golden("workspace_query", desk.draw()), "");
 }
 
+/// Of a pile at rest: two substeps of soft_step, three sweeps each, written down. Solvers that get better
+/// draw no other picture.
+std::vector<Residual> residuals_of_a_pile() {
+  constexpr double rms[] = {6.30e-5, 1.52e-5, 5.37e-6, 1.93e-6, 6.39e-5, 2.36e-5, 4.93e-6, 0,
+                            6.12e-5, 1.45e-5, 3.54e-6, 1.02e-6, 6.22e-5, 2.41e-5, 4.71e-6, 6.19e-7};
+  std::vector<Residual> residuals;
+  for (int k = 0; k < 16; ++k)
+    residuals.push_back({k / 4 % 2 == 0 ? "solve" : "relax", k / 8, k % 4, 345, rms[k], 9 * rms[k]});
+  return residuals;
+}
+
+/// The panel alone, with the pointer at a place.
+Image picture_of_convergence(Theme theme, ImVec2 pointer) {
+  constexpr int w = 338, h = 190;
+  Workspace workspace;
+  workspace.theme = theme;
+  workspace.folds.convergence = true;
+  WorkspaceView view;
+  view.residuals = residuals_of_a_pile();
+  GuiPass gui(13);
+  const WindowFrame frame(w, h);
+  for (int round = 0; round < 4; ++round) {
+    gui.begin(w, h);
+    ImGui::GetIO().MousePos = pointer;  // of the next round
+    apply_theme(theme, ImGui::GetFontSize());
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({w, h});
+    ImGui::Begin("details", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+    draw_convergence_panel(workspace, view);
+    ImGui::End();
+    gui.end(frame.target());
+  }
+  return frame.read();
+}
+
+// Of each sweep the error, by decades; one that leaves none lies on the floor.
+TEST(PanelPicture, Convergence) {
+  test_context();
+  EXPECT_EQ(check_golden("convergence_dark", picture_of_convergence(Theme::dark, {-1, -1})), "");
+  EXPECT_EQ(check_golden("convergence_light", picture_of_convergence(Theme::light, {262, 60})), "");
+}
+
 TEST(PanelPicture, RepeatsItself) {
   test_context();
   Desk desk, other;
@@ -163,6 +208,7 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
                            "layers.levels",
                            "layers.box_color",
                            "timing.csv",
+                           "panel.convergence",
                            "tree.method",
                            "tree.levels",
                            "tree.boxes",

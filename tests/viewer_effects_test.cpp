@@ -46,10 +46,13 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   window.click("effects.auto");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["effects"]["gravity"]["on"] == true; }));
 
-  // Other parts of a step, and sweeps in each: typed, by the slider, and back by "auto".
+  // Other parts of a step, and sweeps in each: typed, by the slider, and back by "auto". What they leave is
+  // drawn.
   EXPECT_EQ(window.frame()["substeps"], "auto");
   window.type_into("settings.substeps", "2");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["substeps"] == 2; }));
+  window.click("panel.timing");  // folded, it leaves room
+  window.click("panel.convergence");
   const Json slider = window.frame()["widgets"]["settings.iterations.slider"];
   const int x = slider[0].get<int>(), y = slider[1].get<int>() + slider[3].get<int>() / 2;
   window.drag(x + 5, y, x + slider[2].get<int>() / 2, y);
@@ -58,6 +61,10 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   window.move(640, 20);
   window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 8; }));
+  EXPECT_TRUE(window.wait_for([](const Json& f) { return f["widgets"].contains("convergence.plot"); }))
+      << "recorded with the next step";
+  window.click("panel.convergence");
+  EXPECT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("convergence.plot"); }));
   window.click("settings.substeps.auto");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["substeps"] == "auto"; }));
 

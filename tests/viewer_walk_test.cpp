@@ -45,7 +45,8 @@ std::vector<std::string> named_widgets() {
                                  "fold.left",
                                  "settings.threads.auto",
                                  "settings.substeps.auto",
-                                 "settings.iterations.slider"};
+                                 "settings.iterations.slider",
+                                 "panel.convergence"};
   const auto list = [&](const std::string& name, const std::vector<std::string>& choices) {
     for (const std::string& choice : choices) names.push_back(name + "." + choice);
   };

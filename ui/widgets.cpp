@@ -112,7 +112,8 @@ std::string with_prefix(double value, const char* unit) {
   static constexpr struct {
     double scale;
     const char* prefix;
-  } prefixes[] = {{1e12, "T"}, {1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "µ"}};
+  } prefixes[] = {{1e12, "T"}, {1e9, "G"},  {1e6, "M"},  {1e3, "k"},  {1, ""},
+                  {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}, {1e-12, "p"}};
   if (value == 0) return fmt::format("0 {}", unit);
   if (!std::isfinite(value)) return fmt::format("{} {}", value, unit);
   for (const auto& p : prefixes)

@@ -114,7 +114,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_tree_panel(workspace, view);
       draw_effects_panel(workspace, view);
       draw_timing_panel(workspace, view);
-      if (folds.convergence) draw_convergence_panel(workspace, view);
+      draw_convergence_panel(workspace, view);
       draw_numbers_panel(workspace, view);
       draw_inspector_panel(workspace, view);
     });

@@ -70,6 +70,7 @@ void GuiPass::build() { ImGui::Render(); }
 
 void GuiPass::rasterise(const gl::Target& picture) {
   picture.bind();
+  glUseProgram(0);  // ImGui puts back what was in use, which its owner may have deleted by then
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   gl::check("to draw text and panels");
 }
