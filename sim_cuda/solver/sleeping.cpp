@@ -7,6 +7,7 @@
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/dynamics/awake.h"
+#include "sim_cuda/scene/effects.h"
 #include "sim_cuda/solver/solver_memory.h"
 
 namespace collidoscope {
@@ -35,8 +36,8 @@ SIM_HD inline std::uint32_t root_of(std::uint32_t* parent, std::uint32_t body) {
   return at;
 }
 
-/// Makes one island of two bodies.
-template <class Real>
+/// Makes one island of two bodies. `turning`, here and below: bodies have a spin.
+template <class Real, bool turning>
 struct Islands {
   BodyView<Real> bodies;
   std::uint32_t* parent;
@@ -44,9 +45,12 @@ struct Islands {
 
   SIM_HD bool moves(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
-    if (v.dot(v) > 0 || bodies.angular_velocity == nullptr) return v.dot(v) > 0;
-    const Vector3<Real> spin = bodies.angular_velocity[body];
-    return spin.dot(spin) > 0;
+    bool some = v.dot(v) > 0;
+    if constexpr (turning) {
+      const Vector3<Real> spin = bodies.angular_velocity[body];
+      some = some || spin.dot(spin) > 0;
+    }
+    return some;
   }
   SIM_HD void join(std::uint32_t a, std::uint32_t b) const {
     const bool a_stays = bodies.inverse_mass[a] == 0, b_stays = bodies.inverse_mass[b] == 0;
@@ -66,17 +70,17 @@ struct Islands {
   }
 };
 
-template <class Real>
+template <class Real, bool turning>
 struct JoinByContacts {
   const Pair* contacts;
-  Islands<Real> islands;
+  Islands<Real, turning> islands;
   SIM_HD void operator()(int contact) const { islands.join(contacts[contact].a, contacts[contact].b); }
 };
 
-template <class Real>
+template <class Real, bool turning>
 struct JoinByJoints {
   const JointRow<Real>* rows;
-  Islands<Real> islands;
+  Islands<Real, turning> islands;
   SIM_HD void operator()(int joint) const {
     if (rows[joint].b != JointRow<Real>::world) islands.join(rows[joint].a, rows[joint].b);
   }
@@ -95,7 +99,7 @@ struct StirIslands {
   }
 };
 
-template <class Real>
+template <class Real, bool turning>
 struct FallAsleepOrWake {
   BodyView<Real> bodies;
   std::uint32_t* parent;
@@ -113,11 +117,11 @@ struct FallAsleepOrWake {
     slow[body] = sleeps ? slow_and_asleep : 0;
     if (!sleeps) return;
     bodies.velocity[body] = Vector3<Real>::Zero();
-    if (bodies.angular_velocity != nullptr) bodies.angular_velocity[body] = Vector3<Real>::Zero();
+    if constexpr (turning) bodies.angular_velocity[body] = Vector3<Real>::Zero();
   }
 };
 
-template <class Real>
+template <class Real, bool turning>
 struct CountSlowSteps {
   BodyView<Real> bodies;
   Real speed;
@@ -128,7 +132,7 @@ struct CountSlowSteps {
     if (control->overflow) return;
     const Vector3<Real> v = bodies.velocity[body];
     bool is_slow = v.dot(v) < speed * speed;
-    if (bodies.angular_velocity != nullptr) {
+    if constexpr (turning) {
       const Vector3<Real> surface = bodies.radius[body] * bodies.angular_velocity[body];
       is_slow = is_slow && surface.dot(surface) < speed * speed;
     }
@@ -148,6 +152,12 @@ struct CountSleepers {
     return {asleep, root, root & asleep};
   }
 };
+
+/// What decides stages here: bodies have a spin where the effect is on.
+template <class Real>
+Effects rotation_effect(const BodyView<Real>& bodies) {
+  return {.rotation = bodies.angular_velocity != nullptr};
+}
 
 /// Before the first run: no body is the root of an island.
 std::vector<std::uint32_t> no_islands(std::int64_t bodies) {
@@ -184,22 +194,26 @@ void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_coun
 template <class Real>
 void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
                                   const JointView<Real>& joints) {
-  const Islands<Real> islands{bodies_, parent_.data(), asleep_.data()};  // known anew at the end
   executor_.run("islands", body_count_, BeginIslands{parent_.data(), restless_.data(), asleep_.data()});
-  executor_.run("islands", Count(&control_->contacts, contact_capacity),
-                JoinByContacts<Real>{contacts.bodies, islands});
-  executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
-  executor_.run("islands", body_count_,
-                StirIslands{slow_.data(), needed_, parent_.data(), asleep_.data(), restless_.data()});
-  executor_.run("islands", body_count_,
-                FallAsleepOrWake<Real>{bodies_, parent_.data(), restless_.data(), slow_.data(),
-                                       asleep_.data(), control_});
+  with_effect<&Effects::rotation>(rotation_effect(bodies_), [&]<bool turning>() {
+    const Islands<Real, turning> islands{bodies_, parent_.data(), asleep_.data()};  // known anew at the end
+    executor_.run("islands", Count(&control_->contacts, contact_capacity),
+                  JoinByContacts<Real, turning>{contacts.bodies, islands});
+    executor_.run("islands", joints.count, JoinByJoints<Real, turning>{joints.rows, islands});
+    executor_.run("islands", body_count_,
+                  StirIslands{slow_.data(), needed_, parent_.data(), asleep_.data(), restless_.data()});
+    executor_.run("islands", body_count_,
+                  FallAsleepOrWake<Real, turning>{bodies_, parent_.data(), restless_.data(), slow_.data(),
+                                                  asleep_.data(), control_});
+  });
 }
 
 template <class Real>
 void Sleeping<Real>::count() {
-  run_awake_bodies(executor_, "islands", body_count_, asleep_.data(),
-                   CountSlowSteps<Real>{bodies_, speed_, needed_, slow_.data(), control_});
+  with_effect<&Effects::rotation>(rotation_effect(bodies_), [&]<bool turning>() {
+    run_awake_bodies(executor_, "islands", body_count_, asleep_.data(),
+                     CountSlowSteps<Real, turning>{bodies_, speed_, needed_, slow_.data(), control_});
+  });
 }
 
 template <class Real>
