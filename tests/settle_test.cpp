@@ -66,6 +66,16 @@ Scene pile(std::int64_t bodies, double friction = 0) {
   return scene;
 }
 
+/// Of the mass, what moves by less than `speed`, m/s.
+double share_slower_than(double speed, World& world) {
+  const std::vector<Vector3d> velocity = world.bodies().velocity;
+  const std::vector<double>& mass = world.initial().mass;
+  double slower = 0;
+  for (std::size_t body = 0; body < mass.size(); ++body)
+    if (velocity[body].norm() < speed) slower += mass[body];
+  return slower / std::accumulate(mass.begin(), mass.end(), 0.0);
+}
+
 TEST_P(Settled, IsAtRestBeforeItsFirstStepAndStaysThere) {
   for (const std::int64_t bodies : {1, 300, 1000})
     for (const double friction : {0.0, 0.5}) {
@@ -82,9 +92,13 @@ TEST_P(Settled, IsAtRestBeforeItsFirstStepAndStaysThere) {
       EXPECT_EQ(start.escaped, 0);
       EXPECT_EQ(world.initial().radius, initial_bodies(box_collider(bodies, Variant::scaled)).radius);
       world.step(60);
-      // Without the drag, layers slide on a little, and what lies in bowls rolls on.
-      EXPECT_LE(world.measure().kinetic_energy, 8 * at_rest) << bodies << ' ' << friction;
-      EXPECT_NEAR(world.measure().potential_energy / start.potential_energy, 1, 3e-3);
+      // A grain that slips through between larger ones falls by metres, bounces, and may for a moment have
+      // ten times the energy that counts as rest; it has it of its height. Nothing is thrown, nearly all
+      // stays.
+      const StepStats end = world.measure();
+      EXPECT_LE(end.energy(), start.energy() + at_rest) << bodies << ' ' << friction;
+      EXPECT_GE(share_slower_than(0.25, world), 0.95) << bodies << ' ' << friction;
+      EXPECT_NEAR(end.potential_energy / start.potential_energy, 1, 3e-3);
     }
   EXPECT_THAT(lines_, testing::IsEmpty());
 }
