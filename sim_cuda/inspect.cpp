@@ -55,13 +55,13 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
   report.mass = static_cast<double>(read(bodies.mass, id));
   report.radius = static_cast<double>(read(bodies.radius, id));
   report.X = read(bodies.position, id).template cast<double>();
-  report.v = read(bodies.velocity, id).template cast<double>();
+  report.v = Vector3<Real>(read(bodies.velocity, id)).template cast<double>();
   report.P = report.mass * report.v;
   report.F = report.mass * source.gravity;
   Vector3d inertia = Vector3d::Constant(0.4 * report.mass * report.radius * report.radius);
   if (bodies.orientation != nullptr) {
     report.q = read(bodies.orientation, id).template cast<double>();
-    report.w = read(bodies.angular_velocity, id).template cast<double>();
+    report.w = Vector3<Real>(read(bodies.angular_velocity, id)).template cast<double>();
     inertia = read(bodies.inertia, id).template cast<double>();
   }
   const Matrix3d r = report.q.toRotationMatrix();

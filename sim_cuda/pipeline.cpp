@@ -167,6 +167,11 @@ std::vector<Vector3<Real>> narrowed(const std::vector<Vector3d>& wide) {
   for (std::size_t i = 0; i < wide.size(); ++i) narrow[i] = wide[i].cast<Real>();
   return narrow;
 }
+template <class Real>
+std::vector<StoredVector3<Real>> stored(const std::vector<Vector3d>& wide) {
+  const std::vector<Vector3<Real>> narrow = narrowed<Real>(wide);
+  return {narrow.begin(), narrow.end()};
+}
 
 template <class Real>
 std::vector<BoxSurface<Real>> box_surfaces(const Scene& scene) {
@@ -241,8 +246,9 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   const std::size_t n = initial.size();
   const int substeps = substeps_of(scene, initial);
   state_.position.upload(narrowed<Real>(initial.position));
-  state_.velocity.upload(initial.velocity.empty() ? std::vector<Vector3<Real>>(n, Vector3<Real>(0, 0, 0))
-                                                  : narrowed<Real>(initial.velocity));
+  state_.velocity.upload(initial.velocity.empty()
+                             ? std::vector<StoredVector3<Real>>(n, Vector3<Real>(Vector3<Real>::Zero()))
+                             : stored<Real>(initial.velocity));
   std::vector<Real> radius(n), mass(n), inverse_mass(n);
   for (std::size_t i = 0; i < n; ++i) {
     radius[i] = static_cast<Real>(initial.radius[i]);
@@ -261,10 +267,12 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   state_.inverse_mass.upload(inverse_mass);
   if (effects.rotation) {
     std::vector<Quaternion<Real>> orientation(n, Quaternion<Real>(1, 0, 0, 0));
-    std::vector<Vector3<Real>> spin(n, Vector3<Real>(0, 0, 0)), inertia(n);
+    std::vector<StoredVector3<Real>> spin(n, Vector3<Real>(Vector3<Real>::Zero()));
+    std::vector<Vector3<Real>> inertia(n);
     for (std::size_t i = 0; i < n; ++i) {
       if (!initial.orientation.empty()) orientation[i] = initial.orientation[i].template cast<Real>();
-      if (!initial.angular_velocity.empty()) spin[i] = initial.angular_velocity[i].template cast<Real>();
+      if (!initial.angular_velocity.empty())
+        spin[i] = Vector3<Real>(initial.angular_velocity[i].template cast<Real>());
       const double ball = 0.4 * initial.mass[i] * initial.radius[i] * initial.radius[i];
       inertia[i] = initial.inertia.empty() ? Vector3<Real>::Constant(static_cast<Real>(ball))
                                            : Vector3<Real>(initial.inertia[i].template cast<Real>());
@@ -383,7 +391,8 @@ template <class Real>
 BodyStates TypedPipeline<Real>::bodies() {
   const auto widened = [](const auto& narrow) {
     std::vector<Vector3d> wide(narrow.size());
-    for (std::size_t i = 0; i < narrow.size(); ++i) wide[i] = narrow[i].template cast<double>();
+    for (std::size_t i = 0; i < narrow.size(); ++i)
+      wide[i] = Vector3<Real>(narrow[i]).template cast<double>();
     return wide;
   };
   BodyStates states;
@@ -437,12 +446,12 @@ void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector
     executor_.copy_to_executor(buffer.data(), values.data(), n * sizeof values[0]);
   };
   write(state_.position, narrowed<Real>(states.position));
-  write(state_.velocity, narrowed<Real>(states.velocity));
+  write(state_.velocity, stored<Real>(states.velocity));
   if (effects_.rotation) {
     std::vector<Quaternion<Real>> orientation(n);
     for (std::size_t i = 0; i < n; ++i) orientation[i] = states.orientation[i].template cast<Real>();
     write(state_.orientation, orientation);
-    write(state_.angular_velocity, narrowed<Real>(states.angular_velocity));
+    write(state_.angular_velocity, stored<Real>(states.angular_velocity));
   }
   if (state_.ledger.size() > 0 && ledgers.size() >= n) write(state_.ledger, ledgers);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "sim_cuda/solver/soft_sweeps.h"
 #include "tests/executors.h"
 #include "tests/random.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 struct Coloured {
   std::vector<std::vector<std::uint32_t>> colours;  ///< contact numbers; the last is the split set
+  std::vector<std::uint32_t> used;                  ///< by body: its colours, as bits
 };
 
 class ColouringTest : public OnEachExecutor {
@@ -38,6 +40,13 @@ class ColouringTest : public OnEachExecutor {
     for (std::size_t k = 0; k < begin.size(); ++k)
       result.colours.emplace_back(order.begin() + begin[k], order.begin() + begin[k] + count[k]);
     EXPECT_EQ(control.download()[0].split_contacts, count.back());
+    std::vector<std::uint8_t> colour_of(order.size());
+    executor.copy_to_host(colour_of.data(), colouring.view().colour, colour_of.size());
+    for (std::size_t j = 0; j < Colouring::colours; ++j)
+      for (std::uint32_t k = begin[j]; k < begin[j] + count[j]; ++k) EXPECT_EQ(colour_of[k], j);
+    std::vector<ColouredBody> coloured(bodies);
+    executor.copy_to_host(coloured.data(), colouring.view().bodies, coloured.size() * sizeof coloured[0]);
+    for (const ColouredBody& body : coloured) result.used.push_back(body.used);
     return result;
   }
 
@@ -108,6 +117,42 @@ TEST_P(ColouringTest, DoesNotDependOnTheOrderOfWork) {
         o.cpu_threads = threads;
         EXPECT_EQ(colour(contacts, 300, o).colours, expected.colours);
       }
+}
+
+TEST_P(ColouringTest, TurnsLetEachBodysContactsPassInTheOrderOfTheirColours) {
+  const auto contacts = random_contacts(300, 2000, 21);
+  const Coloured coloured = colour(contacts, 300, options());
+  struct Waiting {
+    Pair bodies;
+    Turns turns;
+    int colour;
+  };
+  std::vector<Waiting> waiting;
+  for (int c = 0; c < Colouring::colours; ++c)
+    for (const std::uint32_t k : coloured.colours[static_cast<std::size_t>(c)]) {
+      const auto [a, b] = contacts[k];
+      waiting.push_back({contacts[k], Turns::of(coloured.used[a], coloured.used[b], c), c});
+    }
+  std::reverse(waiting.begin(), waiting.end());  // the last to be free is asked first
+  std::vector<std::uint8_t> count(300, 0);
+  std::vector<int> last(300, -1);
+  while (!waiting.empty()) {
+    std::vector<Waiting> still;
+    for (const Waiting& w : waiting) {
+      const auto [a, b] = w.bodies;
+      if (count[a] != w.turns.a || count[b] != w.turns.b) {
+        still.push_back(w);
+        continue;
+      }
+      EXPECT_GT(w.colour, std::max(last[a], last[b]));
+      last[a] = last[b] = w.colour;
+      count[a] = w.turns.next_a;
+      count[b] = w.turns.next_b;
+    }
+    ASSERT_LT(still.size(), waiting.size()) << "they wait for each other";
+    waiting = still;
+  }
+  EXPECT_EQ(count, std::vector<std::uint8_t>(300, 0)) << "ready for the next sweep";
 }
 
 TEST_P(ColouringTest, OfNothingIsEmpty) {

@@ -390,10 +390,11 @@ void expect_foreseen() {
     if (!meet) continue;
     ++met;
     constexpr Course course = dragged ? Course::dragged : Course::straight;
-    const Foresight<double> foresight{course, v, dt, dt * dt * g.norm()};
+    const StoredVector3<double> stored[2] = {v[0], v[1]};
+    const Foresight<double> foresight{course, stored, dt, dt * dt * g.norm()};
     EXPECT_TRUE((spheres_will_touch<double, course>(x[0], r[0], v[0], x[1], r[1], v[1], foresight)));
     Aabb boxes[2];
-    const SweptBounds<double> bounds{x, v, r, dt, foresight.slack, boxes};
+    const SweptBounds<double> bounds{x, stored, r, dt, foresight.slack, boxes};
     bounds(0);
     bounds(1);
     EXPECT_TRUE(overlap(boxes[0], boxes[1]));

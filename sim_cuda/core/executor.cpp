@@ -359,10 +359,14 @@ LaunchShape Executor::choose_shape(const void* kernel, const char* name, std::in
   return shape;
 }
 
-LaunchShape Executor::choose_waiting_shape(const void* kernel, const char* name, std::int64_t items) {
-  // A block for each multiprocessor, so that all move data, but no more, so that few wait for each other.
-  const std::int64_t shared = (items + multiprocessors_ - 1) / multiprocessors_;
-  const int usual = static_cast<int>(std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, max_threads_));
+LaunchShape Executor::choose_waiting_shape(const void* kernel, const char* name, std::int64_t items,
+                                           int blocks_each) {
+  // A block or two for each multiprocessor, so that all move data, but no more, so that few wait for each
+  // other.
+  const std::int64_t blocks = std::int64_t{multiprocessors_} * blocks_each,
+                     shared = (items + blocks - 1) / blocks;
+  const int usual =
+      static_cast<int>(std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, max_threads_ / blocks_each));
   const int threads = options_.shape.threads > 0 ? options_.shape.threads : usual;
   const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * multiprocessors_;

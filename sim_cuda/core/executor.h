@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/host_device.h"
 #include "sim_cuda/core/occupancy.h"
 #include "sim_cuda/core/parallel_for.h"
@@ -118,6 +119,19 @@ class Executor {
   ///   SIM_HD void operator()(int round, int item) const;
   ///   static constexpr bool planned = true;  // where no round changes the items of a later one
   ///
+  /// The first of planned rounds may read what they can before the rounds before are done:
+  ///
+  ///   static constexpr int fetched;  // so many rounds
+  ///   SIM_HD Fetched fetch(int round, int item) const;  // what no round writes, but for this item itself
+  ///   SIM_HD void operator()(Fetched) const;
+  ///
+  /// and on a GPU the first of these may be one chain, in which nobody waits for whole rounds:
+  ///
+  ///   static constexpr int chained;  // so many rounds
+  ///   SIM_HD std::int64_t chained_items() const;  // of them all, numbered in their order
+  ///   SIM_HD Fetched fetch(std::uint32_t item) const;
+  ///   __device__ bool take_turn(Fetched&) const;  // does the item, if all that it needs are done
+  ///
   /// `most` items is a round by which the launch is shaped; none: nothing runs.
   ///
   /// On a GPU it is one launch, whose threads wait for each other between rounds, and for nobody at a round
@@ -195,8 +209,9 @@ class Executor {
   /// (B, T) for so many items, with "auto" decided; notes it, if a step is being recorded.
   LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
                            SharedBytes shared);
-  /// (B, T) for threads that wait for each other; B = 0: it would be more than run at once.
-  LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items);
+  /// (B, T) for threads that wait for each other, `blocks_each` to a multiprocessor; B = 0: it would be more
+  /// than run at once.
+  LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items, int blocks_each);
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
   void check_launch(const char* name, LaunchShape shape);
   /// Whether host and device agree on the size of each parameter of a kernel.
@@ -302,10 +317,25 @@ concept PlannedRounds = requires {
 };
 
 template <class Rounds>
+concept FetchingRounds = PlannedRounds<Rounds> && requires {
+  typename Rounds::Fetched;
+};
+
+template <class Rounds>
+concept ChainedRounds = FetchingRounds<Rounds> &&(Rounds::chained > 0);
+
+template <class Rounds>
+SIM_HD void run_item(const Rounds& rounds, int round, int item) {
+  if constexpr (FetchingRounds<Rounds>)
+    if (round < Rounds::fetched) return rounds(rounds.fetch(round, item));
+  rounds(round, item);
+}
+
+template <class Rounds>
 struct OneRound {
   Rounds rounds;
   int round;
-  SIM_HD void operator()(int item) const { rounds(round, item); }
+  SIM_HD void operator()(int item) const { run_item(rounds, round, item); }
 };
 
 #if !SIM_CUDA || defined(__CUDACC__)
@@ -345,6 +375,23 @@ void Executor::launch(const char* name, const Count& count, const Stage& stage) 
   check_launch(name, shape);
 }
 
+/// What an item of a round needs, where it is fetched, and the item itself.
+template <class Rounds>
+struct RoundItem {
+  __device__ void fetch(const Rounds&, int, int) {}
+  __device__ void run(const Rounds& rounds, int round, int item) const { rounds(round, item); }
+};
+template <FetchingRounds Rounds>
+struct RoundItem<Rounds> {
+  typename Rounds::Fetched fetched;
+  __device__ void fetch(const Rounds& rounds, int round, int item) {
+    if (round < Rounds::fetched) fetched = rounds.fetch(round, item);
+  }
+  __device__ void run(const Rounds& rounds, int round, int item) const {
+    round < Rounds::fetched ? rounds(fetched) : rounds(round, item);
+  }
+};
+
 template <class Rounds>
 __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const int rounds,
                               const Rounds& stage) {
@@ -370,13 +417,19 @@ requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_g
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
     const bool alone = items <= (blockDim.x > 768 ? blockDim.x : 768);
+    const std::int64_t sharing = alone ? std::int64_t{blockDim.x} : lanes;
+    const bool shares = rank < min_of(items, sharing);
+    RoundItem<Rounds> item;
+    if (shares) item.fetch(stage, round, static_cast<int>(rank));
     if (!first && !(alone && was_alone)) grid.sync();
     if (!first && alone && was_alone && rank < blockDim.x) __syncthreads();
     first = false;
     was_alone = alone;
-    if (alone && rank >= blockDim.x) continue;
-    for (std::int64_t i = rank; i < items; i += alone ? std::int64_t{blockDim.x} : lanes)
-      stage(round, static_cast<int>(i));
+    if (!shares) continue;
+    for (std::int64_t i = rank; i < items; i += sharing) {
+      if (i != rank) item.fetch(stage, round, static_cast<int>(i));
+      item.run(stage, round, static_cast<int>(i));
+    }
   }
 }
 
@@ -385,18 +438,50 @@ __global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, cons
   run_rounds_in(cooperative_groups::this_grid(), rounds, stage);
 }
 
+/// Rounds [0, chained) as one: their items in their order, each as soon as those that it needs are done,
+/// which take_turn() finds out. Nobody waits for ever: of the items that are not done, the first needs none
+/// of the others, and its thread, which takes its own in order, is at it.
+template <ChainedRounds Rounds>
+__global__ void __launch_bounds__(1024, 1) run_chain(const int rounds, const Rounds stage) {
+  const cooperative_groups::grid_group grid = cooperative_groups::this_grid();
+  const auto rank = static_cast<std::int64_t>(grid.thread_rank());
+  const auto lanes = static_cast<std::int64_t>(grid.size());
+  const std::int64_t chained = stage.chained_items();
+  for (std::int64_t i = rank; i < chained; i += lanes) {
+    typename Rounds::Fetched item = stage.fetch(static_cast<std::uint32_t>(i));
+    // What is done is done within the loop: lanes of a warp may wait for each other.
+    bool done = false;
+    while (!done) done = stage.take_turn(item);
+  }
+  for (int round = Rounds::chained; round < rounds; ++round) {
+    const std::int64_t items = stage.items(round);
+    if (items == 0) continue;
+    grid.sync();
+    for (std::int64_t i = rank; i < items; i += lanes) run_item(stage, round, static_cast<int>(i));
+  }
+}
+
 template <class Rounds>
 __global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const Rounds stage) {
   const std::int64_t items = stage.items(round), stride = std::int64_t{gridDim.x} * blockDim.x;
   for (std::int64_t i = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < items; i += stride)
-    stage(round, static_cast<int>(i));
+    run_item(stage, round, static_cast<int>(i));
+}
+
+template <class Rounds>
+const void* kernel_of_rounds() {
+  if constexpr (ChainedRounds<Rounds>)
+    return reinterpret_cast<const void*>(&run_chain<Rounds>);
+  else
+    return reinterpret_cast<const void*>(&run_all_rounds<Rounds>);
 }
 
 template <class Rounds>
 void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
-  const auto all = reinterpret_cast<const void*>(&run_all_rounds<Rounds>);
+  const void* all = kernel_of_rounds<Rounds>();
   check_parameters(all, name, {sizeof rounds, sizeof stage});
-  if (const LaunchShape shape = choose_waiting_shape(all, name, most); shape.blocks > 0) {
+  constexpr int blocks_each = ChainedRounds<Rounds> ? 2 : 1;
+  if (const LaunchShape shape = choose_waiting_shape(all, name, most, blocks_each); shape.blocks > 0) {
     const void* arguments[] = {&rounds, &stage};
     check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),
                                       dim3(static_cast<unsigned>(shape.threads)),

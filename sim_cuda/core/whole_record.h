@@ -1,9 +1,11 @@
 #pragma once
-// Loads of whole records in 16-byte words. Left to itself, a compiler loads each member where it is used, and
-// a walk from record to record then waits several times at each.
+// Loads and stores of whole records in 16-byte words. Left to itself, a compiler loads each member where it
+// is used, and a walk from record to record then waits several times at each; and it stores each by itself,
+// which at random places costs the second-level cache as much as storing a record. A record is of plain
+// numbers, Eigen's vectors among them.
 
-#include <bit>
 #include <cstddef>
+#include <cstring>
 
 #include "sim_cuda/core/host_device.h"
 
@@ -24,7 +26,9 @@ __device__ T load_words(const T* source, const LoadWord& load_word) {
 #pragma unroll
   for (std::size_t k = 0; k < Words<T>::count; ++k)
     words.word[k] = load_word(reinterpret_cast<const uint4*>(source) + k);
-  return std::bit_cast<T>(words);
+  T record;
+  memcpy(static_cast<void*>(&record), &words, sizeof record);
+  return record;
 }
 }  // namespace detail
 #endif
@@ -50,15 +54,39 @@ SIM_HD T load_fresh(const T* source) {
 #endif
 }
 
+/// A record that this stage writes as well, but that no other thread writes since the last round or launch.
+template <class T>
+SIM_HD T load_own(const T* source) {
+#if defined(__CUDA_ARCH__)
+  return detail::load_words(source, [](const uint4* word) { return *word; });
+#else
+  return *source;
+#endif
+}
+
 template <class T>
 SIM_HD void store_whole(T* target, const T& record) {
 #if defined(__CUDA_ARCH__)
-  const auto words = std::bit_cast<detail::Words<T>>(record);
+  detail::Words<T> words;
+  memcpy(&words, static_cast<const void*>(&record), sizeof words);
 #pragma unroll
   for (std::size_t k = 0; k < detail::Words<T>::count; ++k)
     reinterpret_cast<uint4*>(target)[k] = words.word[k];
 #else
   *target = record;
+#endif
+}
+
+/// Part of a record: four numbers of it that lie side by side, on a boundary of four.
+template <class Real>
+SIM_HD void store_four(void* target, Real x, Real y, Real z, Real w) {
+  struct alignas(4 * sizeof(Real)) Four {
+    Real x, y, z, w;
+  } four{x, y, z, w};
+#if defined(__CUDA_ARCH__)
+  store_whole(static_cast<Four*>(target), four);
+#else
+  std::memcpy(target, &four, sizeof four);
 #endif
 }
 

@@ -9,20 +9,21 @@
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/stored_vector.h"
 
 namespace collidoscope {
 
 /// What stages read and write.
 template <class Real>
 struct BodyView {
-  Vector3<Real>* position;          ///< m, centre of mass
-  Vector3<Real>* velocity;          ///< m/s
-  Quaternion<Real>* orientation;    ///< principal axes to world; null where nothing turns
-  Vector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
-  const Real* radius;               ///< m
-  const Real* mass;                 ///< kg; 0 of a body that no force moves
-  const Real* inverse_mass;         ///< 1/kg, the same
-  const Vector3<Real>* inertia;     ///< kg m^2, principal; null where nothing turns; infinite of such a body
+  Vector3<Real>* position;                ///< m, centre of mass
+  StoredVector3<Real>* velocity;          ///< m/s
+  Quaternion<Real>* orientation;          ///< principal axes to world; null where nothing turns
+  StoredVector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
+  const Real* radius;                     ///< m
+  const Real* mass;                       ///< kg; 0 of a body that no force moves
+  const Real* inverse_mass;               ///< 1/kg, the same
+  const Vector3<Real>* inertia;  ///< kg m^2, principal; null where nothing turns; infinite of such a body
 };
 
 /// What walls and obstacles did to a body since the start. In double, whatever the precision of the run: it
@@ -50,9 +51,10 @@ struct BodyBuffers {
     return {position.data(), velocity.data(), orientation.data(),  angular_velocity.data(),
             radius.data(),   mass.data(),     inverse_mass.data(), inertia.data()};
   }
-  Buffer<Vector3<Real>> position, velocity;
+  Buffer<Vector3<Real>> position;
+  Buffer<StoredVector3<Real>> velocity;
   Buffer<Quaternion<Real>> orientation;
-  Buffer<Vector3<Real>> angular_velocity;
+  Buffer<StoredVector3<Real>> angular_velocity;
   Buffer<Real> radius, mass, inverse_mass;
   Buffer<Vector3<Real>> inertia;
   Buffer<std::uint16_t> material;  ///< empty where all are of material 0

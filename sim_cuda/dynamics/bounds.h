@@ -3,6 +3,7 @@
 
 #include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/stored_vector.h"
 
 namespace collidoscope {
 
@@ -37,14 +38,15 @@ struct Bounds {
 /// to at the speed that it has, whatever turns it.
 template <class Real, bool anywhere = false>
 struct SweptBounds {
-  const Vector3<Real>*position, *velocity;
+  const Vector3<Real>* position;
+  const StoredVector3<Real>* velocity;
   const Real* radius;
   Real time;   ///< s
   Real slack;  ///< m
   Aabb* boxes;
 
   SIM_HD void operator()(int body) const {
-    const Vector3<Real> x = position[body], way = time * velocity[body];
+    const Vector3<Real> x = position[body], way = time * velocity[body].load();
     const Real r = radius[body] + slack;
     Vector3<Real> low, high;
     using std::sqrt;

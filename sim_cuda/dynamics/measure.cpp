@@ -40,7 +40,7 @@ struct MeasureBody {
 
   SIM_HD BodySums operator()(std::int64_t body) const {
     const Vector3d x = bodies.position[body].template cast<double>(),
-                   v = bodies.velocity[body].template cast<double>();
+                   v = bodies.velocity[body].load().template cast<double>();
     const bool moved = bodies.inverse_mass[body] == 0;  // by nothing that is counted
     const double m = static_cast<double>(bodies.mass[body]), r = static_cast<double>(bodies.radius[body]);
     BodySums s;
@@ -53,7 +53,7 @@ struct MeasureBody {
     s.angular_momentum = x.cross(s.momentum);
     if (bodies.orientation != nullptr) {
       const Quaterniond q = bodies.orientation[body].template cast<double>();
-      const Vector3d w = bodies.angular_velocity[body].template cast<double>();
+      const Vector3d w = bodies.angular_velocity[body].load().template cast<double>();
       const Vector3d inertia =
           moved ? Vector3d(0, 0, 0) : Vector3d(bodies.inertia[body].template cast<double>());
       const Vector3d w_body = q.conjugate() * w;
@@ -136,7 +136,7 @@ struct HashBody {
     add(q.y());
     add(q.z());
     add_vector(bodies.velocity[body]);
-    add_vector(turns ? bodies.angular_velocity[body] : Vector3<Real>(0, 0, 0));
+    add_vector(turns ? bodies.angular_velocity[body].load() : Vector3<Real>(0, 0, 0));
     return {h};
   }
 };

@@ -18,9 +18,9 @@ namespace collidoscope {
 /// One free step of rotation. The angular momentum L = R I R^T w is kept (no torque); the body turns by h w
 /// about w through a Cayley map (q' = normalised (1, h w / 2) q, second-order in the angle: it turns by 2
 /// atan(h|w|/2)), and w' follows from L in the new axes. First order in h as a whole; exact in direction for
-/// a sphere, whose w does not change.
+/// a sphere, whose w does not change. Whether w changed.
 template <class Real>
-SIM_HD void rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
+SIM_HD bool rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
   const Vector3<Real> w_body = q.conjugate() * w;
   const Vector3<Real> momentum =
       q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
@@ -32,9 +32,10 @@ SIM_HD void rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<R
   next.coeffs() /= norm;
   q = next;
   const bool ball = inertia.x() == inertia.y() && inertia.y() == inertia.z();
-  if (ball) return;
+  if (ball) return false;
   const Vector3<Real> l_body = next.conjugate() * momentum;
   w = next * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
+  return true;
 }
 
 /// The effects are template parameters: what is off leaves no instruction.
@@ -68,8 +69,11 @@ struct MoveBodies {
           next[k] = clamp_to(next[k], low[k], high[k]);
     }
     bodies.position[body] = next;
-    if constexpr (rotation)
-      rotate_freely<Real>(bodies.orientation[body], bodies.angular_velocity[body], bodies.inertia[body], h);
+    if constexpr (rotation) {
+      Vector3<Real> w = bodies.angular_velocity[body];
+      if (rotate_freely<Real>(bodies.orientation[body], w, bodies.inertia[body], h))
+        bodies.angular_velocity[body] = w;
+    }
   }
 };
 

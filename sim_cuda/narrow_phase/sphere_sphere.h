@@ -3,6 +3,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/stored_vector.h"
 
 namespace collidoscope {
 
@@ -26,9 +27,9 @@ enum class Course {
 template <class Real>
 struct Foresight {
   Course course = Course::rest;
-  const Vector3<Real>* velocity = nullptr;  ///< m/s, by id
-  Real time = 0;                            ///< s
-  Real slack = 0;                           ///< m: |acceleration| time^2 of what pulls
+  const StoredVector3<Real>* velocity = nullptr;  ///< m/s, by id
+  Real time = 0;                                  ///< s
+  Real slack = 0;                                 ///< m: |acceleration| time^2 of what pulls
 };
 
 /// Whether two spheres may touch within the foreseen time while they move smoothly: while each is

@@ -1,7 +1,5 @@
 #include "sim_cuda/solver/colouring.h"
 
-#include <bit>
-
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/hash.h"
@@ -33,13 +31,6 @@ SIM_HD inline std::uint8_t set_bit(std::uint32_t bits, std::uint32_t n) {
   std::uint8_t bit = 0;
   while ((bits >> bit & 1) == 0) ++bit;
   return bit;
-}
-SIM_HD inline std::uint32_t bits_set(std::uint32_t bits) {
-#if defined(__CUDA_ARCH__)
-  return static_cast<std::uint32_t>(__popc(bits));
-#else
-  return static_cast<std::uint32_t>(std::popcount(bits));
-#endif
 }
 
 struct BeginBodies {

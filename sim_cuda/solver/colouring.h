@@ -20,10 +20,19 @@
 
 namespace collidoscope {
 
+/// A body while its contacts are coloured.
+struct alignas(16) ColouredBody {
+  std::uint32_t used;    ///< bit c is set where colour c is taken
+  std::uint32_t degree;  ///< contacts that it takes part in
+  std::uint32_t bids;    ///< where those of its contacts start
+};
+
 struct ColourView {
   const std::uint32_t* order;  ///< contact numbers, colour by colour, the split set last
   const std::uint32_t* begin;  ///< where colour c starts in `order`; c = Colouring::colours: the split set
   const std::uint32_t* count;  ///< how many contacts it has
+  const std::uint8_t* colour;  ///< as `order`; `colours` or more: none
+  const ColouredBody* bodies;  ///< what they used
 };
 
 /// For Executor::run_rounds: stage(contact) for all contacts of one colour before the next.
@@ -36,13 +45,6 @@ struct ColourByColour {
   SIM_HD void operator()(int colour, int item) const {
     stage(static_cast<int>(view.order[read_only(view.begin + colour) + static_cast<std::uint32_t>(item)]));
   }
-};
-
-/// A body while its contacts are coloured.
-struct alignas(16) ColouredBody {
-  std::uint32_t used;    ///< bit c is set where colour c is taken
-  std::uint32_t degree;  ///< contacts that it takes part in
-  std::uint32_t bids;    ///< where those of its contacts start
 };
 
 class Colouring {
@@ -58,7 +60,9 @@ class Colouring {
   void colour(const Pair* contacts, StepControl* control, const std::uint8_t* asleep = nullptr);
   /// Of all contacts.
   const ContactDegrees& degrees() const { return degrees_; }
-  ColourView view() const { return {order_.data(), begin_.data(), count_.data()}; }
+  ColourView view() const {
+    return {order_.data(), begin_.data(), count_.data(), sorted_colour_.data(), coloured_.data()};
+  }
 
  private:
   Executor& executor_;

@@ -67,7 +67,8 @@ struct ResolveSplit {
     const auto [a, b] = contacts.bodies[contact];
     const Real w = bodies.inverse_mass[a] * static_cast<Real>(count[a]) +
                    bodies.inverse_mass[b] * static_cast<Real>(count[b]);
-    const Real approach = -(bodies.velocity[b] - bodies.velocity[a]).dot(contacts.normal[contact]);
+    const Real approach =
+        -(bodies.velocity[b].load() - bodies.velocity[a].load()).dot(contacts.normal[contact]);
     const Real e = restitution.between(restitution.of_body(a), restitution.of_body(b), approach);
     impulse[contact] = approach > 0 ? (1 + e) * approach / w : Real(0);
     impulses.add(contact, impulse[contact]);
@@ -114,7 +115,8 @@ struct ImpulseResidual {
     ResidualSum sum;
     if (contact >= static_cast<std::int64_t>(control->contacts)) return sum;
     const auto [a, b] = contacts.bodies[contact];
-    const Real approach = -(bodies.velocity[b] - bodies.velocity[a]).dot(contacts.normal[contact]);
+    const Real approach =
+        -(bodies.velocity[b].load() - bodies.velocity[a].load()).dot(contacts.normal[contact]);
     const Real e = restitution.between(restitution.of_body(a), restitution.of_body(b), approach);
     const double change = approach > 0 ? static_cast<double>((1 + e) * approach) : 0.0;
     sum.add(change * change);

@@ -133,7 +133,7 @@ struct CountSlowSteps {
     const Vector3<Real> v = bodies.velocity[body];
     bool is_slow = v.dot(v) < speed * speed;
     if constexpr (turning) {
-      const Vector3<Real> surface = bodies.radius[body] * bodies.angular_velocity[body];
+      const Vector3<Real> surface = bodies.radius[body] * bodies.angular_velocity[body].load();
       is_slow = is_slow && surface.dot(surface) < speed * speed;
     }
     slow[body] = is_slow ? min_of(slow[body] + 1, needed) : 0;

@@ -7,6 +7,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
 
@@ -38,7 +39,7 @@ struct Softness {
   }
 };
 
-/// 32 bytes in float: a contact is read and written at one go.
+/// 32 bytes in float: read at one go, and written by halves, what positions say and what sweeps change.
 template <class Real>
 struct alignas(4 * sizeof(Real)) SoftContact {
   Vector3<Real> normal;  ///< unit, from a to b
@@ -111,6 +112,13 @@ struct alignas(4 * sizeof(Real)) SoftContact {
     impulse = 0;
     approach = -1;
     return change;
+  }
+
+  SIM_HD void store_face(SoftContact* target) const {
+    store_four(static_cast<void*>(target), normal.x(), normal.y(), normal.z(), gap);
+  }
+  SIM_HD void store_impulse(SoftContact* target) const {
+    store_four(static_cast<void*>(&target->impulse), impulse, total, approach, radius);
   }
 
   SIM_HD void place(const BodyView<Real>& bodies, std::uint32_t a, std::uint32_t b) {

@@ -15,6 +15,7 @@ struct alignas(4 * sizeof(Real)) SoftGrip {
   Vector3<Real> impulse;  ///< N s, across the normal, given to b and taken from a; of the substep
   Real coefficient;       ///< of the pair
   Vector3<Real> total;    ///< N s, of the step so far
+  Real padding = 0;
 };
 static_assert(sizeof(SoftGrip<float>) == 32 && sizeof(SoftGrip<double>) == 64);
 
@@ -42,10 +43,10 @@ struct RubbedPair {
   Real arm_a, arm_b;    ///< m
   Real ball_a, ball_b;  ///< as GrippedPair's eases
 
-  SIM_HD RubbedPair(const BodyView<Real>& bodies, Pair ids, const SoftContact<Real>& contact,
-                    const GrippedPair<Real>& pair)
-      : rate_a(bodies.angular_velocity[ids.a]),
-        rate_b(bodies.angular_velocity[ids.b]),
+  SIM_HD RubbedPair(const Vector3<Real>& spin_a, const Vector3<Real>& spin_b,
+                    const SoftContact<Real>& contact, const GrippedPair<Real>& pair)
+      : rate_a(spin_a),
+        rate_b(spin_b),
         normal(contact.normal),
         arm_a(pair.radius_a + contact.gap / 2),
         arm_b(pair.radius_b + contact.gap / 2),

@@ -39,7 +39,7 @@ struct SoftResidual {
     SoftContact<Real> k = contacts.soft[place];
     const bool acts = k.impulse > 0 || !(k.gap > 0);
     const auto [w_a, w_b] = contacts.inverse_masses[place];
-    const Vector3<Real> velocity = walls.bodies.velocity[ids.b] - walls.bodies.velocity[ids.a];
+    const Vector3<Real> velocity = walls.bodies.velocity[ids.b].load() - walls.bodies.velocity[ids.a].load();
     const bool passes =
         soft && held && k.gap > 0 &&
         k.passes(velocity, walls.bodies.radius[ids.a] + walls.bodies.radius[ids.b], 1 / walls.inverse_h);
@@ -50,7 +50,8 @@ struct SoftResidual {
     if constexpr (rubbed && !soft) {
       Vector3<Real> given = contacts.grips[place].impulse;
       if (k.impulse > 0 || given.dot(given) > 0) {
-        const RubbedPair<Real> pair(walls.bodies, ids, k, contacts.gripped[place]);
+        const RubbedPair<Real> pair(walls.bodies.angular_velocity[ids.a],
+                                    walls.bodies.angular_velocity[ids.b], k, contacts.gripped[place]);
         const Real eases = w_a + w_b + pair.ease_a() + pair.ease_b();
         const Vector3<Real> rubbed_off =
             eases *

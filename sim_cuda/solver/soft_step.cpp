@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/solver/soft_residual.h"
@@ -23,41 +24,44 @@ struct KnownGrips {
 template <class Real, bool rubbed>
 struct PrepareContacts {
   const Pair* contacts;
-  const std::uint32_t* order;
   BodyView<Real> bodies;
   ImpulseView<Real> known;
   [[no_unique_address]] Only<rubbed, KnownGrips<Real>> known_grips;
+  ColourView colours;
   std::uint32_t* place_of;
   Pair* bodies_of;
   InverseMasses<Real>* inverse_masses;
+  Turns* turns;
   [[no_unique_address]] Only<rubbed, SoftGrip<Real>*> grips;
   [[no_unique_address]] Only<rubbed, GrippedPair<Real>*> gripped;
   SoftContact<Real>* soft;
 
   SIM_HD void operator()(int place) const {
-    const std::uint32_t contact = order[place];
+    const std::uint32_t contact = colours.order[place];
     const auto [a, b] = contacts[contact];
     place_of[contact] = static_cast<std::uint32_t>(place);
     bodies_of[place] = {a, b};
     inverse_masses[place] = {bodies.inverse_mass[a], bodies.inverse_mass[b]};
+    if (colours.colour[place] < Colouring::colours)
+      turns[place] = Turns::of(colours.bodies[a].used, colours.bodies[b].used, colours.colour[place]);
     const std::uint32_t before = known.find(a, b);
     const bool found = before != ImpulseView<Real>::none;
     SoftContact<Real> k;
     k.place(bodies, a, b);
     k.impulse = found ? known.impulse[before] : Real(0);
     k.total = 0;
-    k.approach =
-        k.meeting_speed(bodies.velocity[b] - bodies.velocity[a], bodies.radius[a] + bodies.radius[b]);
+    k.approach = k.meeting_speed(bodies.velocity[b].load() - bodies.velocity[a].load(),
+                                 bodies.radius[a] + bodies.radius[b]);
     k.radius = min_of(bodies.radius[a], bodies.radius[b]);
-    soft[place] = k;
+    store_whole(&soft[place], k);
     if constexpr (rubbed) {
       SoftGrip<Real> grip;
       grip.impulse = found ? known_grips.impulse[before] : Vector3<Real>(Vector3<Real>::Zero());
       grip.coefficient =
           Friction<Real>::between(known_grips.friction.of_body(a), known_grips.friction.of_body(b));
       grip.total = Vector3<Real>::Zero();
-      grips[place] = grip;
-      gripped[place] = GrippedPair<Real>::of(bodies, {a, b});
+      store_whole(&grips[place], grip);
+      store_whole(&gripped[place], GrippedPair<Real>::of(bodies, {a, b}));
     }
   }
 };
@@ -68,7 +72,10 @@ struct PlaceContacts {
   BodyView<Real> bodies;
   SoftContact<Real>* soft;
   SIM_HD void operator()(int place) const {
-    soft[place].place(bodies, bodies_of[place].a, bodies_of[place].b);
+    const auto [a, b] = bodies_of[place];
+    SoftContact<Real> k;
+    k.place(bodies, a, b);
+    k.store_face(&soft[place]);
   }
 };
 
@@ -113,11 +120,12 @@ struct BeginSubstep {
     for (std::uint32_t k = 0; k < n; ++k) {
       const std::uint32_t place = by_body.entry[by_body.begin[id] + k];
       const Real sign = bodies_of[place].a == static_cast<std::uint32_t>(id) ? Real(-1) : Real(1);
-      const Vector3<Real> normal = soft[place].normal;
-      momentum += sign * soft[place].impulse * normal;
+      const SoftContact<Real> contact = load_whole(&soft[place]);
+      momentum += sign * contact.impulse * contact.normal;
       if constexpr (rubbed) {
-        momentum += sign * grips[place].impulse;
-        moment -= (body.radius + soft[place].gap / 2) * normal.cross(grips[place].impulse);
+        const Vector3<Real> rubbing = load_whole(&grips[place]).impulse;
+        momentum += sign * rubbing;
+        moment -= (body.radius + contact.gap / 2) * contact.normal.cross(rubbing);
       }
     }
     body.v += body.inverse_mass * momentum;
@@ -139,11 +147,12 @@ struct KeepContacts {
   SIM_HD void operator()(int contact) const {
     const std::uint32_t place = place_of[contact];
     known_contacts[contact] = contacts[contact];
-    const Real impulse = soft[place].impulse;
+    const SoftContact<Real> kept = load_whole(&soft[place]);
+    const Real impulse = kept.impulse;
     known_impulse[contact] = impulse;
     if constexpr (rubbed)
       known_grip[contact] = impulse > 0 ? grips[place].impulse : Vector3<Real>(Vector3<Real>::Zero());
-    if constexpr (record) total[contact] = soft[place].total;
+    if constexpr (record) total[contact] = kept.total;
   }
 };
 
@@ -184,6 +193,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       swept_(executor, "contacts in the order of sweeps"),
       place_of_(executor, "places of contacts"),
       inverse_masses_(executor, "inverse masses of contacts"),
+      turns_(executor, "turns of contacts"),
       soft_(executor, "contacts of the solver"),
       grips_(executor, "friction of contacts"),
       gripped_(executor, "bodies of friction"),
@@ -192,6 +202,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       bounces_(executor, "whether something bounces"),
       wall_impulse_(executor, "impulses of walls"),
       wall_bounce_(executor, "bounces off walls"),
+      wall_at_(executor, "walls of bodies"),
       wall_grip_(executor, "friction at walls"),
       wall_grip_total_(executor, "friction at walls in a step"),
       wall_pressed_(executor, "impulses of walls in a step"),
@@ -209,6 +220,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   const auto walls = static_cast<std::size_t>(scene.surfaces()) * static_cast<std::size_t>(scene.body_count);
   wall_impulse_.upload(std::vector<Real>(walls, 0));
   wall_bounce_.upload(std::vector<Real>(walls, -1));
+  ask_all_walls();
   const auto boxes = static_cast<std::size_t>(scene.boxes.count) * static_cast<std::size_t>(scene.body_count);
   box_face_.resize_discarding(boxes);
   box_touched_.resize_discarding(boxes);
@@ -240,6 +252,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   swept_.resize_discarding(m);
   place_of_.resize_discarding(m);
   inverse_masses_.resize_discarding(m);
+  turns_.resize_discarding(m);
   soft_.resize_discarding(m);
   split_change_.resize_discarding(m);
   known_contacts_.resize_keeping(known);
@@ -308,6 +321,14 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   }
   wall_impulse_.upload(walls);
   wall_grip_.upload(wall_grips);
+  ask_all_walls();
+}
+
+/// Before the first step that may find any of them.
+template <class Real>
+void SoftStepSolver<Real>::ask_all_walls() {
+  const auto bodies = static_cast<std::size_t>(scene_.surfaces() > 0 ? scene_.body_count : 0);
+  wall_at_.upload(std::vector<std::uint32_t>(bodies, ~std::uint32_t{0}));
 }
 
 template <class Real>
@@ -391,10 +412,10 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   const ColourView colours = colouring_.view();
   const ImpulseView<Real> known{known_contacts_.data(), known_impulse_.data(), known_count_.data()};
   executor_.run("prepare", Count(&control->contacts, contact_capacity_),
-                PrepareContacts<Real, rubbed>{contacts.bodies, colours.order, scene_.bodies, known,
-                                              KnownGrips<Real>{scene_.friction, known_grip_.data()},
+                PrepareContacts<Real, rubbed>{contacts.bodies, scene_.bodies, known,
+                                              KnownGrips<Real>{scene_.friction, known_grip_.data()}, colours,
                                               place_of_.data(), swept_.data(), inverse_masses_.data(),
-                                              grips_.data(), gripped_.data(), soft_.data()});
+                                              turns_.data(), grips_.data(), gripped_.data(), soft_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -471,6 +492,7 @@ SweptContacts<Real, rubs> SoftStepSolver<Real>::swept() const {
           soft_.data(),
           grips_.data(),
           gripped_.data(),
+          turns_.data(),
           colours.begin,
           colours.count,
           split_.view(split_degrees_),
@@ -534,6 +556,7 @@ SoftWalls<Real, rubbed, boxed> SoftStepSolver<Real>::walls() const {
           softness_.inverse_h,
           wall_impulse_.data(),
           wall_bounce_.data(),
+          wall_at_.data(),
           WallGrips<Real>{scene_.friction, wall_grip_.data(), wall_grip_total_.data(), wall_pressed_.data()},
           BoxContacts<Real>{scene_.boxes, box_face_.data(), box_touched_.data()},
           scene_.ledger};

@@ -58,6 +58,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void sweep(const char* stage, const Act& act);
   template <bool rubbed, bool boxed>
   SoftWalls<Real, rubbed, boxed> walls() const;
+  void ask_all_walls();
   template <bool rubbed, class With>
   void on_walls(const With& with);
   template <bool rubbed>
@@ -85,6 +86,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Pair> swept_;              ///< in the order in which they are swept, as all that follows by place
   Buffer<std::uint32_t> place_of_;  ///< by contact
   Buffer<InverseMasses<Real>> inverse_masses_;
+  Buffer<Turns> turns_;
   Buffer<SoftContact<Real>> soft_;
   Buffer<SoftGrip<Real>> grips_;  ///< empty without friction, as all that follows of it
   Buffer<GrippedPair<Real>> gripped_;
@@ -92,6 +94,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> split_rubbed_;       ///< N s
   Buffer<std::uint32_t> bounces_;            ///< one
   Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes and boxes x bodies; empty without them
+  Buffer<std::uint32_t> wall_at_;            ///< planes and boxes of a body, as bits; empty without them
   Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
   Buffer<Real> wall_pressed_;
   Buffer<Face<Real>> box_face_;  ///< boxes x bodies; empty without boxes

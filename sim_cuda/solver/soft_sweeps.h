@@ -2,12 +2,19 @@
 // One sweep of `soft_step` over all pairs of bodies in contact, colour by colour, then the mass-split set:
 // the stages, and what they do with one contact. An act that rubs also gives friction, after what it gives
 // along the normal.
+//
+// On a GPU nobody waits for a colour to be done: beside a body's velocity stands how many of its contacts
+// have been, and a contact goes ahead when it is the next at both its bodies. The order at each body is that
+// of the colours, so the result is the same to the bit (as Liu et al. 2016, "A synchronization-free algorithm
+// for parallel sparse triangular solves", do away with levels).
 
 #include <cstdint>
 #include <type_traits>
 
+#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/only.h"
+#include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/restitution.h"
@@ -96,6 +103,23 @@ struct InverseMasses {
   Real a, b;
 };
 
+/// When it is the turn of a contact at its bodies a and b: how many contacts of a body come before it, and
+/// the count that it leaves there, which is 0 after the last.
+struct Turns {
+  std::uint8_t a, b, next_a, next_b;
+
+  /// `used`: the colours of a body's contacts, as bits.
+  SIM_HD static std::uint8_t before(std::uint32_t used, int colour) {
+    return static_cast<std::uint8_t>(bits_set(used & ((std::uint32_t{1} << colour) - 1)));
+  }
+  SIM_HD static std::uint8_t after(std::uint32_t used, int colour) {
+    return used >> colour == 1 ? std::uint8_t{0} : static_cast<std::uint8_t>(before(used, colour) + 1);
+  }
+  SIM_HD static Turns of(std::uint32_t used_a, std::uint32_t used_b, int colour) {
+    return {before(used_a, colour), before(used_b, colour), after(used_a, colour), after(used_b, colour)};
+  }
+};
+
 /// The contacts of a step in the order in which they are swept: colour by colour, then the mass-split set. A
 /// contact's place in it is not its number in the list of contacts.
 template <class Real, bool rubbed>
@@ -105,6 +129,7 @@ struct SweptContacts {
   SoftContact<Real>* soft;
   [[no_unique_address]] Only<rubbed, SoftGrip<Real>*> grips;
   [[no_unique_address]] Only<rubbed, const GrippedPair<Real>*> gripped;
+  const Turns* turns;                 ///< of those with a colour
   const std::uint32_t* begin;         ///< where colour c starts; c = Colouring::colours: the split set
   const std::uint32_t* count;         ///< how many it has
   ContactsByBodyView split;           ///< places of the split set, by body
@@ -130,69 +155,129 @@ struct Sweep {
       if (!act.called_for()) return 0;
     return read_only(round <= Colouring::colours ? contacts.count + round : contacts.split_bodies);
   }
+  /// What a round reads of a contact, which nothing else in the sweep writes.
+  struct Fetched {
+    Pair ids;
+    InverseMasses<Real> inverse_masses;
+    SoftContact<Real> contact;
+    [[no_unique_address]] Only<Act::rubs, SoftGrip<Real>> grip;
+    [[no_unique_address]] Only<Act::rubs, GrippedPair<Real>> gripped;
+    std::uint32_t place;
+  };
+  static constexpr int fetched = Colouring::colours;
+  SIM_HD Fetched fetch(int round, int item) const {
+    return fetch(read_only(contacts.begin + round) + static_cast<std::uint32_t>(item));
+  }
+  SIM_HD Fetched fetch(std::uint32_t place) const {
+    Fetched k;
+    k.place = place;
+    k.ids = contacts.bodies_of[k.place];
+    k.inverse_masses = contacts.inverse_masses[k.place];
+    k.contact = load_own(&contacts.soft[k.place]);
+    if constexpr (Act::rubs) {
+      k.grip = load_own(&contacts.grips[k.place]);
+      k.gripped = load_whole(&contacts.gripped[k.place]);
+    }
+    return k;
+  }
   SIM_HD void operator()(int round, int item) const {
-    const auto place = [&] { return read_only(contacts.begin + round) + static_cast<std::uint32_t>(item); };
-    if (round < Colouring::colours)
-      resolve(place());
-    else if (round == Colouring::colours)
-      resolve_split(place());
+    if (round == Colouring::colours)
+      resolve_split(read_only(contacts.begin + round) + static_cast<std::uint32_t>(item));
     else
       apply_split(item);
   }
+  SIM_HD void operator()(Fetched k) const {
+    Motion a = load(k.ids.a), b = load(k.ids.b);
+    resolve(k, a, b);
+    store(k.ids.a, a);
+    store(k.ids.b, b);
+  }
 
-  SIM_HD void resolve(std::uint32_t place) const {
-    const Pair ids = contacts.bodies_of[place];
-    SoftContact<Real> k = contacts.soft[place];
-    const auto [w_a, w_b] = contacts.inverse_masses[place];
-    Vector3<Real> v_a = bodies.velocity[ids.a], v_b = bodies.velocity[ids.b];
+  struct Motion {
+    [[no_unique_address]] Only<Act::rubs, Vector3<Real>> spin;  ///< rad/s
+    Vector3<Real> v;                                            ///< m/s
+  };
+  SIM_HD Motion load(std::uint32_t body) const {
+    Motion motion;
+    motion.v = bodies.velocity[body];
+    if constexpr (Act::rubs) motion.spin = bodies.angular_velocity[body];
+    return motion;
+  }
+  SIM_HD void store(std::uint32_t body, const Motion& motion) const {
+    bodies.velocity[body] = motion.v;
+    if constexpr (Act::rubs) bodies.angular_velocity[body] = motion.spin;
+  }
+
+  SIM_HD void resolve(Fetched& k, Motion& a, Motion& b) const {
+    const auto [w_a, w_b] = k.inverse_masses;
+    const Real change = act.press(k.contact, k.ids, b.v - a.v, 1 / (w_a + w_b));
+    k.contact.store_impulse(&contacts.soft[k.place]);
+    if (change != 0) {
+      a.v -= change * w_a * k.contact.normal;
+      b.v += change * w_b * k.contact.normal;
+    }
     if constexpr (Act::rubs) {
-      // All is read before anything is computed: to wait for memory twice would cost more than what may turn
-      // out to be of no use.
-      SoftGrip<Real> grip = contacts.grips[place];
-      RubbedPair<Real> pair(bodies, ids, k, contacts.gripped[place]);
-      const bool pressed = press(place, ids, k, w_a, w_b, v_a, v_b);
-      if (!(k.total > 0) && grip.impulse.dot(grip.impulse) == 0) {
-        if (pressed) store(ids, v_a, v_b);
-        return;
-      }
+      if (!(k.contact.total > 0) && k.grip.impulse.dot(k.grip.impulse) == 0) return;
+      RubbedPair<Real> pair(a.spin, b.spin, k.contact, k.gripped);
       const Real mass = 1 / (w_a + w_b + pair.ease_a() + pair.ease_b());
-      const Vector3<Real> rubbed = act.grip(k, grip, pair.slip(v_b - v_a), mass);
-      contacts.grips[place] = grip;
-      v_a -= w_a * rubbed;
-      v_b += w_b * rubbed;
-      pair.turn(bodies, ids, rubbed);
-      bodies.angular_velocity[ids.a] = pair.rate_a;
-      bodies.angular_velocity[ids.b] = pair.rate_b;
-      store(ids, v_a, v_b);
-    } else if (press(place, ids, k, w_a, w_b, v_a, v_b)) {
-      store(ids, v_a, v_b);
+      const Vector3<Real> rubbed = act.grip(k.contact, k.grip, pair.slip(b.v - a.v), mass);
+      store_whole(&contacts.grips[k.place], k.grip);
+      a.v -= w_a * rubbed;
+      b.v += w_b * rubbed;
+      pair.turn(bodies, k.ids, rubbed);
+      a.spin = pair.rate_a;
+      b.spin = pair.rate_b;
     }
   }
-  /// Whether it changed the velocities.
-  SIM_HD bool press(std::uint32_t place, Pair ids, SoftContact<Real>& k, Real w_a, Real w_b,
-                    Vector3<Real>& v_a, Vector3<Real>& v_b) const {
-    const Real change = act.press(k, ids, v_b - v_a, 1 / (w_a + w_b));
-    contacts.soft[place] = k;
-    if (change == 0) return false;
-    v_a -= change * w_a * k.normal;
-    v_b += change * w_b * k.normal;
+
+  // ---- on a GPU, in float: all colours without a pause, each contact as soon as both its bodies are free
+  // ----
+
+  static constexpr int chained = StoredVector3<Real>::counts ? Colouring::colours : 0;
+
+  SIM_HD std::int64_t chained_items() const {
+    if constexpr (requires { act.called_for(); })
+      if (!act.called_for()) return 0;
+    return read_only(contacts.begin + Colouring::colours);
+  }
+#if defined(__CUDACC__)
+  /// Whether it was the contact's turn at both bodies, and is done.
+  __device__ bool take_turn(Fetched& k) const {
+    const Turns turns = contacts.turns[k.place];
+    Motion a, b;
+    if (!take(k.ids.a, turns.a, a) || !take(k.ids.b, turns.b, b)) return false;
+    resolve(k, a, b);
+    give(k.ids.a, turns.next_a, a);
+    give(k.ids.b, turns.next_b, b);
     return true;
   }
-  SIM_HD void store(Pair ids, const Vector3<Real>& v_a, const Vector3<Real>& v_b) const {
-    bodies.velocity[ids.a] = v_a;
-    bodies.velocity[ids.b] = v_b;
+  __device__ bool take(std::uint32_t body, std::uint32_t turn, Motion& motion) const {
+    const auto [v, at] = bodies.velocity[body].take();
+    motion.v = v;
+    if constexpr (Act::rubs) {
+      const auto [spin, spin_at] = bodies.angular_velocity[body].take();
+      motion.spin = spin;
+      return at == turn && spin_at == turn;
+    }
+    return at == turn;
   }
+  __device__ void give(std::uint32_t body, std::uint32_t turn, const Motion& motion) const {
+    bodies.velocity[body].give(motion.v, turn);
+    if constexpr (Act::rubs) bodies.angular_velocity[body].give(motion.spin, turn);
+  }
+#endif
 
   SIM_HD void resolve_split(std::uint32_t place) const {
     const Pair ids = contacts.bodies_of[place];
     const Real n_a = static_cast<Real>(contacts.split.count[ids.a]),
                n_b = static_cast<Real>(contacts.split.count[ids.b]);
     const auto [w_a, w_b] = contacts.inverse_masses[place];
-    const Vector3<Real> velocity = bodies.velocity[ids.b] - bodies.velocity[ids.a];
+    const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
     SoftContact<Real>& k = contacts.soft[place];
     contacts.split_change[place] = act.press(k, ids, velocity, 1 / (w_a * n_a + w_b * n_b));
     if constexpr (Act::rubs) {
-      const RubbedPair<Real> pair(bodies, ids, k, contacts.gripped[place]);
+      const RubbedPair<Real> pair(bodies.angular_velocity[ids.a], bodies.angular_velocity[ids.b], k,
+                                  contacts.gripped[place]);
       const Real mass = 1 / ((w_a + pair.ease_a()) * n_a + (w_b + pair.ease_b()) * n_b);
       contacts.split_rubbed[place] = act.grip(k, contacts.grips[place], pair.slip(velocity), mass);
     }

@@ -8,6 +8,9 @@
 // gap s that is left, not that of the substep's end: so the height of a rebound does not depend on how the
 // time steps fall, and no bounce gains energy. Only what a body brings along bounces: the speeds that sweeps
 // give it on their way to a solution are no impacts, and taken for such kept whole piles from their rest.
+//
+// Most bodies are at no plane. What a step remembers of body and plane is therefore looked up only where a
+// bit of `at` says that there may be something, and the rest of the body only where a plane may act on it.
 
 #include <cstdint>
 #include <type_traits>
@@ -43,6 +46,7 @@ struct SoftWalls {
   Real inverse_h;         ///< 1/s
   Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
+  std::uint32_t* at;  ///< by body: bit p where plane p gives something, or did since the step began; or null
   [[no_unique_address]] Only<rubbed, WallGrips<Real>> grips;
   [[no_unique_address]] Only<boxed, BoxContacts<Real>> boxes;
   WallLedger* ledger;
@@ -52,8 +56,44 @@ struct SoftWalls {
     Vector3<Real> x, v;
     Real radius, mass, inverse_mass;
     [[no_unique_address]] Only<rubbed, Spin<Real>> spin;
+    std::uint32_t at;
     bool moved = false, given = false;
   };
+
+  /// Whether body and plane p may have something to remember. Planes beyond the bits are always asked.
+  static constexpr int bits = 32;
+  SIM_HD static bool is_at(const Body& body, int p) { return p >= bits || (body.at >> p & 1) != 0; }
+  SIM_HD void come_to(int id, Body& body, int p) const {
+    if (is_at(body, p)) return;
+    body.at |= std::uint32_t{1} << p;
+    at[id] = body.at;
+  }
+  /// At the end of a step: leaves the planes that give nothing any more.
+  SIM_HD void leave(int id, Body& body) const {
+    if (body.at == 0) return;
+    std::uint32_t stays = 0;
+    for (int p = 0; p < min_of(count(), +bits); ++p) {
+      if (!is_at(body, p)) continue;
+      bool gives = impulse[place(p, id)] > 0;
+      if constexpr (rubbed) {
+        const Vector3<Real> grip = grips.impulse[place(p, id)];
+        gives = gives || grip.dot(grip) > 0;
+      }
+      if (gives) stays |= std::uint32_t{1} << p;
+    }
+    if (stays != body.at) at[id] = stays;
+  }
+  /// Whether a sweep would do anything: exact, but for planes where it is asked.
+  SIM_HD bool meets(const Body& body, bool relaxing) const {
+    if constexpr (boxed) return true;
+    if (plane_count > bits || body.at != 0) return true;
+    for (int p = 0; p < plane_count; ++p) {
+      const Vector3<Real> normal = planes[p].normal;
+      const Real gap = normal.dot(body.x) - planes[p].offset - body.radius;
+      if (gap < 0 || (normal.dot(body.v) + gap * inverse_h < 0 && !(relaxing && gap > 0))) return true;
+    }
+    return false;
+  }
 
   SIM_HD std::int64_t place(int plane, int body) const { return plane * body_count + body; }
   SIM_HD int count() const {
@@ -111,6 +151,7 @@ struct SoftWalls {
         if (!(over < -rounding)) continue;
         clear = false;
         impulse[place(plane_count + b, id)] -= body.mass * over;
+        come_to(id, body, plane_count + b);
         boxes.touched[place(b, id)] = face.normal;
         give(id, body, face.normal, -body.mass * over);
       }
@@ -143,6 +184,7 @@ struct SoftWalls {
   /// The impulses of the substep before, as a start.
   SIM_HD void warm_start(int id, Body& body) const {
     for (int p = 0; p < count(); ++p) {
+      if (!is_at(body, p)) continue;
       const Real start = impulse[place(p, id)];
       if (!(start > 0)) continue;
       const Vector3<Real> normal = plane(p, id).normal;
@@ -167,11 +209,12 @@ struct SoftWalls {
   SIM_HD void rub_all(int id, Body& body, bool last) const {
     if constexpr (rubbed) {
       for (int p = 0; p < count(); ++p) {
-        const std::int64_t at = place(p, id);
-        rub_plane(id, body, p, plane(p, id).normal, impulse[at], grips.impulse[at]);
-        if (!last || !(impulse[at] > 0)) continue;
-        grips.pressed[at] += impulse[at];
-        grips.total[at] += grips.impulse[at];
+        if (!is_at(body, p)) continue;
+        const std::int64_t here = place(p, id);
+        rub_plane(id, body, p, plane(p, id).normal, impulse[here], grips.impulse[here]);
+        if (!last || !(impulse[here] > 0)) continue;
+        grips.pressed[here] += impulse[here];
+        grips.total[here] += grips.impulse[here];
       }
     }
   }
@@ -195,11 +238,12 @@ struct SoftWalls {
         gap = 0;
       }
       const Real speed = normal.dot(body.v);
-      const Real known = impulse[place(p, id)];
+      const Real known = is_at(body, p) ? impulse[place(p, id)] : Real(0);
       if (relaxing && gap > 0 && !(known > 0)) continue;
       const Real next = max_of(known - body.mass * (speed + gap * inverse_h), Real(0));
       if (next == known) continue;
       impulse[place(p, id)] = next;
+      come_to(id, body, p);
       if constexpr (boxed)
         if (p >= plane_count && next > 0) boxes.touched[place(p - plane_count, id)] = normal;
       if (before != nullptr && next > 0 && bounce[place(p, id)] < 0) {
@@ -218,14 +262,23 @@ struct SoftWalls {
   }
 
   SIM_HD Body load(int id) const {
+    Body body = approach(id);
+    load_rest(id, body);
+    return body;
+  }
+  /// What meets() asks for.
+  SIM_HD Body approach(int id) const {
     Body body;
     body.x = bodies.position[id];
     body.v = bodies.velocity[id];
     body.radius = bodies.radius[id];
+    body.at = at != nullptr ? at[id] : 0;
+    return body;
+  }
+  SIM_HD void load_rest(int id, Body& body) const {
     body.mass = bodies.mass[id];
     body.inverse_mass = bodies.inverse_mass[id];
     if constexpr (rubbed) body.spin = Spin<Real>::of(bodies, static_cast<std::uint32_t>(id));
-    return body;
   }
   SIM_HD void store(int id, const Body& body) const {
     if (body.moved) bodies.position[id] = body.x;
@@ -243,7 +296,9 @@ struct SolveWalls {
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
+    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.approach(id);
+    if (!walls.meets(body, relaxing)) return;
+    walls.load_rest(id, body);
     walls.solve(id, body, relaxing, nullptr);
     if (relaxing) walls.rub_all(id, body, last);
     walls.store(id, body);
@@ -257,8 +312,10 @@ struct BounceOffWalls {
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
+    if (walls.count() <= walls.bits && walls.at[id] == 0) return;
     typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
     for (int p = 0; p < walls.count(); ++p) {
+      if (!walls.is_at(body, p)) continue;
       const std::int64_t place = walls.place(p, id);
       const Real wanted = walls.bounce[place];
       if (wanted < 0) continue;
@@ -274,6 +331,7 @@ struct BounceOffWalls {
         walls.grips.pressed[place] += change;
       }
     }
+    if constexpr (!rubbed) walls.leave(id, body);
     walls.store(id, body);
   }
 };
@@ -285,8 +343,10 @@ struct GripWalls {
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
+    if (walls.count() <= walls.bits && walls.at[id] == 0) return;
     typename SoftWalls<Real, true, boxed>::Body body = walls.load(id);
     for (int p = 0; p < walls.count(); ++p) {
+      if (!walls.is_at(body, p)) continue;
       const std::int64_t place = walls.place(p, id);
       const Real pressed = walls.grips.pressed[place];
       if (!(pressed > 0)) continue;
@@ -294,6 +354,7 @@ struct GripWalls {
       walls.grips.pressed[place] = 0;
       walls.grips.total[place] = Vector3<Real>::Zero();
     }
+    walls.leave(id, body);
     walls.store(id, body);
   }
 };
