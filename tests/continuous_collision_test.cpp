@@ -22,14 +22,6 @@ double nearest(const Vector3d& d, const Vector3d& way) {
   return (d + at * way).norm();
 }
 
-struct Uniform {
-  Random random;
-  double operator()(double low, double high) { return low + (high - low) * (random() / 4294967296.0); }
-  Vector3d vector(double size) {
-    return Vector3d((*this)(-size, size), (*this)(-size, size), (*this)(-size, size));
-  }
-};
-
 TEST(ShareOutsideCore, StopsWhereTheyTouchAndOnlyBeforeACore) {
   Uniform uniform{Random(3)};
   int cut = 0, stuck = 0;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <random>
 
+#include "sim_cuda/core/linear_algebra.h"
+
 namespace collidoscope {
 
 class Random {
@@ -13,6 +15,15 @@ class Random {
 
  private:
   std::mt19937 engine_;
+};
+
+/// The same of numbers.
+struct Uniform {
+  Random random;
+  double operator()(double low, double high) { return low + (high - low) * (random() / 4294967296.0); }
+  Vector3d vector(double size) {
+    return Vector3d((*this)(-size, size), (*this)(-size, size), (*this)(-size, size));
+  }
 };
 
 }  // namespace collidoscope

@@ -23,6 +23,17 @@ inline Scene empty_space() {
   return scene;
 }
 
+/// No box, in double; elastic by default. For soft_step and for the event-driven reference.
+inline Scene hard_space(Vector3d gravity = Vector3d(0, 0, 0), double restitution = 1) {
+  Scene scene = empty_space();
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.precision = Precision::f64;
+  scene.physics.gravity = gravity;
+  scene.physics.restitution_threshold = 0;
+  scene.materials[0].restitution = restitution;
+  return scene;
+}
+
 inline Body sphere(double radius, Vector3d position, Vector3d velocity = Vector3d(0, 0, 0)) {
   Body body;
   body.radius = radius;
