@@ -230,6 +230,19 @@ TEST(ZenoPoint, IsFoundWhereABodyRattlesBetweenSeveral) {
   }
 }
 
+TEST(ZenoPoint, HundredsOfCollisionsCloseInTimeAreNone) {
+  // A light ball between a wall and a heavy one, which loses little each time, and goes on.
+  Scene scene = hard_space(Vector3d(0, 0, 0), 0.9999);
+  scene.obstacles = {Plane{Vector3d(1, 0, 0), 0, 0}};
+  scene.bodies = {sphere(0.5, Vector3d(2, 0, 0)), sphere(0.5, Vector3d(4, 0, 0), Vector3d(-1, 0, 0))};
+  scene.bodies[0].mass = 1;
+  scene.bodies[1].mass = 1e4;
+  HardSpheres exact(scene);
+  EXPECT_TRUE(exact.advance_to(100)) << exact.zeno_line();
+  EXPECT_GT(exact.counts().pairs + exact.counts().planes, 300);
+  EXPECT_GT(exact.bodies().velocity[1].x(), 0.5);
+}
+
 TEST(ZenoPoint, TwoThatStickTogetherAreNone) {
   // One collision, and then side by side for ever, pushed about by rounding alone.
   Uniform uniform{Random(2)};
