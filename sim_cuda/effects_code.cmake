@@ -3,7 +3,7 @@
 set(touched_by_gravity solver/soft_step.cpp dynamics/move.cpp)
 set(touched_by_attractor solver/soft_step.cpp)
 set(touched_by_drag solver/soft_step.cpp solver/impulse.cpp narrow_phase/contact_list.cpp)
-set(touched_by_rotation dynamics/move.cpp solver/joints.cpp)
+set(touched_by_rotation dynamics/move.cpp solver/joints.cpp solver/sleeping.cpp)
 set(touched_by_friction solver/soft_step.cpp)
 set(touched_by_rolling_resistance solver/soft_step.cpp)
 set(touched_by_joints solver/soft_step.cpp)
