@@ -119,15 +119,15 @@ class Executor {
   ///   SIM_HD void operator()(int round, int item) const;
   ///   static constexpr bool planned = true;  // where no round changes the items of a later one
   ///
-  /// The first of planned rounds may read what they can before the rounds before are done:
+  /// The first of planned rounds may part what an item reads from what it does:
   ///
   ///   static constexpr int fetched;  // so many rounds
   ///   SIM_HD Fetched fetch(int round, int item) const;  // what no round writes, but for this item itself
   ///   SIM_HD void operator()(Fetched) const;
   ///
-  /// and on a GPU the first of these may be one chain, in which nobody waits for whole rounds:
+  /// and on a GPU these may be one chain, in which nobody waits for whole rounds:
   ///
-  ///   static constexpr int chained;  // so many rounds
+  ///   static constexpr int chained;  // so many rounds, or 0
   ///   SIM_HD std::int64_t chained_items() const;  // of them all, numbered in their order
   ///   SIM_HD Fetched fetch(std::uint32_t item) const;
   ///   __device__ bool take_turn(Fetched&) const;  // does the item, if all that it needs are done
@@ -375,23 +375,6 @@ void Executor::launch(const char* name, const Count& count, const Stage& stage) 
   check_launch(name, shape);
 }
 
-/// What an item of a round needs, where it is fetched, and the item itself.
-template <class Rounds>
-struct RoundItem {
-  __device__ void fetch(const Rounds&, int, int) {}
-  __device__ void run(const Rounds& rounds, int round, int item) const { rounds(round, item); }
-};
-template <FetchingRounds Rounds>
-struct RoundItem<Rounds> {
-  typename Rounds::Fetched fetched;
-  __device__ void fetch(const Rounds& rounds, int round, int item) {
-    if (round < Rounds::fetched) fetched = rounds.fetch(round, item);
-  }
-  __device__ void run(const Rounds& rounds, int round, int item) const {
-    round < Rounds::fetched ? rounds(fetched) : rounds(round, item);
-  }
-};
-
 template <class Rounds>
 __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const int rounds,
                               const Rounds& stage) {
@@ -417,19 +400,13 @@ requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_g
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
     const bool alone = items <= (blockDim.x > 768 ? blockDim.x : 768);
-    const std::int64_t sharing = alone ? std::int64_t{blockDim.x} : lanes;
-    const bool shares = rank < min_of(items, sharing);
-    RoundItem<Rounds> item;
-    if (shares) item.fetch(stage, round, static_cast<int>(rank));
     if (!first && !(alone && was_alone)) grid.sync();
     if (!first && alone && was_alone && rank < blockDim.x) __syncthreads();
     first = false;
     was_alone = alone;
-    if (!shares) continue;
-    for (std::int64_t i = rank; i < items; i += sharing) {
-      if (i != rank) item.fetch(stage, round, static_cast<int>(i));
-      item.run(stage, round, static_cast<int>(i));
-    }
+    if (alone && rank >= blockDim.x) continue;
+    for (std::int64_t i = rank; i < items; i += alone ? std::int64_t{blockDim.x} : lanes)
+      run_item(stage, round, static_cast<int>(i));
   }
 }
 

@@ -230,8 +230,7 @@ struct Sweep {
     }
   }
 
-  // ---- on a GPU, in float: all colours without a pause, each contact as soon as both its bodies are free
-  // ----
+  // ---- on a GPU, in float: all colours without a pause ----
 
   static constexpr int chained = StoredVector3<Real>::counts ? Colouring::colours : 0;
 
