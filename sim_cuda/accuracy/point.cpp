@@ -1,0 +1,53 @@
+#include "sim_cuda/accuracy/point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collidoscope {
+
+Scene with_setting(const Scene& scene, const AccuracySetting& setting, const Effects& effects) {
+  Scene changed = scene;
+  Physics& physics = changed.physics;
+  physics.time_step = setting.time_step;
+  const double rate = std::round(1 / setting.time_step);
+  physics.steps_per_second.reset();
+  if (rate >= 1 && rate <= 1e6 && 1 / rate == setting.time_step)
+    physics.steps_per_second = static_cast<int>(rate);
+  physics.substeps = setting.substeps;
+  physics.iterations = setting.iterations;
+  physics.solver = setting.solver;
+  physics.integrator = setting.integrator;
+  physics.precision = setting.precision;
+  physics.effects = effects;
+  physics.effects->continuous_collision = setting.continuous_collision;
+  return changed;
+}
+
+void mark_front(std::vector<AccuracyPoint>& points) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    points[k].on_front = false;
+    if (points[k].has_error() && points[k].has_price()) order.push_back(k);
+  }
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    const double ms_a = points[a].ms.median, ms_b = points[b].ms.median;
+    return ms_a != ms_b ? ms_a < ms_b : points[a].error < points[b].error;
+  });
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::size_t k : order) {
+    points[k].on_front = points[k].error < least;
+    least = std::min(least, points[k].error);
+  }
+}
+
+std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points, double tolerance) {
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const AccuracyPoint& p = points[k];
+    if (!p.has_price() || !(p.error <= tolerance)) continue;
+    if (!best || p.ms.median < points[*best].ms.median) best = k;
+  }
+  return best;
+}
+
+}  // namespace collidoscope

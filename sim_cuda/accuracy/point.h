@@ -1,0 +1,102 @@
+#pragma once
+// What an accuracy study finds: settings, each with its error and its price; what the errors are measured
+// against; and the two questions asked of them. Plain data in SI units, read by panels, files and charts
+// alike. `unknown` stands where a quantity does not apply, or is not measured yet.
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// All that a study varies. Everything else is the scene's.
+struct AccuracySetting {
+  double time_step = 1.0 / 30;  ///< s
+  int substeps = 4;
+  int iterations = 1;
+  Solver solver = Solver::soft_step;
+  Integrator integrator = Integrator::semi_implicit_euler;
+  Precision precision = Precision::f32;
+  bool continuous_collision = false;
+
+  friend bool operator==(const AccuracySetting&, const AccuracySetting&) = default;
+};
+
+/// The scene with these settings, whose effects, but for continuous collision, are `effects`: what is on must
+/// not go by the time step, as it may where the scene says "auto".
+Scene with_setting(const Scene& scene, const AccuracySetting& setting, const Effects& effects);
+
+/// Milliseconds of the clock for a simulated second: the middle of some runs, and their quartiles.
+struct AccuracyPrice {
+  double median = unknown, low = unknown, high = unknown;
+};
+
+/// What must be kept, or must be zero, whatever the motion; each the worst of the sampled states.
+struct AccuracyInvariants {
+  double energy_drift = unknown;  ///< of the end against the start, over the reference's most kinetic energy
+  double energy_error = unknown;  ///< the same, against the reference's energy at the same time
+  /// What is left of the change of momentum without what walls and gravity gave, over the sum of m |v|.
+  double momentum_balance = unknown;
+  /// The same of the angular momentum, over the sum of m |v| and the extent of the bodies.
+  double angular_momentum_balance = unknown;
+  double angular_momentum_error = unknown;   ///< against the reference's, over the same
+  double penetration_max = unknown;          ///< m, of two bodies, or of a body and a wall
+  double penetration_rms = unknown;          ///< m, of the pairs of bodies that overlap; 0 where none does
+  double penetration_over_radius = unknown;  ///< of pairs, r.m.s., over the radius of the smaller
+  double joint_error = unknown;              ///< m
+  double joint_angle = unknown;              ///< rad
+  double cone_violation = unknown;  ///< friction beyond its coefficient times the normal impulse, over that
+};
+
+/// How far from the reference a setting's distribution over all bodies is: Kolmogorov and Smirnov's distance,
+/// 0 to 1, at the end, also where positions mean nothing any more.
+struct AccuracyDistributions {
+  double heights = unknown;  ///< along gravity, or z where there is none
+  double speeds = unknown;
+};
+
+struct AccuracyPoint {
+  std::string family;  ///< "soft_step f32": the points of one line
+  std::string name;    ///< "1/60 s, 4 substeps, 1 iteration": which of them
+  AccuracySetting setting;
+  /// m, root mean square over all bodies and samples of how far a body's matter is from where it should be,
+  /// turns included; and the quartiles of the same over groups of bodies.
+  double error = unknown, error_low = unknown, error_high = unknown;
+  double error_worst = unknown;  ///< m, of any body at any sample
+  AccuracyPrice ms;              ///< for a simulated second
+  std::vector<double> ms_runs;   ///< each run's, of which `ms` is the middle
+  AccuracyInvariants invariants;
+  AccuracyDistributions distributions;
+  bool on_front = false;  ///< nothing else is both as cheap and as accurate
+
+  bool has_error() const { return error == error; }
+  bool has_price() const { return ms.median == ms.median; }
+};
+
+/// What errors are measured against.
+struct AccuracyReference {
+  enum class Kind { hard_spheres, converged_run };
+  Kind kind = Kind::converged_run;
+  std::string description;       ///< a line
+  double seconds = 0;            ///< s, for which it goes on
+  double horizon = 0;            ///< s, up to which positions are compared; at most `seconds`
+  std::string end;               ///< a line: why no further, or empty
+  double error = 0;              ///< m, its own, r.m.s. as a point's; what is below it means nothing
+  double order = unknown;        ///< observed, of a converged run
+  double growth_rate = unknown;  ///< 1/s, at which a tiny displacement grows exponentially
+};
+
+/// Marks the points on the Pareto front, of those with both an error and a price.
+void mark_front(std::vector<AccuracyPoint>& points);
+
+/// Which point is the cheapest whose error is at most `tolerance`, m; none where no point is.
+std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points, double tolerance);
+
+}  // namespace collidoscope

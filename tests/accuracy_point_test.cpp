@@ -1,0 +1,95 @@
+// The Pareto front and the cheapest setting, against all pairs; and the scene that a setting makes.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_cuda/accuracy/point.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "tests/random.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+AccuracyPoint point(double ms, double error) {
+  AccuracyPoint p;
+  p.ms.median = ms;
+  p.error = error;
+  return p;
+}
+
+/// Few values, so that some are equal; some not known.
+std::vector<AccuracyPoint> some_points(std::uint32_t seed) {
+  Uniform uniform{Random(seed)};
+  std::vector<AccuracyPoint> points;
+  for (int k = 0; k < 40; ++k) {
+    const auto value = [&] {
+      const double whole = std::floor(uniform(0, 9));
+      return whole == 0 ? unknown : whole;
+    };
+    points.push_back(point(value(), value()));
+  }
+  return points;
+}
+
+TEST(AccuracyPoint, IsOnTheFrontWhereNothingIsBoth) {
+  for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+    std::vector<AccuracyPoint> points = some_points(seed);
+    mark_front(points);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const AccuracyPoint& p = points[k];
+      bool beaten = !p.has_error() || !p.has_price();
+      for (std::size_t other = 0; other < points.size(); ++other) {
+        const AccuracyPoint& q = points[other];
+        if (other == k || !q.has_error() || !q.has_price()) continue;
+        const bool as_good = q.ms.median <= p.ms.median && q.error <= p.error;
+        const bool better = q.ms.median < p.ms.median || q.error < p.error;
+        beaten |= as_good && (better || other < k);  // of equals the first
+      }
+      EXPECT_EQ(p.on_front, !beaten) << seed << ' ' << k;
+    }
+  }
+}
+
+TEST(AccuracyPoint, IsTheCheapestBelowATolerance) {
+  for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+    const std::vector<AccuracyPoint> points = some_points(seed);
+    for (const double tolerance : {0.5, 1.0, 3.5, 8.0, 100.0}) {
+      const auto found = cheapest_below(points, tolerance);
+      bool any = false;
+      for (const AccuracyPoint& p : points) {
+        const bool good = p.has_price() && p.has_error() && p.error <= tolerance;
+        any |= good;
+        if (good) {
+          ASSERT_TRUE(found);
+          EXPECT_LE(points[*found].ms.median, p.ms.median);
+        }
+      }
+      EXPECT_EQ(found.has_value(), any);
+      if (found) {
+        EXPECT_LE(points[*found].error, tolerance);
+      }
+    }
+  }
+  EXPECT_FALSE(cheapest_below({}, 1));
+}
+
+TEST(AccuracyPoint, SettingsAreOfTheSceneThatTheyMake) {
+  Scene scene = hard_space(Vector3d(0, 0, -9.81));
+  const AccuracySetting setting{1.0 / 240,      3,   5, Solver::jacobi_split, Integrator::semi_implicit_euler,
+                                Precision::f64, true};
+  const Scene made = with_setting(scene, setting, {.gravity = true});
+  EXPECT_EQ(made.physics.time_step, 1.0 / 240);
+  EXPECT_EQ(made.physics.steps_per_second, 240);
+  EXPECT_EQ(made.physics.substeps, 3);
+  EXPECT_EQ(made.physics.iterations, 5);
+  EXPECT_EQ(made.physics.solver, Solver::jacobi_split);
+  EXPECT_EQ(made.physics.precision, Precision::f64);
+  EXPECT_EQ(made.physics.effects, (Effects{.gravity = true, .continuous_collision = true}));
+  EXPECT_TRUE(validate(made).empty());
+  EXPECT_FALSE(with_setting(scene, {.time_step = 0.0123}, {}).physics.steps_per_second);
+}
+
+}  // namespace
+}  // namespace collidoscope
