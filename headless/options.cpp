@@ -60,6 +60,7 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
   set(physics.iterations, overrides.iterations);
   set(physics.solver, overrides.solver);
   set(physics.integrator, overrides.integrator);
+  set(physics.rotation_update, overrides.rotation_update);
   set(physics.precision, overrides.precision);
   set(physics.effects, overrides.effects);
   set(physics.restitution_threshold, overrides.restitution_threshold);

@@ -48,6 +48,7 @@ struct Overrides {
   std::optional<int> substeps, iterations;
   std::optional<Solver> solver;
   std::optional<Integrator> integrator;
+  std::optional<RotationUpdate> rotation_update;
   std::optional<Precision> precision;
   std::optional<std::optional<Effects>> effects;               ///< inner unset: "auto"
   std::optional<std::optional<double>> restitution_threshold;  ///< m/s; inner unset: "auto"

@@ -123,29 +123,31 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
   const Scene& scene = world.scene();
   // Before measure(), which finds contacts of its own.
   std::vector<Residual> residuals = world.residuals();
-  RunReport report{.scene = scene.name,
-                   .variant = {},
-                   .seed = {},
-                   .executor = world.on_gpu() ? "cuda" : "cpu",
-                   .device = world.device_name(),
-                   .broad_phase = world.options().broad_phase,
-                   .key_bits = world.key_bits(),
-                   .solver = std::string(name_of(solver_names, scene.physics.solver)),
-                   .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
-                   .precision = std::string(name_of(precision_names, scene.physics.precision)),
-                   .effects = names_of(world.effects()),
-                   .effect_reasons = {},
-                   .shape = world.launch_shape(),
-                   .substeps = world.substeps(),
-                   .iterations = scene.physics.iterations,
-                   .time_step = scene.physics.time_step,
-                   .initial = initial,
-                   .final = world.measure(),
-                   .residuals = std::move(residuals),
-                   .times = world.times(),
-                   .state_hash = world.state_hash(),
-                   .allocated_bytes = world.allocated_bytes(),
-                   .wall_seconds = wall_seconds};
+  RunReport report{
+      .scene = scene.name,
+      .variant = {},
+      .seed = {},
+      .executor = world.on_gpu() ? "cuda" : "cpu",
+      .device = world.device_name(),
+      .broad_phase = world.options().broad_phase,
+      .key_bits = world.key_bits(),
+      .solver = std::string(name_of(solver_names, scene.physics.solver)),
+      .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
+      .rotation_update = std::string(name_of(rotation_update_names, scene.physics.rotation_update)),
+      .precision = std::string(name_of(precision_names, scene.physics.precision)),
+      .effects = names_of(world.effects()),
+      .effect_reasons = {},
+      .shape = world.launch_shape(),
+      .substeps = world.substeps(),
+      .iterations = scene.physics.iterations,
+      .time_step = scene.physics.time_step,
+      .initial = initial,
+      .final = world.measure(),
+      .residuals = std::move(residuals),
+      .times = world.times(),
+      .state_hash = world.state_hash(),
+      .allocated_bytes = world.allocated_bytes(),
+      .wall_seconds = wall_seconds};
   for (const EffectName& effect : effect_names)
     report.effect_reasons.emplace_back(effect.name, effect_reason(scene, world.initial(), effect.flag).why);
   report.simulated_seconds = static_cast<double>(report.final.step - initial.step) * report.time_step;
@@ -175,6 +177,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["key_bits"] = report.key_bits > 0 ? Json(report.key_bits) : Json(nullptr);
   json["solver"] = report.solver;
   json["integrator"] = report.integrator;
+  json["rotation_update"] = report.rotation_update;
   json["precision"] = report.precision;
   json["effects"] = report.effects;
   for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;

@@ -23,7 +23,7 @@ struct RunReport {
   std::string executor;  ///< cpu or cuda: what ran, not what was asked for
   std::string device, broad_phase;
   int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
-  std::string solver, integrator, precision;
+  std::string solver, integrator, rotation_update, precision;
   std::vector<std::string> effects;                                 ///< that are on
   std::vector<std::pair<std::string, std::string>> effect_reasons;  ///< of all: why called for, or why not
   LaunchShape shape;                                                ///< zeros are "auto"

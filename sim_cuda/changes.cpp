@@ -88,7 +88,8 @@ void set(Value& value, const std::optional<Value>& wish) {
 
 bool Change::physical() const {
   return bodies || radius_max || seed || variant || time_step || steps_per_second || substeps || iterations ||
-         restitution || solver || precision || effects || !remove.empty() || !add.empty();
+         restitution || solver || integrator || rotation_update || precision || effects || !remove.empty() ||
+         !add.empty();
 }
 
 bool Change::shape_alone() const { return !physical() && !broad_phase && (blocks || threads); }
@@ -125,6 +126,8 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
   set(physics.iterations, change.iterations);
   set(scene.materials.at(0).restitution, change.restitution);
   set(physics.solver, change.solver);
+  set(physics.integrator, change.integrator);
+  set(physics.rotation_update, change.rotation_update);
   set(physics.precision, change.precision);
   set(physics.effects, change.effects);
   remove_bodies(scene, change.remove, ids);

@@ -38,6 +38,8 @@ struct Change {
   std::optional<int> iterations;
   std::optional<double> restitution;  ///< of the material "default"
   std::optional<Solver> solver;
+  std::optional<Integrator> integrator;
+  std::optional<RotationUpdate> rotation_update;
   std::optional<Precision> precision;
   std::optional<std::optional<Effects>> effects;  ///< inner unset: "auto"
   std::vector<std::int64_t> remove;               ///< ids, before any of them is removed

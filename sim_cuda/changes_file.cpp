@@ -133,6 +133,8 @@ class ChangesReader {
     whole("iterations", change.iterations);
     real("restitution", change.restitution);
     choice("solver", solver_names, change.solver);
+    choice("integrator", integrator_names, change.integrator);
+    choice("rotation_update", rotation_update_names, change.rotation_update);
     choice("precision", precision_names, change.precision);
     if (const JsonNode* node = reader.member("effects")) {
       std::optional<Effects> effects;
@@ -313,6 +315,9 @@ std::string text_of(const Change& change, const Scene& scene) {
   number("iterations", change.iterations);
   number("restitution", change.restitution);
   if (change.solver) word("solver", name_of(solver_names, *change.solver));
+  if (change.integrator) word("integrator", name_of(integrator_names, *change.integrator));
+  if (change.rotation_update)
+    word("rotation_update", name_of(rotation_update_names, *change.rotation_update));
   if (change.precision) word("precision", name_of(precision_names, *change.precision));
   if (change.effects) text += ", \"effects\": " + write_effects(*change.effects);
   if (!change.remove.empty()) text += fmt::format(", \"remove\": [{}]", fmt::join(change.remove, ", "));

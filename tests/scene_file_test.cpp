@@ -198,7 +198,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"solver\": \"soft_stop\"}",
             "s:2:11: unknown solver \"soft_stop\"; did you mean \"soft_step\"? (impulse, soft_step or "
             "jacobi_split)"},
-        Bad{"\"integrator\": \"rk4\"}", "s:2:15: unknown integrator \"rk4\""},
+        Bad{"\"integrator\": \"rk5\"}", "s:2:15: unknown integrator \"rk5\"; did you mean \"rk4\"?"},
+        Bad{"\"rotation_update\": \"lie\"}",
+            "s:2:20: unknown rotation update \"lie\"; it is first_order or lie_group"},
         Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
         Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},
         Bad{"\"effects\": [\"gravity\", \"magic\"]}",
@@ -497,7 +499,7 @@ std::string bits(const Scene& s) {
   vec(p.gravity), real(p.time_step), whole(p.steps_per_second.value_or(-1)), whole(p.substeps.value_or(-1)),
       whole(p.iterations);
   whole(static_cast<int>(p.solver)), whole(static_cast<int>(p.integrator)),
-      whole(static_cast<int>(p.precision));
+      whole(static_cast<int>(p.rotation_update)), whole(static_cast<int>(p.precision));
   whole(p.effects ? p.effects->gravity + 2 * p.effects->rotation : -1),
       real(p.restitution_threshold.value_or(-1));
   whole(p.sleep.has_value()), real(p.sleep.value_or(Sleep{}).speed), real(p.sleep.value_or(Sleep{}).time);

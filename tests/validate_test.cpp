@@ -101,6 +101,8 @@ TEST(Validate, NamesEveryFault) {
       {"solver", "must be impulse, soft_step or jacobi_split",
        [](Scene& s) { s.physics.solver = static_cast<Solver>(7); }},
       {"integrator", "must be", [](Scene& s) { s.physics.integrator = static_cast<Integrator>(7); }},
+      {"rotation_update", "must be first_order or lie_group",
+       [](Scene& s) { s.physics.rotation_update = static_cast<RotationUpdate>(7); }},
       {"precision", "must be f32 or f64", [](Scene& s) { s.physics.precision = static_cast<Precision>(7); }},
       {"restitution_threshold", "must lie in [0, 1e+09] m/s",
        [](Scene& s) { s.physics.restitution_threshold = -1; }},

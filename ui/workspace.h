@@ -33,6 +33,8 @@ struct Settings {
   double restitution = 0.8;     ///< of the material "default"
   Precision precision = Precision::f32;
   Solver solver = Solver::soft_step;
+  Integrator integrator = Integrator::semi_implicit_euler;
+  RotationUpdate rotation_update = RotationUpdate::first_order;
   std::optional<int> substeps;  ///< unset: "auto"
   int iterations = 1;
   std::optional<Effects> effects;  ///< unset: "auto", what the scene calls for

@@ -22,8 +22,12 @@ inline constexpr std::array<Named<Precision>, 2> precision_names{
     {{"f32", Precision::f32}, {"f64", Precision::f64}}};
 inline constexpr std::array<Named<Solver>, 3> solver_names{
     {{"impulse", Solver::impulse}, {"soft_step", Solver::soft_step}, {"jacobi_split", Solver::jacobi_split}}};
-inline constexpr std::array<Named<Integrator>, 1> integrator_names{
-    {{"semi_implicit_euler", Integrator::semi_implicit_euler}}};
+inline constexpr std::array<Named<Integrator>, 3> integrator_names{
+    {{"semi_implicit_euler", Integrator::semi_implicit_euler},
+     {"velocity_verlet", Integrator::velocity_verlet},
+     {"rk4", Integrator::rk4}}};
+inline constexpr std::array<Named<RotationUpdate>, 2> rotation_update_names{
+    {{"first_order", RotationUpdate::first_order}, {"lie_group", RotationUpdate::lie_group}}};
 inline constexpr std::array<Named<Shape>, 2> shape_names{{{"sphere", Shape::sphere}, {"mesh", Shape::mesh}}};
 inline constexpr std::array<Named<Motion>, 3> motion_names{
     {{"dynamic", Motion::dynamic}, {"kinematic", Motion::kinematic}, {"static", Motion::fixed}}};

@@ -18,7 +18,10 @@ enum class Precision { f32, f64 };
 /// The paper's immediate impulses; soft contacts in substeps, colour by colour; the same, all contacts at
 /// once between parts of bodies (Tonge, Benevolenski, Voroshilov 2012).
 enum class Solver { impulse, soft_step, jacobi_split };
-enum class Integrator { semi_implicit_euler };
+/// How free motion goes on in a substep: dynamics/integrators.h.
+enum class Integrator { semi_implicit_euler, velocity_verlet, rk4 };
+/// How bodies turn in it: the paper's single turn, or turns that keep to the order of the integrator.
+enum class RotationUpdate { first_order, lie_group };
 
 /// The closed container; its six inner faces are walls of the material "default".
 struct Box {
@@ -124,6 +127,7 @@ struct Physics {
   int iterations = 1;                   ///< sweeps of the solver over all contacts, 1 to 1000
   Solver solver = Solver::soft_step;
   Integrator integrator = Integrator::semi_implicit_euler;
+  RotationUpdate rotation_update = RotationUpdate::first_order;
   Precision precision = Precision::f32;
   std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for
   std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h

@@ -89,6 +89,7 @@ class SceneReader {
     root.whole("iterations", physics.iterations);
     root.choice("solver", solver_names, physics.solver);
     root.choice("integrator", integrator_names, physics.integrator);
+    root.choice("rotation_update", rotation_update_names, physics.rotation_update);
     root.choice("precision", precision_names, physics.precision);
     if (const JsonNode* node = root.member("effects")) read_effects(reading_, *node, physics.effects);
     if (const JsonNode* node = root.member("restitution_threshold")) {

@@ -78,6 +78,7 @@ class SceneWriter {
     root.member("iterations", fmt::format("{}", physics.iterations));
     root.member("solver", json_text(name_of(solver_names, physics.solver)));
     root.member("integrator", json_text(name_of(integrator_names, physics.integrator)));
+    root.member("rotation_update", json_text(name_of(rotation_update_names, physics.rotation_update)));
     root.member("precision", json_text(name_of(precision_names, physics.precision)));
     root.member("effects", write_effects(physics.effects));
     root.member("restitution_threshold", physics.restitution_threshold

@@ -73,6 +73,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"restitution", s.restitution},
                {"precision", std::string(name_of(precision_names, s.precision))},
                {"solver", std::string(name_of(solver_names, s.solver))},
+               {"integrator", std::string(name_of(integrator_names, s.integrator))},
+               {"rotation_update", std::string(name_of(rotation_update_names, s.rotation_update))},
                {"substeps", s.substeps ? Json(*s.substeps) : Json("auto")},
                {"iterations", s.iterations},
                {"broad_phase", s.broad_phase},

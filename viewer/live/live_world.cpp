@@ -20,6 +20,8 @@ Settings settings_of(const World& world) {
   }
   s.time_step = scene.physics.time_step;
   s.restitution = scene.materials[0].restitution;
+  s.integrator = scene.physics.integrator;
+  s.rotation_update = scene.physics.rotation_update;
   s.precision = scene.physics.precision;
   s.solver = scene.physics.solver;
   s.substeps = scene.physics.substeps;
@@ -42,6 +44,8 @@ Change change_between(const Settings& now, const Settings& wish) {
   set(change.variant, now.variant, wish.variant);
   set(change.time_step, now.time_step, wish.time_step);
   set(change.restitution, now.restitution, wish.restitution);
+  set(change.integrator, now.integrator, wish.integrator);
+  set(change.rotation_update, now.rotation_update, wish.rotation_update);
   set(change.precision, now.precision, wish.precision);
   set(change.solver, now.solver, wish.solver);
   if (now.substeps != wish.substeps) change.substeps.emplace(wish.substeps);
