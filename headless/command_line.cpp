@@ -46,7 +46,8 @@ std::string program_help() {
   for (const CommandName& one : commands)
     text += fmt::format("  {:<24}{}\n", fmt::format("{} {}", one.name, one.operands), one.help);
   return text +
-         "\nA SCENE is a file, or the bare name of one in assets/scenes, such as box_collider.\n"
+         "\nA SCENE is a file, or the bare name of one in assets/scenes or assets/scenes/analytic,\n"
+         "such as box_collider.\n"
          "COMMAND --help lists a command's flags; --version names the version.\n" +
          exit_codes;
 }
@@ -227,11 +228,14 @@ std::string scene_file(const std::string& given) {
   if (!bare || fs::exists(given, failed)) return given;
   std::vector<std::string> names;
   for (const fs::path& folder : asset_folders()) {
-    const fs::path file = folder / "scenes" / (given + ".json");
-    if (fs::exists(file, failed)) return file.string();
-    if (!names.empty()) continue;
-    for (const auto& entry : fs::directory_iterator(folder / "scenes", failed))
-      if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    const bool first = names.empty();
+    for (const fs::path& scenes : {folder / "scenes", folder / "scenes" / "analytic"}) {
+      const fs::path file = scenes / (given + ".json");
+      if (fs::exists(file, failed)) return file.string();
+      if (!first) continue;
+      for (const auto& entry : fs::directory_iterator(scenes, failed))
+        if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    }
   }
   std::ranges::sort(names);
   throw InputError(fmt::format("{}: neither a file nor the name of a scene; {}", shown(given),

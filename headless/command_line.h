@@ -36,8 +36,8 @@ struct Start {
 /// Throws InputError.
 Start load_start(const CommandLine& line);
 
-/// The file of a scene that was given as a path or as the bare name of one in assets/scenes. Throws
-/// InputError, which names the scenes there are.
+/// The file of a scene that was given as a path or as the bare name of one in assets/scenes, or in the folder
+/// `analytic` there. Throws InputError, which names the scenes there are.
 std::string scene_file(const std::string& given);
 
 }  // namespace collidoscope

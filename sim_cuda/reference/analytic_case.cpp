@@ -1,0 +1,94 @@
+#include "sim_cuda/reference/analytic_case.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace collidoscope {
+namespace {
+
+/// The scene at a step that is `parts` times smaller.
+Scene refined(Scene scene, int parts) {
+  Physics& physics = scene.physics;
+  if (physics.steps_per_second) {
+    physics.steps_per_second = *physics.steps_per_second * parts;
+    physics.time_step = 1.0 / *physics.steps_per_second;
+  } else {
+    physics.time_step /= parts;
+  }
+  return scene;
+}
+
+}  // namespace
+
+Theory leading_theory(double order, double constant) {
+  return {Claim::leading, order, [=](double h) { return constant * std::pow(h, order); }};
+}
+
+std::vector<AnalyticMethod> by_euler(Theory theory) {
+  return {{Integrator::semi_implicit_euler, std::move(theory)}};
+}
+
+double rounding(Precision precision, int steps, double scale) {
+  constexpr double quantities = 4;
+  const double half_unit = precision == Precision::f64 ? 0x1p-53 : 0x1p-24;
+  return quantities * half_unit * steps * scale;
+}
+
+double tolerance(const Theory& theory, double h, double rounding) {
+  if (theory.claim == Claim::exact) return rounding;
+  return (1 + 2 * (std::exp2(order_tolerance) - 1)) * theory.error(h) + rounding;
+}
+
+double fitted_order(const std::vector<AnalyticLevel>& levels) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const AnalyticLevel& level : levels) {
+    const double u = std::log(level.h), v = std::log(level.error);
+    n += 1;
+    x += u;
+    y += v;
+    xx += u * u;
+    xy += u * v;
+  }
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+void judge(AnalyticResult& result) {
+  result.fitted_order = std::numeric_limits<double>::quiet_NaN();
+  result.fault.clear();
+  for (const AnalyticLevel& level : result.levels)
+    if (!(level.error <= level.tolerance)) {
+      result.fault = fmt::format("at h = {:.4g} s the error is {:.3g}, and {:.3g} is allowed", level.h,
+                                 level.error, level.tolerance);
+      break;
+    }
+  if (result.theory.claim != Claim::leading || result.precision == Precision::f32) return;
+  result.fitted_order = fitted_order(result.levels);
+  if (!(std::abs(result.fitted_order - result.theory.order) <= order_tolerance))
+    result.fault = fmt::format("the fitted order is {:.2f}, theory's is {:g}{}{}", result.fitted_order,
+                               result.theory.order, result.fault.empty() ? "" : "; ", result.fault);
+}
+
+AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, Precision precision,
+                        const RunOptions& options) {
+  AnalyticResult result{
+      one.name, one.compared, one.because, method.integrator, precision, method.theory, {}, 0, ""};
+  int parts = 1;
+  for (int k = 0; k < analytic_levels; ++k, parts *= one.refinement) {
+    Scene scene = refined(one.scene, parts);
+    scene.physics.precision = precision;
+    scene.physics.integrator = method.integrator;
+    World world(scene, options);
+    AnalyticLevel level;
+    level.h = scene.physics.time_step / world.substeps();
+    level.steps = static_cast<int>(std::lround(one.horizon / scene.physics.time_step));
+    level.error = one.error(world, level.steps);
+    level.tolerance = tolerance(method.theory, level.h, rounding(precision, level.steps, one.scale));
+    result.levels.push_back(level);
+  }
+  judge(result);
+  return result;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,22 @@
+#pragma once
+// The analytic suite: every case there is. Scenes come from assets/scenes/analytic/, so that each can be
+// opened in the window, too; closed forms read their numbers from the scene.
+
+#include <vector>
+
+#include "sim_cuda/reference/analytic_case.h"
+
+namespace collidoscope {
+
+/// Cases of smooth motion, whose errors leading_error.h knows; of impacts; and of what stays in touch, each
+/// with a derivation of its own. Throw MachineError where the scenes are not found.
+std::vector<AnalyticCase> smooth_cases();
+std::vector<AnalyticCase> impact_cases();
+std::vector<AnalyticCase> contact_cases();
+/// All of them.
+std::vector<AnalyticCase> analytic_cases();
+
+/// The scene of a case, assets/scenes/analytic/<name>.json.
+Scene analytic_scene(const std::string& name);
+
+}  // namespace collidoscope

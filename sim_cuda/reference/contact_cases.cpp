@@ -1,0 +1,217 @@
+// What stays in touch, or comes back to it: rebounds, friction, a stack, a spring joint. All are of first
+// order in h, as Moreau's scheme is, but for how deep soft contacts yield, with constants that follow from
+// what the solver does, each derived beside its case.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim_cuda/reference/analytic_cases.h"
+#include "sim_cuda/reference/impacts.h"
+#include "sim_cuda/reference/oscillations.h"
+#include "sim_cuda/solver/soft_contact.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+double gravity(const Scene& scene) { return -scene.physics.gravity.z(); }
+
+Rebounds rebounds(const Scene& scene) {
+  const Body& ball = scene.bodies[0];
+  return {gravity(scene), ball.position.z() - ball.radius, scene.materials[0].restitution};
+}
+
+/// Semi-implicit Euler's fall is a parabola, thrown g h/2 slower; what reaches the floor at the speed p
+/// bounces as if it were p - g h/2 (v^2 + 2 g s with the true v and the parabola's s). So a speed u after a
+/// bounce becomes e (u - g h) after the next: it falls short by eps_1 = e g h/2, eps_(n+1) = e (eps_n + g h).
+/// A flight takes 2 (eps + g h/2) / g less, a bounce waits for the step's end, up to h.
+struct EulerRebounds {
+  double h, slow, early;  ///< s; m/s after the n-th bounce; s, the most by which it comes too early or late
+
+  EulerRebounds(const Rebounds& ball, int n, double step)
+      : h(step), slow(ball.e * ball.gravity * h / 2), early(h / 2) {
+    for (int k = 1; k < n; ++k) {
+      early += 2 * slow / ball.gravity + h;
+      slow = ball.e * (slow + ball.gravity * h);
+    }
+  }
+};
+
+void add_bouncing(std::vector<AnalyticCase>& cases) {
+  AnalyticCase one;
+  one.name = "bouncing";
+  one.scene = analytic_scene("bouncing");
+  one.compared = "height after three bounces, m";
+  one.because = "Euler falls short by g h a flight, and a bounce waits up to h for its step's end";
+  one.horizon = 2.3;
+  one.scale = 5;
+  const Rebounds ball = rebounds(one.scene);
+  const double t = one.horizon, r = one.scene.bodies[0].radius;
+  const int n = ball.impacts(t);
+  const Theory of_euler{Claim::bound, 1, [=](double h) {
+                          const EulerRebounds off(ball, n, h);
+                          return (off.slow + ball.gravity * h / 2) * (t - ball.time(n)) +
+                                 ball.speed(n) * off.early;
+                        }};
+  one.methods = by_euler(of_euler);
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    return std::abs(world.bodies().position[0].z() - r - ball.height(t));
+  };
+  cases.push_back(one);
+}
+
+/// Approaches slower than 2 g h do not bounce. There are at most log(v_1 / 2 g h) / log(1/e) others, and one,
+/// each off as in EulerRebounds, where eps stays below e g h / (1 - e); what is then missing of the
+/// infinitely many is 2 u e / (g (1 - e)), u the last rebound, below 3 g h; and the last touch takes two
+/// steps.
+void add_zeno(std::vector<AnalyticCase>& cases) {
+  AnalyticCase one;
+  one.name = "zeno";
+  one.scene = analytic_scene("zeno");
+  one.compared = "time at which it rests, s";
+  one.because = "below 2 g h nothing bounces; each bounce before waits up to h";
+  one.horizon = 2;
+  one.scale = 2;
+  const Rebounds ball = rebounds(one.scene);
+  const double r = one.scene.bodies[0].radius;
+  one.methods = by_euler({Claim::bound, 1, [=](double h) {
+                            const double ratio = ball.e / (1 - ball.e);
+                            const double slowest = 2 * ball.gravity * h;
+                            const double bounces =
+                                1 + std::ceil(std::log(ball.first_speed() / slowest) / -std::log(ball.e));
+                            return h * (0.5 + (bounces - 1) * (1 + 2 * ratio) + 6 * ratio + 2);
+                          }});
+  one.error = [=](World& world, int steps) {
+    int moving = 0;
+    for (int k = 1; k <= steps; ++k) {
+      world.step();
+      const BodyStates s = world.bodies();
+      if (s.velocity[0].norm() > 1e-5 || s.position[0].z() - r > 1e-5) moving = k;
+    }
+    return std::abs((moving + 1) * world.scene().physics.time_step - ball.zeno_time());
+  };
+  cases.push_back(one);
+}
+
+/// While it slides, Euler's way is -mu g h t/2 short; then it goes on at the right speed.
+void add_slide_to_roll(std::vector<AnalyticCase>& cases) {
+  AnalyticCase one;
+  one.name = "slide_to_roll";
+  one.scene = analytic_scene("slide_to_roll");
+  one.compared = "position, m";
+  one.because = "mu g h t/2 until it rolls at t = 2 v / (7 mu g): v h/7";
+  one.horizon = 1;
+  one.scale = 7;
+  const Body ball = one.scene.bodies[0];
+  const SlideToRoll way{ball.velocity.x(), one.scene.materials[0].friction * gravity(one.scene)};
+  one.methods = by_euler(leading_theory(1, way.deceleration * way.rolling_at() / 2));
+  one.error = [=, t = one.horizon](World& world, int steps) {
+    world.step(steps);
+    return (world.bodies().position[0] - ball.position - Vector3d(way.way(t), 0, 0)).norm();
+  };
+  cases.push_back(one);
+}
+
+void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
+  AnalyticCase one;
+  one.name = name;
+  one.scene = analytic_scene(name);
+  one.compared = "position, m";
+  one.because = "a uniform acceleration: a h t/2";
+  one.horizon = 1;
+  one.scale = 5;
+  const Vector3d start = one.scene.bodies[0].position, normal = one.scene.obstacles[0].normal,
+                 down(normal.z(), 0, -normal.x());
+  const double a = down_slope(gravity(one.scene), normal.x(), normal.z(), one.scene.materials[0].friction);
+  const double t = one.horizon;
+  one.methods = by_euler(leading_theory(1, a * t / 2));
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    return (world.bodies().position[0] - start - a * t * t / 2 * down).norm();
+  };
+  cases.push_back(one);
+}
+
+/// At rest a contact gives what bears on it by its spring alone: load = mass omega^2 depth, with mass m/2 of
+/// two equal spheres, and omega = 2 pi/4 a substep. Under k spheres: depth = k m g / (m/2 omega^2).
+void add_stack(std::vector<AnalyticCase>& cases) {
+  AnalyticCase one;
+  one.name = "stack_forces";
+  one.scene = analytic_scene("stack");
+  one.compared = "worst force, of the weight above";
+  one.because = "at rest impulses are what bears on them, whatever the step";
+  one.horizon = 10;
+  one.scale = 5;
+  const auto n = static_cast<int>(one.scene.bodies.size());
+  const double g = gravity(one.scene);
+  one.methods = by_euler({});
+  one.error = [=](World& world, int steps) {
+    world.record_impulses(true);
+    world.step(steps);
+    const double weight = world.initial().mass[0] * g * world.scene().physics.time_step;
+    double worst = 0;
+    int contacts = 0;
+    for (const ContactImpulse& contact : world.impulses()) {
+      const double above = (n - 1 - static_cast<int>(contact.a)) * weight;
+      worst = std::max(worst, std::abs(contact.impulse / above - 1));
+      ++contacts;
+    }
+    return contacts == n - 1 ? worst : 1.0;
+  };
+  cases.push_back(one);
+
+  one.name = "stack_sinking";
+  one.compared = "height of the top, m";
+  one.because = "contacts yield by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
+  const double turn = 2 * pi * Softness<double>::turns_per_substep;
+  one.methods = by_euler(leading_theory(2, g * n * (n - 1) / (turn * turn)));
+  const double height = one.scene.bodies.back().position.z();
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    return std::abs(world.bodies().position.back().z() - height);
+  };
+  cases.push_back(one);
+}
+
+/// The joint's impulse is such that stretches obey the closed form's own recurrence, whatever h
+/// (solver/joint_rows.h); only its first step is off, by A w^2 h^2 / 2, for the kick comes before the drift.
+/// That is a speed of A w^2 h/2 too much at the start, which swings and decays with the rest.
+void add_spring_joint(std::vector<AnalyticCase>& cases) {
+  AnalyticCase one;
+  one.name = "spring_joint";
+  one.scene = analytic_scene("spring_joint");
+  one.compared = "stretch, m";
+  one.because = "frequency and decay are exact; the first kick is half a step ahead";
+  one.horizon = 1.2;
+  one.scale = 2;
+  const Joint joint = one.scene.joints[0];
+  const double w = 2 * pi * joint.frequency, z = joint.damping_ratio, r = w * std::sqrt(1 - z * z);
+  const double first = one.scene.bodies[0].position.x() - *joint.length, t = one.horizon;
+  one.methods =
+      by_euler(leading_theory(1, first * w * w / (2 * r) * std::exp(-z * w * t) * std::abs(std::sin(r * t))));
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    const double stretch = world.bodies().position[0].norm() - *joint.length;
+    return std::abs(stretch - first * damped_oscillation(w, z, t).at);
+  };
+  cases.push_back(one);
+}
+
+}  // namespace
+
+std::vector<AnalyticCase> contact_cases() {
+  std::vector<AnalyticCase> cases;
+  add_bouncing(cases);
+  add_zeno(cases);
+  add_slide_to_roll(cases);
+  add_incline(cases, "incline_rolling");
+  add_incline(cases, "incline_sliding");
+  add_stack(cases);
+  add_spring_joint(cases);
+  return cases;
+}
+
+}  // namespace collidoscope
