@@ -1,14 +1,14 @@
 # What `bench effects` compares: the machine code of the files that an effect touches, compiled with all effects, and
 # once more with that one left out. Not part of a build; `cmake --build ... --target effects_code` makes it.
 set(touched_by_gravity solver/soft_step.cpp dynamics/move.cpp)
-set(touched_by_attractor solver/soft_step.cpp)
-set(touched_by_drag solver/soft_step.cpp solver/impulse.cpp narrow_phase/contact_list.cpp)
-set(touched_by_rotation dynamics/move.cpp solver/joints.cpp solver/sleeping.cpp)
+set(touched_by_attractor solver/soft_step.cpp solver/free_motion.cpp)
+set(touched_by_drag solver/soft_step.cpp solver/impulse.cpp narrow_phase/contact_list.cpp solver/free_motion.cpp)
+set(touched_by_rotation dynamics/move.cpp solver/joints.cpp solver/sleeping.cpp solver/free_motion.cpp)
 set(touched_by_friction solver/soft_step.cpp)
 set(touched_by_rolling_resistance solver/soft_step.cpp)
 set(touched_by_joints solver/soft_step.cpp)
 set(touched_by_continuous_collision solver/soft_step.cpp dynamics/move.cpp narrow_phase/contact_list.cpp pipeline.cpp)
-set(touched_by_sleeping solver/soft_step.cpp dynamics/move.cpp solver/rolling_resistance.cpp)
+set(touched_by_sleeping solver/soft_step.cpp dynamics/move.cpp solver/free_motion.cpp solver/rolling_resistance.cpp)
 
 # Files of which nothing is left without the effect: they add to what it costs, and are compared with nothing.
 set(own_of_rolling_resistance solver/rolling_resistance.cpp)

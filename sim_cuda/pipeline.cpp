@@ -353,6 +353,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        slack_in(time_step),
        substeps,
        scene.physics.iterations,
+       scene.physics.integrator,
+       scene.physics.rotation_update,
        scene.physics.sleep.value_or(Sleep{}),
        control_.data(),
        joints_.get()});

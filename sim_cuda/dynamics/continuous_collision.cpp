@@ -98,10 +98,11 @@ void ContinuousCollision<Real>::begin(Real time, Real slack) {
 }
 
 template <class Real>
-void ContinuousCollision<Real>::hold(const Pair* contacts, std::int64_t capacity, Real h) {
+void ContinuousCollision<Real>::hold(const BodyView<Real>& ways, const Pair* contacts, std::int64_t capacity,
+                                     Real h) {
   executor_.run_rounds(
       "continuous", rounds + 1, std::max(capacity, body_count_),
-      HoldApart<Real>{contacts, bodies_, body_count_, control_, motion(), share_.data(), entered_.data(), h});
+      HoldApart<Real>{contacts, ways, body_count_, control_, motion(), share_.data(), entered_.data(), h});
 }
 
 template class ContinuousCollision<float>;

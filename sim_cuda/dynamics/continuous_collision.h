@@ -90,8 +90,9 @@ class ContinuousCollision {
 
   /// At the start of a step of `time` s, in which bodies go aside by at most `slack` m: foresight's.
   void begin(Real time, Real slack);
-  /// Before a move of `h` s; `contacts` are those of the step, at most `capacity`.
-  void hold(const Pair* contacts, std::int64_t capacity, Real h);
+  /// Before a move of `h` s along the velocities of `ways`; `contacts` are those of the step, at most
+  /// `capacity`.
+  void hold(const BodyView<Real>& ways, const Pair* contacts, std::int64_t capacity, Real h);
   HeldMotion<Real> motion() const { return {leash_.data(), share_.data()}; }
 
  private:

@@ -38,16 +38,24 @@ struct DragLaw {
   /// The part of a speed of `speed` m/s > 0 that is lost in h seconds, 0 to 1. Without a difference of
   /// numbers near 1: air takes a millionth at a time.
   SIM_HD Real loss(Real speed, Real radius, Real inverse_mass, Real h) const {
-    // As good as infinite; a coefficient of 0 is 0, whatever the rest would make of it.
-    constexpr Real much = Real(1e18);
-    const auto rate = [&](Real coefficient, Real of) {
-      return coefficient > 0 ? min_of(much, coefficient * of) : Real(0);
-    };
-    const Real a = rate(linear, h * radius * inverse_mass);
-    const Real b4 = 4 * rate(quadratic, h * radius * radius * inverse_mass * speed);
+    const Real a = bounded(linear, h * radius * inverse_mass);
+    const Real b4 = 4 * bounded(quadratic, h * radius * radius * inverse_mass * speed);
     using std::sqrt;
     const Real root = sqrt((1 + a) * (1 + a) + b4);
     return (a + (2 * a + a * a + b4) / (root + 1)) / (1 + a + root);
+  }
+
+  /// The same if the speed stayed as it is: the rate of drag x h, from 0 to 2e18.
+  SIM_HD Real rate(Real speed, Real radius, Real inverse_mass, Real h) const {
+    return bounded(linear, h * radius * inverse_mass) +
+           bounded(quadratic, h * radius * radius * inverse_mass * speed);
+  }
+
+ private:
+  /// Of 1e18 and more, which is as good as infinite. A coefficient of 0 is 0, whatever the rest would make of
+  /// it.
+  SIM_HD static Real bounded(Real coefficient, Real of) {
+    return coefficient > 0 ? min_of(Real(1e18), coefficient * of) : Real(0);
   }
 };
 
@@ -63,13 +71,15 @@ struct DragBodies {
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    const Vector3<Real> v = bodies.velocity[body];
+    bodies.velocity[body] = slowed(body, bodies.velocity[body]);
+  }
+  SIM_HD Vector3<Real> slowed(int body, const Vector3<Real>& v) const {
     Vector3<Real> next = v + h * gravity;
     if (field != nullptr) next += h * field[body];
     using std::sqrt;
     const Real speed = sqrt(next.dot(next));
-    if (!(speed > 0)) return;
-    bodies.velocity[body] = v - law.loss(speed, bodies.radius[body], bodies.inverse_mass[body], h) * next;
+    if (!(speed > 0)) return v;
+    return v - law.loss(speed, bodies.radius[body], bodies.inverse_mass[body], h) * next;
   }
 };
 

@@ -141,10 +141,6 @@ class Validator {
     choice(root.at("solver"), solver_names, physics.solver);
     choice(root.at("integrator"), integrator_names, physics.integrator);
     choice(root.at("rotation_update"), rotation_update_names, physics.rotation_update);
-    if (physics.integrator == Integrator::velocity_verlet || physics.integrator == Integrator::rk4)
-      fault(root.at("integrator"), "must be semi_implicit_euler for now");
-    if (physics.rotation_update == RotationUpdate::lie_group)
-      fault(root.at("rotation_update"), "must be first_order for now");
     choice(root.at("precision"), precision_names, physics.precision);
     if (physics.effects && physics.effects->friction) {
       if (physics.solver == Solver::impulse)

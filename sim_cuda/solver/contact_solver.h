@@ -49,7 +49,9 @@ struct SolverScene {
   Real slack;      ///< m, by which a body goes aside in a step at most, for gravity and attractors
   int substeps;    ///< >= 1
   int iterations;  ///< sweeps over all contacts, >= 1
-  Sleep sleep;     ///< of no meaning where the effect is off
+  Integrator integrator;
+  RotationUpdate rotation_update;  ///< of no meaning where the effect rotation is off
+  Sleep sleep;                     ///< of no meaning where the effect is off
   StepControl* control;
 
   /// What each body rests on by itself: planes, then boxes.

@@ -1,6 +1,5 @@
 #include "sim_cuda/solver/impulse.h"
 
-#include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
@@ -137,6 +136,7 @@ ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& 
       split_impulse_(executor, "split impulses"),
       split_push_(executor, "split pushes"),
       prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
+      free_motion_(executor, scene),
       residuals_(executor) {}
 
 template <class Real>
@@ -171,6 +171,7 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
       push ? sweep<true, false>(contacts, {}) : sweep<false, false>(contacts, {});
     record_sweep(contacts, iteration + 1);
   }
+  free_motion_.begin();
   if (scene_.plane_count > 0)
     executor_.run("walls", scene_.body_count,
                   ResolveWalls<Real>{scene_.bodies, scene_.planes, scene_.plane_count, scene_.restitution,
@@ -180,8 +181,8 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
       executor_.run(
           "drag", scene_.body_count,
           DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
-  move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, scene_.effects, scene_.gravity, scene_.box,
-                    h_, scene_.control);
+  free_motion_.fly(h_, false);
+  free_motion_.move(h_, false);
   prescribed_.hold(h_);
 }
 

@@ -16,6 +16,7 @@
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/free_motion.h"
 #include "sim_cuda/solver/residuals.h"
 
 namespace collidoscope {
@@ -62,6 +63,7 @@ class ImpulseSolver final : public ContactSolver<Real> {
   Buffer<Real> split_impulse_;  ///< per contact, N s
   Buffer<Real> split_push_;     ///< per contact, kg m
   PrescribedMotion<Real> prescribed_;
+  FreeMotion<Real> free_motion_;
   Residuals residuals_;
 };
 

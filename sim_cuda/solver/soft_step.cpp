@@ -4,7 +4,6 @@
 
 #include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/dynamics/awake.h"
-#include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/solver/soft_residual.h"
 #include "sim_cuda/solver/soft_sweeps.h"
 
@@ -210,6 +209,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       box_touched_(executor, "normals of boxes"),
       rolling_(executor),
       prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
+      free_motion_(executor, scene),
       continuous_(executor),
       sleeping_(executor),
       residuals_(executor),
@@ -349,6 +349,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   if constexpr (built_effects.continuous_collision)
     if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.slack);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
+    free_motion_.begin();
     if constexpr (built_effects.rolling_resistance)
       if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
     begin_substep<rubbed>();
@@ -475,12 +476,11 @@ void SoftStepSolver<Real>::begin_substep() {
 
 template <class Real>
 void SoftStepSolver<Real>::move() {
+  free_motion_.fly(h_, true);
   if constexpr (built_effects.continuous_collision)
-    if (scene_.effects.continuous_collision) continuous_.hold(swept_.data(), contact_capacity_, h_);
-  Effects moving = scene_.effects;
-  moving.gravity = false;  // it is in the velocities
-  move_bodies<Real>(executor_, scene_.bodies, scene_.body_count, moving, scene_.gravity, scene_.box, h_,
-                    scene_.control, sleeping_.asleep(), continuous_.motion());
+    if (scene_.effects.continuous_collision)
+      continuous_.hold(free_motion_.ways(), swept_.data(), contact_capacity_, h_);
+  free_motion_.move(h_, true, sleeping_.asleep(), continuous_.motion());
 }
 
 template <class Real>

@@ -20,6 +20,7 @@
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/free_motion.h"
 #include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
@@ -101,6 +102,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> box_touched_;
   RollingResistance<Real> rolling_;
   PrescribedMotion<Real> prescribed_;
+  FreeMotion<Real> free_motion_;
   ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
   Residuals residuals_;
