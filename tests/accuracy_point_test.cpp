@@ -26,7 +26,7 @@ std::vector<AccuracyPoint> some_points(std::uint32_t seed) {
   for (int k = 0; k < 40; ++k) {
     const auto value = [&] {
       const double whole = std::floor(uniform(0, 9));
-      return whole == 0 ? unknown : whole;
+      return whole == 0 ? not_known : whole;
     };
     points.push_back(point(value(), value()));
   }

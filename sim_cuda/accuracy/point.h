@@ -1,7 +1,7 @@
 #pragma once
 // What an accuracy study finds: settings, each with its error and its price; what the errors are measured
 // against; and the two questions asked of them. Plain data in SI units, read by panels, files and charts
-// alike. `unknown` stands where a quantity does not apply, or is not measured yet.
+// alike. `not_known` stands where a quantity does not apply, or is not measured yet.
 
 #include <cstddef>
 #include <limits>
@@ -14,7 +14,7 @@
 
 namespace collidoscope {
 
-inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 /// All that a study varies. Everything else is the scene's.
 struct AccuracySetting {
@@ -35,31 +35,32 @@ Scene with_setting(const Scene& scene, const AccuracySetting& setting, const Eff
 
 /// Milliseconds of the clock for a simulated second: the middle of some runs, and their quartiles.
 struct AccuracyPrice {
-  double median = unknown, low = unknown, high = unknown;
+  double median = not_known, low = not_known, high = not_known;
 };
 
 /// What must be kept, or must be zero, whatever the motion; each the worst of the sampled states.
 struct AccuracyInvariants {
-  double energy_drift = unknown;  ///< of the end against the start, over the reference's most kinetic energy
-  double energy_error = unknown;  ///< the same, against the reference's energy at the same time
+  double energy_drift =
+      not_known;  ///< of the end against the start, over the reference's most kinetic energy
+  double energy_error = not_known;  ///< the same, against the reference's energy at the same time
   /// What is left of the change of momentum without what walls and gravity gave, over the sum of m |v|.
-  double momentum_balance = unknown;
+  double momentum_balance = not_known;
   /// The same of the angular momentum, over the sum of m |v| and the extent of the bodies.
-  double angular_momentum_balance = unknown;
-  double angular_momentum_error = unknown;   ///< against the reference's, over the same
-  double penetration_max = unknown;          ///< m, of two bodies, or of a body and a wall
-  double penetration_rms = unknown;          ///< m, of the pairs of bodies that overlap; 0 where none does
-  double penetration_over_radius = unknown;  ///< of pairs, r.m.s., over the radius of the smaller
-  double joint_error = unknown;              ///< m
-  double joint_angle = unknown;              ///< rad
-  double cone_violation = unknown;  ///< friction beyond its coefficient times the normal impulse, over that
+  double angular_momentum_balance = not_known;
+  double angular_momentum_error = not_known;   ///< against the reference's, over the same
+  double penetration_max = not_known;          ///< m, of two bodies, or of a body and a wall
+  double penetration_rms = not_known;          ///< m, of the pairs of bodies that overlap; 0 where none does
+  double penetration_over_radius = not_known;  ///< of pairs, r.m.s., over the radius of the smaller
+  double joint_error = not_known;              ///< m
+  double joint_angle = not_known;              ///< rad
+  double cone_violation = not_known;  ///< friction beyond its coefficient times the normal impulse, over that
 };
 
-/// How far from the reference a setting's distribution over all bodies is: Kolmogorov and Smirnov's distance,
-/// 0 to 1, at the end, also where positions mean nothing any more.
+/// How far a setting's distributions over all bodies are from the reference's at the end, also where
+/// positions mean nothing any more: by how much values must be moved, on average, to make one of the other.
 struct AccuracyDistributions {
-  double heights = unknown;  ///< along gravity, or z where there is none
-  double speeds = unknown;
+  double heights = not_known;  ///< m, along gravity, or z where there is none
+  double speeds = not_known;   ///< m/s
 };
 
 struct AccuracyPoint {
@@ -68,10 +69,10 @@ struct AccuracyPoint {
   AccuracySetting setting;
   /// m, root mean square over all bodies and samples of how far a body's matter is from where it should be,
   /// turns included; and the quartiles of the same over groups of bodies.
-  double error = unknown, error_low = unknown, error_high = unknown;
-  double error_worst = unknown;  ///< m, of any body at any sample
-  AccuracyPrice ms;              ///< for a simulated second
-  std::vector<double> ms_runs;   ///< each run's, of which `ms` is the middle
+  double error = not_known, error_low = not_known, error_high = not_known;
+  double error_worst = not_known;  ///< m, of any body at any sample
+  AccuracyPrice ms;                ///< for a simulated second
+  std::vector<double> ms_runs;     ///< each run's, of which `ms` is the middle
   AccuracyInvariants invariants;
   AccuracyDistributions distributions;
   bool on_front = false;  ///< nothing else is both as cheap and as accurate
@@ -84,13 +85,13 @@ struct AccuracyPoint {
 struct AccuracyReference {
   enum class Kind { hard_spheres, converged_run };
   Kind kind = Kind::converged_run;
-  std::string description;       ///< a line
-  double seconds = 0;            ///< s, for which it goes on
-  double horizon = 0;            ///< s, up to which positions are compared; at most `seconds`
-  std::string end;               ///< a line: why no further, or empty
-  double error = 0;              ///< m, its own, r.m.s. as a point's; what is below it means nothing
-  double order = unknown;        ///< observed, of a converged run
-  double growth_rate = unknown;  ///< 1/s, at which a tiny displacement grows exponentially
+  std::string description;         ///< a line
+  double seconds = 0;              ///< s, for which it goes on
+  double horizon = 0;              ///< s, up to which positions are compared; at most `seconds`
+  std::string end;                 ///< a line: why no further, or empty
+  double error = 0;                ///< m, its own, r.m.s. as a point's; what is below it means nothing
+  double order = not_known;        ///< observed, of a converged run
+  double growth_rate = not_known;  ///< 1/s, at which a tiny displacement grows exponentially
 };
 
 /// Marks the points on the Pareto front, of those with both an error and a price.

@@ -1,0 +1,264 @@
+#include "sim_cuda/accuracy/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/philox.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr double most_growth = 1000;
+constexpr int runs = 4;
+constexpr double weights[runs] = {1, 1, 2, 4};  // of their work
+
+/// The start with every body displaced by `share` of its radius, each in a direction of its own.
+RunState shaken(const RunState& start, const InitialBodies& bodies, double share) {
+  RunState moved = start;
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    const PhiloxWords words = philox4x32({{i, 0, 0, 0}}, philox_key(1));
+    const auto part = [&](int k) { return 2.0 * static_cast<double>(unit_float(words.w[k])) - 1; };
+    const Vector3d direction(part(0), part(1), part(2));
+    const double size = direction.norm();
+    moved.bodies.position[i] += share * bodies.radius[i] * (size > 0 ? direction / size : Vector3d(0, 0, 1));
+  }
+  return moved;
+}
+
+/// The scene with its bodies listed one by one, as the start has them: all that HardSpheres looks at.
+Scene listed(const AccuracySubject& subject, const RunState& start) {
+  Scene scene = subject.scene;
+  const InitialBodies& bodies = subject.initial;
+  scene.physics.effects = subject.effects;
+  scene.generators.clear();
+  scene.added.clear();
+  scene.bodies.clear();
+  scene.box = bodies.box;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Body& body = scene.bodies.emplace_back();
+    body.motion = bodies.motion.empty() ? Motion::dynamic : bodies.motion[i];
+    body.radius = bodies.radius[i];
+    body.mass = bodies.mass[i];
+    body.position = start.bodies.position[i];
+    body.velocity = start.bodies.velocity[i];
+    body.material = bodies.material.empty() ? 0 : bodies.material[i];
+  }
+  return scene;
+}
+
+/// What integrates best of what the scene can take.
+Integrator best_integrator(const AccuracySubject& subject, AccuracySetting setting) {
+  Integrator best = setting.integrator;
+  for (const auto& each : integrator_names) {
+    setting.integrator = each.value;
+    if (validate(with_setting(subject.scene, setting, subject.effects)).empty()) best = each.value;
+  }
+  return best;
+}
+
+}  // namespace
+
+ReferenceRun::ReferenceRun(const AccuracySubject& subject) : subject_(subject) { begin_spheres(); }
+ReferenceRun::~ReferenceRun() = default;
+
+double ReferenceRun::distance(const BodyStates& a, const BodyStates& b) const {
+  return rms_distance(a, b, subject_.initial, subject_.effects.rotation);
+}
+
+bool ReferenceRun::advance(const Deadline& slice) {
+  do
+    if (exact_ ? !advance_spheres(slice) : !advance_runs(slice)) break;
+  while (!done_ && !slice.passed());
+  return !done_;
+}
+
+double ReferenceRun::progress() const {
+  if (done_) return 1;
+  double done = 0, all = 0;
+  for (int k = 0; k < runs; ++k) {
+    all += weights[k];
+    if (k < runs_done_) done += weights[k];
+    if (k == runs_done_ && run_) done += weights[k] * run_->sample() / subject_.samples;
+  }
+  return done / all;
+}
+
+// ---- Event-driven ----
+
+void ReferenceRun::begin_spheres() {
+  doing_ = "reference: event-driven hard spheres";
+  if (!subject_.initial.meshes.empty()) return begin_runs("meshes");
+  try {
+    const Scene scene = listed(subject_, subject_.start);
+    exact_ = std::make_unique<HardSpheres>(scene);
+    shaken_ =
+        std::make_unique<HardSpheres>(listed(subject_, shaken(subject_.start, subject_.initial, 1e-10)));
+    samples_.push_back({exact_->bodies(), exact_->measure()});
+  } catch (const InputError& error) {
+    exact_.reset();
+    const std::string& line = error.lines().front();
+    begin_runs(line.substr(line.find(": ") == std::string::npos ? 0 : line.find(": ") + 2));
+  }
+}
+
+bool ReferenceRun::advance_spheres(const Deadline& slice) {
+  const auto next = static_cast<int>(samples_.size());
+  if (next > subject_.samples) {
+    finish_spheres();
+    return true;
+  }
+  const double time = subject_.time(next);
+  while (exact_->next_collision(time) && !exact_->zeno_point())
+    if (slice.passed()) return false;
+  if (!exact_->advance_to(time)) {
+    finish_spheres();
+    return true;
+  }
+  samples_.push_back({exact_->bodies(), exact_->measure()});
+  fastest_ = std::max(fastest_, samples_.back().stats.max_speed);
+  return true;
+}
+
+void ReferenceRun::finish_spheres() {
+  const int reached = static_cast<int>(samples_.size()) - 1;
+  if (3 * reached < subject_.samples) {
+    const std::string zeno = exact_->zeno_line();
+    exact_.reset();
+    shaken_.reset();
+    samples_.clear();
+    return begin_runs(zeno);
+  }
+  facts_.kind = AccuracyReference::Kind::hard_spheres;
+  facts_.description = fmt::format("event-driven hard spheres, {} collisions",
+                                   exact_->counts().pairs + exact_->counts().planes);
+  facts_.end = exact_->zeno_line();
+  facts_.seconds = subject_.time(reached);
+  horizon_ = reached;
+  const double first = distance(shaken_->bodies(), samples_[0].bodies);
+  std::vector<BodyStates> other;
+  std::vector<const BodyStates*> same;
+  for (int k = 1; k <= reached && shaken_->advance_to(subject_.time(k)); ++k) {
+    other.push_back(shaken_->bodies());
+    same.push_back(&samples_[static_cast<std::size_t>(k)].bodies);
+  }
+  const double growth = measure_growth(other, same, first);
+  double extent = 0;
+  for (const Vector3d& x : samples_[0].bodies.position) extent = std::max(extent, x.norm());
+  facts_.error = 4e-16 * extent * std::max(growth, 1.0);
+  exact_.reset();
+  shaken_.reset();
+  done_ = true;
+}
+
+// ---- Converged ----
+
+void ReferenceRun::begin_runs(const std::string& why) {
+  facts_.kind = AccuracyReference::Kind::converged_run;
+  facts_.description = why;  // for now
+  setting_ = subject_.own_setting();
+  setting_.solver = Solver::soft_step;
+  setting_.precision = Precision::f64;
+  setting_.time_step = subject_.coarsest / 32;
+  setting_.substeps = subject_.scene.physics.solver == Solver::impulse ? 4 : subject_.substeps;
+  setting_.integrator = best_integrator(subject_, setting_);
+  shaken_start_ = shaken(subject_.start, subject_.initial, 1e-8);
+  doing_ = "reference: converged run, step h";
+}
+
+bool ReferenceRun::advance_runs(const Deadline& slice) {
+  static constexpr const char* names[runs] = {"h", "h, start shaken", "h/2", "h/4"};
+  if (runs_done_ == runs) {
+    finish_runs();
+    return true;
+  }
+  const auto k = static_cast<std::size_t>(runs_done_);
+  if (!run_) {
+    doing_ = fmt::format("reference: converged run, step {}", names[k]);
+    AccuracySetting setting = setting_;
+    setting.time_step /= k == 3 ? 4 : k == 2 ? 2 : 1;
+    run_ = std::make_unique<SampledRun>(subject_, setting, k == 1 ? shaken_start_ : subject_.start);
+    if (k == 3) samples_.push_back({run_->world().bodies(), run_->world().measure()});
+  }
+  if (!run_->reach_next(slice)) return false;
+  BodyStates bodies = run_->world().bodies();
+  if (k == 3) {
+    samples_.push_back({std::move(bodies), run_->world().measure()});
+    fastest_ = std::max(fastest_, samples_.back().stats.max_speed);
+  } else {
+    (k == 0 ? first_ : k == 1 ? second_ : third_).push_back(std::move(bodies));
+  }
+  if (run_->sample() < subject_.samples) return true;
+  run_.reset();
+  ++runs_done_;
+  return true;
+}
+
+void ReferenceRun::finish_runs() {
+  const std::string why = facts_.description;
+  horizon_ = subject_.samples;
+  facts_.seconds = subject_.time(horizon_);
+  // Rounding is no lack of convergence.
+  double extent = 0;
+  for (const Vector3d& x : samples_[0].bodies.position) extent = std::max(extent, x.norm());
+  const double rounding = 1e-13 * std::max(extent, 1e-3);
+  std::vector<double> d1, d2;
+  for (int k = 1; k <= subject_.samples; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    d1.push_back(distance(first_[at - 1], third_[at - 1]));
+    d2.push_back(distance(third_[at - 1], samples_[at].bodies));
+    if (!(d2.back() < 0.71 * d1.back()) && !(d2.back() < rounding)) {
+      horizon_ = k - 1;
+      facts_.end = fmt::format("runs at {:.3g} s and half of it part at {:.3g} s", setting_.time_step / 2,
+                               subject_.time(k));
+      break;
+    }
+  }
+  horizon_ = std::max(horizon_, 1);  // so that there is something to compare; its error says how well
+  std::vector<const BodyStates*> same;
+  for (const BodyStates& each : first_) same.push_back(&each);
+  measure_growth(second_, same, distance(shaken_start_.bodies, subject_.start.bodies));
+  double coarse = 0, fine = 0;
+  for (int k = 0; k < horizon_; ++k) {
+    coarse += d1[static_cast<std::size_t>(k)] * d1[static_cast<std::size_t>(k)] / horizon_;
+    fine += d2[static_cast<std::size_t>(k)] * d2[static_cast<std::size_t>(k)] / horizon_;
+  }
+  facts_.order = fine > rounding * rounding ? std::log2(coarse / fine) / 2 : not_known;
+  const double order = std::isfinite(facts_.order) ? std::clamp(facts_.order, 0.5, 4.0) : 1;
+  facts_.error = std::max(std::sqrt(fine) / (std::exp2(order) - 1), rounding);
+  facts_.description = fmt::format("converged run in double, {} s in {} substeps ({})",
+                                   fmt::format("{:.3g}", setting_.time_step / 4), setting_.substeps,
+                                   why.empty() ? "no event-driven answer" : "not event-driven: " + why);
+  first_.clear();
+  second_.clear();
+  third_.clear();
+  done_ = true;
+}
+
+double ReferenceRun::measure_growth(const std::vector<BodyStates>& other,
+                                    const std::vector<const BodyStates*>& same, double first) {
+  double growth = 1, mean_radius = 0;
+  for (const double r : subject_.initial.radius)
+    mean_radius += r / static_cast<double>(subject_.initial.size());
+  for (std::size_t k = 0; k < other.size() && first > 0; ++k) {
+    const int sample = static_cast<int>(k) + 1;
+    const double grown = distance(other[k], *same[k]) / first;
+    if (k == 0 || grown * first < 0.01 * mean_radius)  // later it cannot grow any more
+      facts_.growth_rate = std::log(grown) / subject_.time(sample);
+    if (sample <= horizon_) growth = grown;
+    if (!(grown > most_growth) || sample > horizon_) continue;
+    horizon_ = std::max(sample - 1, 1);
+    facts_.end =
+        fmt::format("a tiny displacement has grown {:.3g}-fold at {:.3g} s", grown, subject_.time(sample));
+    break;
+  }
+  facts_.horizon = subject_.time(horizon_);
+  return growth;
+}
+
+}  // namespace collidoscope

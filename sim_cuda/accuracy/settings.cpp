@@ -1,0 +1,112 @@
+#include "sim_cuda/accuracy/settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+std::string family_name(const AccuracySetting& s) {
+  std::string name(name_of(solver_names, s.solver));
+  if (s.integrator != Integrator::semi_implicit_euler)
+    name += fmt::format(" {}", name_of(integrator_names, s.integrator));
+  name += fmt::format(" {}", name_of(precision_names, s.precision));
+  if (s.continuous_collision) name += " continuous";
+  return name;
+}
+
+std::string step_text(double step) {
+  const double rate = 1 / step;
+  return std::abs(rate - std::round(rate)) < 1e-9 * rate && rate > 0.5 ? fmt::format("1/{:.0f} s", rate)
+                                                                       : fmt::format("{:.4g} s", step);
+}
+
+std::string point_name(const AccuracySetting& s) {
+  std::string name = step_text(s.time_step);
+  if (s.substeps > 1) name += fmt::format(", {} substeps", s.substeps);
+  if (s.iterations > 1) name += fmt::format(", {} iterations", s.iterations);
+  return name;
+}
+
+/// Whether integrators differ: whether anything but impacts changes velocities, or turns.
+bool accelerates(const AccuracySubject& subject) {
+  const Effects& e = subject.effects;
+  return e.gravity || e.attractor || e.drag || (e.rotation && !subject.initial.inertia.empty());
+}
+
+/// The scene's own solver with every integrator; the other solvers with the scene's integrator; continuous
+/// collision off and on where it can tell. All of it in float and in double.
+std::vector<AccuracySetting> families(const AccuracySubject& subject, double fastest) {
+  const AccuracySetting own = subject.own_setting();
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const double r : subject.initial.radius) smallest = std::min(smallest, r);
+  const bool leaps = fastest * subject.coarsest / subject.substeps > smallest;
+  std::vector<AccuracySetting> all;
+  for (const auto& solver : solver_names)
+    for (const auto& integrator : integrator_names)
+      for (const auto& precision : precision_names)
+        for (const bool continuous : {false, true}) {
+          AccuracySetting family = own;
+          family.solver = solver.value;
+          family.integrator = integrator.value;
+          family.precision = precision.value;
+          family.continuous_collision = continuous;
+          const bool own_solver = family.solver == own.solver;
+          const bool own_integrator = family.integrator == own.integrator;
+          if (!own_solver && !own_integrator) continue;
+          if (!own_integrator && !accelerates(subject)) continue;
+          if (continuous != own.continuous_collision && !(own_solver && own_integrator && leaps)) continue;
+          if (validate(with_setting(subject.scene, family, subject.effects)).empty()) all.push_back(family);
+        }
+  return all;
+}
+
+/// Of `impulse`, substeps are time steps by another name.
+int own_substeps(const AccuracySubject& subject, Solver solver) {
+  return solver == Solver::impulse                         ? 1
+         : subject.scene.physics.solver == Solver::impulse ? 4
+                                                           : subject.substeps;
+}
+
+}  // namespace
+
+double fineness(const AccuracySetting& s) {
+  return (s.solver == Solver::impulse ? 1 : 2 + s.substeps) * std::sqrt(s.iterations) / s.time_step;
+}
+
+bool on_ladder(const AccuracyPoint& point, const AccuracySubject& subject) {
+  return point.setting.substeps == own_substeps(subject, point.setting.solver) &&
+         point.setting.iterations == subject.scene.physics.iterations;
+}
+
+std::vector<AccuracyPoint> accuracy_settings(const AccuracySubject& subject, double fastest) {
+  const int iterations = subject.scene.physics.iterations;
+  std::vector<AccuracyPoint> points;
+  for (const AccuracySetting& family : families(subject, fastest)) {
+    const int own = own_substeps(subject, family.solver);
+    const auto add = [&](int parts, int substeps, int sweeps) {
+      AccuracyPoint& point = points.emplace_back();
+      point.family = family_name(family);
+      point.setting = family;
+      point.setting.time_step = subject.coarsest / parts;
+      point.setting.substeps = substeps;
+      point.setting.iterations = sweeps;
+      point.name = point_name(point.setting);
+    };
+    // No finer than 32 solves in the scene's own step, or 8 of its own substeps.
+    const int finest = std::max(64, 16 * own);
+    for (const int substeps : std::set{own, std::max(1, own / 4), own == 1 ? 1 : 4 * own})
+      for (int parts = 1; parts * substeps <= finest; parts *= 2) add(parts, substeps, iterations);
+    for (const int parts : {1, 2, 4}) add(parts, own, 4 * iterations);
+  }
+  std::ranges::stable_sort(points, {}, [](const AccuracyPoint& p) { return fineness(p.setting); });
+  return points;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,224 @@
+#include "sim_cuda/accuracy/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/accuracy/settings.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+std::vector<double> heights_of(const BodyStates& states, const Scene& scene) {
+  const Vector3d& g = scene.physics.gravity;
+  const Vector3d up = g.norm() > 0 ? Vector3d(-g / g.norm()) : Vector3d(0, 0, 1);
+  std::vector<double> heights;
+  for (const Vector3d& x : states.position) heights.push_back(up.dot(x));
+  return heights;
+}
+
+std::vector<double> speeds_of(const BodyStates& states) {
+  std::vector<double> speeds;
+  for (const Vector3d& v : states.velocity) speeds.push_back(v.norm());
+  return speeds;
+}
+
+/// Of the finest two settings of each family's ladder in double: what they converge to should be the answer.
+std::map<std::string, std::vector<std::size_t>> finest_of_ladders(const std::vector<AccuracyPoint>& points,
+                                                                  const AccuracySubject& subject) {
+  std::map<std::string, std::vector<std::size_t>> ladders;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (points[k].setting.precision == Precision::f64 && on_ladder(points[k], subject))
+      ladders[points[k].family].push_back(k);
+  for (auto& [family, ladder] : ladders) {
+    std::ranges::sort(ladder, std::greater<>(), [&](std::size_t k) { return points[k].setting.time_step; });
+    if (ladder.size() > 2) ladder.erase(ladder.begin(), ladder.end() - 2);
+  }
+  return ladders;
+}
+
+}  // namespace
+
+struct AccuracyStudy::ErrorRun {
+  SampledRun run;
+  InvariantCollector invariants;
+  ErrorSum error;
+};
+
+AccuracyStudy::AccuracyStudy(const Scene& scene, const RunOptions& options, AccuracyRequest request,
+                             const RunState* start)
+    : request_(std::move(request)), subject_(accuracy_subject(scene, options, request_.seconds, start)) {
+  const std::vector<Motion>& motion = subject_.initial.motion;
+  if (subject_.initial.size() == 0 ||
+      (!motion.empty() && std::ranges::none_of(motion, [](Motion m) { return m == Motion::dynamic; })))
+    throw InputError((scene.file.empty() ? scene.name : scene.file) +
+                     ": no body that forces move, so there is nothing whose error could be measured");
+  if (request_.planted) planted_ = accuracy_subject(*request_.planted, options, request_.seconds, start);
+  making_ = std::make_unique<ReferenceRun>(planted_ ? *planted_ : subject_);
+}
+AccuracyStudy::~AccuracyStudy() = default;
+
+bool AccuracyStudy::advance(double milliseconds) {
+  const Deadline slice(milliseconds);
+  do {
+    if (making_) {
+      if (!making_->advance(slice)) plan();
+    } else if (next_ < jobs_.size()) {
+      const bool ended = jobs_[next_].round < 0 ? work_on_error(slice) : work_on_price(slice);
+      if (ended) ++next_;
+      if (next_ == jobs_.size()) doubt();
+    }
+  } while (!slice.passed() && !done());
+  return !done();
+}
+
+AccuracyStudy::Progress AccuracyStudy::progress() const {
+  if (making_) return {static_cast<std::int64_t>(1000 * making_->progress()), 1000, making_->doing()};
+  Progress progress{static_cast<std::int64_t>(next_), static_cast<std::int64_t>(jobs_.size()), "done"};
+  if (next_ < jobs_.size()) {
+    const AccuracyPoint& point = points_[jobs_[next_].point];
+    progress.doing =
+        fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price", point.family, point.name);
+  }
+  return progress;
+}
+
+AccuracyRecord AccuracyStudy::record() const {
+  const AccuracySubject& s = subject_;
+  std::uint64_t hash = 0;
+  const auto mix = [&](std::uint64_t word) { hash = mix64(hash ^ word); };
+  for (const char letter : write_scene(s.scene) + s.executor + s.options.broad_phase)
+    mix(static_cast<unsigned char>(letter));
+  for (const std::vector<Vector3d>* vectors : {&s.start.bodies.position, &s.start.bodies.velocity})
+    for (const Vector3d& v : *vectors)
+      for (int k = 0; k < 3; ++k) mix(hash_bits(v[k]));
+  mix(hash_bits(s.coarsest * s.stride * s.samples));
+  for (const int number : {request_.rounds, s.options.shape.blocks, s.options.shape.threads})
+    mix(static_cast<std::uint64_t>(number));
+  return {s.scene.name,
+          s.executor,
+          fmt::format("{:016x}", hash),
+          std::ssize(s.start.bodies.position),
+          request_.rounds,
+          done(),
+          facts_,
+          points_,
+          doubts_};
+}
+
+bool AccuracyStudy::restore(const AccuracyRecord& known) {
+  if (known.subject != record().subject) return false;
+  known_ = known.points;
+  return true;
+}
+
+/// The jobs that are left: each setting's error and first price, from coarse to fine, then its other prices
+/// in turns.
+void AccuracyStudy::plan() {
+  facts_ = making_->facts();
+  samples_ = making_->take_samples();
+  horizon_ = making_->horizon();
+  points_ = request_.settings ? *request_.settings : accuracy_settings(subject_, making_->fastest());
+  making_.reset();
+  scales_ = InvariantScales(samples_, subject_.initial);
+  for (AccuracyPoint& point : points_)
+    for (AccuracyPoint& known : known_)
+      if (known.family == point.family && known.name == point.name && known.setting == point.setting)
+        point = known;
+  known_.clear();
+  mark_front(points_);
+  std::map<std::size_t, bool> again;  // their states are not in the points
+  for (const auto& [family, ladder] : finest_of_ladders(points_, subject_))
+    for (const std::size_t k : ladder) again[k] = true;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (!points_[k].has_error() || again.contains(k)) jobs_.push_back({k, -1});
+    if (points_[k].ms_runs.empty()) jobs_.push_back({k, 0});
+  }
+  for (int round = 1; round < request_.rounds; ++round)
+    for (std::size_t k = 0; k < points_.size(); ++k)
+      if (std::ssize(points_[k].ms_runs) <= round) jobs_.push_back({k, round});
+}
+
+bool AccuracyStudy::work_on_error(const Deadline& slice) {
+  if (!error_run_) {
+    error_run_.reset(new ErrorRun{
+        {subject_, points_[jobs_[next_].point].setting, subject_.start}, {subject_, scales_}, {}});
+    error_run_->invariants.look(error_run_->run.world(), 0, &samples_[0].stats);
+  }
+  if (!error_run_->run.reach_next(slice)) return false;
+  look();
+  if (error_run_->run.sample() + 1 < std::ssize(samples_)) return false;
+  finish_error();
+  return true;
+}
+
+void AccuracyStudy::look() {
+  const int sample = error_run_->run.sample();
+  const ReferenceSample& expected = samples_[static_cast<std::size_t>(sample)];
+  World& world = error_run_->run.world();
+  error_run_->invariants.look(world, subject_.time(sample), &expected.stats);
+  if (sample > horizon_) return;
+  const BodyStates states = world.bodies();
+  error_run_->error.add(
+      squared_distances(states, expected.bodies, subject_.initial, subject_.effects.rotation));
+  if (sample == horizon_ && points_[jobs_[next_].point].setting.precision == Precision::f64)
+    at_horizon_[jobs_[next_].point] = states;
+}
+
+void AccuracyStudy::finish_error() {
+  AccuracyPoint& point = points_[jobs_[next_].point];
+  const ErrorSum::Result error = error_run_->error.result(subject_.initial);
+  point.error = error.rms;
+  point.error_low = error.low;
+  point.error_high = error.high;
+  point.error_worst = error.worst;
+  point.invariants = error_run_->invariants.result();
+  const BodyStates states = error_run_->run.world().bodies();
+  point.distributions = {distribution_distance(heights_of(states, subject_.scene),
+                                               heights_of(samples_.back().bodies, subject_.scene)),
+                         distribution_distance(speeds_of(states), speeds_of(samples_.back().bodies))};
+  error_run_.reset();
+  mark_front(points_);
+}
+
+bool AccuracyStudy::work_on_price(const Deadline& slice) {
+  AccuracyPoint& point = points_[jobs_[next_].point];
+  if (!price_run_) {
+    price_run_ = std::make_unique<SampledRun>(subject_, point.setting, subject_.start);
+    price_run_->world().step(2);  // buffers grow, code and caches warm up
+    price_run_->rewind(subject_.start);
+  }
+  if (!price_run_->reach_next(slice)) return false;
+  if (price_run_->sample() + 1 < std::ssize(samples_)) return false;
+  point.ms_runs.push_back(price_run_->price());
+  point.ms = {quantile_of(point.ms_runs, 0.5), quantile_of(point.ms_runs, 0.25),
+              quantile_of(point.ms_runs, 0.75)};
+  price_run_.reset();
+  mark_front(points_);
+  return true;
+}
+
+/// Runs that come to each other but not to the reference doubt it, or their solver.
+void AccuracyStudy::doubt() {
+  for (const auto& [family, ladder] : finest_of_ladders(points_, subject_)) {
+    if (ladder.size() < 2 || !at_horizon_.contains(ladder[0]) || !at_horizon_.contains(ladder[1])) continue;
+    const BodyStates &coarse = at_horizon_[ladder[0]], &fine = at_horizon_[ladder[1]];
+    const auto from = [&](const BodyStates& other) {
+      return rms_distance(fine, other, subject_.initial, subject_.effects.rotation);
+    };
+    const double off = from(samples_[static_cast<std::size_t>(horizon_)].bodies), apart = from(coarse);
+    if (off > 4 * apart + 4 * facts_.error)
+      doubts_.push_back(
+          fmt::format("{}: the last two time steps are {:.2g} m from each other, but {:.2g} m from the "
+                      "reference: this family converges to something else",
+                      family, apart, off));
+  }
+  at_horizon_.clear();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,80 @@
+#include "sim_cuda/accuracy/subject.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace collidoscope {
+
+int AccuracySubject::steps_between(const AccuracySetting& setting) const {
+  return stride * static_cast<int>(std::lround(coarsest / setting.time_step));
+}
+
+AccuracySetting AccuracySubject::own_setting() const {
+  const Physics& own = scene.physics;
+  return {own.time_step,
+          substeps,
+          own.iterations,
+          own.solver,
+          own.integrator,
+          own.precision,
+          effects.continuous_collision};
+}
+
+AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, double seconds,
+                                 const RunState* start) {
+  constexpr int most_samples = 32;
+  World world(scene, options, start);
+  AccuracySubject subject{.scene = scene,
+                          .options = options,
+                          .start = world.state(),
+                          .initial = world.initial(),
+                          .effects = world.effects(),
+                          .substeps = world.substeps(),
+                          .coarsest = 2 * scene.physics.time_step};
+  const int steps = std::max(1, static_cast<int>(std::lround(seconds / subject.coarsest)));
+  subject.samples = std::min(steps, most_samples);
+  subject.stride = (steps + subject.samples - 1) / subject.samples;
+  subject.samples = steps / subject.stride;
+  subject.start.steps = 0;
+  std::ranges::fill(subject.start.ledgers, WallLedger{});
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const int threads = options.cpu_threads > 0 ? options.cpu_threads : static_cast<int>(cores);
+  subject.executor = world.on_gpu() ? fmt::format("CUDA: {}", world.device_name())
+                                    : fmt::format("CPU, {} thread{}: {}", threads, threads == 1 ? "" : "s",
+                                                  world.device_name());
+  return subject;
+}
+
+SampledRun::SampledRun(const AccuracySubject& subject, const AccuracySetting& setting, const RunState& start)
+    : subject_(subject),
+      world_(with_setting(subject.scene, setting, subject.effects), subject.options, &start),
+      step_(setting.time_step),
+      between_(subject.steps_between(setting)) {}
+
+bool SampledRun::reach_next(const Deadline& slice) {
+  do {
+    const bool plain = world_.steps() % 2 == 0;
+    world_.step();
+    ++done_;
+    if (plain) {
+      plain_ms_ += world_.latest_times().step_last_ms;
+      ++plain_steps_;
+    }
+  } while (done_ % between_ != 0 && !slice.passed());
+  if (done_ % between_ != 0) return false;
+  ++sample_;
+  return true;
+}
+
+double SampledRun::price() const { return plain_steps_ > 0 ? plain_ms_ / plain_steps_ / step_ : not_known; }
+
+void SampledRun::rewind(const RunState& start) {
+  world_.adopt(start);
+  done_ = sample_ = plain_steps_ = 0;
+  plain_ms_ = 0;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,73 @@
+#pragma once
+// What an accuracy study is of: a scene, where its runs start, and the times at which they are looked at,
+// which are whole numbers of steps for every setting. Plain data; the runs of it, in slices.
+
+#include <chrono>
+#include <optional>
+
+#include "sim_cuda/accuracy/point.h"
+#include "sim_cuda/run_state.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+struct AccuracySubject {
+  Scene scene;
+  RunOptions options;
+  RunState start;  ///< numbered 0, ledgers empty; rounded to the scene's own precision, all runs start equal
+  InitialBodies initial;
+  Effects effects;         ///< of the scene at its own time step
+  int substeps = 1;        ///< the same
+  double coarsest = 0;     ///< s, the longest time step; all others are whole parts of it
+  int samples = 0;         ///< looked at beside the start
+  int stride = 1;          ///< coarsest steps from one to the next
+  std::string executor{};  ///< "CPU, 2 threads: AMD EPYC"
+
+  double time(int sample) const { return sample * stride * coarsest; }  ///< s
+  /// Steps of a setting between two samples.
+  int steps_between(const AccuracySetting& setting) const;
+  /// The setting that the scene itself has.
+  AccuracySetting own_setting() const;
+};
+
+/// `seconds`: how long about; `start`: unset, state 0. Throws as World does.
+AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, double seconds,
+                                 const RunState* start = nullptr);
+
+/// When a slice of work is over.
+class Deadline {
+ public:
+  explicit Deadline(double milliseconds)
+      : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double, std::milli>(milliseconds))) {}
+  bool passed() const { return Clock::now() >= end_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point end_;
+};
+
+/// A world that goes from sample to sample; `subject` outlives it. Throws as World does.
+class SampledRun {
+ public:
+  SampledRun(const AccuracySubject& subject, const AccuracySetting& setting, const RunState& start);
+  /// Steps until it is at the next sample, which makes true, or the slice is over; at least one step.
+  bool reach_next(const Deadline& slice);
+  int sample() const { return sample_; }  ///< last reached; 0: the start
+  World& world() { return world_; }
+  /// ms for a simulated second, on average over the steps that ran plain: even-numbered ones, none of whose
+  /// stages is timed.
+  double price() const;
+  /// Back to the start, with what was recorded and grown on the way: so that prices are of steps alone.
+  void rewind(const RunState& start);
+
+ private:
+  const AccuracySubject& subject_;
+  World world_;
+  double step_;  // s
+  int between_, done_ = 0, sample_ = 0;
+  double plain_ms_ = 0;
+  int plain_steps_ = 0;
+};
+
+}  // namespace collidoscope
