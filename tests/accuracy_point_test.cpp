@@ -77,8 +77,12 @@ TEST(AccuracyPoint, IsTheCheapestBelowATolerance) {
 
 TEST(AccuracyPoint, SettingsAreOfTheSceneThatTheyMake) {
   Scene scene = hard_space(Vector3d(0, 0, -9.81));
-  const AccuracySetting setting{1.0 / 240,      3,   5, Solver::jacobi_split, Integrator::semi_implicit_euler,
-                                Precision::f64, true};
+  const AccuracySetting setting{.time_step = 1.0 / 240,
+                                .substeps = 3,
+                                .iterations = 5,
+                                .solver = Solver::jacobi_split,
+                                .precision = Precision::f64,
+                                .continuous_collision = true};
   const Scene made = with_setting(scene, setting, {.gravity = true});
   EXPECT_EQ(made.physics.time_step, 1.0 / 240);
   EXPECT_EQ(made.physics.steps_per_second, 240);

@@ -17,6 +17,7 @@ Scene with_setting(const Scene& scene, const AccuracySetting& setting, const Eff
   physics.iterations = setting.iterations;
   physics.solver = setting.solver;
   physics.integrator = setting.integrator;
+  physics.rotation_update = setting.rotation_update;
   physics.precision = setting.precision;
   physics.effects = effects;
   physics.effects->continuous_collision = setting.continuous_collision;

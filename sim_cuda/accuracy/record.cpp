@@ -57,6 +57,7 @@ Json json_of(const AccuracyPoint& p) {
               {"iterations", s.iterations},
               {"solver", name_of(solver_names, s.solver)},
               {"integrator", name_of(integrator_names, s.integrator)},
+              {"rotation_update", name_of(rotation_update_names, s.rotation_update)},
               {"precision", name_of(precision_names, s.precision)},
               {"continuous_collision", s.continuous_collision}}},
             {"measured", p.has_error()},
@@ -87,6 +88,7 @@ AccuracyPoint point_of(const Json& json) {
                s.at("iterations"),
                choice_of(s.at("solver"), solver_names),
                choice_of(s.at("integrator"), integrator_names),
+               choice_of(s.at("rotation_update"), rotation_update_names),
                choice_of(s.at("precision"), precision_names),
                s.at("continuous_collision")};
   const double otherwise = json.at("measured") ? std::numeric_limits<double>::infinity() : not_known;

@@ -52,13 +52,16 @@ Scene listed(const AccuracySubject& subject, const RunState& start) {
   return scene;
 }
 
-/// What integrates best of what the scene can take.
-Integrator best_integrator(const AccuracySubject& subject, AccuracySetting setting) {
-  Integrator best = setting.integrator;
-  for (const auto& each : integrator_names) {
-    setting.integrator = each.value;
-    if (validate(with_setting(subject.scene, setting, subject.effects)).empty()) best = each.value;
-  }
+/// With what integrates best of what the scene can take.
+AccuracySetting best_integrated(const AccuracySubject& subject, const AccuracySetting& setting) {
+  AccuracySetting best = setting;
+  for (const auto& integrator : integrator_names)
+    for (const auto& rotation : rotation_update_names) {
+      AccuracySetting other = setting;
+      other.integrator = integrator.value;
+      other.rotation_update = rotation.value;
+      if (validate(with_setting(subject.scene, other, subject.effects)).empty()) best = other;
+    }
   return best;
 }
 
@@ -166,7 +169,7 @@ void ReferenceRun::begin_runs(const std::string& why) {
   setting_.precision = Precision::f64;
   setting_.time_step = subject_.coarsest / 32;
   setting_.substeps = subject_.scene.physics.solver == Solver::impulse ? 4 : subject_.substeps;
-  setting_.integrator = best_integrator(subject_, setting_);
+  setting_ = best_integrated(subject_, setting_);
   shaken_start_ = shaken(subject_.start, subject_.initial, 1e-8);
   doing_ = "reference: converged run, step h";
 }

@@ -16,6 +16,8 @@ std::string family_name(const AccuracySetting& s) {
   std::string name(name_of(solver_names, s.solver));
   if (s.integrator != Integrator::semi_implicit_euler)
     name += fmt::format(" {}", name_of(integrator_names, s.integrator));
+  if (s.rotation_update != RotationUpdate::first_order)
+    name += fmt::format(" {}", name_of(rotation_update_names, s.rotation_update));
   name += fmt::format(" {}", name_of(precision_names, s.precision));
   if (s.continuous_collision) name += " continuous";
   return name;
@@ -40,30 +42,38 @@ bool accelerates(const AccuracySubject& subject) {
   return e.gravity || e.attractor || e.drag || (e.rotation && !subject.initial.inertia.empty());
 }
 
-/// The scene's own solver with every integrator; the other solvers with the scene's integrator; continuous
-/// collision off and on where it can tell. All of it in float and in double.
+/// The scene's own solver with every integrator, the better ones with the better rotation update; the other
+/// solvers with the scene's own integrator; its other rotation update, and continuous collision off and on,
+/// where they can tell. All of it in float and in double.
 std::vector<AccuracySetting> families(const AccuracySubject& subject, double fastest) {
   const AccuracySetting own = subject.own_setting();
   double smallest = std::numeric_limits<double>::infinity();
   for (const double r : subject.initial.radius) smallest = std::min(smallest, r);
   const bool leaps = fastest * subject.coarsest / subject.substeps > smallest;
-  std::vector<AccuracySetting> all;
-  for (const auto& solver : solver_names)
+  const bool turns = subject.effects.rotation;
+  std::vector<AccuracySetting> kinds;
+  const auto add = [&](auto... changes) {
+    AccuracySetting kind = own;
+    (changes(kind), ...);
+    kinds.push_back(kind);
+  };
+  const auto lie_group = [&](AccuracySetting& s) {
+    if (turns) s.rotation_update = RotationUpdate::lie_group;
+  };
+  for (const auto& solver : solver_names) add([&](AccuracySetting& s) { s.solver = solver.value; });
+  if (accelerates(subject))
     for (const auto& integrator : integrator_names)
-      for (const auto& precision : precision_names)
-        for (const bool continuous : {false, true}) {
-          AccuracySetting family = own;
-          family.solver = solver.value;
-          family.integrator = integrator.value;
-          family.precision = precision.value;
-          family.continuous_collision = continuous;
-          const bool own_solver = family.solver == own.solver;
-          const bool own_integrator = family.integrator == own.integrator;
-          if (!own_solver && !own_integrator) continue;
-          if (!own_integrator && !accelerates(subject)) continue;
-          if (continuous != own.continuous_collision && !(own_solver && own_integrator && leaps)) continue;
-          if (validate(with_setting(subject.scene, family, subject.effects)).empty()) all.push_back(family);
-        }
+      if (integrator.value != own.integrator)
+        add([&](AccuracySetting& s) { s.integrator = integrator.value; }, lie_group);
+  if (turns && own.rotation_update == RotationUpdate::first_order) add(lie_group);
+  if (leaps || own.continuous_collision)
+    add([&](AccuracySetting& s) { s.continuous_collision = !own.continuous_collision; });
+  std::vector<AccuracySetting> all;
+  for (AccuracySetting& kind : kinds)
+    for (const auto& precision : precision_names) {
+      kind.precision = precision.value;
+      if (validate(with_setting(subject.scene, kind, subject.effects)).empty()) all.push_back(kind);
+    }
   return all;
 }
 

@@ -14,13 +14,14 @@ int AccuracySubject::steps_between(const AccuracySetting& setting) const {
 
 AccuracySetting AccuracySubject::own_setting() const {
   const Physics& own = scene.physics;
-  return {own.time_step,
-          substeps,
-          own.iterations,
-          own.solver,
-          own.integrator,
-          own.precision,
-          effects.continuous_collision};
+  return {.time_step = own.time_step,
+          .substeps = substeps,
+          .iterations = own.iterations,
+          .solver = own.solver,
+          .integrator = own.integrator,
+          .rotation_update = own.rotation_update,
+          .precision = own.precision,
+          .continuous_collision = effects.continuous_collision};
 }
 
 AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, double seconds,
