@@ -25,11 +25,11 @@ TEST_P(Analytic, EveryCasePasses) {
     for (const AnalyticMethod& method : one.methods)
       for (const Precision precision : {Precision::f64, Precision::f32}) {
         const AnalyticResult r = run_case(one, method, precision, options());
-        EXPECT_TRUE(r.passed()) << one.name << ' ' << name_of(integrator_names, method.integrator) << ' '
+        EXPECT_TRUE(r.passed()) << one.name << ' ' << name_of(method) << ' '
                                 << name_of(precision_names, precision) << ": " << r.fault;
-        if (r.theory.claim == Claim::leading && precision == Precision::f64) {
+        if (r.method.theory.claim == Claim::leading && precision == Precision::f64) {
           // Theory is not only a bound: at the smallest step it is what the error comes to.
-          EXPECT_NEAR(r.levels.back().error / r.theory.error(r.levels.back().h), 1, 0.1) << one.name;
+          EXPECT_NEAR(r.levels.back().error / r.method.theory.error(r.levels.back().h), 1, 0.1) << one.name;
         }
       }
 }
@@ -59,10 +59,10 @@ TEST(AnalyticCases, AreWhatTheIssueAsksForAndEachSceneHasOne) {
 
 AnalyticResult of_errors(Theory theory, const std::vector<double>& errors) {
   AnalyticResult r;
-  r.theory = std::move(theory);
+  r.method.theory = std::move(theory);
   double h = 0.1;
   for (const double error : errors) {
-    r.levels.push_back({h, 1, error, tolerance(r.theory, h, 1e-12)});
+    r.levels.push_back({h, 1, error, tolerance(r.method.theory, h, 1e-12)});
     h /= 2;
   }
   judge(r);
@@ -89,14 +89,14 @@ bool passes(const OneStep& step, const OneStep& book, int order, const SmoothPro
   const double constant = leading_error(problem, book, order, time).norm();
   AnalyticResult r;
   if (constant > 1e-3 * end.norm())  // else it is exact
-    r.theory = {Claim::leading, static_cast<double>(order),
+    r.method.theory = {Claim::leading, static_cast<double>(order),
                 [=](double h) { return constant * std::pow(h, order); }};
   for (int steps = 40; steps <= 320; steps *= 2) {
     SmoothState y = problem.exact(0);
     for (int k = 0; k < steps; ++k) y = step(y, time / steps);
     const double h = time / steps;
     r.levels.push_back({h, steps, (y - end).norm(),
-                        tolerance(r.theory, h, rounding(Precision::f64, steps, 10 * end.norm()))});
+                        tolerance(r.method.theory, h, rounding(Precision::f64, steps, 10 * end.norm()))});
   }
   judge(r);
   return r.passed();

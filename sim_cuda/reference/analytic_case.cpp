@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim_cuda/scene/names.h"
+
 namespace collidoscope {
 namespace {
 
@@ -21,6 +23,12 @@ Scene refined(Scene scene, int parts) {
 }
 
 }  // namespace
+
+std::string name_of(const AnalyticMethod& method) {
+  std::string text(name_of(integrator_names, method.integrator));
+  if (method.rotation_update == RotationUpdate::lie_group) text += ", lie_group";
+  return text;
+}
 
 Theory leading_theory(double order, double constant) {
   return {Claim::leading, order, [=](double h) { return constant * std::pow(h, order); }};
@@ -63,22 +71,22 @@ void judge(AnalyticResult& result) {
                                  level.error, level.tolerance);
       break;
     }
-  if (result.theory.claim != Claim::leading || result.precision == Precision::f32) return;
+  if (result.method.theory.claim != Claim::leading || result.precision == Precision::f32) return;
   result.fitted_order = fitted_order(result.levels);
-  if (!(std::abs(result.fitted_order - result.theory.order) <= order_tolerance))
+  if (!(std::abs(result.fitted_order - result.method.theory.order) <= order_tolerance))
     result.fault = fmt::format("the fitted order is {:.2f}, theory's is {:g}{}{}", result.fitted_order,
-                               result.theory.order, result.fault.empty() ? "" : "; ", result.fault);
+                               result.method.theory.order, result.fault.empty() ? "" : "; ", result.fault);
 }
 
 AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, Precision precision,
                         const RunOptions& options) {
-  AnalyticResult result{
-      one.name, one.compared, one.because, method.integrator, precision, method.theory, {}, 0, ""};
+  AnalyticResult result{one.name, one.compared, one.because, method, precision, {}, 0, ""};
   int parts = 1;
   for (int k = 0; k < analytic_levels; ++k, parts *= one.refinement) {
     Scene scene = refined(one.scene, parts);
     scene.physics.precision = precision;
     scene.physics.integrator = method.integrator;
+    scene.physics.rotation_update = method.rotation_update;
     World world(scene, options);
     AnalyticLevel level;
     level.h = scene.physics.time_step / world.substeps();

@@ -32,7 +32,10 @@ Theory leading_theory(double order, double constant);
 struct AnalyticMethod {
   Integrator integrator = Integrator::semi_implicit_euler;
   Theory theory;
+  RotationUpdate rotation_update = RotationUpdate::first_order;  ///< told only where something turns
 };
+/// "rk4", or "rk4, lie_group".
+std::string name_of(const AnalyticMethod& method);
 
 /// What touches or is jointed goes on by Euler's method whatever integrator there is: one way is enough.
 std::vector<AnalyticMethod> by_euler(Theory theory);
@@ -60,9 +63,8 @@ struct AnalyticLevel {
 
 struct AnalyticResult {
   std::string name, compared, because;
-  Integrator integrator = Integrator::semi_implicit_euler;
+  AnalyticMethod method;
   Precision precision = Precision::f64;
-  Theory theory;
   std::vector<AnalyticLevel> levels;  ///< from the largest step to the smallest
   double fitted_order = 0;            ///< NaN where no order is fitted
   std::string fault;                  ///< a line; empty: passed

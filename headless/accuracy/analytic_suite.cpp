@@ -1,0 +1,228 @@
+#include "headless/accuracy/analytic_suite.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "headless/bench/result_files.h"
+#include "headless/progress.h"
+#include "headless/report.h"
+#include "sim_cuda/reference/analytic_cases.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* name_of_claim(Claim claim) {
+  switch (claim) {
+    case Claim::exact:
+      return "exact";
+    case Claim::leading:
+      return "leading";
+    case Claim::bound:
+      return "bound";
+  }
+  return "";
+}
+
+/// NaN where theory says nothing but rounding.
+double theory_at(const AnalyticResult& r, const AnalyticLevel& level) {
+  return r.method.theory.claim == Claim::exact ? std::nan("") : r.method.theory.error(level.h);
+}
+
+/// 1/30, or 1000.
+std::string step_text(double h) {
+  const double rate = std::round(1 / h);
+  return rate >= 2 && std::abs(rate * h - 1) < 1e-9 ? fmt::format("1/{:.0f}", rate)
+                                                    : fmt::format("{:.4g}", h);
+}
+
+/// Two digits; 220 rather than 2.2e+02.
+std::string error_text(double error) {
+  return error >= 10 && error < 1e5 ? fmt::format("{:.0f}", error) : fmt::format("{:.2g}", error);
+}
+std::string span_text(const AnalyticResult& r, const char* between) {
+  return error_text(r.levels.front().error) + between + error_text(r.levels.back().error);
+}
+
+std::string order_text(const AnalyticResult& r) {
+  switch (r.method.theory.claim) {
+    case Claim::exact:
+      return "exact";
+    case Claim::leading:
+      return r.precision == Precision::f64
+                 ? fmt::format("{:.2f} of {:g}", r.fitted_order, r.method.theory.order)
+                 : fmt::format("of {:g}", r.method.theory.order);
+    case Claim::bound:
+      return fmt::format("bound, {:g}", r.method.theory.order);
+  }
+  return "";
+}
+
+/// What the error at the smallest step is of what theory says.
+std::string share_text(const AnalyticResult& r) {
+  const AnalyticLevel& last = r.levels.back();
+  return r.method.theory.claim == Claim::exact ? "" : fmt::format("{:.2f}", last.error / theory_at(r, last));
+}
+
+/// Results of one case and integrator.
+struct Row {
+  const AnalyticResult* f64 = nullptr;
+  const AnalyticResult* f32 = nullptr;
+  const AnalyticResult& any() const { return f64 ? *f64 : *f32; }
+  bool passed() const { return (!f64 || f64->passed()) && (!f32 || f32->passed()); }
+};
+
+std::vector<Row> rows_of(const std::vector<AnalyticResult>& results) {
+  std::vector<Row> rows;
+  for (const AnalyticResult& r : results) {
+    if (rows.empty() || rows.back().any().name != r.name ||
+        name_of(rows.back().any().method) != name_of(r.method))
+      rows.emplace_back();
+    (r.precision == Precision::f64 ? rows.back().f64 : rows.back().f32) = &r;
+  }
+  return rows;
+}
+
+struct Counts {
+  std::size_t cases = 0, rows = 0, failed = 0;
+  explicit Counts(const std::vector<AnalyticResult>& results) : rows(results.size()) {
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      cases += k == 0 || results[k].name != results[k - 1].name ? 1 : 0;
+      failed += results[k].passed() ? 0 : 1;
+    }
+  }
+  std::string text(const std::string& device) const {
+    return fmt::format("The analytic suite on {}: {} cases, {} runs at {} steps each, {}", device, cases,
+                       rows, analytic_levels, failed == 0 ? "all pass" : fmt::format("{} failed", failed));
+  }
+};
+
+}  // namespace
+
+std::string analytic_json(const std::vector<AnalyticResult>& results, const std::string& device) {
+  Json json{{"suite", "analytic"},
+            {"device", device},
+            {"failed", Counts(results).failed},
+            {"order_tolerance", order_tolerance},
+            {"cases", Json::array()}};
+  for (const AnalyticResult& r : results) {
+    Json levels = Json::array();
+    for (const AnalyticLevel& level : r.levels)
+      levels.push_back({{"h", level.h},
+                        {"steps", level.steps},
+                        {"error", level.error},
+                        {"theory", theory_at(r, level)},
+                        {"tolerance", level.tolerance}});
+    const bool exact = r.method.theory.claim == Claim::exact;
+    json["cases"].push_back({{"name", r.name},
+                             {"compared", r.compared},
+                             {"because", r.because},
+                             {"integrator", name_of(r.method)},
+                             {"precision", name_of(precision_names, r.precision)},
+                             {"claim", name_of_claim(r.method.theory.claim)},
+                             {"order", exact ? std::nan("") : r.method.theory.order},
+                             {"fitted_order", r.fitted_order},
+                             {"passed", r.passed()},
+                             {"fault", r.fault},
+                             {"levels", std::move(levels)}});
+  }
+  return json_text(json);
+}
+
+std::string analytic_csv(const std::vector<AnalyticResult>& results) {
+  std::string text =
+      "case,integrator,precision,claim,order,fitted_order,h,steps,error,theory,tolerance,passed\n";
+  const auto number = [](double x) { return std::isfinite(x) ? fmt::format("{}", x) : std::string(); };
+  for (const AnalyticResult& r : results)
+    for (const AnalyticLevel& level : r.levels)
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", r.name, name_of(r.method),
+                          name_of(precision_names, r.precision), name_of_claim(r.method.theory.claim),
+                          r.method.theory.claim == Claim::exact ? "" : number(r.method.theory.order),
+                          number(r.fitted_order), level.h, level.steps, level.error,
+                          number(theory_at(r, level)), level.tolerance, r.passed() ? 1 : 0);
+  return text;
+}
+
+std::string analytic_markdown(const std::vector<AnalyticResult>& results, const std::string& device) {
+  std::string text = Counts(results).text(device) +
+                     ".\n\n| case: error of | integrator | order | smallest h, s | in double | in float | of "
+                     "theory | why |\n"
+                     "|---|---|---:|---:|---:|---:|---:|---|\n";
+  std::string last;
+  for (const Row& row : rows_of(results)) {
+    const AnalyticResult& r = row.any();
+    const bool again = r.name == last;
+    last = r.name;
+    text += fmt::format("| {} | {} | {}{} | {} | {} | {} | {} | {} |\n",
+                        again ? "" : fmt::format("`{}`: {}", r.name, r.compared), name_of(r.method),
+                        order_text(r), row.passed() ? "" : ", **failed**", step_text(r.levels.back().h),
+                        row.f64 ? error_text(row.f64->levels.back().error) : "",
+                        row.f32 ? error_text(row.f32->levels.back().error) : "", share_text(r),
+                        again ? "" : r.because);
+  }
+  return text;
+}
+
+std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device) {
+  constexpr const char* columns = "{:<21}{:<27}{:<16}{:<18}{:>10}{:>11}{:>10}  {:<8}{}\n";
+  std::string text = fmt::format(columns, "case", "integrator", "h, s", "error in double", "order",
+                                 "of theory", "in float", "", "error of");
+  std::string last;
+  for (const Row& row : rows_of(results)) {
+    const AnalyticResult& r = row.any();
+    const bool again = r.name == last;
+    last = r.name;
+    text += fmt::format(columns, again ? "" : r.name, name_of(r.method),
+                        fmt::format("{} - {}", step_text(r.levels.front().h), step_text(r.levels.back().h)),
+                        row.f64 ? span_text(*row.f64, " - ") : "", order_text(r), share_text(r),
+                        row.f32 ? error_text(row.f32->levels.back().error) : "",
+                        row.passed() ? "ok" : "FAILED", again ? "" : r.compared);
+  }
+  text += fmt::format("\n{}.\n", Counts(results).text(device));
+  for (const AnalyticResult& r : results)
+    if (!r.passed())
+      text += fmt::format("{} by {} in {}: {}\n", r.name, name_of(r.method),
+                          name_of(precision_names, r.precision), r.fault);
+  return text;
+}
+
+int analytic_suite(const CommandLine& line) {
+  const ResultFiles files(line.options);
+  const Overrides& chosen = line.options.overrides;
+  struct Run {
+    const AnalyticCase* one;
+    const AnalyticMethod* method;
+    Precision precision;
+  };
+  const std::vector<AnalyticCase> cases = analytic_cases();
+  std::vector<Run> runs;
+  for (const AnalyticCase& one : cases)
+    for (const AnalyticMethod& method : one.methods)
+      for (const Precision precision : {Precision::f64, Precision::f32})
+        if (chosen.integrator.value_or(method.integrator) == method.integrator &&
+            chosen.precision.value_or(precision) == precision)
+          runs.push_back({&one, &method, precision});
+
+  std::vector<AnalyticResult> results;
+  {
+    Progress progress("runs", static_cast<std::int64_t>(runs.size()));
+    for (const Run& run : runs) {
+      results.push_back(run_case(*run.one, *run.method, run.precision, line.options.run));
+      progress.update(static_cast<std::int64_t>(results.size()));
+    }
+  }
+  const std::string device = World(cases[0].scene, line.options.run).device_name();
+  const std::string json = analytic_json(results, device);
+  files.write(json, analytic_csv(results), analytic_markdown(results, device));
+  const std::string text = line.options.json == "-" ? json : analytic_text(results, device);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return std::ranges::all_of(results, &AnalyticResult::passed) ? 0 : 1;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,86 @@
+// What `accuracy` without a scene writes: every result in every form, and what failed, with the reason.
+
+#include "headless/accuracy/analytic_suite.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "headless/command_line.h"
+
+namespace collidoscope {
+namespace {
+
+AnalyticResult result(std::string name, Integrator integrator, Precision precision, Theory theory,
+                      double error) {
+  AnalyticResult r;
+  r.name = std::move(name);
+  r.compared = "position, m";
+  r.because = "so it is";
+  r.method.integrator = integrator;
+  r.precision = precision;
+  r.method.theory = std::move(theory);
+  for (const int rate : {30, 60, 120, 240}) {
+    const double h = 1.0 / rate, share = r.method.theory.claim == Claim::exact ? 1 : 30.0 / rate;
+    r.levels.push_back({h, rate, error * share, tolerance(r.method.theory, h, 1e-12)});
+  }
+  judge(r);
+  return r;
+}
+
+std::vector<AnalyticResult> results() {
+  const Theory first = leading_theory(1, 3);
+  return {result("throw", Integrator::semi_implicit_euler, Precision::f64, first, 0.1),
+          result("throw", Integrator::semi_implicit_euler, Precision::f32, first, 0.1),
+          result("meet", Integrator::semi_implicit_euler, Precision::f64, {}, 1e-15),
+          result("fail", Integrator::semi_implicit_euler, Precision::f64, first, 0.2)};
+}
+
+TEST(AnalyticSuite, WritesEveryResultAsJson) {
+  const auto json = nlohmann::json::parse(analytic_json(results(), "a machine"));
+  EXPECT_EQ(json["device"], "a machine");
+  EXPECT_EQ(json["failed"], 1);
+  ASSERT_EQ(json["cases"].size(), 4u);
+  const auto& thrown = json["cases"][0];
+  EXPECT_EQ(thrown["name"], "throw");
+  EXPECT_EQ(thrown["integrator"], "semi_implicit_euler");
+  EXPECT_EQ(thrown["precision"], "f64");
+  EXPECT_EQ(thrown["claim"], "leading");
+  EXPECT_EQ(thrown["order"], 1);
+  EXPECT_NEAR(thrown["fitted_order"].get<double>(), 1, 1e-12);
+  EXPECT_TRUE(thrown["passed"]);
+  ASSERT_EQ(thrown["levels"].size(), 4u);
+  EXPECT_EQ(thrown["levels"][3]["error"], 0.0125);
+  EXPECT_EQ(thrown["levels"][3]["theory"], 0.0125);
+  EXPECT_TRUE(json["cases"][2]["order"].is_null()) << "exact";
+  EXPECT_TRUE(json["cases"][2]["levels"][0]["theory"].is_null());
+  EXPECT_FALSE(json["cases"][3]["passed"]);
+}
+
+TEST(AnalyticSuite, WritesARowOfCsvForEachStep) {
+  const std::string csv = analytic_csv(results());
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4 * 4);
+  EXPECT_THAT(csv, testing::HasSubstr("\nmeet,semi_implicit_euler,f64,exact,,,"));
+  EXPECT_THAT(csv, testing::HasSubstr("\nthrow,semi_implicit_euler,f32,leading,1,,"));
+}
+
+TEST(AnalyticSuite, SaysWhatFailedAndWhy) {
+  const std::string text = analytic_text(results(), "a machine");
+  EXPECT_THAT(text, testing::HasSubstr("a machine: 3 cases, 4 runs at 4 steps each, 1 failed"));
+  EXPECT_THAT(text, testing::HasSubstr("\nfail by semi_implicit_euler in f64: at h = 0.03333 s the error is "
+                                       "0.2, and 0.122 is allowed\n"));
+  EXPECT_THAT(text, testing::HasSubstr("FAILED"));
+  EXPECT_THAT(text, testing::HasSubstr("1/30 - 1/240"));
+  const std::string markdown = analytic_markdown(results(), "a machine");
+  EXPECT_THAT(markdown, testing::HasSubstr("| `throw`: position, m | semi_implicit_euler | 1.00 of 1 | 1/240 | 0.013 |"));
+  EXPECT_EQ(std::ranges::count(markdown, '\n'), 1 + 1 + 2 + 3) << "double and float share a row";
+}
+
+TEST(AnalyticSuite, ScenesHaveBareNames) {
+  EXPECT_THAT(scene_file("zeno"), testing::EndsWith("scenes/analytic/zeno.json"));
+  EXPECT_THAT(scene_file("orbits"), testing::EndsWith("scenes/orbits.json"));
+}
+
+}  // namespace
+}  // namespace collidoscope
