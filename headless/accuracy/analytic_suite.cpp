@@ -78,6 +78,16 @@ struct Row {
   bool passed() const { return (!f64 || f64->passed()) && (!f32 || f32->passed()); }
 };
 
+/// The smallest step at which float is still about as good as double: below it, float stops paying. Blank
+/// where rounding is all there is, and where it never pays.
+std::string float_pays_to(const Row& row) {
+  std::string step;
+  if (!row.f64 || !row.f32 || row.f64->method.theory.claim == Claim::exact) return step;
+  for (std::size_t k = 0; k < row.f64->levels.size(); ++k)
+    if (row.f32->levels[k].error < 2 * row.f64->levels[k].error) step = step_text(row.f64->levels[k].h);
+  return step;
+}
+
 std::vector<Row> rows_of(const std::vector<AnalyticResult>& results) {
   std::vector<Row> rows;
   for (const AnalyticResult& r : results) {
@@ -153,26 +163,26 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
   std::string text = Counts(results).text(device) +
                      ".\n\n| case: error of | integrator | order | smallest h, s | in double | in float | of "
                      "theory | why |\n"
-                     "|---|---|---:|---:|---:|---:|---:|---|\n";
+                     "|---|---|---:|---:|---:|---:|---:|---:|---|\n";
   std::string last;
   for (const Row& row : rows_of(results)) {
     const AnalyticResult& r = row.any();
     const bool again = r.name == last;
     last = r.name;
-    text += fmt::format("| {} | {} | {}{} | {} | {} | {} | {} | {} |\n",
+    text += fmt::format("| {} | {} | {}{} | {} | {} | {} | {} | {} | {} |\n",
                         again ? "" : fmt::format("`{}`: {}", r.name, r.compared), name_of(r.method),
                         order_text(r), row.passed() ? "" : ", **failed**", step_text(r.levels.back().h),
-                        row.f64 ? error_text(row.f64->levels.back().error) : "",
-                        row.f32 ? error_text(row.f32->levels.back().error) : "", share_text(r),
+                        row.f64 ? error_text(row.f64->levels.back().error) : "", share_text(r),
+                        row.f32 ? error_text(row.f32->levels.back().error) : "", float_pays_to(row),
                         again ? "" : r.because);
   }
   return text;
 }
 
 std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device) {
-  constexpr const char* columns = "{:<21}{:<27}{:<16}{:<18}{:>10}{:>11}{:>10}  {:<8}{}\n";
+  constexpr const char* columns = "{:<21}{:<27}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
   std::string text = fmt::format(columns, "case", "integrator", "h, s", "error in double", "order",
-                                 "of theory", "in float", "", "error of");
+                                 "of theory", "in float", "pays to", "", "error of");
   std::string last;
   for (const Row& row : rows_of(results)) {
     const AnalyticResult& r = row.any();
@@ -181,7 +191,7 @@ std::string analytic_text(const std::vector<AnalyticResult>& results, const std:
     text += fmt::format(columns, again ? "" : r.name, name_of(r.method),
                         fmt::format("{} - {}", step_text(r.levels.front().h), step_text(r.levels.back().h)),
                         row.f64 ? span_text(*row.f64, " - ") : "", order_text(r), share_text(r),
-                        row.f32 ? error_text(row.f32->levels.back().error) : "",
+                        row.f32 ? error_text(row.f32->levels.back().error) : "", float_pays_to(row),
                         row.passed() ? "ok" : "FAILED", again ? "" : r.compared);
   }
   text += fmt::format("\n{}.\n", Counts(results).text(device));
