@@ -74,6 +74,8 @@ const char* const script = R"({"format": "collidoscope-changes", "version": 1, "
   {"step": 36, "time_step": 0.01, "restitution": 0.3, "substeps": "auto"},
   {"step": 39, "precision": "f64"},
   {"step": 42, "precision": "f32", "broad_phase": "uniform_grid", "blocks": "auto"},
+  {"step": 43, "integrator": "velocity_verlet"},
+  {"step": 44, "integrator": "rk4", "rotation_update": "lie_group"},
   {"step": 45, "solver": "jacobi_split"},
   {"step": 48, "solver": "soft_step", "steps_per_second": 60},
   {"step": 48, "bodies": 100}

@@ -46,9 +46,15 @@ double quadratic_rate(double density) { return density * drag_coefficient * pi *
 TEST_P(Dragging, TheTerminalSpeedIsExactForEveryTimeStep) {
   for (const auto& [viscosity, density] : {std::pair(3.0, 0.0), {0.0, 1000.0}, {3.0, 800.0}, {1000.0, 0.0}})
     for (const double dt : {1.0 / 240, 1.0 / 30, 1.0, 100.0})
-      for (const Precision precision : {Precision::f32, Precision::f64}) {
+      for (const auto& [precision, integrator] : {std::pair(Precision::f32, Integrator::semi_implicit_euler),
+                                                  {Precision::f64, Integrator::semi_implicit_euler},
+                                                  {Precision::f32, Integrator::velocity_verlet},
+                                                  {Precision::f64, Integrator::velocity_verlet},
+                                                  {Precision::f32, Integrator::rk4},
+                                                  {Precision::f64, Integrator::rk4}}) {
         Scene scene = in_medium(viscosity, density, Vector3d(0.6 * g, 0, -0.8 * g), Vector3d(0, 0, 0));
         scene.physics.time_step = dt;
+        scene.physics.integrator = integrator;
         scene.physics.precision = precision;
         const double a = linear_rate(viscosity), b = quadratic_rate(density);
         const double speed = 2 * g / (a + std::sqrt(a * a + 4 * b * g));  // a v + b v^2 = g

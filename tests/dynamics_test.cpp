@@ -129,9 +129,13 @@ TEST_P(Dynamics, ABodyAtRestOnTheFloorStaysAndWeighsMg) {
 }
 
 TEST_P(Dynamics, FastBodiesNeverCrossAWall) {
-  for (const Precision precision : {Precision::f32, Precision::f64}) {
+  for (const auto& [precision, integrator] : {std::pair(Precision::f32, Integrator::semi_implicit_euler),
+                                              {Precision::f64, Integrator::semi_implicit_euler},
+                                              {Precision::f32, Integrator::velocity_verlet},
+                                              {Precision::f64, Integrator::rk4}}) {
     Scene scene = empty_space();
     scene.physics.precision = precision;
+    scene.physics.integrator = integrator;
     scene.physics.gravity = Vector3d(0, 0, -9.81);
     scene.box = Box{};
     Random random(1);

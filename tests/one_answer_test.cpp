@@ -55,9 +55,15 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
 TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
   for (const char* name :
        {"rolling", "rolling_out", "sinking", "orbits", "carousel", "wrecking_ball", "marble_run"})
-    for (const Precision precision : {Precision::f32, Precision::f64}) {
+    for (const auto& [precision, integrator] : {std::pair(Precision::f32, Integrator::semi_implicit_euler),
+                                                {Precision::f64, Integrator::semi_implicit_euler},
+                                                {Precision::f32, Integrator::velocity_verlet},
+                                                {Precision::f64, Integrator::rk4}}) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;
+      scene.physics.integrator = integrator;
+      if (integrator != Integrator::semi_implicit_euler)
+        scene.physics.rotation_update = RotationUpdate::lie_group;
       const std::string expected = hash_after(scene, options(), 40);
       for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}, {3, 37}})
         for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled}) {
@@ -206,13 +212,18 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
   if (std::ifstream in(file); in) golden = nlohmann::ordered_json::parse(in);
   const bool update = std::getenv("UPDATE_GOLDENS") != nullptr && GetParam() == ExecutorKind::cpu;
   for (const std::string& name : scenes)
-    for (int kind = 0; kind < 4; ++kind) {
+    for (int kind = 0; kind < 6; ++kind) {
       Scene scene = project_scene(name);
       if (kind < 2 && scene.physics.solver != Solver::impulse) continue;
       scene.physics.precision = kind % 2 ? Precision::f64 : Precision::f32;
       scene.physics.solver = kind < 2 ? Solver::impulse : Solver::soft_step;
+      std::string key = std::string(kind < 2 ? "" : "soft_step ") + (kind % 2 ? "f64" : "f32");
+      if (kind >= 4) {
+        scene.physics.integrator = kind % 2 ? Integrator::rk4 : Integrator::velocity_verlet;
+        scene.physics.rotation_update = RotationUpdate::lie_group;
+        key += " " + std::string(name_of(integrator_names, scene.physics.integrator));
+      }
       const std::string hash = hash_after(scene, options(), golden_steps);
-      const std::string key = std::string(kind < 2 ? "" : "soft_step ") + (kind % 2 ? "f64" : "f32");
       if (update)
         golden[name][key] = hash;
       else

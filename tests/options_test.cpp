@@ -51,6 +51,8 @@ TEST(Options, OverridesReachTheScene) {
                                 {"--time-step", "0.25"},
                                 {"--substeps", "3"},
                                 {"--iterations", "4"},
+                                {"--integrator", "rk4"},
+                                {"--rotation-update", "lie_group"},
                                 {"--precision", "f64"},
                                 {"--effects", "gravity,rotation"},
                                 {"--restitution-threshold", "0.5"}});
@@ -66,6 +68,8 @@ TEST(Options, OverridesReachTheScene) {
   EXPECT_FALSE(scene.physics.steps_per_second);
   EXPECT_EQ(scene.physics.substeps, 3);
   EXPECT_EQ(scene.physics.iterations, 4);
+  EXPECT_EQ(scene.physics.integrator, Integrator::rk4);
+  EXPECT_EQ(scene.physics.rotation_update, RotationUpdate::lie_group);
   EXPECT_EQ(scene.physics.precision, Precision::f64);
   EXPECT_EQ(scene.physics.effects, (Effects{.gravity = true, .rotation = true}));
   EXPECT_EQ(scene.physics.restitution_threshold, 0.5);

@@ -47,7 +47,7 @@ TEST(SceneFile, EveryFieldIsRead) {
     "gravity": [0.5, 0, -1.6], "drag": {"viscosity": 1e-3, "density": 998, "coefficient": 0.5},
     "attractors": [{"position": [1, 2, 4], "strength": -8, "softening": 16}],
     "steps_per_second": 240, "substeps": 4, "iterations": 7, "solver": "soft_step",
-    "integrator": "semi_implicit_euler", "precision": "f64", "effects": ["rotation"], "restitution_threshold": 0.25,
+    "integrator": "velocity_verlet", "rotation_update": "lie_group", "precision": "f64", "effects": ["rotation"], "restitution_threshold": 0.25,
     "materials": {"steel": {"density": 7850, "restitution": 0.6, "friction": 0, "rolling_resistance": 0},
                   "default": {"density": 2}},
     "bodies": [{"shape": "sphere", "radius": 0.5, "position": [1, 2, 3], "orientation": [0, 0, 2, 0],
@@ -82,6 +82,8 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(p.steps_per_second, 240);
   EXPECT_EQ(p.substeps, 4);
   EXPECT_EQ(p.iterations, 7);
+  EXPECT_EQ(p.integrator, Integrator::velocity_verlet);
+  EXPECT_EQ(p.rotation_update, RotationUpdate::lie_group);
   EXPECT_EQ(p.precision, Precision::f64);
   EXPECT_EQ(*p.effects, (Effects{.gravity = false, .rotation = true}));
   EXPECT_EQ(p.restitution_threshold, 0.25);
@@ -396,6 +398,8 @@ class RandomScene {
     if (p.solver == Solver::soft_step && coin()) p.attractors = {{vector(100), real(-9, 9), real(1, 2)}, {}};
     if (coin()) p.substeps = 1 + static_cast<int>(random_() % 1000);
     p.iterations = 1 + static_cast<int>(random_() % 1000);
+    p.integrator = pick({Integrator::semi_implicit_euler, Integrator::velocity_verlet, Integrator::rk4});
+    p.rotation_update = pick({RotationUpdate::first_order, RotationUpdate::lie_group});
     p.precision = pick({Precision::f32, Precision::f64});
     if (coin()) p.effects = Effects{.gravity = coin(), .rotation = coin()};
     if (coin()) p.restitution_threshold = real(0, 2);
