@@ -15,7 +15,10 @@
 #include "headless/panel_picture.h"
 #include "headless/progress.h"
 #include "sim_cuda/core/error.h"
+#include "ui/chart.h"
 #include "ui/overlay.h"
+#include "ui/shown_layers.h"
+#include "viewer/live/live_reference.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
@@ -57,7 +60,8 @@ std::string variant_name(const Scene& scene) {
 }
 
 OverlayText overlay_text(World& world, const CaptureRequest& request, const Renderer& renderer,
-                         const PublishCounts& drawn, const StepStats& stats, const ValueRange& values) {
+                         const PublishCounts& drawn, const StepStats& stats, const ValueRange& values,
+                         const ReferenceFacts& reference) {
   OverlayText text;
   const FrameLayers& layers = request.layers;
   text.scene = world.scene().name;
@@ -86,6 +90,9 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.contacts_shown = layers.contacts;
   text.contact_colors = contact_legend();
   text.max_impulse = values.max_impulse;
+  if (reference.known() && layers.ghosts) text.keys.push_back({"ghosts: " + reference.name, ghost_legend()});
+  if (reference.known() && layers.errors)
+    text.keys.push_back({fmt::format("errors × {}", short_number(values.error_scale)), error_legend()});
   if (layers.grid) text.grid_spacing = renderer.scene().grid_spacing;
   return text;
 }
@@ -174,15 +181,22 @@ int run_capture(const CaptureRequest& request, World& world) {
 
   world.record_impulses(request.layers.contacts);
   world.record_residuals(request.layers.convergence);
+  LiveReference reference;
+  const bool asked = shown_layers(request.layers).ask_a_reference();
+  if (asked) reference.follow(world, 0);
+  const double time_step = world.scene().physics.time_step;
   Progress progress("capture", states.back());
   for (std::int64_t state : states) {
     while (world.steps() < state) {
+      if (asked) reference.go_ahead(time_step, std::numeric_limits<double>::infinity());
       world.step();
+      reference.stepped(time_step);
       if (panels) panels->record(world);
       progress.update(world.steps());
     }
     const StepStats stats = world.measure();
-    if (panels) panels->refresh(world, renderer);
+    if (asked) renderer.set_ghosts(reference.ghosts(world));
+    if (panels) panels->refresh(world, renderer, reference.facts());
     link.publish(world, request.layers, renderer.instances());
     const ValueRange values = value_range(world, renderer.scene(), request.layers, stats);
     renderer.draw(camera, request.layers, values);
@@ -192,7 +206,7 @@ int run_capture(const CaptureRequest& request, World& world) {
       picture = panels->draw(gui, world, stats, renderer, values);
     } else if (request.layers.overlay) {
       gui.begin(request.width, request.height);
-      draw_overlay(overlay_text(world, request, renderer, drawn, stats, values),
+      draw_overlay(overlay_text(world, request, renderer, drawn, stats, values, reference.facts()),
                    static_cast<float>(request.width), static_cast<float>(request.height));
       gui.end(renderer.picture());
     }
@@ -203,6 +217,14 @@ int run_capture(const CaptureRequest& request, World& world) {
     fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  contacts {}\n", file, request.width, request.height,
                state, drawn.bodies,
                request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes, drawn.contacts);
+    if (reference.facts().known())
+      fmt::print(
+          "{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, itself off by {:.2g} "
+          "m\n",
+          "", file.size(), reference.facts().rms, reference.facts().max, reference.facts().name,
+          reference.facts().since, reference.facts().doubt);
+    else if (asked)
+      say(fmt::format("state {}: no reference: {}", state, reference.facts().lack));
     std::fflush(stdout);
   }
   return 0;

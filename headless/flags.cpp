@@ -250,7 +250,7 @@ constexpr Reader readers[] = {
        });
      }},
     {{"--color", "NAME",
-      "speed, radius, id, contacts, order, depth, visits or sleep: what colours the bodies", drawing},
+      "speed, radius, id, contacts, order, depth, visits, sleep or error: what colours the bodies", drawing},
      [](Reading& in) {
        collect(in.faults,
                [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });

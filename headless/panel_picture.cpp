@@ -1,5 +1,6 @@
 #include "headless/panel_picture.h"
 
+#include "ui/shown_layers.h"
 #include "viewer/live/fill_view.h"
 #include "viewer/live/tree_marks.h"
 #include "viewer/render/legend.h"
@@ -9,9 +10,7 @@ namespace collidoscope {
 PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings)
     : frame_(width, height) {
   workspace_.settings = settings_of(world);
-  workspace_.layers = {layers.spheres, layers.boxes,     layers.contacts,    layers.grid,
-                       layers.walls,   layers.joints,    layers.first_level, layers.last_level,
-                       layers.color,   layers.box_color, layers.box_low,     layers.box_high};
+  workspace_.layers = shown_layers(layers);
   workspace_.playing = false;
   workspace_.hint = false;
   if (layers.tree) {  // long as it is, it takes the others' room
@@ -35,7 +34,8 @@ void PanelPicture::set_renderer(const std::string& renderer, bool software, cons
   view_.display_path = display_path;
 }
 
-void PanelPicture::refresh(World& world, Renderer& renderer) {
+void PanelPicture::refresh(World& world, Renderer& renderer, const ReferenceFacts& reference) {
+  view_.reference = reference;
   tree_.refresh(world, 0, workspace_);
   selected_.reset();
   if (workspace_.selection) selected_ = world.inspect(*workspace_.selection);
@@ -62,6 +62,7 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
   view_.level_colors = level_legend();
   view_.contact_colors = contact_legend();
   view_.max_impulse = range.max_impulse;
+  view_.error_scale = range.error_scale;
   view_.mark_colors = mark_legend();
   view_.tree = tree_.facts();
   view_.selected = selected_ ? &*selected_ : nullptr;

@@ -31,7 +31,7 @@ class PanelPicture {
   EffectCosts& costs() { return costs_; }
   /// Before the 3D view is drawn: measures the tree where its panel is unfolded, meets what is wished for of
   /// it, and marks the selection.
-  void refresh(World& world, Renderer& renderer);
+  void refresh(World& world, Renderer& renderer, const ReferenceFacts& reference = {});
   /// What draws, as the status line says it.
   void set_renderer(const std::string& renderer, bool software, const std::string& display_path);
   /// After each step: graphs show it.

@@ -79,6 +79,12 @@ struct ColorBySleep {
   SIM_HD void operator()(int body) const { out[body].value = sleep.distance(body); }
 };
 
+struct ColorByError {
+  const float* errors;
+  BodyInstance* out;
+  SIM_HD void operator()(int body) const { out[body].value = errors[body]; }
+};
+
 struct PackBoxes {
   const Aabb* boxes;
   const std::uint32_t* children;
@@ -188,7 +194,7 @@ template <class Real>
 void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
           Buffer<std::uint32_t>& counts) {
   const auto& [bodies, body_count, mesh, contacts, contact_count, impulses, tree, values, joints, gravity,
-               sleep] = source;
+               sleep, errors] = source;
   if (target.boxes != nullptr) pack_boxes(executor, target, tree, values.of_node);
   if (target.contacts != nullptr)
     executor.run("publish", contact_count,
@@ -214,6 +220,8 @@ void pack(Executor& executor, const PublishTarget& target, const PackSource<Real
           ColorByDepth{tree.body + tree.level_begin(level), static_cast<float>(level), target.bodies});
   if (target.body_color == BodyColor::sleep)
     executor.run("publish", body_count, ColorBySleep{sleep, target.bodies});
+  if (target.body_color == BodyColor::error && errors != nullptr)
+    executor.run("publish", body_count, ColorByError{errors, target.bodies});
   if (target.body_color == BodyColor::visits && values.of_body != nullptr)
     executor.run("publish", body_count, ColorByVisits{values.of_body, target.bodies});
 }

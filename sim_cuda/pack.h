@@ -26,6 +26,7 @@ struct PackSource {
   JointView<Real> joints;
   Vector3<Real> gravity;  ///< m/s^2, which ropes sag along
   SleepView sleep;
+  const float* errors;  ///< m, by id; null: 0
 };
 
 /// Only enqueues. `counts` is scratch, sized here where bodies are coloured by their contacts.

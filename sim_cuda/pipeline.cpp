@@ -86,11 +86,12 @@ class TypedPipeline final : public Pipeline {
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
-  void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values) override {
+  void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
+               const float* errors) override {
     pack<Real>(executor_, target,
                {state_.view(), body_count_, mesh_.data(), contacts_.view(), contact_count(), impulses_.view(),
                 tree, values, joints_ ? joints_->view() : JointView<Real>{}, gravity_,
-                solver_->sleeping() ? solver_->sleeping()->view() : SleepView{}},
+                solver_->sleeping() ? solver_->sleeping()->view() : SleepView{}, errors},
                publish_counts_);
   }
   std::vector<WallLedger> ledgers() override { return state_.ledger.download(); }

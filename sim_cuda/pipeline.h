@@ -61,7 +61,9 @@ class Pipeline {
   virtual std::uint64_t state_hash() = 0;
   virtual BodyStates bodies() = 0;
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
-  virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values) = 0;
+  /// `errors`: m, by id, or null.
+  virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
+                       const float* errors) = 0;
 
   virtual std::int64_t joints() const = 0;        ///< that are simulated
   virtual std::vector<WallLedger> ledgers() = 0;  ///< empty where there are no walls

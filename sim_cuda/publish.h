@@ -11,14 +11,14 @@
 namespace collidoscope {
 
 /// What BodyInstance::value holds; the renderer maps it to colour.
-enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order, depth, visits, sleep };
+enum class BodyColor : std::uint32_t { speed, radius, id, contacts, order, depth, visits, sleep, error };
 
 struct BodyInstance {    // 48 bytes
   float center[3];       ///< m
   float radius;          ///< m; of a mesh: bounding radius
   float orientation[4];  ///< unit quaternion x y z w
   float value;  ///< raw, by BodyColor: m/s, m, id, contacts, place in the tree, level of the leaf, visits,
-                ///< how far from sleep (sim_cuda/solver/sleeping.h)
+                ///< how far from sleep (sim_cuda/solver/sleeping.h), m of what World::set_errors() was told
   std::uint32_t id;
   std::uint32_t mesh;  ///< 0: sphere; k: mesh k - 1
   std::uint32_t padding;
@@ -72,7 +72,15 @@ struct JointInstance {  // 64 bytes
   float padding2;
 };
 
-static_assert(sizeof(JointInstance) == 64);
+/// Where a body should be, as a reference has it; not of a World's own knowledge, but of whoever asks one.
+struct GhostInstance {  // 32 bytes
+  float body[3];        ///< m, the centre of the body
+  float radius;         ///< m
+  float offset[3];  ///< m, from there to where it should be: apart, so that what is small keeps its digits
+  float opacity;    ///< 0 to 1: 0 where the reference does not know
+};
+
+static_assert(sizeof(JointInstance) == 64 && sizeof(GhostInstance) == 32);
 static_assert(sizeof(BodyInstance) == 48 && sizeof(BoxInstance) == 32 && sizeof(ContactInstance) == 48);
 
 /// Where publish() writes. All pointers are in the executor's own memory space (device pointers where the

@@ -163,6 +163,8 @@ struct World::Impl {
   bool residuals_known = false;      // the last one did
   bool impulses_new = false;         // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
+  std::vector<float> errors;                    // of bodies, m
+  std::unique_ptr<Buffer<float>> drawn_errors;  // made when they are first drawn
 };
 
 bool World::Impl::run_instrumented(std::uint32_t target) {
@@ -548,9 +550,17 @@ void World::publish(const PublishTarget& target) {
     values.of_node = w.meter.values(target.box_metric);
   if (by_visits && tree_quality().nodes > 0) values.of_body = w.meter.body_visits();
   if (by_tree) detect();
-  w.pipeline->publish(target, boxes || by_tree ? w.arranged_tree() : TreeView{}, values);
+  const bool by_error = target.body_color == BodyColor::error && w.errors.size() == w.initial.size();
+  if (by_error && !w.drawn_errors)
+    w.drawn_errors = std::make_unique<Buffer<float>>(w.executor, "errors of bodies to draw");
+  if (by_error) w.drawn_errors->upload(w.errors);
+  w.pipeline->publish(target, boxes || by_tree ? w.arranged_tree() : TreeView{}, values,
+                      by_error ? w.drawn_errors->data() : nullptr);
   w.executor.synchronize();
 }
+
+void World::set_errors(std::vector<float> errors) { impl_->errors = std::move(errors); }
+const std::vector<float>& World::errors() const { return impl_->errors; }
 
 void* World::scratch(std::size_t bytes, int slot) {
   Impl& w = *impl_;

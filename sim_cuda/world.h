@@ -137,6 +137,10 @@ class World {
   PublishCounts publish_counts(int first_level, int last_level);  ///< an empty range: no boxes
   /// Packs what is drawn into the target's memory; returns when the device has written it.
   void publish(const PublishTarget& target);
+  /// How far each body is from where it should be, m, by id, as somebody who knows found out: what
+  /// BodyColor::error shows from now on. Other than N of them: 0 for all.
+  void set_errors(std::vector<float> errors);
+  const std::vector<float>& errors() const;  ///< as they were set
   /// Memory in the executor's space for a renderer that cannot map its own: a device allocation on a GPU,
   /// else plain memory. Freed with the World.
   void* scratch(std::size_t bytes, int slot);

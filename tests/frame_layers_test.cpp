@@ -29,6 +29,15 @@ TEST(FrameLayers, ReadsNamesAndRanges) {
             (FrameLayers{.spheres = true, .joints = false, .grid = false, .walls = false, .overlay = false}));
 }
 
+TEST(FrameLayers, ErrorsInSomeMagnification) {
+  EXPECT_EQ(parse_layers("ghosts,errors"), (FrameLayers{.ghosts = true, .errors = true}));
+  EXPECT_EQ(parse_layers("errors:100"), (FrameLayers{.errors = true, .error_scale = 100}));
+  for (const char* wrong :
+       {"errors:", "errors:0", "errors:-3", "errors:1.5", "errors:x", "errors:1000000001"})
+    EXPECT_THAT(faults(wrong), testing::ElementsAre(HasSubstr("not a magnification"))) << wrong;
+  EXPECT_EQ(parse_body_color("error"), BodyColor::error);
+}
+
 TEST(FrameLayers, EveryFaultHasItsLine) {
   EXPECT_THAT(faults("bhv,spheres,bvh:5-2"),
               testing::ElementsAre(

@@ -51,6 +51,19 @@ class PackedTree : public OnEachExecutor {
 };
 ON_EACH_EXECUTOR(PackedTree);
 
+TEST_P(PackedTree, BodiesCarryTheErrorsThatSomebodyKnows) {
+  World world(box_collider(40), options());
+  for (const BodyInstance& body : bodies(world, BodyColor::error)) EXPECT_EQ(body.value, 0);
+  std::vector<float> errors;
+  for (int k = 0; k < 40; ++k) errors.push_back(0.25f * static_cast<float>(k));
+  world.set_errors(errors);
+  std::vector<float> values;
+  for (const BodyInstance& body : bodies(world, BodyColor::error)) values.push_back(body.value);
+  EXPECT_EQ(values, errors);
+  world.set_errors({1, 2});  // of other bodies
+  for (const BodyInstance& body : bodies(world, BodyColor::error)) EXPECT_EQ(body.value, 0);
+}
+
 TEST_P(PackedTree, BoxesCarryTheirMetric) {
   for (const std::string& method : methods_with_trees()) {
     World world = world_of(method);

@@ -24,6 +24,8 @@ struct Example {
                                  box_instance({2, 3, 4}, {48, 97, 90}, 1),
                                  box_instance({52, 3, 4}, {98, 97, 90}, 1)};
   std::vector<ContactInstance> contacts;
+  std::vector<GhostInstance> ghosts;
+  double error_scale = 1;
   FrameLayers layers{.spheres = true, .boxes = true, .first_level = 0, .last_level = 1, .contacts = true};
 
   Example() {
@@ -44,9 +46,12 @@ struct Example {
     renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
     renderer.instances().upload(std::span<const BoxInstance>(boxes));
     renderer.instances().upload(std::span<const ContactInstance>(contacts));
+    renderer.set_ghosts(ghosts);
     OrbitCamera camera = scene_camera({}, renderer.scene().bounds, static_cast<double>(width) / height);
     camera.orthographic = orthographic;
-    renderer.draw(camera, layers, {0, 1});
+    ValueRange values{0, 1};
+    values.error_scale = error_scale;
+    renderer.draw(camera, layers, values);
     if (layers.overlay) {
       OverlayText text;
       text.scene = "A golden scene Σ ≤ µ · × ³";
@@ -76,6 +81,42 @@ TEST(Screenshot, SpheresInOrthographicView) {
   Example example;
   example.layers = {.spheres = true, .overlay = false, .color = BodyColor::id};
   EXPECT_EQ(check_golden("orthographic", example.draw(true)), "");
+}
+
+/// Ghosts beside every third sphere, as far away as its id says; every ninth is not known.
+Example with_ghosts() {
+  Example example;
+  example.layers = {.spheres = true, .ghosts = true, .errors = true, .overlay = false};
+  example.error_scale = 2;
+  for (std::size_t i = 0; i < example.bodies.instances.size(); i += 3) {
+    const BodyInstance& body = example.bodies.instances[i];
+    GhostInstance ghost{};
+    for (int k = 0; k < 3; ++k) ghost.body[k] = body.center[k];
+    ghost.radius = body.radius;
+    ghost.offset[i % 2] = 0.06f * static_cast<float>(i);
+    ghost.offset[2] = 3;
+    ghost.opacity = i % 9 == 0 ? 0.0f : 1.0f;
+    example.ghosts.push_back(ghost);
+  }
+  return example;
+}
+
+TEST(Screenshot, GhostsAndErrors) { EXPECT_EQ(check_golden("ghosts", with_ghosts().draw()), ""); }
+
+TEST(Screenshot, GhostsAndErrorsLeaveTheirMarks) {
+  const Example both = with_ghosts();
+  const Image all = both.draw();
+  for (bool FrameLayers::*layer : {&FrameLayers::ghosts, &FrameLayers::errors}) {
+    Example without = both;
+    without.layers.*layer = false;
+    EXPECT_GT(compare_images(all, without.draw()).max_channel, 60);
+  }
+  Example longer = both, unknown = both, none = both;
+  longer.error_scale = 4;
+  EXPECT_GT(compare_images(all, longer.draw()).max_channel, 60);
+  for (GhostInstance& ghost : unknown.ghosts) ghost.opacity = 0;
+  none.layers.ghosts = none.layers.errors = false;
+  EXPECT_EQ(unknown.draw(), none.draw()) << "what is not known is not drawn";
 }
 
 TEST(Screenshot, TheSameFrameTwiceIsTheSameBytes) {

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <array>
@@ -22,6 +23,66 @@ void draw_contact_legend(const WorkspaceView& view) {
     faint_text("impulses: none known of the last step");
 }
 
+// Of powers of ten, or as it suits.
+void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
+  static constexpr std::array<int, 8> choices{0, 1, 10, 100, 1000, 10'000, 100'000, 1'000'000};
+  const auto name = [&](int scale) {
+    return scale > 0
+               ? "× " + grouped_number(scale)
+               : fmt::format("× {} (auto)", grouped_number(static_cast<std::int64_t>(view.error_scale)));
+  };
+  int& chosen = workspace.layers.error_scale;
+  row_label("errors", "How many times as long as the error a line is");
+  if (begin_choice("##error_scale", name(chosen).c_str())) {
+    for (const int scale : choices) {
+      const std::string text = scale > 0 ? name(scale) : "auto";
+      if (ImGui::Selectable(text.c_str(), scale == chosen)) chosen = scale;
+      track(workspace, ("layers.error_scale." + (scale > 0 ? std::to_string(scale) : text)).c_str());
+    }
+    ImGui::EndCombo();
+  }
+  track(workspace, "layers.error_scale");
+}
+
+// What should be, beside what is.
+void draw_reference(Workspace& workspace, const WorkspaceView& view, float column) {
+  ShownLayers& layers = workspace.layers;
+  const ReferenceFacts& reference = view.reference;
+  const auto reference_switch = [&](const char* name, const char* label, bool& on, const char* help) {
+    ImGui::BeginDisabled(!on && !reference.lack.empty());
+    layer_switch(workspace, name, label, on);
+    ImGui::EndDisabled();
+    explain(reference.lack.empty() ? help : reference.lack.c_str());
+  };
+  reference_switch(
+      "ghosts", "ghosts", layers.ghosts,
+      "Where a reference has the bodies at the same time: the event-driven simulation of hard "
+      "spheres where it knows the scene, else the same in double in steps of 1/8. The run waits for it");
+  ImGui::SameLine(column);
+  reference_switch("errors", "errors", layers.errors,
+                   "Lines from each body towards where a reference has it");
+  if (!reference.lack.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("%s", reference.lack.c_str());
+    ImGui::PopStyleColor();
+  }
+  if (!layers.ask_a_reference()) return;
+  if (layers.errors) choose_error_scale(workspace, view);
+  if (reference.name.empty()) return;
+  if (reference.known()) {
+    faint_text(fmt::format("off by {} rms, {} at most", with_prefix(reference.rms, "m"),
+                           with_prefix(reference.max, "m")));
+    faint_text((reference.doubt > 0 ? "the reference itself by about " + with_prefix(reference.doubt, "m")
+                                    : "of " + reference.name));
+    explain(fmt::format("Reference: {}, from state {}", reference.name, reference.since).c_str());
+  }
+  if (ImGui::SmallButton("from here")) workspace.reference_wish = true;
+  track(workspace, "layers.reference");
+  explain("Begins the reference anew with the bodies as they are");
+  ImGui::SameLine();
+  faint_text(fmt::format("from state {}", grouped_number(reference.since)));
+}
+
 }  // namespace
 
 void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
@@ -40,6 +101,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine(2 * column - ImGui::GetStyle().WindowPadding.x);
     layer_switch(workspace, "joints", "joints", layers.joints);
   }
+  draw_reference(workspace, view, column);
   if (layers.boxes) {
     draw_level_bar(workspace, view, "layers.levels");
     const std::int64_t boxes = boxes_shown(workspace, view);
@@ -52,7 +114,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     const bool told = workspace.folds.right && workspace.folds.tree;  // by the histogram there
     if (!told) draw_color_key(view.box_colors);
   }
-  static constexpr std::array<std::pair<BodyColor, const char*>, 8> colors{
+  static constexpr std::array<std::pair<BodyColor, const char*>, 9> colors{
       {{BodyColor::speed, "speed"},
        {BodyColor::radius, "radius"},
        {BodyColor::id, "id"},
@@ -60,7 +122,8 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
        {BodyColor::order, "order in the tree"},
        {BodyColor::depth, "depth in the tree"},
        {BodyColor::visits, "visits of the query"},
-       {BodyColor::sleep, "sleep"}}};
+       {BodyColor::sleep, "sleep"},
+       {BodyColor::error, "error"}}};
   row_label("colour by");
   const char* chosen = "";
   for (const auto& [color, name] : colors)

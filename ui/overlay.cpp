@@ -170,6 +170,7 @@ void draw_keys(const Writer& write, const OverlayText& text, float right, float 
     right = from - size * 0.6f;
   };
   if (text.grid_spacing > 0) key(fmt::format("grid {:g} m", text.grid_spacing), {});
+  for (std::size_t i = text.keys.size(); i-- > 0;) key(text.keys[i].name, {text.keys[i].color});
   if (text.contacts_shown && text.max_impulse > 0)
     key("contacts, impulse to " + with_prefix(text.max_impulse, "N s"), text.contact_colors);
   else if (text.contacts_shown)

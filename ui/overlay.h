@@ -39,7 +39,12 @@ struct OverlayText {
   bool contacts_shown = false;
   std::vector<PackedColor> contact_colors;  ///< from weak to strong
   double max_impulse = 0;                   ///< N s, of the last of them; 0: none are known
-  double grid_spacing = 0;                  ///< m; 0: no grid
+  struct Key {
+    std::string name;
+    PackedColor color;
+  };
+  std::vector<Key> keys;    ///< what else is drawn
+  double grid_spacing = 0;  ///< m; 0: no grid
 };
 
 /// Draws in front of everything, between ImGui::NewFrame() and Render(). Leaves out what does not fit.

@@ -18,6 +18,7 @@
 #include "sim_cuda/scene/scene.h"
 #include "ui/color_key.h"
 #include "ui/effect_facts.h"
+#include "ui/reference_facts.h"
 #include "ui/tree_facts.h"
 
 namespace collidoscope {
@@ -48,11 +49,15 @@ struct Settings {
 /// What the 3D view shows.
 struct ShownLayers {
   bool spheres = true, boxes = false, contacts = false, grid = true, walls = true, joints = true;
+  bool ghosts = false;                   ///< of the reference: spheres where it has them at the same time
+  bool errors = false;                   ///< lines from each body towards its ghost
+  int error_scale = 0;                   ///< times as long as the error; 0: "auto"
   int first_level = 0, last_level = 63;  ///< of the hierarchy, inclusive; 0 is the root
   BodyColor color = BodyColor::speed;
   NodeMetric box_color = NodeMetric::level;
   float box_low = 0, box_high = std::numeric_limits<float>::infinity();  ///< boxes drawn, by that metric
 
+  bool ask_a_reference() const { return ghosts || errors || color == BodyColor::error; }
   friend bool operator==(const ShownLayers&, const ShownLayers&) = default;
 };
 
@@ -64,7 +69,8 @@ struct Folds {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
        inspector = true, tree = false, convergence = false,  ///< measuring takes time
-      effects = false;                                       ///< rarely asked for
+      effects = false,                                       ///< rarely asked for
+      accuracy = false;                                      ///< measures as long as it is unfolded
 
   friend bool operator==(const Folds&, const Folds&) = default;
 };
@@ -88,6 +94,7 @@ struct Workspace {
   bool throw_wish = false;       ///< a new body, from the camera
   bool remove_wish = false;      ///< of the selected body
   bool measure_effects = false;  ///< what each costs, anew where something else is simulated
+  bool reference_wish = false;   ///< a reference of the run, from the bodies as they are
   CameraWish camera_wish = CameraWish::none;
 
   std::optional<std::uint32_t> selection;  ///< id of a body
@@ -147,6 +154,9 @@ struct WorkspaceView {
   std::int64_t boxes_drawn = 0;               ///< where they are not coloured by level
   std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
   double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
+
+  ReferenceFacts reference;  ///< that ghosts and errors are of
+  double error_scale = 1;    ///< of the lines that show errors, in effect
 
   const BodyReport* selected = nullptr;
   const TreeFacts* tree = nullptr;         ///< null: nobody asked

@@ -10,6 +10,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
+#include "ui/shown_layers.h"
 #include "viewer/app_guard.h"
 #include "viewer/live/fill_view.h"
 #include "viewer/live/settings_file.h"
@@ -31,11 +32,7 @@ Workspace first_workspace(const Options& options) {
     if (!fault.empty()) say_on_stderr(file + ": " + fault);
   }
   const FrameLayers& asked = options.capture.layers;
-  if (!(asked == CaptureRequest{}.layers)) {
-    workspace.layers = {asked.spheres, asked.boxes,     asked.contacts,    asked.grid,
-                        asked.walls,   asked.joints,    asked.first_level, asked.last_level,
-                        asked.color,   asked.box_color, asked.box_low,     asked.box_high};
-  }
+  if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
   return workspace;
 }
 
@@ -62,7 +59,7 @@ void App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
   while (!window_.closing() && !ended()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
-    const bool busy = workspace_.measure_effects && !costs_.done();
+    const bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
     const bool idle =
         !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);
@@ -100,7 +97,7 @@ void App::frame(double seconds) {
   guarded([&] {
     picture_.resize(width, height);
     tree_.refresh(live_.world(), live_.generation(), workspace_);
-    scene_.draw(live_, workspace_, tree_, std::max(static_cast<int>(rect.width), 1),
+    scene_.draw(live_, workspace_, tree_, reference_, std::max(static_cast<int>(rect.width), 1),
                 std::max(static_cast<int>(rect.height), 1));
     picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
                    scene_.height());
@@ -131,6 +128,9 @@ void App::fill(WorkspaceView& view) {
     view.effect_facts = costs_.facts(live_.world());
     view.measuring_effects = workspace_.measure_effects && !costs_.done();
   }
+  view.reference = reference_.facts();
+  if (view.reference.name.empty()) view.reference.lack = LiveReference::lack_of(view.stats.bodies);
+  view.error_scale = scene_.range().error_scale;
   view.renderer = renderer_name_;
   view.software = software_;
   view.view_scale = scene_.scale();

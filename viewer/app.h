@@ -13,6 +13,7 @@
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"
 #include "viewer/live/effect_costs.h"
+#include "viewer/live/live_reference.h"
 #include "viewer/live/live_world.h"
 #include "viewer/live/tree_inspector.h"
 #include "viewer/render/gui_pass.h"
@@ -56,6 +57,7 @@ class App {
   void remove_selected();
   void follow_selection();
   void measure_effects();
+  void follow_reference();
   void save_picture();
 
   void fill(WorkspaceView& view);
@@ -69,6 +71,7 @@ class App {
   WindowFrame picture_;
   SceneView scene_;
   TreeInspector tree_;
+  LiveReference reference_;
   EffectCosts costs_;
   int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;

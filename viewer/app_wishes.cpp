@@ -47,6 +47,7 @@ void App::meet_wishes(double seconds) {
     });
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
+  guarded([&] { follow_reference(); });
   guarded([&] { advance(seconds); });
   guarded([&] { measure_effects(); });
 }
@@ -59,6 +60,12 @@ void App::measure_effects() {
   costs_generation_ = live_.generation();
   constexpr double slice = 10;  // ms of a frame
   if (workspace_.measure_effects) costs_.go_on(live_.world(), slice);
+}
+
+void App::follow_reference() {
+  if (!workspace_.layers.ask_a_reference() || std::exchange(workspace_.reference_wish, false))
+    reference_.forget();
+  if (workspace_.layers.ask_a_reference()) reference_.follow(live_.world(), live_.generation());
 }
 
 void App::apply_settings() {
@@ -84,23 +91,23 @@ void App::apply_settings() {
 
 void App::advance(double seconds) {
   const double time_step = live_.world().scene().physics.time_step;
-  bool step = false;
-  if (workspace_.step_wishes > 0) {
-    --workspace_.step_wishes;
-    step = true;
-  } else if (workspace_.playing) {
+  const bool wished = workspace_.step_wishes > 0;
+  if (!wished && workspace_.playing)
     due_ = workspace_.speed > 0 ? due_ + seconds * workspace_.speed / time_step : 1;
-    step = due_ >= 1;
-    // What the machine cannot keep up with is not made up for later.
-    due_ = step ? std::min(due_ - 1, 1.0) : due_;
-  }
-  if (!step) return;
+  if (!wished && !(workspace_.playing && due_ >= 1)) return;
+  constexpr double slice = 12;  // ms of a frame
+  if (workspace_.layers.ask_a_reference() && !reference_.go_ahead(time_step, slice)) return;
+  if (wished)
+    --workspace_.step_wishes;
+  else  // what the machine cannot keep up with is not made up for later
+    due_ = std::min(due_ - 1, 1.0);
   // Whoever looks at forces pays for them.
   const Folds& folds = workspace_.folds;
   live_.world().record_impulses(workspace_.layers.contacts ||
                                 (workspace_.selection && folds.right && folds.inspector));
   live_.world().record_residuals(folds.right && folds.convergence);
   live_.step(true);
+  reference_.stepped(time_step);
   simulated_ += time_step;
   const auto& pause_at = options_.view.pause_at;
   if (pause_at && live_.world().steps() == *pause_at) workspace_.playing = false;

@@ -17,6 +17,9 @@ FrameLayers frame_layers(const ShownLayers& shown) {
   layers.boxes = shown.boxes;
   layers.contacts = shown.contacts;
   layers.joints = shown.joints;
+  layers.ghosts = shown.ghosts;
+  layers.errors = shown.errors;
+  layers.error_scale = shown.error_scale;
   layers.grid = shown.grid;
   layers.walls = shown.walls;
   layers.overlay = false;
@@ -78,9 +81,10 @@ void SceneView::mark(const Workspace& workspace, const TreeInspector& tree) {
   marked_ = wanted;
 }
 
-void SceneView::publish(LiveWorld& live, const Workspace& workspace) {
-  const Published wanted{live.generation(), live.world().steps(), workspace.layers};
+void SceneView::publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference) {
+  const Published wanted{live.generation(), live.world().steps(), workspace.layers, reference.version()};
   if (wanted == published_) return;
+  if (workspace.layers.ask_a_reference()) renderer_->set_ghosts(reference.ghosts(live.world()));
   const FrameLayers layers = frame_layers(workspace.layers);
   const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
   link_->publish(live.world(), layers, renderer_->instances());
@@ -91,8 +95,8 @@ void SceneView::publish(LiveWorld& live, const Workspace& workspace) {
   published_ = wanted;
 }
 
-void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, int width,
-                     int height) {
+void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree,
+                     LiveReference& reference, int width, int height) {
   using Clock = std::chrono::steady_clock;
   width_ = width;
   height_ = height;
@@ -111,7 +115,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
   }
   follow_selection(live, workspace);
   mark(workspace, tree);
-  publish(live, workspace);
+  publish(live, workspace, reference);
 
   Drawn wanted{published_, marked_, camera_, options, width, height, drawn_.scale};
   const Clock::time_point start = Clock::now();

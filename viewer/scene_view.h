@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ui/workspace.h"
+#include "viewer/live/live_reference.h"
 #include "viewer/live/live_world.h"
 #include "viewer/live/tree_inspector.h"
 #include "viewer/render/interop/display_link.h"
@@ -24,7 +25,8 @@ class SceneView {
 
   /// Brings camera and buffers to what is to be drawn, and draws it for `width` x `height` pixels: on a slow
   /// renderer fewer while it changes, and nothing while it does not.
-  void draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, int width, int height);
+  void draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, LiveReference& reference,
+            int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
   /// Pixels drawn for each of them, along an axis.
@@ -56,7 +58,7 @@ class SceneView {
   void follow_world(LiveWorld& live);
   void follow_selection(LiveWorld& live, const Workspace& workspace);
   void mark(const Workspace& workspace, const TreeInspector& tree);
-  void publish(LiveWorld& live, const Workspace& workspace);
+  void publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference);
   double aspect() const { return static_cast<double>(width_) / height_; }
 
   DisplayPath wish_;
@@ -75,6 +77,7 @@ class SceneView {
     int generation = -1;
     std::int64_t step = -1;
     ShownLayers layers;
+    int reference = 0;
     friend bool operator==(const Published&, const Published&) = default;
   } published_;
   ValueRange range_;

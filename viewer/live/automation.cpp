@@ -85,6 +85,9 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                  {"grid", workspace.layers.grid},
                  {"walls", workspace.layers.walls},
                  {"joints", workspace.layers.joints},
+                 {"ghosts", workspace.layers.ghosts},
+                 {"errors", workspace.layers.errors},
+                 {"error_scale", view.error_scale},
                  {"first_level", workspace.layers.first_level},
                  {"last_level", workspace.layers.last_level},
                  {"color", static_cast<int>(workspace.layers.color)},
@@ -106,6 +109,9 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
   line["tree"] = tree_json(workspace, view);
   line["effects"] = effects_json(view);
+  line["reference"] = {{"name", view.reference.name},   {"lack", view.reference.lack},
+                       {"since", view.reference.since}, {"rms", view.reference.rms},
+                       {"max", view.reference.max},     {"doubt", view.reference.doubt}};
   line["measuring_effects"] = view.measuring_effects;
   line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
   Json widgets = Json::object();

@@ -16,25 +16,13 @@ struct Switch {
 };
 
 std::vector<Switch> switches(ShownLayers& layers, Folds& folds) {
-  return {{"spheres", layers.spheres},
-          {"boxes", layers.boxes},
-          {"contacts", layers.contacts},
-          {"grid", layers.grid},
-          {"walls", layers.walls},
-          {"joints", layers.joints},
-          {"left", folds.left},
-          {"right", folds.right},
-          {"bottom", folds.bottom},
-          {"run", folds.run},
-          {"settings", folds.settings},
-          {"layers", folds.layers},
-          {"camera", folds.camera},
-          {"tree", folds.tree},
-          {"effects", folds.effects},
-          {"timing", folds.timing},
-          {"numbers", folds.numbers},
-          {"inspector", folds.inspector},
-          {"convergence", folds.convergence}};
+  return {{"spheres", layers.spheres},  {"boxes", layers.boxes},        {"contacts", layers.contacts},
+          {"grid", layers.grid},        {"walls", layers.walls},        {"joints", layers.joints},
+          {"ghosts", layers.ghosts},    {"errors", layers.errors},      {"left", folds.left},
+          {"right", folds.right},       {"bottom", folds.bottom},       {"run", folds.run},
+          {"settings", folds.settings}, {"layers", folds.layers},       {"camera", folds.camera},
+          {"tree", folds.tree},         {"effects", folds.effects},     {"timing", folds.timing},
+          {"numbers", folds.numbers},   {"inspector", folds.inspector}, {"convergence", folds.convergence}};
 }
 
 }  // namespace
@@ -79,7 +67,7 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
   int first = 0, last = 63, color = 0, box_color = 0;
   number("first_level", 0, 63, first);
   number("last_level", 0, 63, last);
-  number("color", 0, static_cast<int>(BodyColor::sleep), color);
+  number("color", 0, static_cast<int>(BodyColor::error), color);
   number("box_color", 0, static_cast<int>(NodeMetric::visits), box_color);
   workspace.layers.first_level = std::min(first, last);
   workspace.layers.last_level = std::max(first, last);

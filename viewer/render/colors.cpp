@@ -105,6 +105,8 @@ ColorMeaning color_meaning(BodyColor color) {
       return {"boxes that a body's query tests", ""};
     case BodyColor::sleep:
       return {"how far from sleep", ""};
+    case BodyColor::error:
+      return {"error of the position", "m"};
   }
   return {"", ""};
 }

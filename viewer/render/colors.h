@@ -30,6 +30,9 @@ MarkStyle mark_style(BoxMark mark);
 /// of contacts whose impulse is not known.
 Rgb contact_color(double strength);
 
+/// Of where a reference has the bodies, and of the lines that lead there.
+inline constexpr Rgb ghost_color{0.84f, 0.94f, 1.00f}, error_color{1.00f, 0.30f, 0.62f};
+
 /// What the colour of a body or a box means: the title and unit of the legend.
 struct ColorMeaning {
   const char* title;

@@ -26,6 +26,14 @@ bool parse_boxes(std::string_view text, FrameLayers& layers) {
   return layers.first_level <= layers.last_level;
 }
 
+// `errors` or `errors:A`.
+bool parse_error_scale(std::string_view text, int& scale) {
+  if (text == "errors") return true;
+  text.remove_prefix(7);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), scale);
+  return error == std::errc{} && end == text.data() + text.size() && scale >= 1 && scale <= 1'000'000'000;
+}
+
 }  // namespace
 
 FrameLayers parse_layers(const std::string& text, const std::string& where) {
@@ -46,6 +54,15 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
       layers.walls = name == "walls";
     } else if (name == "joints" || name == "no-joints") {
       layers.joints = name == "joints";
+    } else if (name == "ghosts") {
+      layers.ghosts = true;
+    } else if (name == "errors" || name.starts_with("errors:")) {
+      layers.errors = true;
+      if (!parse_error_scale(name, layers.error_scale))
+        faults.push_back(
+            where + ": '" + name +
+            "': not a magnification; errors or errors:A with a whole 1 <= A <= 1000000000, such as "
+            "errors:100");
     } else if (name == "overlay" || name == "no-overlay") {
       layers.overlay = name == "overlay";
     } else if (name == "bvh" || name.starts_with("bvh:")) {
@@ -62,8 +79,8 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
     } else {
       faults.push_back(
           where + ": '" + name +
-          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ui, ui:tree, "
-          "ui:convergence, grid, walls, joints, overlay, no-grid, no-walls, no-joints, no-overlay");
+          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ghosts, errors, errors:A, ui, "
+          "ui:tree, ui:convergence, grid, walls, joints, overlay, no-grid, no-walls, no-joints, no-overlay");
     }
   }
   if (!faults.empty()) throw InputError(faults);
@@ -76,11 +93,12 @@ BodyColor parse_body_color(const std::string& text, const std::string& where) {
     BodyColor color;
   } names[] = {{"speed", BodyColor::speed},       {"radius", BodyColor::radius}, {"id", BodyColor::id},
                {"contacts", BodyColor::contacts}, {"order", BodyColor::order},   {"depth", BodyColor::depth},
-               {"visits", BodyColor::visits},     {"sleep", BodyColor::sleep}};
+               {"visits", BodyColor::visits},     {"sleep", BodyColor::sleep},   {"error", BodyColor::error}};
   for (const auto& known : names)
     if (text == known.name) return known.color;
-  throw InputError(where + ": '" + text +
-                   "': unknown colour; one of speed, radius, id, contacts, order, depth, visits, sleep");
+  throw InputError(
+      where + ": '" + text +
+      "': unknown colour; one of speed, radius, id, contacts, order, depth, visits, sleep, error");
 }
 
 NodeMetric parse_box_color(const std::string& text, const std::string& where) {

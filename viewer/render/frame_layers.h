@@ -14,6 +14,9 @@ struct FrameLayers {
   bool boxes = false;                    ///< the hierarchy's AABBs, levels first_level to last_level
   int first_level = 0, last_level = 63;  ///< inclusive, depth from the root; clipped to the levels there are
   bool contacts = false;
+  bool ghosts = false;       ///< the bodies as a reference has them at the same time
+  bool errors = false;       ///< lines from each body towards its ghost
+  int error_scale = 0;       ///< how many times as long as the error; 0: as it suits
   bool joints = true;        ///< where there are any
   bool grid = true;          ///< the floor, with a line every round number of metres
   bool walls = true;         ///< the edges of the scene's box
@@ -29,13 +32,13 @@ struct FrameLayers {
   friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
 };
 
-/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, ui, ui:tree,
-/// ui:convergence, grid, walls, joints, overlay, and no-grid, no-walls, no-joints, no-overlay: those four are
-/// drawn unless switched off. Throws InputError, one line per fault, each beginning with `where` (the flag's
-/// name).
+/// Reads `spheres,bvh:2-5,contacts`: spheres, bvh (all levels), bvh:A, bvh:A-B, contacts, ghosts, errors,
+/// errors:A, ui, ui:tree, ui:convergence, grid, walls, joints, overlay, and no-grid, no-walls, no-joints,
+/// no-overlay: those four are drawn unless switched off. Throws InputError, one line per fault, each
+/// beginning with `where` (the flag's name).
 FrameLayers parse_layers(const std::string& text, const std::string& where = "--layers");
 
-/// speed, radius, id, contacts, order, depth, visits or sleep. Throws InputError.
+/// speed, radius, id, contacts, order, depth, visits, sleep or error. Throws InputError.
 BodyColor parse_body_color(const std::string& text, const std::string& where = "--color");
 /// level, sah, overlap, empty or visits. Throws InputError.
 NodeMetric parse_box_color(const std::string& text, const std::string& where = "--box-color");

@@ -27,6 +27,7 @@ struct ValueRange {
   std::int64_t boxes = 0;
   double box_min = 0, box_max = 1;
   bool boxes_below = false;  ///< some of them are less than box_min
+  double error_scale = 1;    ///< length of a line that shows an error, over the error
 };
 
 /// A value's place on the colour map, 0 to 1, is scale * (v - from), with v its logarithm or the value

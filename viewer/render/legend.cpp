@@ -23,6 +23,7 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.logarithmic = range.logarithmic;
   legend.goes_on = color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
   for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
+  legend.goes_below = color == BodyColor::error;
   if (color == BodyColor::sleep) {
     legend.low_word = "asleep";
     legend.high_word = "moves";
@@ -49,6 +50,9 @@ std::vector<std::uint32_t> contact_legend() {
   for (int k = 0; k < 64; ++k) colors.push_back(packed(contact_color(k / 63.0)));
   return colors;
 }
+
+std::uint32_t ghost_legend() { return packed(ghost_color); }
+std::uint32_t error_legend() { return packed(error_color); }
 
 std::vector<std::uint32_t> mark_legend() {
   std::vector<std::uint32_t> colors;

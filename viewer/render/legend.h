@@ -27,6 +27,9 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
 Legend box_legend(NodeMetric metric, const ValueRange& range);
 /// Colours of contacts from range.max_impulse / 1000 to range.max_impulse, in even steps of the logarithm.
 std::vector<std::uint32_t> contact_legend();
+/// Of ghosts, and of lines that show errors.
+std::uint32_t ghost_legend();
+std::uint32_t error_legend();
 /// Colours of marks, by BoxMark.
 std::vector<std::uint32_t> mark_legend();
 /// Colours of the hierarchy's levels, which repeat after the last.

@@ -161,6 +161,8 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");
+  if (layers.ghosts) ghosts_.draw_ghosts();
+  if (layers.errors) ghosts_.draw_errors(values.error_scale);
   if (mark_count_ > 0) lines_.draw_marks(marks_, mark_count_);
 
   resolve();

@@ -13,6 +13,7 @@
 #include "viewer/render/draw_options.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/frame_uniforms.h"
+#include "viewer/render/ghost_pass.h"
 #include "viewer/render/gl/pass_clock.h"
 #include "viewer/render/image.h"
 #include "viewer/render/light_pass.h"
@@ -52,6 +53,9 @@ class Renderer {
   /// Boxes that draw() draws on top, whatever the layers are; of each, the value is its BoxMark.
   void set_marks(std::span<const BoxInstance> boxes);
 
+  /// What draw() draws where the layers ask for ghosts or errors.
+  void set_ghosts(std::span<const GhostInstance> ghosts) { ghosts_.set(ghosts); }
+
   /// `clock`: told of each pass, if somebody measures.
   void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values,
             gl::PassClock* clock = nullptr);
@@ -83,6 +87,7 @@ class Renderer {
   LinePass lines_;
   std::optional<LightPass> light_;
   PlanePass planes_;
+  GhostPass ghosts_;
   gl::Program resolve_;
   gl::VertexLayout nothing_;
   gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"}, marks_{"marks"};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_cuda/core/stage_clock.h"
+
 namespace collidoscope {
 namespace {
 
@@ -39,6 +41,13 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
       return world.tree_nodes() > 0 ? leaf_levels(world) : ValueRange{0, 0};
     case BodyColor::sleep:
       return {0, 1};
+    case BodyColor::error: {  // three decades, up to where nearly all of them end
+      const double most = quantile(world.errors(), 0.98);
+      const double high = most > 0 ? std::pow(10, std::ceil(std::log10(most))) : 1;
+      ValueRange range{high / 1000, high};
+      range.logarithmic = true;
+      return range;
+    }
     case BodyColor::visits: {
       if (world.tree_nodes() == 0) return {0, 0};
       const TreeQuality& tree = world.tree_quality();
@@ -48,6 +57,14 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
     }
   }
   return {};
+}
+
+/// "auto": the power of ten that makes the greater errors about as long as a body is wide.
+double error_scale(int wish, const std::vector<float>& errors, double body_size) {
+  if (wish > 0) return wish;
+  const double error = quantile(errors, 0.9);
+  const double decades = error > 0 ? std::floor(std::log10(2 * body_size / error)) : 0;
+  return std::pow(10, std::clamp(decades, 0.0, 9.0));
 }
 
 // The edge of a bin that at most one node in fifty lies below.
@@ -82,6 +99,7 @@ ValueRange value_range(World& world, const FrameScene& scene, const FrameLayers&
                        const StepStats& stats) {
   ValueRange range = layers.spheres ? color_range(world, scene, layers.color, stats) : ValueRange{};
   add_boxes(world, layers, range);
+  if (layers.errors) range.error_scale = error_scale(layers.error_scale, world.errors(), scene.body_size);
   if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
   return range;
 }

@@ -1,0 +1,169 @@
+// Where bodies should be, beside where they are: what the reference is, what turns it and what does not,
+// where it ends; against formulas of the flight that Euler's method gets wrong.
+
+#include "viewer/live/live_reference.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/scenes.h"
+#include "viewer/live/live_world.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+RunOptions on_cpu() {
+  RunOptions options;
+  options.executor = ExecutorKind::cpu;
+  return options;
+}
+
+/// A run with a reference beside it.
+struct Beside {
+  explicit Beside(const Scene& scene) : live(scene, on_cpu()) {
+    reference.follow(live.world(), live.generation());
+  }
+  void step(int count, double slice = no_limit) {
+    for (int k = 0; k < count; ++k) {
+      const double dt = live.world().scene().physics.time_step;
+      while (!reference.go_ahead(dt, slice)) ++waits;
+      live.step(false);
+      reference.stepped(dt);
+    }
+  }
+  template <class Edit>
+  void change(Edit edit) {
+    Settings wish = live.settings();
+    edit(wish);
+    live.apply(wish);
+    reference.follow(live.world(), live.generation());
+  }
+  LiveWorld live;
+  LiveReference reference;
+  int waits = 0;
+};
+
+/// In free flight under gravity, in double.
+Scene flight() {
+  Scene scene = hard_space(Vector3d(0, 0, -10));
+  scene.physics.solver = Solver::impulse;
+  scene.physics.time_step = 1.0 / 64;
+  scene.bodies = {sphere(1, {0, 0, 0}, {3, 0, 20}), sphere(2, {0, 50, 0})};
+  return scene;
+}
+
+TEST(LiveReference, OfHardSpheresIsExact) {
+  Beside run(flight());
+  EXPECT_EQ(run.reference.facts().name, "hard spheres, event by event");
+  EXPECT_EQ(run.reference.ghosts(run.live.world())[0].offset[2], 0);
+  run.step(32);
+  const std::vector<GhostInstance> ghosts = run.reference.ghosts(run.live.world());
+  ASSERT_EQ(ghosts.size(), 2u);
+  const double off = 0.5 * 10 * (1.0 / 64) * 0.5;  // g h t / 2: what Euler's method falls too far
+  for (const GhostInstance& ghost : ghosts) {
+    EXPECT_NEAR(ghost.offset[2], off, 1e-8);
+    EXPECT_NEAR(ghost.offset[0], 0, 1e-12);
+    EXPECT_EQ(ghost.opacity, 1);
+  }
+  EXPECT_EQ(ghosts[1].radius, 2);
+  EXPECT_NEAR(ghosts[0].body[0], 1.5, 1e-6);
+  EXPECT_NEAR(run.reference.facts().rms, off, 1e-8);
+  EXPECT_NEAR(run.reference.facts().max, off, 1e-8);
+  EXPECT_EQ(run.reference.facts().doubt, 0);
+  EXPECT_THAT(run.live.world().errors(), testing::Each(testing::FloatNear(static_cast<float>(off), 1e-6f)));
+}
+
+TEST(LiveReference, OfOtherScenesIsFinerAndKnowsHowFine) {
+  Scene scene = flight();
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.substeps = 1;
+  scene.physics.drag.viscosity = 1e-9;  // no hard spheres any more, and no force to speak of
+  Beside run(scene);
+  EXPECT_THAT(run.reference.facts().name, HasSubstr("1/8"));
+  run.step(32, 0);
+  EXPECT_GT(run.waits, 0) << "it goes in slices";
+  const std::vector<GhostInstance> ghosts = run.reference.ghosts(run.live.world());
+  const double off = 0.5 * 10 * (1.0 / 64) * 0.5;
+  EXPECT_NEAR(ghosts[0].offset[2], off * 7 / 8, 1e-6);
+  EXPECT_NEAR(run.reference.facts().doubt, off / 8, 1e-6);
+}
+
+TEST(LiveReference, GoesOnWhateverNumericalSettingsTurn) {
+  Beside run(flight());
+  run.step(16);
+  run.change([](Settings& s) { s.time_step = 1.0 / 128; });
+  run.change([](Settings& s) { s.precision = Precision::f32; });
+  run.change([](Settings& s) { s.iterations = 3; });
+  run.step(32);
+  EXPECT_EQ(run.reference.facts().since, 0);
+  // A quarter of a second at each step.
+  const double off = 0.5 * 10 * 0.25 * (1.0 / 64 + 1.0 / 128);
+  EXPECT_NEAR(run.reference.ghosts(run.live.world())[0].offset[2], off, 1e-4);
+
+  run.change([](Settings& s) { s.restitution = 0.5; });
+  EXPECT_EQ(run.reference.facts().since, 48) << "another motion is asked for";
+  EXPECT_EQ(run.reference.ghosts(run.live.world())[0].offset[2], 0);
+  run.live.restart();
+  run.reference.follow(run.live.world(), run.live.generation());
+  EXPECT_EQ(run.reference.facts().since, 0);
+}
+
+// The finer runs take other steps where the run does, from where they are.
+TEST(LiveReference, RunsFollowAnotherStep) {
+  Scene scene = flight();
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.substeps = 1;
+  scene.physics.drag.viscosity = 1e-9;
+  Beside run(scene);
+  run.step(16);
+  run.change([](Settings& s) { s.time_step = 1.0 / 96; });
+  run.step(24);
+  EXPECT_EQ(run.reference.facts().since, 0);
+  // From an eighth of the first step to the nearest part of the second: a fifth.
+  const double off = 0.5 * 10 * 0.25 * (1.0 / 64 - 1.0 / 512 + 1.0 / 96 - 1.0 / 480);
+  EXPECT_NEAR(run.reference.ghosts(run.live.world())[0].offset[2], off, 1e-6);
+}
+
+TEST(LiveReference, EndsWhereNothingIsExactAnyMore) {
+  Scene ball = hard_space(Vector3d(0, 0, -10), 0.3);
+  ball.physics.time_step = 0.05;
+  ball.bodies = {sphere(1, {0, 0, 1.5})};
+  ball.obstacles = {Plane{}};
+  Beside run(ball);
+  run.step(40);
+  EXPECT_TRUE(run.reference.ghosts(run.live.world()).empty());
+  EXPECT_THAT(run.reference.facts().lack, HasSubstr("Zeno point"));
+  EXPECT_TRUE(run.live.world().errors().empty());
+  run.step(3);  // nothing waits for it
+  EXPECT_FALSE(run.reference.facts().known());
+
+  EXPECT_EQ(LiveReference::lack_of(2000), "");
+  EXPECT_THAT(LiveReference::lack_of(LiveReference::most_bodies + 1), HasSubstr("50000"));
+}
+
+TEST(LiveReference, NeverTouchesTheRun) {
+  Scene scene = box_collider(120);
+  scene.physics.solver = Solver::soft_step;
+  World alone(scene, on_cpu());
+  alone.step(20);
+  Beside run(scene);
+  for (int k = 0; k < 20; ++k) {
+    run.step(1);
+    run.reference.ghosts(run.live.world());
+  }
+  EXPECT_EQ(run.live.state_hash(), alone.state_hash());
+  EXPECT_GT(run.reference.facts().rms, 0);
+  const int version = run.reference.version();
+  run.reference.forget();
+  EXPECT_TRUE(run.reference.facts().name.empty());
+  EXPECT_NE(run.reference.version(), version);
+}
+
+}  // namespace
+}  // namespace collidoscope
