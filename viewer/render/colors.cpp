@@ -106,7 +106,7 @@ ColorMeaning color_meaning(BodyColor color) {
     case BodyColor::sleep:
       return {"how far from sleep", ""};
     case BodyColor::error:
-      return {"error of the position", "m"};
+      return {"error", "m"};
   }
   return {"", ""};
 }
