@@ -1,4 +1,4 @@
-// What stays in touch, or comes back to it: rebounds, friction, a stack, a spring joint. All are of first
+// What stays in touch, or comes back to it: rebounds, friction, a stack. All are of first
 // order in h, as Moreau's scheme is, but for how deep soft contacts yield, with constants that follow from
 // what the solver does, each derived beside its case.
 
@@ -8,7 +8,6 @@
 
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/reference/impacts.h"
-#include "sim_cuda/reference/oscillations.h"
 #include "sim_cuda/solver/soft_contact.h"
 
 namespace collidoscope {
@@ -180,30 +179,6 @@ void add_stack(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 }
 
-/// The joint's impulse is such that stretches obey the closed form's own recurrence, whatever h
-/// (solver/joint_rows.h); only its first step is off, by A w^2 h^2 / 2, for the kick comes before the drift.
-/// That is a speed of A w^2 h/2 too much at the start, which swings and decays with the rest.
-void add_spring_joint(std::vector<AnalyticCase>& cases) {
-  AnalyticCase one;
-  one.name = "spring_joint";
-  one.scene = analytic_scene("spring_joint");
-  one.compared = "stretch, m";
-  one.because = "frequency and decay are exact; the first kick is half a step ahead";
-  one.horizon = 1.2;
-  one.scale = 2;
-  const Joint joint = one.scene.joints[0];
-  const double w = 2 * pi * joint.frequency, z = joint.damping_ratio, r = w * std::sqrt(1 - z * z);
-  const double first = one.scene.bodies[0].position.x() - *joint.length, t = one.horizon;
-  one.methods =
-      by_euler(leading_theory(1, first * w * w / (2 * r) * std::exp(-z * w * t) * std::abs(std::sin(r * t))));
-  one.error = [=](World& world, int steps) {
-    world.step(steps);
-    const double stretch = world.bodies().position[0].norm() - *joint.length;
-    return std::abs(stretch - first * damped_oscillation(w, z, t).at);
-  };
-  cases.push_back(one);
-}
-
 }  // namespace
 
 std::vector<AnalyticCase> contact_cases() {
@@ -214,7 +189,6 @@ std::vector<AnalyticCase> contact_cases() {
   add_incline(cases, "incline_rolling");
   add_incline(cases, "incline_sliding");
   add_stack(cases);
-  add_spring_joint(cases);
   return cases;
 }
 

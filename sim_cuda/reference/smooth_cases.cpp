@@ -1,10 +1,8 @@
 // Motion without contacts, where every integrator shows its order: x'' = a(x), drag, free rotation. What
 // their errors come to is leading_error.h's, from the closed form and one step of the method as books write
-// it. Joints of one rod belong here too: solved with the kick in front, they are semi-implicit Euler along
-// the circle, to first order.
+// it.
 
 #include <cmath>
-#include <numbers>
 
 #include "sim_cuda/dynamics/drag.h"
 #include "sim_cuda/reference/analytic_cases.h"
@@ -17,26 +15,14 @@
 namespace collidoscope {
 namespace {
 
-/// What of a state is compared.
-using View = std::function<SmoothState(const SmoothState&)>;
-
 SmoothState whole(const SmoothState& y) { return y; }
-
-Theory theory(const SmoothProblem& problem, const OneStep& step, int order, double time, const View& view) {
-  const SmoothState end = problem.exact(time), off = leading_error(problem, step, order, time);
-  const double small = 1e-4 * end.norm() / off.norm();
-  const double constant = ((view(end + small * off) - view(end - small * off)) / (2 * small)).norm();
-  // A method may happen to miss nothing: Verlet's kick solves quadratic drag.
-  if (constant < 1e-6 * view(end).norm() * std::pow(problem.fastest, order)) return {};
-  return leading_theory(order, constant);
-}
 
 /// Of x'' = a(x).
 std::vector<AnalyticMethod> all_methods(const SmoothProblem& problem, const Rate& acceleration, double time,
                                         const View& view) {
-  return {{Integrator::semi_implicit_euler, theory(problem, euler_step(acceleration), 1, time, view)},
-          {Integrator::velocity_verlet, theory(problem, verlet_step(acceleration), 2, time, view)},
-          {Integrator::rk4, theory(problem, rk4_step(problem.rate), 4, time, view)}};
+  return {{Integrator::semi_implicit_euler, smooth_theory(problem, euler_step(acceleration), 1, time, view)},
+          {Integrator::velocity_verlet, smooth_theory(problem, verlet_step(acceleration), 2, time, view)},
+          {Integrator::rk4, smooth_theory(problem, rk4_step(problem.rate), 4, time, view)}};
 }
 
 SmoothState joined(const Vector3d& x, const Vector3d& v) {
@@ -165,45 +151,12 @@ AnalyticCase slowed(const char* name, const char* because) {
     }
     return slow;
   };
-  one.methods = {{Integrator::semi_implicit_euler, theory(problem, implicit_euler, 1, t, whole)},
-                 {Integrator::velocity_verlet, theory(problem, second_order, 2, t, whole)},
-                 {Integrator::rk4, theory(problem, rk4_step(problem.rate), 4, t, whole)}};
+  one.methods = {{Integrator::semi_implicit_euler, smooth_theory(problem, implicit_euler, 1, t, whole)},
+                 {Integrator::velocity_verlet, smooth_theory(problem, second_order, 2, t, whole)},
+                 {Integrator::rk4, smooth_theory(problem, rk4_step(problem.rate), 4, t, whole)}};
   one.error = [=](World& world, int steps) {
     world.step(steps);
     return (world.bodies().velocity[0] - law.speed(v0, t) / v0 * ball.velocity).norm();
-  };
-  return one;
-}
-
-AnalyticCase swinging(const char* name, const char* because, double horizon) {
-  AnalyticCase one;
-  one.name = name;
-  one.scene = analytic_scene(one.name);
-  one.compared = "angle, rad";
-  one.because = because;
-  one.horizon = horizon;
-  const Vector3d first = one.scene.bodies[0].position;
-  const double w = std::sqrt(-one.scene.physics.gravity.z() / first.norm());
-  const double amplitude = std::atan2(first.x(), -first.z());
-  one.scale = std::abs(amplitude) * w * horizon;
-  const Rate acceleration = [=](const SmoothState& angle) {
-    return SmoothState::Constant(1, -w * w * std::sin(angle[0]));
-  };
-  const SmoothProblem problem{second_order_rate(acceleration),
-                              [=](double t) {
-                                const Oscillation s = pendulum(w, amplitude, t);
-                                SmoothState y(2);
-                                y << s.at, s.rate;
-                                return y;
-                              },
-                              w};
-  const View view = [](const SmoothState& y) { return SmoothState(y.head(1)); };
-  one.methods = {
-      {Integrator::semi_implicit_euler, theory(problem, euler_step(acceleration), 1, horizon, view)}};
-  one.error = [=, end = problem.exact(horizon)[0]](World& world, int steps) {
-    world.step(steps);
-    const Vector3d x = world.bodies().position[0];
-    return std::abs(std::remainder(std::atan2(x.x(), -x.z()) - end, 2 * std::numbers::pi));
   };
   return one;
 }
@@ -246,10 +199,11 @@ Quaterniond composed_turn(const Vector3d& inertia, const Vector3d& momentum, dou
 std::vector<AnalyticMethod> all_turns(const SmoothProblem& problem,
                                       const std::function<OneStep(const FreeTurn&)>& step, double time,
                                       const View& view) {
-  return {{Integrator::semi_implicit_euler, theory(problem, step(cayley_turn), 1, time, view)},
-          {Integrator::velocity_verlet, theory(problem, step(split_turn), 2, time, view),
+  return {{Integrator::semi_implicit_euler, smooth_theory(problem, step(cayley_turn), 1, time, view)},
+          {Integrator::velocity_verlet, smooth_theory(problem, step(split_turn), 2, time, view),
            RotationUpdate::lie_group},
-          {Integrator::rk4, theory(problem, step(composed_turn), 4, time, view), RotationUpdate::lie_group}};
+          {Integrator::rk4, smooth_theory(problem, step(composed_turn), 4, time, view),
+           RotationUpdate::lie_group}};
 }
 
 AnalyticCase free_top() {
@@ -327,9 +281,7 @@ std::vector<AnalyticCase> smooth_cases() {
   for (const AnalyticCase& one :
        {spring_force(), orbit(), slowed("drag_linear", "Euler's drag is implicit: k^2 v h t/2 at the rate k"),
         slowed("drag_quadratic", "Euler's drag is implicit: b v^2 log(1 + b v0 t) h"), free_top(),
-        middle_axis(),
-        swinging("pendulum_small", "half a kick ahead at the start, half a kick late at the end", 1.5),
-        swinging("pendulum_large", "the same, along the elliptic function", 2)})
+        middle_axis()})
     cases.push_back(one);
   return cases;
 }

@@ -1,0 +1,142 @@
+// Joints. A rod is solved where it will be when the step has moved it, and relaxed there
+// (solver/joint_rows.h): along the circle that is w' = w + h a, theta' = theta + asin(h w'), a = -g/l sin
+// theta, which is RATTLE (Andersen 1983) with both half kicks in front. So angles at a given time are of
+// first order, as with semi-implicit Euler, and periods, which do not ask where in the swing the clock was
+// started, of second.
+
+#include <cmath>
+#include <numbers>
+
+#include "sim_cuda/reference/analytic_cases.h"
+#include "sim_cuda/reference/oscillations.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// A rod from the origin to a body that is let go at rest.
+struct Rod {
+  double w, amplitude;  ///< rad/s of small swings; rad
+
+  explicit Rod(const Scene& scene) {
+    const Vector3d first = scene.bodies[0].position;
+    w = std::sqrt(-scene.physics.gravity.z() / first.norm());
+    amplitude = angle(first);
+  }
+  static double angle(const Vector3d& x) { return std::atan2(x.x(), -x.z()); }
+
+  static SmoothState state(double at, double rate) {
+    SmoothState y(2);
+    y << at, rate;
+    return y;
+  }
+  double acceleration(double at) const { return -w * w * std::sin(at); }
+  SmoothProblem problem() const {
+    return {[rod = *this](const SmoothState& y) { return state(y[1], rod.acceleration(y[0])); },
+            [rod = *this](double t) {
+              const Oscillation s = pendulum(rod.w, rod.amplitude, t);
+              return state(s.at, s.rate);
+            },
+            w};
+  }
+  OneStep kick_in_front() const {
+    return [rod = *this](const SmoothState& y, double h) {
+      const double rate = y[1] + h * rod.acceleration(y[0]);
+      return state(y[0] + std::asin(h * rate), rate);
+    };
+  }
+  OneStep rattle() const {
+    return [rod = *this](const SmoothState& y, double h) {
+      const double half = y[1] + h / 2 * rod.acceleration(y[0]), next = y[0] + std::asin(h * half);
+      return state(next, half + h / 2 * rod.acceleration(next));
+    };
+  }
+};
+
+AnalyticCase swing(const char* name, const char* because, double horizon) {
+  AnalyticCase one;
+  one.name = name;
+  one.scene = analytic_scene(name);
+  one.compared = "angle, rad";
+  one.because = because;
+  one.horizon = horizon;
+  const Rod rod(one.scene);
+  one.scale = std::abs(rod.amplitude) * rod.w * horizon;
+  const View angle = [](const SmoothState& y) { return SmoothState(y.head(1)); };
+  one.methods = by_euler(smooth_theory(rod.problem(), rod.kick_in_front(), 1, horizon, angle));
+  one.error = [=, end = pendulum(rod.w, rod.amplitude, horizon).at](World& world, int steps) {
+    world.step(steps);
+    return std::abs(std::remainder(Rod::angle(world.bodies().position[0]) - end, 2 * pi));
+  };
+  return one;
+}
+
+/// RATTLE's error after n periods, at rest again, is a time: that by which it is ahead makes up for its error
+/// in speed there, h^2 E / a. And the half kick that is missing at the start is a speed of h a / 2: it makes
+/// the swing wider by (h a / 2)^2 / 2 |a|.
+AnalyticCase period() {
+  AnalyticCase one;
+  one.name = "pendulum_period";
+  one.scene = analytic_scene("pendulum_large");
+  one.compared = "period, s";
+  one.because = "RATTLE's own error, and a swing wider by a h^2 / 8 for the half kick at the start";
+  one.horizon = 12;
+  const Rod rod(one.scene);
+  const double exact = pendulum_period(rod.w, rod.amplitude), start = rod.acceleration(rod.amplitude);
+  const int periods = static_cast<int>(one.horizon / exact);
+  one.scale = one.horizon;
+  const double late = -leading_error(rod.problem(), rod.rattle(), 2, periods * exact)[1] / start / periods;
+  const double wider = 1e-4, longer = (pendulum_period(rod.w, rod.amplitude + wider) -
+                                       pendulum_period(rod.w, rod.amplitude - wider)) /
+                                      (2 * wider);
+  one.methods = by_euler(leading_theory(2, std::abs(late + longer * std::abs(start) / 8)));
+  one.error = [=](World& world, int steps) {
+    double before = rod.amplitude, first = 0, last = 0;
+    int seen = 0;  // how often it came down through the lowest point
+    for (int k = 1; k <= steps && seen <= periods; ++k) {
+      world.step();
+      const double now = Rod::angle(world.bodies().position[0]);
+      if (before > 0 && now <= 0 && before - now < pi) {
+        last = (k - now / (now - before)) * world.scene().physics.time_step;
+        if (seen++ == 0) first = last;
+      }
+      before = now;
+    }
+    return seen > periods ? std::abs((last - first) / periods - exact) : exact;
+  };
+  return one;
+}
+
+/// The joint's impulse is such that stretches obey the closed form's own recurrence, whatever h
+/// (solver/joint_rows.h); only its first step is off, by A w^2 h^2 / 2, for the kick comes before the drift.
+/// That is a speed of A w^2 h/2 too much at the start, which swings and decays with the rest.
+AnalyticCase spring_joint() {
+  AnalyticCase one;
+  one.name = "spring_joint";
+  one.scene = analytic_scene("spring_joint");
+  one.compared = "stretch, m";
+  one.because = "frequency and decay are exact; the first kick is half a step ahead";
+  one.horizon = 1.2;
+  one.scale = 2;
+  const Joint joint = one.scene.joints[0];
+  const double w = 2 * pi * joint.frequency, z = joint.damping_ratio, r = w * std::sqrt(1 - z * z);
+  const double first = one.scene.bodies[0].position.x() - *joint.length, t = one.horizon;
+  one.methods =
+      by_euler(leading_theory(1, first * w * w / (2 * r) * std::exp(-z * w * t) * std::abs(std::sin(r * t))));
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    const double stretch = world.bodies().position[0].norm() - *joint.length;
+    return std::abs(stretch - first * damped_oscillation(w, z, t).at);
+  };
+  return one;
+}
+
+}  // namespace
+
+std::vector<AnalyticCase> joint_cases() {
+  return {swing("pendulum_small", "half a kick ahead at the start, half a kick late at the end", 1.5),
+          swing("pendulum_large", "the same, along the elliptic function", 2), period(), spring_joint()};
+}
+
+}  // namespace collidoscope
