@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "headless/command_line.h"
+#include "sim_cuda/core/error.h"
 
 namespace collidoscope {
 namespace {
@@ -73,8 +74,31 @@ TEST(AnalyticSuite, SaysWhatFailedAndWhy) {
   EXPECT_THAT(text, testing::HasSubstr("FAILED"));
   EXPECT_THAT(text, testing::HasSubstr("1/30 - 1/240"));
   const std::string markdown = analytic_markdown(results(), "a machine");
-  EXPECT_THAT(markdown, testing::HasSubstr("| `throw`: position, m | semi_implicit_euler | 1.00 of 1 | 1/240 | 0.013 |"));
+  EXPECT_THAT(markdown, testing::HasSubstr(
+                            "| `throw`: position, m | semi_implicit_euler | 1.00 of 1 | 1/240 | 0.013 |"));
   EXPECT_EQ(std::ranges::count(markdown, '\n'), 1 + 1 + 2 + 3) << "double and float share a row";
+}
+
+TEST(AnalyticSuite, DrawsDoubleAndFloatOfEachIntegratorInOneColour) {
+  const Chart chart = analytic_chart(results(), "throw");
+  ASSERT_EQ(chart.series.size(), 2u);
+  EXPECT_EQ(chart.series[0].name, "semi_implicit_euler, f64");
+  EXPECT_EQ(chart.series[0].color, chart.series[1].color);
+  EXPECT_TRUE(chart.series[1].dashed);
+  EXPECT_EQ(chart.series[0].points.front().x, 1.0 / 240) << "left to right";
+  EXPECT_EQ(chart.y.label, "error of position, m");
+}
+
+TEST(AnalyticSuite, RefusesFlagsOfScenes) {
+  const CommandLine line = parse_command_line({"run", "zeno", "--solver", "impulse", "--gravity", "0,0,0"});
+  try {
+    analytic_suite(line);
+    FAIL() << "ran";
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.lines().size(), 2u);
+    EXPECT_THAT(error.lines()[0], testing::StartsWith("--gravity: accuracy without a scene runs cases"));
+    EXPECT_THAT(error.lines()[1], testing::StartsWith("--solver: "));
+  }
 }
 
 TEST(AnalyticSuite, ScenesHaveBareNames) {

@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "headless/bench/result_files.h"
+#include "headless/chart_picture.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "sim_cuda/core/error.h"
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/scene/names.h"
 
@@ -113,6 +115,29 @@ struct Counts {
   }
 };
 
+/// The cases have scenes and steps of their own: flags that would change them are refused, not ignored.
+void refuse_what_cases_set(const Overrides& o) {
+  const std::pair<const char*, bool> flags[] = {
+      {"--bodies", o.bodies.has_value()},
+      {"--variant", o.variant.has_value()},
+      {"--spawn", o.spawn.has_value()},
+      {"--seed", o.seed.has_value()},
+      {"--gravity", o.gravity.has_value()},
+      {"--time-step", o.time_step.has_value()},
+      {"--substeps", o.substeps.has_value()},
+      {"--iterations", o.iterations.has_value()},
+      {"--solver", o.solver.has_value()},
+      {"--rotation-update", o.rotation_update.has_value()},
+      {"--effects", o.effects.has_value()},
+      {"--restitution-threshold", o.restitution_threshold.has_value()}};
+  std::vector<std::string> faults;
+  for (const auto& [flag, given] : flags)
+    if (given)
+      faults.push_back(fmt::format(
+          "{}: accuracy without a scene runs cases that set this; name a scene, or leave it out", flag));
+  if (!faults.empty()) throw InputError(faults);
+}
+
 }  // namespace
 
 std::string analytic_json(const std::vector<AnalyticResult>& results, const std::string& device) {
@@ -202,9 +227,33 @@ std::string analytic_text(const std::vector<AnalyticResult>& results, const std:
   return text;
 }
 
+Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::string& name) {
+  Chart chart;
+  chart.x = {"time step, s", [](double h) { return step_text(h); }, true};
+  chart.y = {"", [](double error) { return fmt::format("{:g}", error); }, true};
+  std::vector<std::string> methods;
+  for (const AnalyticResult& r : results) {
+    if (r.name != name) continue;
+    chart.title = r.name + ": slopes are orders; dashed in float";
+    chart.y.label = "error of " + r.compared;
+    const std::string method = name_of(r.method);
+    if (methods.empty() || methods.back() != method) methods.push_back(method);
+    const bool f64 = r.precision == Precision::f64;
+    ChartSeries line;
+    line.name = method + (f64 ? ", f64" : ", f32");
+    line.color = chart_color(methods.size() - 1);
+    line.dashed = !f64;
+    for (auto level = r.levels.rbegin(); level != r.levels.rend(); ++level)
+      line.points.push_back({level->h, level->error});
+    chart.series.push_back(std::move(line));
+  }
+  return chart;
+}
+
 int analytic_suite(const CommandLine& line) {
-  const ResultFiles files(line.options);
   const Overrides& chosen = line.options.overrides;
+  refuse_what_cases_set(chosen);
+  const ResultFiles files(line.options);
   struct Run {
     const AnalyticCase* one;
     const AnalyticMethod* method;
@@ -230,6 +279,7 @@ int analytic_suite(const CommandLine& line) {
   const std::string device = World(cases[0].scene, line.options.run).device_name();
   const std::string json = analytic_json(results, device);
   files.write(json, analytic_csv(results), analytic_markdown(results, device));
+  files.plot(analytic_chart(results, "orbit"));
   const std::string text = line.options.json == "-" ? json : analytic_text(results, device);
   std::fwrite(text.data(), 1, text.size(), stdout);
   return std::ranges::all_of(results, &AnalyticResult::passed) ? 0 : 1;

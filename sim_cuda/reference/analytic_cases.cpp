@@ -12,12 +12,12 @@ Scene analytic_scene(const std::string& name) {
 }
 
 Theory smooth_theory(const SmoothProblem& problem, const OneStep& step, int order, double time,
-                     const View& view) {
+                     const ComparedPart& part) {
   const SmoothState end = problem.exact(time), off = leading_error(problem, step, order, time);
   const double small = 1e-4 * end.norm() / off.norm();
-  const double constant = ((view(end + small * off) - view(end - small * off)) / (2 * small)).norm();
+  const double constant = ((part(end + small * off) - part(end - small * off)) / (2 * small)).norm();
   // Verlet's kick solves quadratic drag, for one.
-  if (constant < 1e-6 * view(end).norm() * std::pow(problem.fastest, order)) return {};
+  if (constant < 1e-6 * part(end).norm() * std::pow(problem.fastest, order)) return {};
   return leading_theory(order, constant);
 }
 

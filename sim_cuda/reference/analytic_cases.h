@@ -19,10 +19,10 @@ std::vector<AnalyticCase> joint_cases();
 std::vector<AnalyticCase> analytic_cases();
 
 /// What of a state is compared.
-using View = std::function<SmoothState(const SmoothState&)>;
+using ComparedPart = std::function<SmoothState(const SmoothState&)>;
 /// leading_error() of what is compared at `time`; exact where a method happens to miss nothing.
 Theory smooth_theory(const SmoothProblem& problem, const OneStep& step, int order, double time,
-                     const View& view);
+                     const ComparedPart& part);
 
 /// The scene of a case, assets/scenes/analytic/<name>.json.
 Scene analytic_scene(const std::string& name);

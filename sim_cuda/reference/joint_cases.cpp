@@ -63,7 +63,7 @@ AnalyticCase swing(const char* name, const char* because, double horizon) {
   one.horizon = horizon;
   const Rod rod(one.scene);
   one.scale = std::abs(rod.amplitude) * rod.w * horizon;
-  const View angle = [](const SmoothState& y) { return SmoothState(y.head(1)); };
+  const ComparedPart angle = [](const SmoothState& y) { return SmoothState(y.head(1)); };
   one.methods = by_euler(smooth_theory(rod.problem(), rod.kick_in_front(), 1, horizon, angle));
   one.error = [=, end = pendulum(rod.w, rod.amplitude, horizon).at](World& world, int steps) {
     world.step(steps);

@@ -19,7 +19,7 @@ SmoothState whole(const SmoothState& y) { return y; }
 
 /// Of x'' = a(x).
 std::vector<AnalyticMethod> all_methods(const SmoothProblem& problem, const Rate& acceleration, double time,
-                                        const View& view) {
+                                        const ComparedPart& view) {
   return {{Integrator::semi_implicit_euler, smooth_theory(problem, euler_step(acceleration), 1, time, view)},
           {Integrator::velocity_verlet, smooth_theory(problem, verlet_step(acceleration), 2, time, view)},
           {Integrator::rk4, smooth_theory(problem, rk4_step(problem.rate), 4, time, view)}};
@@ -32,7 +32,8 @@ SmoothState joined(const Vector3d& x, const Vector3d& v) {
 }
 
 /// Steps, and compares one body's (x, v) with the end of `problem`.
-std::function<double(World&, int)> against(const SmoothProblem& problem, double time, const View& view) {
+std::function<double(World&, int)> against(const SmoothProblem& problem, double time,
+                                           const ComparedPart& view) {
   return [=, end = view(problem.exact(time))](World& world, int steps) {
     world.step(steps);
     const BodyStates s = world.bodies();
@@ -87,7 +88,7 @@ AnalyticCase spring_force() {
                                 return joined(s.at * first, s.rate * first);
                               },
                               w};
-  const View view = [=](const SmoothState& y) { return joined(y.head(3), y.tail(3) / w); };
+  const ComparedPart view = [=](const SmoothState& y) { return joined(y.head(3), y.tail(3) / w); };
   one.methods = all_methods(problem, acceleration, one.horizon, view);
   one.error = against(problem, one.horizon, view);
   return one;
@@ -115,7 +116,7 @@ AnalyticCase orbit() {
                                 return joined(s.position, s.velocity);
                               },
                               fastest};
-  const View view = [](const SmoothState& y) { return SmoothState(y.head(3)); };
+  const ComparedPart view = [](const SmoothState& y) { return SmoothState(y.head(3)); };
   one.methods = all_methods(problem, acceleration, one.horizon, view);
   one.error = against(problem, one.horizon, view);
   return one;
@@ -198,7 +199,7 @@ Quaterniond composed_turn(const Vector3d& inertia, const Vector3d& momentum, dou
 /// Each integrator with the rotation update that keeps up with it.
 std::vector<AnalyticMethod> all_turns(const SmoothProblem& problem,
                                       const std::function<OneStep(const FreeTurn&)>& step, double time,
-                                      const View& view) {
+                                      const ComparedPart& view) {
   return {{Integrator::semi_implicit_euler, smooth_theory(problem, step(cayley_turn), 1, time, view)},
           {Integrator::velocity_verlet, smooth_theory(problem, step(split_turn), 2, time, view),
            RotationUpdate::lie_group},
@@ -229,7 +230,7 @@ AnalyticCase free_top() {
   };
   const SmoothProblem problem{rate, [=](double t) { return parts(symmetric_top(inertia, spin, t)); },
                               spin.norm()};
-  const View view = [](const SmoothState& y) { return SmoothState(2 * y); };  // half angles are in q
+  const ComparedPart view = [](const SmoothState& y) { return SmoothState(2 * y); };  // half angles are in q
   one.methods = all_turns(problem, step, one.horizon, view);
   one.error = [=, end = problem.exact(one.horizon)](World& world, int steps) {
     world.step(steps);
