@@ -2,9 +2,11 @@
 // their errors come to is leading_error.h's, from the closed form and one step of the method as books write
 // it.
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
-#include "sim_cuda/dynamics/drag.h"
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/reference/free_rotation.h"
 #include "sim_cuda/reference/kepler.h"
@@ -19,10 +21,10 @@ SmoothState whole(const SmoothState& y) { return y; }
 
 /// Of x'' = a(x).
 std::vector<AnalyticMethod> all_methods(const SmoothProblem& problem, const Rate& acceleration, double time,
-                                        const ComparedPart& view) {
-  return {{Integrator::semi_implicit_euler, smooth_theory(problem, euler_step(acceleration), 1, time, view)},
-          {Integrator::velocity_verlet, smooth_theory(problem, verlet_step(acceleration), 2, time, view)},
-          {Integrator::rk4, smooth_theory(problem, rk4_step(problem.rate), 4, time, view)}};
+                                        const ComparedPart& part) {
+  return {{Integrator::semi_implicit_euler, smooth_theory(problem, euler_step(acceleration), 1, time, part)},
+          {Integrator::velocity_verlet, smooth_theory(problem, verlet_step(acceleration), 2, time, part)},
+          {Integrator::rk4, smooth_theory(problem, rk4_step(problem.rate), 4, time, part)}};
 }
 
 SmoothState joined(const Vector3d& x, const Vector3d& v) {
@@ -33,11 +35,11 @@ SmoothState joined(const Vector3d& x, const Vector3d& v) {
 
 /// Steps, and compares one body's (x, v) with the end of `problem`.
 std::function<double(World&, int)> against(const SmoothProblem& problem, double time,
-                                           const ComparedPart& view) {
-  return [=, end = view(problem.exact(time))](World& world, int steps) {
+                                           const ComparedPart& part) {
+  return [=, end = part(problem.exact(time))](World& world, int steps) {
     world.step(steps);
     const BodyStates s = world.bodies();
-    return (view(joined(s.position[0], s.velocity[0])) - end).norm();
+    return (part(joined(s.position[0], s.velocity[0])) - end).norm();
   };
 }
 
@@ -88,9 +90,9 @@ AnalyticCase spring_force() {
                                 return joined(s.at * first, s.rate * first);
                               },
                               w};
-  const ComparedPart view = [=](const SmoothState& y) { return joined(y.head(3), y.tail(3) / w); };
-  one.methods = all_methods(problem, acceleration, one.horizon, view);
-  one.error = against(problem, one.horizon, view);
+  const ComparedPart part = [=](const SmoothState& y) { return joined(y.head(3), y.tail(3) / w); };
+  one.methods = all_methods(problem, acceleration, one.horizon, part);
+  one.error = against(problem, one.horizon, part);
   return one;
 }
 
@@ -109,16 +111,15 @@ AnalyticCase orbit() {
   const Rate acceleration = [=](const SmoothState& x) {
     return SmoothState(-mu / std::pow(x.norm(), 3) * x);
   };
-  // In units of the nearest distance, so that speeds weigh as much as places.
   const SmoothProblem problem{second_order_rate(acceleration),
                               [=](double t) {
                                 const OrbitState s = kepler_orbit(mu, start, t);
                                 return joined(s.position, s.velocity);
                               },
                               fastest};
-  const ComparedPart view = [](const SmoothState& y) { return SmoothState(y.head(3)); };
-  one.methods = all_methods(problem, acceleration, one.horizon, view);
-  one.error = against(problem, one.horizon, view);
+  const ComparedPart part = [](const SmoothState& y) { return SmoothState(y.head(3)); };
+  one.methods = all_methods(problem, acceleration, one.horizon, part);
+  one.error = against(problem, one.horizon, part);
   return one;
 }
 
@@ -130,9 +131,10 @@ AnalyticCase slowed(const char* name, const char* because) {
   one.because = because;
   one.horizon = 1;
   const Body ball = one.scene.bodies[0];
-  const auto medium = DragLaw<double>::of(one.scene.physics.drag);
+  const Drag& medium = one.scene.physics.drag;
   const double r = ball.radius, m = *ball.mass, v0 = ball.velocity.norm(), t = one.horizon;
-  const Slowing law{medium.linear * r / m, medium.quadratic * r * r / m};
+  const Slowing law{6 * std::numbers::pi * medium.viscosity * r / m,                          // Stokes
+                    medium.density * medium.coefficient * std::numbers::pi * r * r / 2 / m};  // Newton
   one.scale = v0;
   const SmoothProblem problem{[=](const SmoothState& v) { return SmoothState::Constant(1, law.rate(v[0])); },
                               [=](double s) { return SmoothState::Constant(1, law.speed(v0, s)); },
@@ -199,11 +201,11 @@ Quaterniond composed_turn(const Vector3d& inertia, const Vector3d& momentum, dou
 /// Each integrator with the rotation update that keeps up with it.
 std::vector<AnalyticMethod> all_turns(const SmoothProblem& problem,
                                       const std::function<OneStep(const FreeTurn&)>& step, double time,
-                                      const ComparedPart& view) {
-  return {{Integrator::semi_implicit_euler, smooth_theory(problem, step(cayley_turn), 1, time, view)},
-          {Integrator::velocity_verlet, smooth_theory(problem, step(split_turn), 2, time, view),
+                                      const ComparedPart& part) {
+  return {{Integrator::semi_implicit_euler, smooth_theory(problem, step(cayley_turn), 1, time, part)},
+          {Integrator::velocity_verlet, smooth_theory(problem, step(split_turn), 2, time, part),
            RotationUpdate::lie_group},
-          {Integrator::rk4, smooth_theory(problem, step(composed_turn), 4, time, view),
+          {Integrator::rk4, smooth_theory(problem, step(composed_turn), 4, time, part),
            RotationUpdate::lie_group}};
 }
 
@@ -230,8 +232,8 @@ AnalyticCase free_top() {
   };
   const SmoothProblem problem{rate, [=](double t) { return parts(symmetric_top(inertia, spin, t)); },
                               spin.norm()};
-  const ComparedPart view = [](const SmoothState& y) { return SmoothState(2 * y); };  // half angles are in q
-  one.methods = all_turns(problem, step, one.horizon, view);
+  const ComparedPart part = [](const SmoothState& y) { return SmoothState(2 * y); };  // half angles are in q
+  one.methods = all_turns(problem, step, one.horizon, part);
   one.error = [=, end = problem.exact(one.horizon)](World& world, int steps) {
     world.step(steps);
     const SmoothState q = parts(world.bodies().orientation[0]);
