@@ -128,6 +128,7 @@ class Executor {
   /// and on a GPU these may be one chain, in which nobody waits for whole rounds:
   ///
   ///   static constexpr int chained;  // so many rounds, or 0
+  ///   static constexpr bool chained_beyond_threads;  // also where `most` are more than run at once
   ///   SIM_HD std::int64_t chained_items() const;  // of them all, numbered in their order
   ///   SIM_HD Fetched fetch(std::uint32_t item) const;
   ///   __device__ bool take_turn(Fetched&) const;  // does the item, if all that it needs are done
@@ -219,6 +220,8 @@ class Executor {
   std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
   int multiprocessors_ = 0;
+  /// That kernels in need of 64 registers a thread have.
+  std::int64_t threads_at_once() const { return std::int64_t{1024} * multiprocessors_; }
 
   int max_threads_ = 1024, max_blocks_ = 2147483647;
   cudaStream_t stream_ = nullptr;
@@ -446,26 +449,24 @@ __global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const 
 }
 
 template <class Rounds>
-const void* kernel_of_rounds() {
-  if constexpr (ChainedRounds<Rounds>)
-    return reinterpret_cast<const void*>(&run_chain<Rounds>);
-  else
-    return reinterpret_cast<const void*>(&run_all_rounds<Rounds>);
-}
-
-template <class Rounds>
 void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
-  const void* all = kernel_of_rounds<Rounds>();
-  check_parameters(all, name, {sizeof rounds, sizeof stage});
-  constexpr int blocks_each = ChainedRounds<Rounds> ? 2 : 1;
-  if (const LaunchShape shape = choose_waiting_shape(all, name, most, blocks_each); shape.blocks > 0) {
+  const auto launch_together = [&](void (*kernel)(int, Rounds), int blocks_each) {
+    const auto all = reinterpret_cast<const void*>(kernel);
+    check_parameters(all, name, {sizeof rounds, sizeof stage});
+    const LaunchShape shape = choose_waiting_shape(all, name, most, blocks_each);
+    if (shape.blocks == 0) return false;
     const void* arguments[] = {&rounds, &stage};
     check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),
                                       dim3(static_cast<unsigned>(shape.threads)),
                                       const_cast<void**>(arguments), 0, stream_),
           std::string("launch stage ") + name);
-    return check_launch(name, shape);
-  }
+    check_launch(name, shape);
+    return true;
+  };
+  if constexpr (ChainedRounds<Rounds>)
+    if (Rounds::chained_beyond_threads || most <= threads_at_once())
+      if (launch_together(&run_chain<Rounds>, 2)) return;
+  if (launch_together(&run_all_rounds<Rounds>, 1)) return;
   const auto one = reinterpret_cast<const void*>(&run_one_round<Rounds>);
   check_parameters(one, name, {sizeof rounds, sizeof stage});
   for (int round = 0; round < rounds; ++round) {

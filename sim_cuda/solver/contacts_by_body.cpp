@@ -19,8 +19,8 @@ struct FillLists {
   SIM_HD void operator()(int item) const {
     const std::uint32_t contact = set.number(item);
     const auto [a, b] = set.contacts[contact];
-    entry[begin[a] + atomic_add(&filled[a], 1)] = contact;
-    entry[begin[b] + atomic_add(&filled[b], 1)] = contact;
+    entry[begin[a] + atomic_add(&filled[a], 1)] = 2 * contact;
+    entry[begin[b] + atomic_add(&filled[b], 1)] = 2 * contact + 1;
   }
 };
 
@@ -35,7 +35,7 @@ struct SortLists {
     std::uint32_t* mine = entry + degrees.begin[body];
     if (count > 1) sort_segment(mine, count);
     if (place == nullptr) return;
-    for (std::uint32_t k = 0; k < count; ++k) mine[k] = place[mine[k]];
+    for (std::uint32_t k = 0; k < count; ++k) mine[k] = 2 * place[mine[k] / 2] + mine[k] % 2;
   }
 };
 

@@ -10,10 +10,26 @@
 
 namespace collidoscope {
 
+/// A body's part in a contact.
+struct ContactEnd {
+  std::uint32_t contact;  ///< number, or place
+  bool second;            ///< the body is the contact's b, which gets what a gives
+
+  template <class Real>
+  SIM_HD Real sign() const {
+    return second ? Real(1) : Real(-1);
+  }
+};
+
 struct ContactsByBodyView {
   const std::uint32_t* count;  ///< per body
   const std::uint32_t* begin;  ///< per body, where its contacts start in `entry`; undefined where it has none
-  const std::uint32_t* entry;  ///< contact numbers, or the places of contacts
+  const std::uint32_t* entry;  ///< twice the contact, and 1 more at its second body
+
+  SIM_HD ContactEnd end(int body, std::uint32_t k) const {
+    const std::uint32_t packed = entry[begin[body] + k];
+    return {packed / 2, packed % 2 != 0};
+  }
 };
 
 class ContactsByBody {

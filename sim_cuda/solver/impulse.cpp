@@ -92,11 +92,11 @@ struct ApplySplit {
     if (n == 0) return;
     Vector3<Real> momentum = Vector3<Real>::Zero(), moved = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t contact = split.entry[split.begin[body] + k];
-      const Real sign = contacts.bodies[contact].a == static_cast<std::uint32_t>(body) ? Real(-1) : Real(1);
-      const Vector3<Real> normal = contacts.normal[contact];
-      momentum += sign * impulse[contact] * normal;
-      if constexpr (push) moved += sign * shift[contact] * normal;
+      const ContactEnd end = split.end(body, k);
+      const Real sign = end.sign<Real>();
+      const Vector3<Real> normal = contacts.normal[end.contact];
+      momentum += sign * impulse[end.contact] * normal;
+      if constexpr (push) moved += sign * shift[end.contact] * normal;
     }
     bodies.velocity[body] += bodies.inverse_mass[body] * momentum;
     if constexpr (push) bodies.position[body] += bodies.inverse_mass[body] * moved;

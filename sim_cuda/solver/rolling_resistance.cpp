@@ -14,14 +14,14 @@ struct PrepareRolls {
   const Pair* contacts;
   BodyView<Real> bodies;
   RollingLaw<Real> law;
-  ImpulseView<Real> known;
+  KnownContacts known;
   const Vector3<Real>* known_impulse;
   Roll<Real>* rolls;
 
   SIM_HD void operator()(int place) const {
     const auto [a, b] = contacts[place];
     const std::uint32_t before = known.find(a, b);
-    const bool found = before != ImpulseView<Real>::none;
+    const bool found = before != KnownContacts::none;
     const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
     rolls[place] = {found ? known_impulse[before] : Vector3<Real>(Vector3<Real>::Zero()),
                     max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
@@ -34,12 +34,12 @@ SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const G
   Vector3<Real> sum = Vector3<Real>::Zero();
   const std::uint32_t n = source.by_body.count[body];
   for (std::uint32_t k = 0; k < n; ++k) {
-    const std::uint32_t place = source.by_body.entry[source.by_body.begin[body] + k];
-    const Vector3<Real> change = given(place);
-    if (source.contacts[place].a == static_cast<std::uint32_t>(body))
-      sum -= change;
-    else
+    const ContactEnd end = source.by_body.end(body, k);
+    const Vector3<Real> change = given(end.contact);
+    if (end.second)
       sum += change;
+    else
+      sum -= change;
   }
   return sum;
 }
@@ -128,7 +128,7 @@ struct ResistAtBodies {
 template <class Real>
 struct KeepRolls {
   const std::uint32_t* place_of;
-  const SoftContact<Real>* soft;
+  const StoredContact<Real>* soft;
   const Roll<Real>* rolls;
   Vector3<Real>* known_impulse;
   SIM_HD void operator()(int contact) const {
@@ -183,7 +183,7 @@ void RollingResistance<Real>::reserve(std::int64_t contact_capacity, std::size_t
 }
 
 template <class Real>
-void RollingResistance<Real>::prepare(const RollingSource<Real>& source, const ImpulseView<Real>& known) {
+void RollingResistance<Real>::prepare(const RollingSource<Real>& source, const KnownContacts& known) {
   executor_.run(
       "prepare", source.count,
       PrepareRolls<Real>{source.contacts, bodies_, law_, known, known_impulse_.data(), rolls_.data()});

@@ -18,9 +18,9 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
-#include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contacts_by_body.h"
-#include "sim_cuda/solver/soft_contact.h"
+#include "sim_cuda/solver/known_contacts.h"
+#include "sim_cuda/solver/soft_memory.h"
 #include "sim_cuda/solver/solver_memory.h"
 
 namespace collidoscope {
@@ -48,7 +48,7 @@ struct alignas(4 * sizeof(Real)) Roll {
 template <class Real>
 struct RollingSource {
   const Pair* contacts;
-  const SoftContact<Real>* soft;
+  const StoredContact<Real>* soft;
   const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
   Count count;                 ///< of contacts
@@ -67,7 +67,7 @@ class RollingResistance {
   void reserve(std::int64_t contact_capacity, std::size_t known);
 
   /// In each run, once its contacts are known: `known` are those of the run before.
-  void prepare(const RollingSource<Real>& source, const ImpulseView<Real>& known);
+  void prepare(const RollingSource<Real>& source, const KnownContacts& known);
   /// In each substep, before anything else presses.
   void warm_start(const RollingSource<Real>& source);
   /// After friction.

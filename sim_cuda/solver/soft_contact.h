@@ -3,13 +3,8 @@
 // away at a bounded speed; without the spring ("relaxed"), so that no speed stays that overlap gave; and,
 // once in a step, its bounce. Equations: Catto, "Solver2D" (2024), Soft Step.
 
-#include <cstdint>
-
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
-#include "sim_cuda/core/whole_record.h"
-#include "sim_cuda/dynamics/body_state.h"
-#include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
 
@@ -39,9 +34,9 @@ struct Softness {
   }
 };
 
-/// 32 bytes in float: read at one go, and written by halves, what positions say and what sweeps change.
+/// A contact at hand; how it lies in memory: soft_memory.h.
 template <class Real>
-struct alignas(4 * sizeof(Real)) SoftContact {
+struct SoftContact {
   Vector3<Real> normal;  ///< unit, from a to b
   Real gap;              ///< m, < 0 where they overlap
   Real impulse;          ///< N s, of the substep, >= 0
@@ -114,20 +109,6 @@ struct alignas(4 * sizeof(Real)) SoftContact {
     return change;
   }
 
-  SIM_HD void store_face(SoftContact* target) const {
-    store_four(static_cast<void*>(target), normal.x(), normal.y(), normal.z(), gap);
-  }
-  SIM_HD void store_impulse(SoftContact* target) const {
-    store_four(static_cast<void*>(&target->impulse), impulse, total, approach, radius);
-  }
-
-  SIM_HD void place(const BodyView<Real>& bodies, std::uint32_t a, std::uint32_t b) {
-    const Separation<Real> now =
-        separate<Real>(bodies.position[a], bodies.radius[a], bodies.position[b], bodies.radius[b]);
-    normal = now.normal;
-    gap = now.gap;
-  }
 };
-static_assert(sizeof(SoftContact<float>) == 32 && sizeof(SoftContact<double>) == 64);
 
 }  // namespace collidoscope

@@ -6,32 +6,16 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/soft_contact.h"
+#include "sim_cuda/solver/soft_memory.h"
 
 namespace collidoscope {
 
-/// Beside each SoftContact; 32 bytes in float, too.
+/// Beside each SoftContact.
 template <class Real>
-struct alignas(4 * sizeof(Real)) SoftGrip {
+struct SoftGrip {
   Vector3<Real> impulse;  ///< N s, across the normal, given to b and taken from a; of the substep
-  Real coefficient;       ///< of the pair
   Vector3<Real> total;    ///< N s, of the step so far
-  Real padding = 0;
-};
-static_assert(sizeof(SoftGrip<float>) == 32 && sizeof(SoftGrip<double>) == 64);
-
-/// What friction must know of the two bodies of a contact, which the step does not change; 16 bytes in float.
-template <class Real>
-struct alignas(4 * sizeof(Real)) GrippedPair {
-  Real radius_a, radius_b;  ///< m
-  Real ease_a, ease_b;      ///< 1/(kg m^2), as Spin::ease(); < 0: minus that of a body that is no ball
-
-  SIM_HD static Real ease(const BodyView<Real>& bodies, std::uint32_t body) {
-    const Spin<Real> spin = Spin<Real>::of(bodies, body);
-    return spin.ball() ? spin.ease() : -spin.ease();
-  }
-  SIM_HD static GrippedPair of(const BodyView<Real>& bodies, Pair ids) {
-    return {bodies.radius[ids.a], bodies.radius[ids.b], ease(bodies, ids.a), ease(bodies, ids.b)};
-  }
+  Real coefficient;       ///< of the pair
 };
 
 /// Two bodies at a contact. The arms end in the middle of the overlap, so that what friction gives to both
@@ -41,17 +25,18 @@ struct RubbedPair {
   Vector3<Real> rate_a, rate_b;  ///< rad/s
   Vector3<Real> normal;
   Real arm_a, arm_b;    ///< m
-  Real ball_a, ball_b;  ///< as GrippedPair's eases
+  Real ball_a, ball_b;  ///< as TurnedBodies' eases
 
   SIM_HD RubbedPair(const Vector3<Real>& spin_a, const Vector3<Real>& spin_b,
-                    const SoftContact<Real>& contact, const GrippedPair<Real>& pair)
+                    const SoftContact<Real>& contact, const ContactBodies<Real>& of,
+                    const TurnedBodies<Real>& turned)
       : rate_a(spin_a),
         rate_b(spin_b),
         normal(contact.normal),
-        arm_a(pair.radius_a + contact.gap / 2),
-        arm_b(pair.radius_b + contact.gap / 2),
-        ball_a(pair.ease_a),
-        ball_b(pair.ease_b) {}
+        arm_a(of.radius_a + contact.gap / 2),
+        arm_b(of.radius_b + contact.gap / 2),
+        ball_a(turned.ease_a),
+        ball_b(turned.ease_b) {}
 
   /// m/s, of b's surface on a's; `velocity` of b's centre relative to a's.
   SIM_HD Vector3<Real> slip(const Vector3<Real>& velocity) const {

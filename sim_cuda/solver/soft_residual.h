@@ -34,28 +34,29 @@ struct SoftResidual {
   SIM_HD bool sleeps(std::uint32_t body) const { return asleep != nullptr && asleep[body] != 0; }
 
   SIM_HD void add_contact(std::uint32_t place, ResidualSum& sum) const {
-    const Pair ids = contacts.bodies_of[place];
+    auto known = contacts.load(place);
+    const Pair ids = known.ids;
     if (sleeps(ids.a) || sleeps(ids.b)) return;
-    SoftContact<Real> k = contacts.soft[place];
+    SoftContact<Real>& k = known.contact;
     const bool acts = k.impulse > 0 || !(k.gap > 0);
-    const auto [w_a, w_b] = contacts.inverse_masses[place];
+    const Real w_a = known.bodies.inverse_mass_a, w_b = known.bodies.inverse_mass_b;
     const Vector3<Real> velocity = walls.bodies.velocity[ids.b].load() - walls.bodies.velocity[ids.a].load();
     const bool passes =
         soft && held && k.gap > 0 &&
-        k.passes(velocity, walls.bodies.radius[ids.a] + walls.bodies.radius[ids.b], 1 / walls.inverse_h);
+        k.passes(velocity, known.bodies.radius_a + known.bodies.radius_b, 1 / walls.inverse_h);
     const Real change =
         passes ? -k.impulse : k.template solve<soft>(velocity.dot(k.normal), 1 / (w_a + w_b), softness);
     const Real pressed = (w_a + w_b) * change;
     double squared = static_cast<double>(pressed) * static_cast<double>(pressed);
     if constexpr (rubbed && !soft) {
-      Vector3<Real> given = contacts.grips[place].impulse;
+      Vector3<Real> given = known.grip.impulse;
       if (k.impulse > 0 || given.dot(given) > 0) {
         const RubbedPair<Real> pair(walls.bodies.angular_velocity[ids.a],
-                                    walls.bodies.angular_velocity[ids.b], k, contacts.gripped[place]);
+                                    walls.bodies.angular_velocity[ids.b], k, known.bodies, known.turned);
         const Real eases = w_a + w_b + pair.ease_a() + pair.ease_b();
         const Vector3<Real> rubbed_off =
             eases *
-            rub<Real>(pair.slip(velocity), 1 / eases, contacts.grips[place].coefficient * k.impulse, given);
+            rub<Real>(pair.slip(velocity), 1 / eases, known.grip.coefficient * k.impulse, given);
         squared += static_cast<double>(rubbed_off.dot(rubbed_off));
       }
     }

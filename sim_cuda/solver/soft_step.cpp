@@ -11,11 +11,18 @@ namespace collidoscope {
 
 namespace {
 
-/// What the run before left behind of friction, beside the impulses.
-template <class Real>
-struct KnownGrips {
-  Friction<Real> friction;
-  const Vector3<Real>* impulse;
+template <class Real, bool rubbed>
+struct FindBodies {
+  [[no_unique_address]] Only<rubbed, Friction<Real>> friction;
+  [[no_unique_address]] Only<rubbed, GrippedBody<Real>*> gripped;
+  BodyView<Real> bodies;
+  FoundBody<Real>* found;
+  SIM_HD void operator()(int body) const {
+    store_whole(&found[body], FoundBody<Real>{bodies.position[body], bodies.radius[body],
+                                              bodies.velocity[body], bodies.inverse_mass[body]});
+    if constexpr (rubbed)
+      gripped[body] = GrippedBody<Real>::of(bodies, friction, static_cast<std::uint32_t>(body));
+  }
 };
 
 /// Puts contacts in the order in which they are swept. New ones start from rest, known ones from what they
@@ -23,58 +30,64 @@ struct KnownGrips {
 template <class Real, bool rubbed>
 struct PrepareContacts {
   const Pair* contacts;
-  BodyView<Real> bodies;
-  ImpulseView<Real> known;
-  [[no_unique_address]] Only<rubbed, KnownGrips<Real>> known_grips;
+  const FoundBody<Real>* bodies;
+  [[no_unique_address]] Only<rubbed, const GrippedBody<Real>*> gripped;
+  KnownContacts known;
+  const Real* known_impulse;
+  [[no_unique_address]] Only<rubbed, const Vector3<Real>*> known_grip;
   ColourView colours;
   std::uint32_t* place_of;
-  Pair* bodies_of;
-  InverseMasses<Real>* inverse_masses;
+  Pair* ids_of;
+  ContactBodies<Real>* bodies_of;
   Turns* turns;
-  [[no_unique_address]] Only<rubbed, SoftGrip<Real>*> grips;
-  [[no_unique_address]] Only<rubbed, GrippedPair<Real>*> gripped;
-  SoftContact<Real>* soft;
+  StoredContact<Real>* soft;
+  [[no_unique_address]] Only<rubbed, GripSums<Real>*> grips;
+  [[no_unique_address]] Only<rubbed, TurnedBodies<Real>*> turned;
+  ContactSums<Real>* sums;
 
   SIM_HD void operator()(int place) const {
     const std::uint32_t contact = colours.order[place];
-    const auto [a, b] = contacts[contact];
+    const Pair ids = contacts[contact];
+    const auto [a, b] = ids;
     place_of[contact] = static_cast<std::uint32_t>(place);
-    bodies_of[place] = {a, b};
-    inverse_masses[place] = {bodies.inverse_mass[a], bodies.inverse_mass[b]};
+    ids_of[place] = ids;
+    const FoundBody<Real> body_a = load_whole(&bodies[a]), body_b = load_whole(&bodies[b]);
+    const ContactBodies<Real> of{body_a.inverse_mass, body_b.inverse_mass, body_a.radius, body_b.radius};
+    store_whole(&bodies_of[place], of);
     if (colours.colour[place] < Colouring::colours)
       turns[place] = Turns::of(colours.bodies[a].used, colours.bodies[b].used, colours.colour[place]);
     const std::uint32_t before = known.find(a, b);
-    const bool found = before != ImpulseView<Real>::none;
+    const bool found = before != KnownContacts::none;
+    const Separation<Real> now = of.at(body_a.position, body_b.position);
     SoftContact<Real> k;
-    k.place(bodies, a, b);
-    k.impulse = found ? known.impulse[before] : Real(0);
-    k.total = 0;
-    k.approach = k.meeting_speed(bodies.velocity[b].load() - bodies.velocity[a].load(),
-                                 bodies.radius[a] + bodies.radius[b]);
-    k.radius = min_of(bodies.radius[a], bodies.radius[b]);
-    store_whole(&soft[place], k);
+    k.normal = now.normal;
+    k.gap = now.gap;
+    const Real approach = k.meeting_speed(body_b.velocity - body_a.velocity, of.radius_a + of.radius_b);
+    sums[place] = {0, approach};
+    StoredContact<Real> stored{now.normal, now.gap, found ? known_impulse[before] : Real(0),
+                               Vector3<Real>::Zero()};
     if constexpr (rubbed) {
-      SoftGrip<Real> grip;
-      grip.impulse = found ? known_grips.impulse[before] : Vector3<Real>(Vector3<Real>::Zero());
-      grip.coefficient =
-          Friction<Real>::between(known_grips.friction.of_body(a), known_grips.friction.of_body(b));
-      grip.total = Vector3<Real>::Zero();
-      store_whole(&grips[place], grip);
-      store_whole(&gripped[place], GrippedPair<Real>::of(bodies, {a, b}));
+      if (found) stored.rubbed = known_grip[before];
+      const GrippedBody<Real> grip_a = gripped[a], grip_b = gripped[b];
+      store_whole(&grips[place],
+                  GripSums<Real>{Vector3<Real>::Zero(),
+                                 Friction<Real>::between(grip_a.coefficient, grip_b.coefficient)});
+      turned[place] = {grip_a.ease, grip_b.ease};
     }
+    store_whole(&soft[place], stored);
   }
 };
 
 template <class Real>
 struct PlaceContacts {
-  const Pair* bodies_of;
-  BodyView<Real> bodies;
-  SoftContact<Real>* soft;
+  const Pair* ids;
+  const ContactBodies<Real>* bodies_of;
+  const Vector3<Real>* position;
+  StoredContact<Real>* soft;
   SIM_HD void operator()(int place) const {
-    const auto [a, b] = bodies_of[place];
-    SoftContact<Real> k;
-    k.place(bodies, a, b);
-    k.store_face(&soft[place]);
+    const auto [a, b] = ids[place];
+    StoredContact<Real>::store_face(&soft[place],
+                                    load_whole(&bodies_of[place]).at(position[a], position[b]));
   }
 };
 
@@ -85,9 +98,7 @@ enum class Pull { none, uniform, field };
 template <class Real, Pull pull, bool walled, bool rubbed, bool boxed>
 struct BeginSubstep {
   BodyView<Real> bodies;
-  const Pair* bodies_of;
-  const SoftContact<Real>* soft;
-  [[no_unique_address]] Only<rubbed, const SoftGrip<Real>*> grips;
+  const StoredContact<Real>* soft;
   ContactsByBodyView by_body;
   SoftWalls<Real, rubbed, boxed> walls;
   Vector3<Real> gravity;  ///< m/s^2
@@ -117,14 +128,13 @@ struct BeginSubstep {
     Vector3<Real> momentum = Vector3<Real>::Zero();
     [[maybe_unused]] Vector3<Real> moment = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < n; ++k) {
-      const std::uint32_t place = by_body.entry[by_body.begin[id] + k];
-      const Real sign = bodies_of[place].a == static_cast<std::uint32_t>(id) ? Real(-1) : Real(1);
-      const SoftContact<Real> contact = load_whole(&soft[place]);
+      const ContactEnd end = by_body.end(id, k);
+      const Real sign = end.sign<Real>();
+      const StoredContact<Real> contact = load_whole(&soft[end.contact]);
       momentum += sign * contact.impulse * contact.normal;
       if constexpr (rubbed) {
-        const Vector3<Real> rubbing = load_whole(&grips[place]).impulse;
-        momentum += sign * rubbing;
-        moment -= (body.radius + contact.gap / 2) * contact.normal.cross(rubbing);
+        momentum += sign * contact.rubbed;
+        moment -= (body.radius + contact.gap / 2) * contact.normal.cross(contact.rubbed);
       }
     }
     body.v += body.inverse_mass * momentum;
@@ -137,21 +147,24 @@ template <class Real, bool rubbed, bool record>
 struct KeepContacts {
   const Pair* contacts;
   const std::uint32_t* place_of;
-  const SoftContact<Real>* soft;
-  [[no_unique_address]] Only<rubbed, const SoftGrip<Real>*> grips;
+  const StoredContact<Real>* soft;
+  const ContactSums<Real>* sums;
   [[no_unique_address]] Only<rubbed, Vector3<Real>*> known_grip;
   [[no_unique_address]] Only<record, Real*> total;
   Pair* known_contacts;
+  std::uint32_t* known_first;
   Real* known_impulse;
   SIM_HD void operator()(int contact) const {
+    const auto number = static_cast<std::uint32_t>(contact);
     const std::uint32_t place = place_of[contact];
-    known_contacts[contact] = contacts[contact];
-    const SoftContact<Real> kept = load_whole(&soft[place]);
-    const Real impulse = kept.impulse;
-    known_impulse[contact] = impulse;
+    const Pair ids = contacts[contact];
+    known_contacts[contact] = ids;
+    if (KnownContacts::is_first(contacts, number)) known_first[ids.a] = number;
+    const StoredContact<Real> kept = load_whole(&soft[place]);
+    known_impulse[contact] = kept.impulse;
     if constexpr (rubbed)
-      known_grip[contact] = impulse > 0 ? grips[place].impulse : Vector3<Real>(Vector3<Real>::Zero());
-    if constexpr (record) total[contact] = kept.total;
+      known_grip[contact] = kept.impulse > 0 ? kept.rubbed : Vector3<Real>(Vector3<Real>::Zero());
+    if constexpr (record) total[contact] = sums[place].total;
   }
 };
 
@@ -191,11 +204,14 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       split_(executor),
       swept_(executor, "contacts in the order of sweeps"),
       place_of_(executor, "places of contacts"),
-      inverse_masses_(executor, "inverse masses of contacts"),
+      bodies_of_(executor, "bodies of contacts"),
       turns_(executor, "turns of contacts"),
+      found_(executor, "bodies as the step finds them"),
+      gripped_(executor, "friction of bodies"),
       soft_(executor, "contacts of the solver"),
+      sums_(executor, "what contacts gave in a step"),
       grips_(executor, "friction of contacts"),
-      gripped_(executor, "bodies of friction"),
+      turned_(executor, "bodies of friction"),
       split_change_(executor, "split impulses"),
       split_rubbed_(executor, "split friction"),
       bounces_(executor, "whether something bounces"),
@@ -214,6 +230,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       sleeping_(executor),
       residuals_(executor),
       known_contacts_(executor, "contacts of the last step"),
+      known_first_(executor, "first contacts of the last step"),
       known_impulse_(executor, "impulses of the last step"),
       known_grip_(executor, "friction of the last step"),
       known_count_(executor, "number of contacts of the last step") {
@@ -225,6 +242,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   box_face_.resize_discarding(boxes);
   box_touched_.resize_discarding(boxes);
   known_count_.upload({0});
+  known_first_.upload(std::vector<std::uint32_t>(static_cast<std::size_t>(scene.body_count), 0));
   bounces_.upload({0});
   if (scene.effects.sleeping) {
     sleeping_.enable(scene.bodies, scene.body_count, scene.sleep, static_cast<double>(scene.time_step),
@@ -234,7 +252,9 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   if (scene.effects.rolling_resistance)
     rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
   if (scene.effects.continuous_collision) continuous_.enable(scene.bodies, scene.body_count, scene.control);
+  found_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   if (!scene.effects.friction) return;
+  gripped_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   wall_grip_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
   wall_grip_total_.upload(std::vector<Vector3<Real>>(walls, Vector3<Real>::Zero()));
   wall_pressed_.upload(std::vector<Real>(walls, 0));
@@ -251,16 +271,17 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   residuals_.reserve(scene_.body_count + contact_capacity);
   swept_.resize_discarding(m);
   place_of_.resize_discarding(m);
-  inverse_masses_.resize_discarding(m);
+  bodies_of_.resize_discarding(m);
   turns_.resize_discarding(m);
   soft_.resize_discarding(m);
+  sums_.resize_discarding(m);
   split_change_.resize_discarding(m);
   known_contacts_.resize_keeping(known);
   known_impulse_.resize_keeping(known);
   if (scene_.effects.rolling_resistance) rolling_.reserve(contact_capacity, known);
   if (!scene_.effects.friction) return;
   grips_.resize_discarding(m);
-  gripped_.resize_discarding(m);
+  turned_.resize_discarding(m);
   split_rubbed_.resize_discarding(m);
   known_grip_.resize_keeping(known);
 }
@@ -300,6 +321,10 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
     if (grips) grip[k] = narrowed<Real>(memory.grips[k]);
   }
   known_contacts_.upload(contacts);
+  std::vector<std::uint32_t> first(static_cast<std::size_t>(scene_.body_count), 0);
+  for (std::uint32_t k = 0; k < count; ++k)
+    if (KnownContacts::is_first(contacts.data(), k)) first[contacts[k].a] = k;
+  known_first_.upload(first);
   known_impulse_.upload(impulse);
   known_grip_.upload(grip);
   known_count_.upload({static_cast<std::uint32_t>(count)});
@@ -369,7 +394,9 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     move();
     prescribed_.hold(h_);
     run_awake_contacts(executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
-                       sleeping_.asleep(), PlaceContacts<Real>{swept_.data(), scene_.bodies, soft_.data()});
+                       sleeping_.asleep(),
+                       PlaceContacts<Real>{swept_.data(), bodies_of_.data(), scene_.bodies.position,
+                                           soft_.data()});
     record_sweep<rubbed, false>(substep, 0);
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
@@ -411,12 +438,15 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   StepControl* control = scene_.control;
   colouring_.colour(contacts.bodies, control, sleeping_.asleep());
   const ColourView colours = colouring_.view();
-  const ImpulseView<Real> known{known_contacts_.data(), known_impulse_.data(), known_count_.data()};
+  const KnownContacts known{known_contacts_.data(), known_count_.data(), known_first_.data()};
+  executor_.run("prepare", colouring_.degrees().bodies(),
+                FindBodies<Real, rubbed>{scene_.friction, gripped_.data(), scene_.bodies, found_.data()});
   executor_.run("prepare", Count(&control->contacts, contact_capacity_),
-                PrepareContacts<Real, rubbed>{contacts.bodies, scene_.bodies, known,
-                                              KnownGrips<Real>{scene_.friction, known_grip_.data()}, colours,
-                                              place_of_.data(), swept_.data(), inverse_masses_.data(),
-                                              turns_.data(), grips_.data(), gripped_.data(), soft_.data()});
+                PrepareContacts<Real, rubbed>{contacts.bodies, found_.data(), gripped_.data(), known,
+                                              known_impulse_.data(), known_grip_.data(), colours,
+                                              place_of_.data(), swept_.data(), bodies_of_.data(),
+                                              turns_.data(), soft_.data(), grips_.data(), turned_.data(),
+                                              sums_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -452,8 +482,8 @@ void SoftStepSolver<Real>::begin_substep() {
   const auto with = [&]<Pull pull, bool walled, bool boxed>() {
     run_bodies("forces",
                BeginSubstep<Real, pull, walled, rubbed, boxed>{
-                   scene_.bodies, swept_.data(), soft_.data(), grips_.data(), all_.view(colouring_.degrees()),
-                   walls<rubbed, boxed>(), scene_.gravity, scene_.field, h_, scene_.control});
+                   scene_.bodies, soft_.data(), all_.view(colouring_.degrees()), walls<rubbed, boxed>(),
+                   scene_.gravity, scene_.field, h_, scene_.control});
   };
   const auto with_walls = [&]<Pull pull>() {
     if (scene_.boxes.count > 0)
@@ -488,10 +518,11 @@ template <bool rubs>
 SweptContacts<Real, rubs> SoftStepSolver<Real>::swept() const {
   const ColourView colours = colouring_.view();
   return {swept_.data(),
-          inverse_masses_.data(),
+          bodies_of_.data(),
           soft_.data(),
+          sums_.data(),
           grips_.data(),
-          gripped_.data(),
+          turned_.data(),
           turns_.data(),
           colours.begin,
           colours.count,
@@ -585,8 +616,9 @@ void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulse
   const auto with = [&]<bool record>() {
     executor_.run("keep", Count(&scene_.control->contacts, contact_capacity_),
                   KeepContacts<Real, rubbed, record>{contacts.bodies, place_of_.data(), soft_.data(),
-                                                     grips_.data(), known_grip_.data(), impulses,
-                                                     known_contacts_.data(), known_impulse_.data()});
+                                                     sums_.data(), known_grip_.data(), impulses,
+                                                     known_contacts_.data(), known_first_.data(),
+                                                     known_impulse_.data()});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
   if constexpr (built_effects.rolling_resistance)

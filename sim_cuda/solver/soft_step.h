@@ -21,10 +21,12 @@
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/free_motion.h"
+#include "sim_cuda/solver/known_contacts.h"
 #include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
 #include "sim_cuda/solver/soft_grip.h"
+#include "sim_cuda/solver/soft_memory.h"
 #include "sim_cuda/solver/soft_sweeps.h"
 #include "sim_cuda/solver/soft_walls.h"
 
@@ -86,11 +88,14 @@ class SoftStepSolver final : public ContactSolver<Real> {
   ContactsByBody all_, split_;      ///< of all contacts; of the mass-split set
   Buffer<Pair> swept_;              ///< in the order in which they are swept, as all that follows by place
   Buffer<std::uint32_t> place_of_;  ///< by contact
-  Buffer<InverseMasses<Real>> inverse_masses_;
+  Buffer<ContactBodies<Real>> bodies_of_;
   Buffer<Turns> turns_;
-  Buffer<SoftContact<Real>> soft_;
-  Buffer<SoftGrip<Real>> grips_;  ///< empty without friction, as all that follows of it
-  Buffer<GrippedPair<Real>> gripped_;
+  Buffer<FoundBody<Real>> found_;      ///< by body
+  Buffer<GrippedBody<Real>> gripped_;  ///< by body; empty without friction
+  Buffer<StoredContact<Real>> soft_;
+  Buffer<ContactSums<Real>> sums_;
+  Buffer<GripSums<Real>> grips_;  ///< empty without friction, as all that follows of it
+  Buffer<TurnedBodies<Real>> turned_;
   Buffer<Real> split_change_;                ///< N s
   Buffer<Vector3<Real>> split_rubbed_;       ///< N s
   Buffer<std::uint32_t> bounces_;            ///< one
@@ -106,7 +111,8 @@ class SoftStepSolver final : public ContactSolver<Real> {
   ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
   Residuals residuals_;
-  Buffer<Pair> known_contacts_;        ///< of the last committed run, with
+  Buffer<Pair> known_contacts_;        ///< of the last committed run
+  Buffer<std::uint32_t> known_first_;  ///< of each body, among them; with
   Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
   Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s
   Buffer<std::uint32_t> known_count_;  ///< one
