@@ -68,6 +68,11 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   window.click("settings.substeps.auto");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["substeps"] == "auto"; }));
 
+  window.click("settings.integrator");
+  window.click("settings.integrator.velocity_verlet");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["integrator"] == "velocity_verlet"; }));
+  EXPECT_FALSE(window.frame()["widgets"].contains("settings.rotation_update")) << "nothing turns";
+
   // A ball comes, a body goes.
   window.move(640, 20);
   window.key("b");

@@ -151,6 +151,22 @@ void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   log_row(workspace, ImGuiDataType_S32, s.iterations, row);
 }
 
+void draw_motion(Workspace& workspace, const WorkspaceView& view) {
+  static constexpr std::array<std::pair<Integrator, const char*>, 3> integrators{
+      {{Integrator::semi_implicit_euler, "semi_implicit_euler"},
+       {Integrator::velocity_verlet, "velocity_verlet"},
+       {Integrator::rk4, "rk4"}}};
+  choice_row(workspace, "settings.integrator", "integrator", integrators, workspace.settings.integrator,
+             "How what meets nothing flies on: semi_implicit_euler, the paper's, to first order; "
+             "velocity_verlet to second, rk4 to fourth. Whatever touches something moves as with the first");
+  if (std::ranges::find(view.effects, "rotation") == view.effects.end()) return;
+  static constexpr std::array<std::pair<RotationUpdate, const char*>, 2> updates{
+      {{RotationUpdate::first_order, "first_order"}, {RotationUpdate::lie_group, "lie_group"}}};
+  choice_row(workspace, "settings.rotation_update", "rotation", updates, workspace.settings.rotation_update,
+             "How bodies turn: first_order, the paper's; lie_group to second order, or with rk4 to fourth, "
+             "and without gaining or losing energy");
+}
+
 }  // namespace
 
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
@@ -196,6 +212,7 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
              "steps go in substeps, and piles come to rest. jacobi_split: the same, but all contacts at once "
              "between parts of bodies");
   draw_sweeps(workspace, view);
+  draw_motion(workspace, view);
 
   if (view.generated) {
     ImGui::Spacing();
