@@ -43,6 +43,22 @@ TEST(Chart, LooksAsItDidOnPlainAxes) {
   EXPECT_EQ(check_golden("chart_plain", ChartPicture(900, 560).draw(growth(false))), "");
 }
 
+TEST(Chart, ALineAcrossAFloorAndRings) {
+  Chart chart = growth(true);
+  chart.level = 300;
+  chart.level_name = "300 µs allowed";
+  chart.floor = 6;
+  chart.floor_name = "less means nothing";
+  chart.series[0].broad = true;
+  chart.series[1].mark = 2;
+  chart.series[1].points[2].ring = 0xff000000u;
+  ChartPicture picture(900, 560);
+  EXPECT_EQ(check_golden("chart_level", picture.draw(chart)), "");
+  const Image named = picture.draw(chart);
+  chart.names = false;
+  EXPECT_FALSE(picture.draw(chart) == named);
+}
+
 TEST(Chart, LeavesOutWhatHasNoPlace) {
   Chart with = growth(true), without = growth(true);
   for (const double nowhere : {no_value, 0.0, -5.0, std::numeric_limits<double>::infinity()}) {

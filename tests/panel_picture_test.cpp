@@ -5,12 +5,19 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
+#include <ranges>
 #include <set>
 
+#include "sim_cuda/accuracy/record.h"
 #include "tests/gl_fixture.h"
 #include "tests/golden.h"
+#include "tests/test_files.h"
 #include "ui/panels.h"
 #include "ui/theme.h"
 #include "viewer/render/interop/display_link.h"
@@ -144,28 +151,58 @@ std::vector<Residual> residuals_of_a_pile() {
   return residuals;
 }
 
-/// The panel alone, with the pointer at a place.
-Image picture_of_convergence(Theme theme, ImVec2 pointer) {
-  constexpr int w = 338, h = 190;
-  Workspace workspace;
-  workspace.theme = theme;
-  workspace.folds.convergence = true;
-  WorkspaceView view;
-  view.residuals = residuals_of_a_pile();
-  GuiPass gui(13);
-  const WindowFrame frame(w, h);
-  for (int round = 0; round < 4; ++round) {
-    gui.begin(w, h);
-    ImGui::GetIO().MousePos = pointer;  // of the next round
-    apply_theme(theme, ImGui::GetFontSize());
+/// A panel alone, with a mouse.
+struct Alone {
+  using Panel = void (*)(Workspace&, const WorkspaceView&);
+  Alone(Panel draw_panel, int w, int h) : panel(draw_panel), width(w), height(h), frame(w, h) {}
+  void draw() {
+    gui.begin(width, height);
+    ImGui::GetIO().MousePos = pointer;
+    ImGui::GetIO().MouseDown[0] = pressed;  // both of the next frame
+    apply_theme(workspace.theme, ImGui::GetFontSize());
     ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({w, h});
+    ImGui::SetNextWindowSize({static_cast<float>(width), static_cast<float>(height)});
+    workspace.widgets.clear();
     ImGui::Begin("details", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-    draw_convergence_panel(workspace, view);
+    panel(workspace, view);
     ImGui::End();
     gui.end(frame.target());
   }
-  return frame.read();
+  Image picture() {
+    for (int round = 0; round < 4; ++round) draw();
+    return frame.read();
+  }
+  /// The middle of a widget.
+  ImVec2 place(const std::string& name) const {
+    for (const auto& [widget, rect] : workspace.widgets)
+      if (widget == name) return {rect.x + 0.5f * rect.width, rect.y + 0.5f * rect.height};
+    ADD_FAILURE() << "no " << name;
+    return {-1, -1};
+  }
+  void mouse(ImVec2 at, bool down) {
+    pointer = at;
+    pressed = down;
+    draw();
+    draw();
+  }
+
+  Panel panel;
+  int width, height;
+  GuiPass gui{13};
+  WindowFrame frame;
+  Workspace workspace;
+  WorkspaceView view;
+  ImVec2 pointer{-1, -1};
+  bool pressed = false;
+};
+
+Image picture_of_convergence(Theme theme, ImVec2 pointer) {
+  Alone alone(draw_convergence_panel, 338, 190);
+  alone.workspace.theme = theme;
+  alone.workspace.folds.convergence = true;
+  alone.view.residuals = residuals_of_a_pile();
+  alone.pointer = pointer;
+  return alone.picture();
 }
 
 // Of each sweep the error, by decades; one that leaves none lies on the floor.
@@ -173,6 +210,106 @@ TEST(PanelPicture, Convergence) {
   test_context();
   EXPECT_EQ(check_golden("convergence_dark", picture_of_convergence(Theme::dark, {-1, -1})), "");
   EXPECT_EQ(check_golden("convergence_light", picture_of_convergence(Theme::light, {262, 60})), "");
+}
+
+/// A study that was measured once: a hundred spheres of the Box Collider.
+AccuracyFacts stored_study() {
+  const std::string file = project_file("tests/golden/accuracy_study.json").string();
+  std::ifstream stream(file);
+  const AccuracyRecord record = parse_record({std::istreambuf_iterator<char>(stream), {}}, file);
+  AccuracyFacts facts;
+  facts.points = record.points;
+  mark_front(facts.points);
+  facts.reference = record.reference;
+  facts.executor = record.executor;
+  facts.done = 1;
+  facts.seconds = record.reference.seconds;
+  for (const AccuracyPoint& point : facts.points)
+    if (point.name == "1/30 s, 4 substeps" && point.family == "soft_step f32") facts.now = point.setting;
+  return facts;
+}
+
+/// The panel on it.
+struct AccuracyPanel : Alone {
+  AccuracyPanel() : Alone(draw_accuracy_panel, 338, 470) {
+    workspace.folds.accuracy = true;
+    allow(0.1);
+    view.accuracy = &facts;
+  }
+  void allow(double tolerance) {
+    workspace.accuracy.tolerance = tolerance;
+    facts.cheapest = cheapest_below(facts.points, tolerance);
+  }
+  AccuracyFacts facts = stored_study();
+};
+
+TEST(PanelPicture, Accuracy) {
+  test_context();
+  {
+    AccuracyPanel dark;
+    EXPECT_EQ(check_golden("accuracy_dark", dark.picture()), "");
+  }
+  AccuracyPanel light;
+  light.workspace.theme = Theme::light;
+  light.picture();
+  light.pointer = light.place(fmt::format("accuracy.point.{}", *light.facts.cheapest));
+  EXPECT_EQ(check_golden("accuracy_light", light.picture()), "");
+}
+
+TEST(PanelPicture, APointOfTheDiagramIsASetting) {
+  test_context();
+  AccuracyPanel panel;
+  panel.picture();
+  const std::size_t fine = *std::ranges::max_element(
+      std::views::iota(std::size_t{0}, panel.facts.points.size()), {}, [&](std::size_t k) {
+        const AccuracyPoint& p = panel.facts.points[k];
+        return p.on_front ? p.ms.median : 0;
+      });
+  const AccuracySetting& setting = panel.facts.points[fine].setting;
+  panel.mouse(panel.place("accuracy.point." + std::to_string(fine)), false);
+  EXPECT_NE(panel.workspace.settings.time_step, setting.time_step) << "the pointer alone changes nothing";
+  panel.mouse(panel.pointer, true);
+  panel.mouse(panel.pointer, false);
+  const Settings& wish = panel.workspace.settings;
+  EXPECT_EQ(wish.time_step, setting.time_step);
+  EXPECT_EQ(wish.substeps, setting.substeps);
+  EXPECT_EQ(wish.iterations, setting.iterations);
+  EXPECT_EQ(wish.solver, setting.solver);
+  EXPECT_EQ(wish.integrator, setting.integrator);
+  EXPECT_EQ(wish.rotation_update, setting.rotation_update);
+  EXPECT_EQ(wish.precision, setting.precision);
+  ASSERT_TRUE(wish.effects);
+  EXPECT_EQ(wish.effects->continuous_collision, setting.continuous_collision);
+}
+
+TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
+  test_context();
+  AccuracyPanel panel;
+  panel.picture();
+  const ImVec2 line = panel.place("accuracy.tolerance.line");
+  panel.mouse(line, false);
+  panel.mouse(line, true);
+  panel.mouse({line.x - 100, line.y + 40}, true);
+  const double dragged = panel.workspace.accuracy.tolerance;
+  EXPECT_LT(dragged, 0.05) << "less is below";
+  panel.mouse({line.x, line.y + 40}, false);
+  panel.mouse(line, false);
+  EXPECT_EQ(panel.workspace.accuracy.tolerance, dragged) << "let go, it stays";
+  // Beside the line and beside all points, a click does nothing.
+  panel.mouse({line.x - 4, line.y - 30}, true);
+  panel.mouse({line.x - 4, line.y - 60}, true);
+  panel.mouse({line.x - 4, line.y - 60}, false);
+  EXPECT_EQ(panel.workspace.accuracy.tolerance, dragged);
+  // Down to a tenth of the least error, no further.
+  panel.allow(dragged);
+  panel.picture();
+  panel.mouse(panel.place("accuracy.tolerance.line"), true);
+  for (int k = 0; k < 100; ++k) panel.mouse({line.x, 5000}, true);
+  double least = 1;
+  for (const AccuracyPoint& p : panel.facts.points)
+    if (p.error > 0 && p.has_price()) least = std::min(least, p.error);
+  EXPECT_NEAR(panel.workspace.accuracy.tolerance, 0.1 * least, 1e-9 * least);
+  panel.mouse({-1, -1}, false);
 }
 
 TEST(PanelPicture, RepeatsItself) {
@@ -209,6 +346,7 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
                            "layers.box_color",
                            "timing.csv",
                            "panel.convergence",
+                           "panel.accuracy",
                            "tree.method",
                            "tree.levels",
                            "tree.boxes",

@@ -25,6 +25,15 @@ class Scale {
   float pixel(double value) const {
     return from_ + static_cast<float>((place(value) - low_) / (high_ - low_)) * (to_ - from_);
   }
+  /// Of what lies beyond an end, the end.
+  float pixel_within(double value) const {
+    const double at = axis_.logarithmic && !(value > 0) ? low_ : std::clamp(place(value), low_, high_);
+    return from_ + static_cast<float>((at - low_) / (high_ - low_)) * (to_ - from_);
+  }
+  double value(float pixel) const {
+    const double at = low_ + static_cast<double>((pixel - from_) / (to_ - from_)) * (high_ - low_);
+    return axis_.logarithmic ? std::pow(10, at) : at;
+  }
   double place(double value) const { return axis_.logarithmic ? std::log10(value) : value; }
   double low() const { return low_; }
   double high() const { return high_; }
@@ -89,9 +98,8 @@ std::vector<Tick> ticks_of(const ChartAxis& axis, const Range& range) {
   return ticks;
 }
 
-/// Colours come round again after twelve series, with another mark.
-void draw_mark(ImDrawList* list, ImVec2 at, float r, std::size_t series, ImU32 color) {
-  switch ((series + series / 12) % 4) {
+void draw_mark(ImDrawList* list, ImVec2 at, float r, std::size_t shape, ImU32 color) {
+  switch (shape) {
     case 0:
       return list->AddCircleFilled(at, r, color, 20);
     case 1:
@@ -159,17 +167,22 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
   Range x_data, y_data;
   for (const ChartSeries& series : chart.series)
     for (const ChartPoint& p : series.points) {
-      for (const double x : {p.x, p.x_low, p.x_high}) x_data.take(x, chart.x.logarithmic);
-      for (const double y : {p.y, p.y_low, p.y_high}) y_data.take(y, chart.y.logarithmic);
+      x_data.take(p.x, chart.x.logarithmic);
+      y_data.take(p.y, chart.y.logarithmic);
+      if (!chart.fits_spreads) continue;
+      for (const double x : {p.x_low, p.x_high}) x_data.take(x, chart.x.logarithmic);
+      for (const double y : {p.y_low, p.y_high}) y_data.take(y, chart.y.logarithmic);
     }
+  y_data.take(chart.level, chart.y.logarithmic);
   const Range xs = shown(chart.x, x_data), ys = shown(chart.y, y_data);
   const std::vector<Tick> x_ticks = ticks_of(chart.x, xs), y_ticks = ticks_of(chart.y, ys);
 
   float names = 0, numbers = 0;
-  for (const ChartSeries& series : chart.series) names = std::max(names, text_size(series.name).x);
+  for (const ChartSeries& series : chart.series)
+    if (chart.names) names = std::max(names, text_size(series.name).x);
   for (const Tick& tick : y_ticks)
     if (tick.labelled) numbers = std::max(numbers, text_size(chart.y.number(tick.value)).x);
-  const float lead = chart.series.empty() ? 0 : 2.2f * line;
+  const float lead = chart.series.empty() || !chart.names ? 0 : 2.2f * line;
   const float left = at.x + pad + numbers + 0.5f * line, right = at.x + width - pad - names - lead;
   const float top = at.y + (chart.title.empty() ? 0 : 1.3f * line) + 1.5f * line;
   const float bottom = at.y + height - (chart.note.empty() ? 0 : 1.2f * line) - 2.9f * line;
@@ -204,11 +217,37 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
   list->AddRect({left, top}, {right, bottom}, grid);
 
   ChartHit hit;
+  hit.left = left;
+  hit.top = top;
+  hit.right = right;
+  hit.bottom = bottom;
+  const auto write_at = [&](float px, float py, const std::string& text) {  // in a corner of what is drawn
+    list->AddText({px, std::clamp(py, top, std::max(bottom - line, top))}, faint, text.c_str());
+  };
+  if (std::isfinite(chart.floor) && chart.floor > ys.least) {
+    const float at_floor = y.pixel(std::min(chart.floor, ys.most));
+    list->AddRectFilled({left, at_floor}, {right, bottom}, ImGui::GetColorU32(ImGuiCol_TextDisabled, 0.16f));
+    write_at(left + 0.3f * line, std::max(at_floor + 0.1f * line, bottom - 1.1f * line), chart.floor_name);
+  }
+  if (y.shows(chart.level)) {
+    hit.level_at = y.pixel(chart.level);
+    list->AddLine({left, hit.level_at}, {right, hit.level_at}, ImGui::GetColorU32(ImGuiCol_CheckMark),
+                  1.5f * thick);
+    list->AddTriangleFilled({right - 0.7f * line, hit.level_at}, {right, hit.level_at + 0.4f * line},
+                            {right, hit.level_at - 0.4f * line}, ImGui::GetColorU32(ImGuiCol_CheckMark));
+    const float from = right - text_size(chart.level_name).x - 0.9f * line;
+    write_at(from, hit.level_at - 1.15f * line, chart.level_name);
+  }
   float nearest = 1.2f * line;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   std::vector<float> wanted;
   std::vector<ImVec2> ends;
   const float r = 0.26f * line;
+  const auto mark_of = [&](std::size_t s) {
+    return chart.series[s].mark < 0
+               ? (s + s / 12) % 4  // colours come round again after twelve series, with another mark
+               : static_cast<std::size_t>(chart.series[s].mark);
+  };
   for (std::size_t s = 0; s < chart.series.size(); ++s) {
     const ChartSeries& series = chart.series[s];
     ImVec2 last{right, 0.5f * (top + bottom)};
@@ -221,7 +260,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
       }
       const ImVec2 here{x.pixel(p.x), y.pixel(p.y)};
       const auto clamped = [](const Scale& scale, double value, double otherwise) {
-        return scale.pixel(scale.shows(value) ? value : otherwise);
+        return std::isnan(value) ? scale.pixel(otherwise) : scale.pixel_within(value);
       };
       if (std::isfinite(p.y_low) || std::isfinite(p.y_high))
         list->AddLine({here.x, clamped(y, p.y_low, p.y)}, {here.x, clamped(y, p.y_high, p.y)}, series.color,
@@ -230,12 +269,16 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
         list->AddLine({clamped(x, p.x_low, p.x), here.y}, {clamped(x, p.x_high, p.x), here.y}, series.color,
                       thick);
       if (series.line && joined)
-        draw_line(list, last, here, series.color, 1.3f * thick, series.dashed, 0.4f * line);
-      if (series.marks) draw_mark(list, here, r, s, series.color);
+        draw_line(list, last, here, series.color, (series.broad ? 4.5f : 1.3f) * thick, series.dashed,
+                  0.4f * line);
+      if (series.marks) draw_mark(list, here, r, mark_of(s), series.color);
+      if (p.ring != 0) list->AddCircle(here, 1.8f * r, p.ring, 24, 1.5f * thick);
+      hit.places.push_back({static_cast<int>(s), static_cast<int>(k), here.x, here.y});
       const float distance = std::hypot(mouse.x - here.x, mouse.y - here.y);
       if (hovered && distance < nearest) {
         nearest = distance;
-        hit = {static_cast<int>(s), static_cast<int>(k)};
+        hit.series = static_cast<int>(s);
+        hit.point = static_cast<int>(k);
       }
       last = here;
       joined = true;
@@ -244,7 +287,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
     wanted.push_back(last.y - 0.5f * line);
   }
   const std::vector<float> places = spread_out(wanted, 1.08f * line, top - 0.5f * line, bottom + 0.5f * line);
-  for (std::size_t s = 0; s < chart.series.size(); ++s) {
+  for (std::size_t s = 0; s < chart.series.size() && chart.names; ++s) {
     const ChartSeries& series = chart.series[s];
     const float middle = places[s] + 0.5f * line;
     const ImU32 thin = (series.color & 0x00ffffffu) | 0x70000000u;
@@ -253,22 +296,32 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
       list->AddLine({right + 0.3f * line, ends[s].y}, {right + 1.1f * line, middle}, thin);
     }
     if (series.marks)
-      draw_mark(list, {right + 1.5f * line, middle}, r, s, series.color);
+      draw_mark(list, {right + 1.5f * line, middle}, r, mark_of(s), series.color);
     else
       draw_line(list, {right + 1.1f * line, middle}, {right + 1.9f * line, middle}, series.color,
                 1.3f * thick, series.dashed, 0.3f * line);
     list->AddText({right + lead, places[s]}, ink, series.name.c_str());
   }
+  // Its grip at the right is the line's; along the rest of it, points that are nearer come first.
+  const float off_line = std::abs(mouse.y - hit.level_at);
+  const bool at_grip = off_line < 0.6f * line && std::abs(mouse.x - right) < 0.8f * line;
+  hit.level = hovered && hit.level_at > 0 && mouse.x >= left &&
+              (at_grip || (off_line < 0.4f * line && off_line < nearest));
+  if (hit.level) hit.series = hit.point = -1;
   if (hit.point >= 0) {
     const ChartSeries& series = chart.series[static_cast<std::size_t>(hit.series)];
     const ChartPoint& p = series.points[static_cast<std::size_t>(hit.point)];
-    list->AddCircle({x.pixel(p.x), y.pixel(p.y)}, 1.8f * r, ink, 24, thick);
-    ImGui::BeginTooltip();
-    ImGui::TextUnformatted(series.name.c_str());
-    ImGui::TextUnformatted(fmt::format("{}: {}", chart.x.label, chart.x.number(p.x)).c_str());
-    ImGui::TextUnformatted(fmt::format("{}: {}", chart.y.label, chart.y.number(p.y)).c_str());
-    ImGui::EndTooltip();
+    list->AddCircle({x.pixel(p.x), y.pixel(p.y)}, 2.1f * r, ink, 24, thick);
+    if (chart.tells) {
+      ImGui::BeginTooltip();
+      ImGui::TextUnformatted(series.name.c_str());
+      ImGui::TextUnformatted(fmt::format("{}: {}", chart.x.label, chart.x.number(p.x)).c_str());
+      ImGui::TextUnformatted(fmt::format("{}: {}", chart.y.label, chart.y.number(p.y)).c_str());
+      ImGui::EndTooltip();
+    }
   }
+  hit.x = x.value(mouse.x);
+  hit.y = y.value(mouse.y);
   list->PopClipRect();
   return hit;
 }

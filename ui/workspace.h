@@ -16,6 +16,7 @@
 #include "sim_cuda/residual.h"
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "ui/accuracy_facts.h"
 #include "ui/color_key.h"
 #include "ui/effect_facts.h"
 #include "ui/reference_facts.h"
@@ -102,6 +103,7 @@ struct Workspace {
   bool show_path = true;                   ///< its boxes in the tree are drawn
 
   TreeWishes tree;
+  AccuracyWishes accuracy;
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
@@ -159,8 +161,9 @@ struct WorkspaceView {
   double error_scale = 1;    ///< of the lines that show errors, in effect
 
   const BodyReport* selected = nullptr;
-  const TreeFacts* tree = nullptr;         ///< null: nobody asked
-  std::vector<std::uint32_t> mark_colors;  ///< by BoxMark
+  const TreeFacts* tree = nullptr;          ///< null: nobody asked
+  const AccuracyFacts* accuracy = nullptr;  ///< so here
+  std::vector<std::uint32_t> mark_colors;   ///< by BoxMark
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
   std::vector<std::pair<float, float>> outline;
   bool orthographic = false;

@@ -59,7 +59,8 @@ void App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
   while (!window_.closing() && !ended()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
-    const bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
+    bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
+    busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
     const bool idle =
         !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);
@@ -128,6 +129,7 @@ void App::fill(WorkspaceView& view) {
     view.effect_facts = costs_.facts(live_.world());
     view.measuring_effects = workspace_.measure_effects && !costs_.done();
   }
+  if (shows_accuracy()) view.accuracy = &accuracy_.facts(live_.world(), workspace_.accuracy);
   view.reference = reference_.facts();
   if (view.reference.name.empty()) view.reference.lack = LiveReference::lack_of(view.stats.bodies);
   view.error_scale = scene_.range().error_scale;

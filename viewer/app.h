@@ -13,6 +13,7 @@
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"
 #include "viewer/live/effect_costs.h"
+#include "viewer/live/live_accuracy.h"
 #include "viewer/live/live_reference.h"
 #include "viewer/live/live_world.h"
 #include "viewer/live/tree_inspector.h"
@@ -58,6 +59,8 @@ class App {
   void follow_selection();
   void measure_effects();
   void follow_reference();
+  bool shows_accuracy() const { return workspace_.folds.right && workspace_.folds.accuracy; }
+  void measure_accuracy(double seconds);
   void save_picture();
 
   void fill(WorkspaceView& view);
@@ -72,6 +75,7 @@ class App {
   SceneView scene_;
   TreeInspector tree_;
   LiveReference reference_;
+  LiveAccuracy accuracy_;
   EffectCosts costs_;
   int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;

@@ -50,6 +50,7 @@ void App::meet_wishes(double seconds) {
   guarded([&] { follow_reference(); });
   guarded([&] { advance(seconds); });
   guarded([&] { measure_effects(); });
+  guarded([&] { measure_accuracy(seconds); });
 }
 
 void App::measure_effects() {
@@ -60,6 +61,14 @@ void App::measure_effects() {
   costs_generation_ = live_.generation();
   constexpr double slice = 10;  // ms of a frame
   if (workspace_.measure_effects) costs_.go_on(live_.world(), slice);
+}
+
+void App::measure_accuracy(double seconds) {
+  if (!shows_accuracy()) return;
+  accuracy_.follow(live_.world(), live_.generation(), workspace_.accuracy);
+  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  const double slice = std::clamp(500 * seconds, 12.0, 60.0);
+  if (workspace_.accuracy.running) accuracy_.go_on(slice);
 }
 
 void App::follow_reference() {

@@ -49,6 +49,30 @@ nlohmann::ordered_json effects_json(const WorkspaceView& view) {
   return effects;
 }
 
+/// What the panel of accuracy says; null while it is folded.
+nlohmann::ordered_json accuracy_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.accuracy == nullptr) return nullptr;
+  const AccuracyFacts& facts = *view.accuracy;
+  Json accuracy = {{"tolerance", workspace.accuracy.tolerance},
+                   {"running", workspace.accuracy.running},
+                   {"since", facts.since},
+                   {"done", facts.done},
+                   {"doing", facts.doing},
+                   {"lack", facts.lack},
+                   {"reference", facts.reference ? Json(facts.reference->description) : Json(nullptr)},
+                   {"cheapest", facts.cheapest ? Json(*facts.cheapest) : Json(nullptr)},
+                   {"now", nullptr},
+                   {"points", Json::array()}};
+  for (std::size_t k = 0; k < facts.points.size(); ++k) {
+    const AccuracyPoint& p = facts.points[k];
+    if (p.setting == facts.now) accuracy["now"] = k;
+    if (p.has_error() && p.has_price())
+      accuracy["points"].push_back({{"point", k}, {"error", p.error}, {"ms", p.ms.median}});
+  }
+  return accuracy;
+}
+
 }  // namespace
 
 Automation::Automation(const std::string& file) : stream_(file, std::ios::trunc) {
@@ -112,6 +136,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   line["reference"] = {{"name", view.reference.name},   {"lack", view.reference.lack},
                        {"since", view.reference.since}, {"rms", view.reference.rms},
                        {"max", view.reference.max},     {"doubt", view.reference.doubt}};
+  line["accuracy"] = accuracy_json(workspace, view);
   line["measuring_effects"] = view.measuring_effects;
   line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
   Json widgets = Json::object();

@@ -41,7 +41,13 @@ Scene scene_of_now(World& world) {
   return scene;
 }
 
-/// All that decides the motion but the numerical settings.
+double smooth_step(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
 std::string problem_of(const World& world) {
   Effects effects = world.effects();
   effects.continuous_collision = false;
@@ -49,13 +55,6 @@ std::string problem_of(const World& world) {
   scene.physics.restitution_threshold.reset();
   return write_scene(scene);
 }
-
-double smooth_step(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
-}  // namespace
 
 void LiveReference::forget() {
   if (facts_.name.empty()) return;

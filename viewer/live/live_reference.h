@@ -23,6 +23,9 @@
 
 namespace collidoscope {
 
+/// What a run is asked, as text: all that decides the motion but the numerical settings.
+std::string problem_of(const World& world);
+
 class LiveReference {
  public:
   static constexpr std::int64_t most_bodies = 50'000;  ///< they are compared on the host

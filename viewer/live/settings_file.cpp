@@ -22,7 +22,8 @@ std::vector<Switch> switches(ShownLayers& layers, Folds& folds) {
           {"right", folds.right},       {"bottom", folds.bottom},       {"run", folds.run},
           {"settings", folds.settings}, {"layers", folds.layers},       {"camera", folds.camera},
           {"tree", folds.tree},         {"effects", folds.effects},     {"timing", folds.timing},
-          {"numbers", folds.numbers},   {"inspector", folds.inspector}, {"convergence", folds.convergence}};
+          {"numbers", folds.numbers},   {"inspector", folds.inspector}, {"convergence", folds.convergence},
+          {"accuracy", folds.accuracy}};
 }
 
 }  // namespace

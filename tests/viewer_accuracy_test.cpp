@@ -1,0 +1,101 @@
+// What accuracy costs, in the window, by real events: points come while the picture moves, a click on one
+// applies its setting, the line across picks the cheapest; ghosts and errors beside the run.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/viewer_fixture.h"
+
+namespace collidoscope {
+namespace {
+
+TEST_F(Viewer, MeasuresWhatAccuracyCostsAndAppliesIt) {
+  WindowDriver window({"two_spheres_head_on", "--size", "1280x900"});
+  const auto accuracy = [&](const char* name) { return window.frame()["accuracy"][name]; };
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 3; }));
+  EXPECT_TRUE(window.frame()["accuracy"].is_null()) << "folded, nothing is measured";
+  window.click("panel.timing");  // folded, it leaves room
+  window.click("panel.accuracy");
+  ASSERT_TRUE(window.wait_for(
+      [](const Json& f) { return f["accuracy"].is_object() && f["accuracy"]["points"].size() >= 3; }, 120));
+  const int step = window.frame()["step"];
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > step; }))
+      << "the run goes on meanwhile";
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["accuracy"]["doing"] == ""; }, 240))
+      << window.frame()["accuracy"].dump();
+  EXPECT_EQ(accuracy("done"), 1);
+  EXPECT_THAT(accuracy("reference").get<std::string>(), testing::HasSubstr("hard spheres"));
+
+  // A click on a point applies its setting.
+  std::size_t other = 0;
+  for (const Json& point : accuracy("points"))
+    if (point["point"] != accuracy("now") &&
+        window.sees("accuracy.point." + std::to_string(point["point"].get<int>())))
+      other = point["point"].get<std::size_t>();
+  window.click("accuracy.point." + std::to_string(other));
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["accuracy"]["now"] == other; })) << other;
+  EXPECT_EQ(window.frame()["edited"], true);
+  EXPECT_EQ(accuracy("done"), 1) << "the study stays";
+
+  // The line across, dragged down, allows less; what is cheapest then is applied by its button.
+  const double before = accuracy("tolerance");
+  const auto [x, y] = window.place("accuracy.tolerance.line");
+  window.drag(x, y, x, y + 30);
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["accuracy"]["tolerance"] < before; }));
+  ASSERT_FALSE(accuracy("cheapest").is_null());
+  for (const Json& point : accuracy("points"))
+    if (point["point"] == accuracy("cheapest")) {
+      EXPECT_LE(point["error"], accuracy("tolerance"));
+    }
+  window.click("accuracy.apply");
+  ASSERT_TRUE(
+      window.wait_for([&](const Json& f) { return f["accuracy"]["now"] == f["accuracy"]["cheapest"]; }));
+
+  // Anew, stopped, and folded.
+  window.click("accuracy.restart");
+  ASSERT_TRUE(
+      window.wait_for([](const Json& f) { return f["accuracy"]["done"] < 1 && f["accuracy"]["since"] > 0; }));
+  window.click("accuracy.running");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["accuracy"]["running"] == false; }));
+  const double done = accuracy("done");
+  for (int k = 0; k < 5; ++k) window.next_frame();
+  EXPECT_EQ(accuracy("done"), done);
+  window.click("panel.accuracy");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["accuracy"].is_null(); }));
+  EXPECT_EQ(close(window), "");
+}
+
+TEST_F(Viewer, ShowsGhostsOfWhereTheBodiesShouldBe) {
+  WindowDriver window({"gas", "--steps", "3", "--size", "1280x900"});
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false && f["step"] == 3; }));
+  EXPECT_EQ(window.frame()["reference"]["name"], "");
+  window.click("layers.ghosts");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["reference"]["name"] != ""; }));
+  EXPECT_EQ(window.frame()["reference"]["since"], 3);
+  window.move(640, 300);
+  for (int k = 0; k < 12; ++k) window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 15; })) << "each step waits for it";
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["reference"]["rms"] > 0; }));
+  EXPECT_EQ(window.frame()["reference"]["lack"], "");
+  const Image without = picture(window);
+  window.click("layers.errors");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["layers"]["errors"] == true; }));
+  window.move(640, 300);
+  EXPECT_GT(difference(picture(window), without, window.frame()), 1e-4);
+  EXPECT_GE(window.frame()["layers"]["error_scale"], 1);
+  window.click("layers.error_scale");
+  window.click("layers.error_scale.1000");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["layers"]["error_scale"] == 1000; }));
+  window.click("layers.reference");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["reference"]["since"] == 15; }));
+  EXPECT_EQ(window.frame()["reference"]["rms"], 0);
+  window.click("layers.ghosts");
+  window.click("layers.errors");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["reference"]["name"] == ""; }));
+  EXPECT_EQ(close(window), "");
+}
+
+}  // namespace
+}  // namespace collidoscope

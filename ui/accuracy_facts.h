@@ -1,0 +1,37 @@
+#pragma once
+// What the panel of accuracy shows and asks for. Plain data: the wishes are the panel's, the facts their
+// owner's.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/accuracy/point.h"
+#include "sim_cuda/scene/effects.h"
+
+namespace collidoscope {
+
+struct AccuracyWishes {
+  double tolerance = 0;  ///< m, the error that is allowed; 0: nobody said, and the owner sets one
+  bool running = true;   ///< go on measuring while the panel is unfolded
+  bool restart = false;  ///< from the bodies as they are; cleared by the owner
+};
+
+struct AccuracyFacts {
+  std::vector<AccuracyPoint> points;           ///< coarse to fine, those that are not measured yet, too
+  std::optional<AccuracyReference> reference;  ///< unset while it is being made
+  std::optional<std::size_t> cheapest;         ///< of the points below the tolerance
+  AccuracySetting now;                         ///< of the run
+  Effects effects;                             ///< of the run
+  std::string executor;                        ///< where prices are measured
+  std::int64_t since = 0;                      ///< the state that all runs start from
+  double seconds = 0;                          ///< s, how long they are about
+  double done = 0;                             ///< share of the work, 0 to 1
+  std::string doing;                           ///< in a few words; empty: all is measured
+  std::string lack;                            ///< why nothing can be measured, or empty
+  std::vector<std::string> doubts;             ///< of the results, a line each
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,219 @@
+// What accuracy costs on the running scene: error over price of many settings, measured while the panel is
+// unfolded. A point is a setting: a click applies it. The line across is the error that is allowed: the
+// cheapest setting below it is named.
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_cuda/scene/names.h"
+#include "ui/accuracy_chart.h"
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+void wrapped_faint(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+void wish_for(const AccuracySetting& setting, const AccuracyFacts& facts, Settings& settings) {
+  settings.time_step = setting.time_step;
+  settings.substeps = setting.substeps;
+  settings.iterations = setting.iterations;
+  settings.solver = setting.solver;
+  settings.integrator = setting.integrator;
+  settings.rotation_update = setting.rotation_update;
+  settings.precision = setting.precision;
+  settings.effects = facts.effects;  // a list of one's own: "auto" may go by the time step
+  settings.effects->continuous_collision = setting.continuous_collision;
+}
+
+std::string count_text(int count, const char* one) {
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
+}
+
+void tell(const AccuracyPoint& p, const WorkspaceView& view, bool now) {
+  const auto row = [](const char* name, const std::string& text) {
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(ImGui::GetFontSize() * 8);
+    ImGui::TextUnformatted(text.c_str());
+  };
+  const auto share = [&](const char* name, double value) {
+    if (std::isfinite(value)) row(name, fmt::format("{:.2g}", value));
+  };
+  const auto length = [&](const char* name, double value) {
+    if (std::isfinite(value)) row(name, length_text(value));
+  };
+  const AccuracySetting& s = p.setting;
+  ImGui::BeginTooltip();
+  ImGui::TextUnformatted((p.family + (now ? " · as the run is" : "")).c_str());
+  row("step", fmt::format("{:.6g} Hz, {}, {}", 1 / s.time_step, count_text(s.substeps, "substep"),
+                          count_text(s.iterations, "iteration")));
+  row("solver", std::string(name_of(solver_names, s.solver)));
+  row("integrator", std::string(name_of(integrator_names, s.integrator)));
+  row("rotation", std::string(name_of(rotation_update_names, s.rotation_update)));
+  row("precision", std::string(name_of(precision_names, s.precision)) +
+                       (s.continuous_collision ? ", continuous collision" : ""));
+  ImGui::Separator();
+  const auto spread = [](const std::string& low, const std::string& high) {
+    return " (" + low + " to " + high + ")";
+  };
+  row("error", length_text(p.error) + (std::isfinite(p.error_low) && std::isfinite(p.error_high)
+                                           ? spread(length_text(p.error_low), length_text(p.error_high))
+                                           : ""));
+  length("worst body", p.error_worst);
+  if (view.with_times)
+    row("price", fmt::format("{} ms for a second", short_number(p.ms.median)) +
+                     (std::isfinite(p.ms.low) && std::isfinite(p.ms.high)
+                          ? spread(short_number(p.ms.low), short_number(p.ms.high))
+                          : ""));
+  const AccuracyInvariants& kept = p.invariants;
+  share("energy drift", kept.energy_drift);
+  share("momentum", kept.momentum_balance);
+  share("ang. momentum", kept.angular_momentum_balance);
+  length("overlap", kept.penetration_max);
+  length("joints", kept.joint_error);
+  share("cone", kept.cone_violation);
+  share("heights K-S", p.distributions.heights);
+  share("speeds K-S", p.distributions.speeds);
+  ImGui::TextDisabled("%s", p.on_front ? "on the Pareto front; a click applies it" : "a click applies it");
+  ImGui::EndTooltip();
+}
+
+void draw_progress(Workspace& workspace, const AccuracyFacts& facts) {
+  const float size = ImGui::GetFontSize();
+  const bool over = facts.doing.empty();
+  const char* const label = over ? "done" : workspace.accuracy.running ? "stop" : "go on";
+  const float buttons = 9.5f * size;
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+  ImGui::ProgressBar(static_cast<float>(facts.done), {ImGui::GetContentRegionAvail().x - buttons, 0},
+                     over ? "all measured" : fmt::format("{:.0f} %", std::floor(100 * facts.done)).c_str());
+  ImGui::PopStyleColor();
+  if (!over) explain(("measuring " + facts.doing).c_str());
+  ImGui::SameLine();
+  ImGui::BeginDisabled(over);
+  if (ImGui::Button(label, {3.4f * size, 0})) workspace.accuracy.running = !workspace.accuracy.running;
+  ImGui::EndDisabled();
+  track(workspace, "accuracy.running");
+  ImGui::SameLine();
+  if (ImGui::Button("from here", {-1, 0})) workspace.accuracy.restart = true;
+  track(workspace, "accuracy.restart");
+  explain("Measures anew, from the bodies as they are");
+}
+
+void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const WorkspaceView& view) {
+  const bool light = workspace.theme == Theme::light;
+  AccuracyChart diagram = accuracy_chart(facts.points, facts.reference, workspace.accuracy.tolerance, light);
+  diagram.chart.names = diagram.chart.tells = false;
+  double least = 1e300, most = 0;
+  for (std::size_t s = 0; s < diagram.points.size(); ++s)
+    for (std::size_t k = 0; k < diagram.points[s].size(); ++k) {
+      const AccuracyPoint& p = facts.points[diagram.points[s][k]];
+      ChartPoint& place = diagram.chart.series[s].points[k];
+      if (facts.cheapest == diagram.points[s][k]) place.ring = ImGui::GetColorU32(ImGuiCol_CheckMark);
+      if (p.setting == facts.now) place.ring = ImGui::GetColorU32(ImGuiCol_Text);
+      if (p.error > 0) least = std::min(least, p.error);
+      most = std::max(most, p.error);
+    }
+  const ChartHit hit =
+      draw_chart("diagram", ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 21, diagram.chart);
+  const bool clicked = ImGui::IsItemClicked(), held = ImGui::IsItemActive();
+  track(workspace, "accuracy.diagram");
+
+  // What the button went down on it keeps.
+  ImGuiStorage* const memory = ImGui::GetStateStorage();
+  const ImGuiID dragging = ImGui::GetID("tolerance is dragged");
+  if (clicked) memory->SetBool(dragging, hit.level);
+  if (held && memory->GetBool(dragging) && most > 0)
+    workspace.accuracy.tolerance = std::clamp(hit.y, 0.1 * least, 10 * most);
+  if (hit.level || (held && memory->GetBool(dragging))) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
+  const float grip = 0.5f * ImGui::GetFontSize();
+  if (hit.level_at > 0)
+    track(workspace, "accuracy.tolerance.line", {hit.right - grip, hit.level_at - grip, grip, 2 * grip});
+  for (const ChartHit::Place& place : hit.places)
+    if (place.series > 0)  // the front's are points of the others
+      track(workspace,
+            fmt::format(
+                "accuracy.point.{}",
+                diagram.points[static_cast<std::size_t>(place.series)][static_cast<std::size_t>(place.point)])
+                .c_str(),
+            {place.x - grip, place.y - grip, 2 * grip, 2 * grip});
+  if (hit.point >= 0) {
+    const AccuracyPoint& p =
+        facts.points[diagram
+                         .points[static_cast<std::size_t>(hit.series)][static_cast<std::size_t>(hit.point)]];
+    tell(p, view, p.setting == facts.now);
+    if (clicked) wish_for(p.setting, facts, workspace.settings);
+  }
+  for (std::size_t k = 0; k < diagram.kinds.size(); ++k) {
+    const auto& [name, color] = diagram.kinds[k];
+    const float width = ImGui::CalcTextSize(name.c_str()).x;
+    if (k > 0) {
+      ImGui::SameLine();
+      if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+    }
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s", name.c_str());
+  }
+  faint_text("solid: f32, dashed: f64, broad: Pareto front");
+}
+
+void draw_answer(Workspace& workspace, const AccuracyFacts& facts, const WorkspaceView& view) {
+  row_label("allowed", "The error that is allowed: drag the line, or type it");
+  double tolerance = workspace.accuracy.tolerance;
+  ImGui::InputDouble("##tolerance", &tolerance, 0, 0, "%.3g m", ImGuiInputTextFlags_AutoSelectAll);
+  if (ImGui::IsItemDeactivatedAfterEdit() && tolerance > 0 && std::isfinite(tolerance))
+    workspace.accuracy.tolerance = tolerance;
+  track(workspace, "accuracy.tolerance");
+  if (!facts.cheapest) {
+    wrapped_faint("No setting measured so far is as accurate.");
+    return;
+  }
+  const AccuracyPoint& p = facts.points[*facts.cheapest];
+  if (ImGui::Button("apply")) wish_for(p.setting, facts, workspace.settings);
+  track(workspace, "accuracy.apply");
+  ImGui::SameLine();
+  ImGui::TextUnformatted(p.family.c_str());
+  ImGui::TextUnformatted(fmt::format("{}: {}{}", p.name, length_text(p.error),
+                                     view.with_times ? fmt::format(", {} ms", short_number(p.ms.median)) : "")
+                             .c_str());
+}
+
+void draw_terms(const AccuracyFacts& facts) {
+  if (facts.reference) {
+    const AccuracyReference& r = *facts.reference;
+    wrapped_faint(r.description);
+    wrapped_faint(fmt::format("From state {}. Positions are compared for {:.3g} s{}",
+                              grouped_number(facts.since), r.horizon, r.end.empty() ? "." : ": " + r.end));
+  } else {
+    wrapped_faint(
+        fmt::format("From state {}: the reference first, which takes a while.", grouped_number(facts.since)));
+  }
+  for (const std::string& doubt : facts.doubts) wrapped_faint("! " + doubt);
+}
+
+}  // namespace
+
+void draw_accuracy_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "accuracy", "Accuracy", workspace.folds.accuracy)) return end_panel();
+  if (view.accuracy == nullptr || !view.accuracy->lack.empty()) {
+    wrapped_faint(view.accuracy == nullptr ? "of the next frame" : view.accuracy->lack);
+    return end_panel();
+  }
+  const AccuracyFacts& facts = *view.accuracy;
+  draw_progress(workspace, facts);
+  if (std::ranges::any_of(facts.points,
+                          [](const AccuracyPoint& p) { return p.has_error() && p.has_price(); })) {
+    draw_diagram(workspace, facts, view);
+    draw_answer(workspace, facts, view);
+  }
+  draw_terms(facts);
+  end_panel();
+}
+
+}  // namespace collidoscope
