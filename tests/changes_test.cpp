@@ -258,7 +258,7 @@ TEST(Change, AtState0IsAsIfTheSceneHadSaidSo) {
 TEST(Change, FilesReadBackAsTheyWere) {
   const RunOptions o;
   const ChangeList list = parse_changes(script, "script", crowd(), o, 0);
-  ASSERT_EQ(list.changes.size(), 17u);
+  ASSERT_EQ(list.changes.size(), 19u);
   EXPECT_FALSE(list.end.has_value());
   const ChangeList with_end{list.changes, RecordedEnd{54, 0x0123456789abcdefu}};
   const std::string text = write_changes(with_end, crowd());
@@ -269,6 +269,8 @@ TEST(Change, FilesReadBackAsTheyWere) {
   EXPECT_EQ(write_changes(again, crowd()), text);
   EXPECT_EQ(again.changes[5].add[1].mass, 9e4);
   EXPECT_EQ(again.changes[5].add[0].angular_velocity, Vector3d(0, 9, 0));
+  EXPECT_EQ(again.changes[15].integrator, Integrator::rk4);
+  EXPECT_EQ(again.changes[15].rotation_update, RotationUpdate::lie_group);
 }
 
 /// What is said of a list whose second line is this; the scene is crowd(), or one without generators.

@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(
             "jacobi_split)"},
         Bad{"\"integrator\": \"rk5\"}", "s:2:15: unknown integrator \"rk5\"; did you mean \"rk4\"?"},
         Bad{"\"rotation_update\": \"lie\"}",
-            "s:2:20: unknown rotation update \"lie\"; it is first_order or lie_group"},
+            "s:2:20: unknown rotation_update \"lie\"; it is first_order or lie_group"},
         Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
         Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},
         Bad{"\"effects\": [\"gravity\", \"magic\"]}",
