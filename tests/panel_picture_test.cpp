@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -172,13 +170,6 @@ struct Alone {
     for (int round = 0; round < 4; ++round) draw();
     return frame.read();
   }
-  /// The middle of a widget.
-  ImVec2 place(const std::string& name) const {
-    for (const auto& [widget, rect] : workspace.widgets)
-      if (widget == name) return {rect.x + 0.5f * rect.width, rect.y + 0.5f * rect.height};
-    ADD_FAILURE() << "no " << name;
-    return {-1, -1};
-  }
   void mouse(ImVec2 at, bool down) {
     pointer = at;
     pressed = down;
@@ -240,6 +231,16 @@ struct AccuracyPanel : Alone {
     workspace.accuracy.tolerance = tolerance;
     facts.cheapest = cheapest_below(facts.points, tolerance);
   }
+  ImVec2 place_of(std::size_t point) const {
+    for (const AccuracyPlace& place : workspace.accuracy.places)
+      if (place.point == point) return {place.x, place.y};
+    ADD_FAILURE() << "no point " << point;
+    return {-1, -1};
+  }
+  ImVec2 line() const {
+    return workspace.accuracy.line ? ImVec2{workspace.accuracy.line->x, workspace.accuracy.line->y}
+                                   : ImVec2{-1, -1};
+  }
   AccuracyFacts facts = stored_study();
 };
 
@@ -252,7 +253,7 @@ TEST(PanelPicture, Accuracy) {
   AccuracyPanel light;
   light.workspace.theme = Theme::light;
   light.picture();
-  light.pointer = light.place(fmt::format("accuracy.point.{}", *light.facts.cheapest));
+  light.pointer = light.place_of(*light.facts.cheapest);
   EXPECT_EQ(check_golden("accuracy_light", light.picture()), "");
 }
 
@@ -266,7 +267,7 @@ TEST(PanelPicture, APointOfTheDiagramIsASetting) {
         return p.on_front ? p.ms.median : 0;
       });
   const AccuracySetting& setting = panel.facts.points[fine].setting;
-  panel.mouse(panel.place("accuracy.point." + std::to_string(fine)), false);
+  panel.mouse(panel.place_of(fine), false);
   EXPECT_NE(panel.workspace.settings.time_step, setting.time_step) << "the pointer alone changes nothing";
   panel.mouse(panel.pointer, true);
   panel.mouse(panel.pointer, false);
@@ -286,7 +287,7 @@ TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   test_context();
   AccuracyPanel panel;
   panel.picture();
-  const ImVec2 line = panel.place("accuracy.tolerance.line");
+  const ImVec2 line = panel.line();
   panel.mouse(line, false);
   panel.mouse(line, true);
   panel.mouse({line.x - 100, line.y + 40}, true);
@@ -303,7 +304,7 @@ TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   // Down to a tenth of the least error, no further.
   panel.allow(dragged);
   panel.picture();
-  panel.mouse(panel.place("accuracy.tolerance.line"), true);
+  panel.mouse(panel.line(), true);
   for (int k = 0; k < 100; ++k) panel.mouse({line.x, 5000}, true);
   double least = 1;
   for (const AccuracyPoint& p : panel.facts.points)

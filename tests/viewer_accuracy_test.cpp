@@ -29,20 +29,17 @@ TEST_F(Viewer, MeasuresWhatAccuracyCostsAndAppliesIt) {
   EXPECT_THAT(accuracy("reference").get<std::string>(), testing::HasSubstr("hard spheres"));
 
   // A click on a point applies its setting.
-  std::size_t other = 0;
-  for (const Json& point : accuracy("points"))
-    if (point["point"] != accuracy("now") &&
-        window.sees("accuracy.point." + std::to_string(point["point"].get<int>())))
-      other = point["point"].get<std::size_t>();
-  window.click("accuracy.point." + std::to_string(other));
+  const Json at = accuracy("places").back();
+  const std::size_t other = at["point"];
+  window.click_at(at["at"][0].get<int>(), at["at"][1].get<int>());
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["accuracy"]["now"] == other; })) << other;
   EXPECT_EQ(window.frame()["edited"], true);
   EXPECT_EQ(accuracy("done"), 1) << "the study stays";
 
   // The line across, dragged down, allows less; what is cheapest then is applied by its button.
   const double before = accuracy("tolerance");
-  const auto [x, y] = window.place("accuracy.tolerance.line");
-  window.drag(x, y, x, y + 30);
+  const Json line = accuracy("line");
+  window.drag(line[0].get<int>(), line[1].get<int>(), line[0].get<int>(), line[1].get<int>() + 30);
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["accuracy"]["tolerance"] < before; }));
   ASSERT_FALSE(accuracy("cheapest").is_null());
   for (const Json& point : accuracy("points"))

@@ -46,7 +46,10 @@ std::vector<std::string> named_widgets() {
                                  "settings.threads.auto",
                                  "settings.substeps.auto",
                                  "settings.iterations.slider",
-                                 "panel.convergence"};
+                                 "panel.convergence",
+                                 "panel.accuracy",
+                                 "layers.ghosts",
+                                 "layers.errors"};
   const auto list = [&](const std::string& name, const std::vector<std::string>& choices) {
     for (const std::string& choice : choices) names.push_back(name + "." + choice);
   };

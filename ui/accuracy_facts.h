@@ -13,10 +13,19 @@
 
 namespace collidoscope {
 
+/// Where something was drawn last, in pixels of the screen.
+struct AccuracyPlace {
+  std::size_t point = 0;
+  float x = 0, y = 0;
+};
+
 struct AccuracyWishes {
   double tolerance = 0;  ///< m, the error that is allowed; 0: nobody said, and the owner sets one
   bool running = true;   ///< go on measuring while the panel is unfolded
   bool restart = false;  ///< from the bodies as they are; cleared by the owner
+
+  std::vector<AccuracyPlace> places;  ///< of the points of the diagram, for whoever clicks by name
+  std::optional<AccuracyPlace> line;  ///< of the grip of the line across
 };
 
 struct AccuracyFacts {

@@ -133,17 +133,15 @@ void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const Worksp
   if (held && memory->GetBool(dragging) && most > 0)
     workspace.accuracy.tolerance = std::clamp(hit.y, 0.1 * least, 10 * most);
   if (hit.level || (held && memory->GetBool(dragging))) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
-  const float grip = 0.5f * ImGui::GetFontSize();
-  if (hit.level_at > 0)
-    track(workspace, "accuracy.tolerance.line", {hit.right - grip, hit.level_at - grip, grip, 2 * grip});
+  AccuracyWishes& wishes = workspace.accuracy;
+  wishes.line.reset();
+  if (hit.level_at > 0) wishes.line = {0, hit.right - 0.25f * ImGui::GetFontSize(), hit.level_at};
+  wishes.places.clear();
   for (const ChartHit::Place& place : hit.places)
     if (place.series > 0)  // the front's are points of the others
-      track(workspace,
-            fmt::format(
-                "accuracy.point.{}",
-                diagram.points[static_cast<std::size_t>(place.series)][static_cast<std::size_t>(place.point)])
-                .c_str(),
-            {place.x - grip, place.y - grip, 2 * grip, 2 * grip});
+      wishes.places.push_back(
+          {diagram.points[static_cast<std::size_t>(place.series)][static_cast<std::size_t>(place.point)],
+           place.x, place.y});
   if (hit.point >= 0) {
     const AccuracyPoint& p =
         facts.points[diagram

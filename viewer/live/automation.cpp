@@ -70,6 +70,9 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
     if (p.has_error() && p.has_price())
       accuracy["points"].push_back({{"point", k}, {"error", p.error}, {"ms", p.ms.median}});
   }
+  for (const AccuracyPlace& place : workspace.accuracy.places)
+    accuracy["places"].push_back({{"point", place.point}, {"at", {place.x, place.y}}});
+  if (workspace.accuracy.line) accuracy["line"] = {workspace.accuracy.line->x, workspace.accuracy.line->y};
   return accuracy;
 }
 

@@ -1,5 +1,7 @@
 #include "viewer/live/live_accuracy.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -27,6 +29,11 @@ void LiveAccuracy::begin(World& world) {
   finished_ = false;
   facts_ = {};
   facts_.since = world.steps();
+  if (static_cast<std::int64_t>(world.initial().size()) > most_bodies) {
+    facts_.lack = fmt::format("Here with at most {} bodies; `collidoscope-headless accuracy` takes its time.",
+                              most_bodies);
+    return;
+  }
   try {
     const RunState state = world.state();
     AccuracyRequest request;

@@ -14,8 +14,9 @@ namespace collidoscope {
 
 class LiveAccuracy {
  public:
-  static constexpr double seconds = 1;  ///< s of simulated time, about: somebody waits
-  static constexpr int rounds = 3;      ///< runs that a price is the middle of
+  static constexpr std::int64_t most_bodies = 20'000;  ///< one step is the least slice
+  static constexpr double seconds = 1;                 ///< s of simulated time, about: somebody waits
+  static constexpr int rounds = 3;                     ///< runs that a price is the middle of
 
   /// Of the scene of `world`; `generation` changes whenever it is another World.
   void follow(World& world, int generation, AccuracyWishes& wishes);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 
 #include "sim_cuda/accuracy/point.h"
 #include "sim_cuda/changes.h"
@@ -138,13 +139,18 @@ bool LiveReference::go_ahead(double dt, double milliseconds) {
     }
     return exact_->time() >= target || exact_->zeno_point().has_value();
   }
-  for (Run& run : runs_) {
-    if (run.done == 0) fit(run, dt);
-    while (run.done < run.parts) {
-      run.world->step();
-      ++run.done;
-      if (late()) return &run == &runs_.back() && run.done == run.parts;
+  try {
+    for (Run& run : runs_) {
+      if (run.done == 0) fit(run, dt);
+      while (run.done < run.parts) {
+        run.world->step();
+        ++run.done;
+        if (late()) return &run == &runs_.back() && run.done == run.parts;
+      }
     }
+  } catch (const std::exception& error) {  // no memory for what they grew to
+    runs_.clear();
+    facts_.lack = error.what();
   }
   return true;
 }
