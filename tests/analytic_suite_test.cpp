@@ -77,6 +77,8 @@ TEST(AnalyticSuite, SaysWhatFailedAndWhy) {
   EXPECT_THAT(markdown, testing::HasSubstr(
                             "| `throw`: position, m | semi_implicit_euler | 1.00 of 1 | 1/240 | 0.013 |"));
   EXPECT_EQ(std::ranges::count(markdown, '\n'), 1 + 1 + 2 + 3) << "double and float share a row";
+  const std::string table = markdown.substr(markdown.find('|'));
+  EXPECT_EQ(std::ranges::count(table, '|'), 5 * 10) << "nine columns in each row";
 }
 
 TEST(AnalyticSuite, DrawsDoubleAndFloatOfEachIntegratorInOneColour) {

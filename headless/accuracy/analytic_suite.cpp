@@ -116,7 +116,8 @@ struct Counts {
 };
 
 /// The cases have scenes and steps of their own: flags that would change them are refused, not ignored.
-void refuse_what_cases_set(const Overrides& o) {
+void refuse_what_cases_set(const Options& options) {
+  const Overrides& o = options.overrides;
   const std::pair<const char*, bool> flags[] = {
       {"--bodies", o.bodies.has_value()},
       {"--variant", o.variant.has_value()},
@@ -186,9 +187,9 @@ std::string analytic_csv(const std::vector<AnalyticResult>& results) {
 
 std::string analytic_markdown(const std::vector<AnalyticResult>& results, const std::string& device) {
   std::string text = Counts(results).text(device) +
-                     ".\n\n| case: error of | integrator | order | smallest h, s | in double | in float | of "
-                     "theory | why |\n"
-                     "|---|---|---:|---:|---:|---:|---:|---:|---|\n";
+                     ".\n\n| case: error of | integrator | order | smallest h, s | in double | of theory | "
+                     "in float | pays to "
+                     "| why |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n";
   std::string last;
   for (const Row& row : rows_of(results)) {
     const AnalyticResult& r = row.any();
@@ -252,7 +253,7 @@ Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::stri
 
 int analytic_suite(const CommandLine& line) {
   const Overrides& chosen = line.options.overrides;
-  refuse_what_cases_set(chosen);
+  refuse_what_cases_set(line.options);
   const ResultFiles files(line.options);
   struct Run {
     const AnalyticCase* one;

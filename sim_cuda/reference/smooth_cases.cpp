@@ -77,7 +77,7 @@ AnalyticCase spring_force() {
   one.name = "spring_force";
   one.scene = analytic_scene(one.name);
   one.compared = "position and speed over w, m";
-  one.because = "Euler: half a kick ahead at the start, half a kick late at the end: A w h/2 |sin w t|";
+  one.because = "Euler: half a kick ahead at the start, half a kick late at the end: A sin(w t) w h/2";
   one.horizon = 1.5;
   const Attractor pull = one.scene.physics.attractors[0];
   const double w = std::sqrt(pull.strength / std::pow(pull.softening, 3));
@@ -102,7 +102,7 @@ AnalyticCase orbit() {
   one.scene = analytic_scene(one.name);
   one.compared = "position, m";
   one.because = "Euler: the same, along Kepler's motion";
-  one.horizon = 50000;
+  one.horizon = 25000;
   const double mu = one.scene.physics.attractors[0].strength;
   const Body& moon = one.scene.bodies[0];
   const OrbitState start{moon.position, moon.velocity};
