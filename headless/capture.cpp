@@ -217,12 +217,10 @@ int run_capture(const CaptureRequest& request, World& world) {
     fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  contacts {}\n", file, request.width, request.height,
                state, drawn.bodies,
                request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes, drawn.contacts);
-    if (reference.facts().known())
-      fmt::print(
-          "{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, itself off by {:.2g} "
-          "m\n",
-          "", file.size(), reference.facts().rms, reference.facts().max, reference.facts().name,
-          reference.facts().since, reference.facts().doubt);
+    if (const ReferenceFacts& facts = reference.facts(); facts.known())
+      fmt::print("{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n", "",
+                 file.size(), facts.rms, facts.max, facts.name, facts.since,
+                 facts.doubt > 0 ? fmt::format("itself off by {:.2g} m", facts.doubt) : "exact");
     else if (asked)
       say(fmt::format("state {}: no reference: {}", state, reference.facts().lack));
     std::fflush(stdout);

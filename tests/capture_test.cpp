@@ -55,6 +55,37 @@ TEST(Capture, TwoCapturesAreByteEqual) {
   EXPECT_EQ(picture.height, 200);
 }
 
+// Two spheres fly apart, and a step of Euler's method puts both g h t / 2 too low.
+TEST(Capture, SaysHowFarTheBodiesAreFromTheirGhosts) {
+  Scene scene;
+  scene.name = "two";
+  scene.physics.solver = Solver::impulse;
+  scene.physics.gravity = Vector3d(0, 0, -10);
+  scene.physics.time_step = 1.0 / 64;
+  scene.bodies.resize(2);
+  scene.bodies[1].position = Vector3d(20, 0, 0);
+  const TemporaryFolder folder;
+  CaptureRequest request;
+  request.states = {0, 64};
+  request.width = 320;
+  request.height = 200;
+  const auto capture = [&](const char* layers, const char* name) {
+    request.layers = parse_layers(layers);
+    request.out = (folder / name).string();
+    World world(scene, on_cpu());
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(run_capture(request, world), 0);
+    return testing::internal::GetCapturedStdout();
+  };
+  const std::string said = capture("spheres,ghosts,errors:20", "with");
+  EXPECT_THAT(said, testing::HasSubstr("off by 0 m rms, 0 m at most"));
+  EXPECT_THAT(said,
+              testing::HasSubstr("off by 0.0781 m rms, 0.0781 m at most; reference: hard spheres, event by "
+                                 "event, from state 0, exact"));
+  EXPECT_THAT(capture("spheres", "without"), testing::Not(testing::HasSubstr("reference")));
+  EXPECT_NE(bytes_of(folder / "with/two_0064.png"), bytes_of(folder / "without/two_0064.png"));
+}
+
 TEST(Capture, WhatIsDrawnIsTheTree) {
   test_context();
   World world(small_scene(), on_cpu());
