@@ -24,7 +24,7 @@ SmoothState leading_error(const SmoothProblem& problem, const OneStep& step, int
   };
   const auto growth = [&](double t, const SmoothState& e) {
     const SmoothState y = problem.exact(t);
-    const SmoothState d = 2 * missed(t, y, h) - missed(t, y, 2 * h);  // the next order drops out
+    SmoothState d = 2 * missed(t, y, h) - missed(t, y, 2 * h);  // the next order drops out
     const double size = e.norm();
     if (size == 0) return d;
     const double small = 1e-5 * std::max(y.norm(), 1e-3) / size;
