@@ -23,12 +23,14 @@ struct CommandName {
   std::size_t least, most;  ///< operands
   const char* help;
 };
-constexpr std::array<CommandName, 5> commands{
+constexpr std::array<CommandName, 6> commands{
     {{"run", Command::run, "SCENE", 1, 1, "step a scene and report what it cost; no pictures"},
      {"capture", Command::capture, "SCENE", 1, 1, "step a scene and write pictures of its states"},
      {"compare", Command::compare, "A.png B.png", 2, 2, "how different two pictures are"},
      {"bvh", Command::bvh, "SCENE", 1, 1, "how good the hierarchy of each broad phase is"},
-     {"bench", Command::bench, "SUITE [SCENE]", 1, 2, "measure what things cost; a suite of measurements"}}};
+     {"bench", Command::bench, "SUITE [SCENE]", 1, 2, "measure what things cost; a suite of measurements"},
+     {"accuracy", Command::accuracy, "[SCENE]", 0, 1,
+      "what accuracy costs: error over time; without a scene, cases in closed form"}}};
 
 constexpr const char* exit_codes =
     "Exit status: 0 done, 1 a check failed, 2 bad input, 3 something that the machine lacks.";
@@ -141,6 +143,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
   CommandLine line;
   line.command = command.command;
   if (line.command == Command::bench) line.options.capture.height = 720;
+  if (line.command == Command::accuracy) line.options.bench.repeats = 5;
 
   CLI::App app;
   app.allow_extras();
@@ -189,7 +192,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
   if (command == commands.end())
     throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
-                     "; there are run, capture, compare, bvh and bench, and --help");
+                     "; there are run, capture, compare, bvh, bench and accuracy, and --help");
   return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()});
 }
 

@@ -14,7 +14,7 @@ namespace collidoscope {
 struct CommandLine {
   Command command = Command::run;
   std::string suite;                  ///< of bench; one of suites()
-  std::vector<std::string> operands;  ///< of run, capture and bench the scene; of compare two pictures
+  std::vector<std::string> operands;  ///< of compare two pictures, else the scene
   Options options;
   std::string text;  ///< not empty: print this and do nothing else (--help, --version)
 };

@@ -119,8 +119,10 @@ void collect(std::vector<std::string>& faults, Read read) {
 
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
 constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench), grading = bit(Command::bvh);
-constexpr unsigned drawing = capturing | viewing | benching, stepping = running | drawing | grading;
-constexpr unsigned reporting = running | capturing | benching | grading | bit(Command::compare);
+constexpr unsigned studying = bit(Command::accuracy);
+constexpr unsigned drawing = capturing | viewing | benching,
+                   stepping = running | drawing | grading | studying;
+constexpr unsigned reporting = running | capturing | benching | grading | studying | bit(Command::compare);
 
 struct Reader {
   Flag flag;
@@ -323,19 +325,27 @@ constexpr Reader readers[] = {
          if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
        });
      }},
-    {{"--repeats", "K", "how often each thing is timed [50]", benching | grading},
+    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 5]", benching | grading | studying},
      [](Reading& in) {
        if (const auto n = in.value.whole(1, 1'000'000)) in.options.bench.repeats = *n;
      }},
-    {{"--csv", "FILE", "the rows of a suite as CSV", benching},
+    {{"--csv", "FILE", "the rows of a suite as CSV", benching | studying},
      [](Reading& in) { read_path(in.value, in.options.bench.csv); }},
-    {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching},
+    {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching | studying},
      [](Reading& in) { read_path(in.value, in.options.bench.markdown); }},
 
     {{"--effects-code", "FOLDER", "of bench effects: objects whose machine code is compared", benching},
      [](Reading& in) { read_path(in.value, in.options.bench.effects_code); }},
-    {{"--plot", "FILE.png", "a chart of the suite", benching},
+    {{"--plot", "FILE.png", "a chart of the suite", benching | studying},
      [](Reading& in) { read_path(in.value, in.options.bench.plot); }},
+
+    {{"--tolerance", "E", "m: names the cheapest setting whose error is no larger; 1 if there is none",
+      studying},
+     [](Reading& in) { in.options.accuracy.tolerance = in.value.number(1e-15, 1e9, "m"); }},
+    {{"--seconds", "T", "simulated seconds to compare at most [2]", studying},
+     [](Reading& in) {
+       if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;
+     }},
 
     {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
      [](Reading& in) { in.options.view.reset_ui = true; }},

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "headless/accuracy/accuracy.h"
 #include "headless/bench/suites.h"
 #include "headless/bvh.h"
 #include "headless/command_line.h"
@@ -43,6 +44,8 @@ int perform(const CommandLine& line) {
       return bvh_command(line);
     case Command::bench:
       return bench_command(line);
+    case Command::accuracy:
+      return accuracy_command(line);
     case Command::view:
       break;  // no word of the command line means it
   }

@@ -16,7 +16,7 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, capture, compare, bvh, bench, view };
+enum class Command { run, capture, compare, bvh, bench, accuracy, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
@@ -54,6 +54,12 @@ struct Overrides {
   std::optional<std::optional<double>> restitution_threshold;  ///< m/s; inner unset: "auto"
 };
 
+/// What only `accuracy` takes, beside what it shares with `bench`.
+struct AccuracyOptions {
+  std::optional<double> tolerance;  ///< m
+  double seconds = 2;               ///< s, that are compared at most
+};
+
 struct Options {
   RunOptions run;
   Overrides overrides;
@@ -69,6 +75,7 @@ struct Options {
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`
   BenchRequest bench;
+  AccuracyOptions accuracy;
 
   std::int64_t steps_or(std::int64_t otherwise) const { return steps.value_or(otherwise); }
 };

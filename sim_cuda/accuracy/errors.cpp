@@ -57,11 +57,16 @@ ErrorSum::Result ErrorSum::result(const InitialBodies& bodies) const {
     sums[group] += sum_[i];
   }
   if (count == 0 || states_ == 0) return {0, 0, 0, 0};
-  std::vector<double> of_groups;
-  for (std::size_t k = 0; k < groups; ++k)
-    if (counts[k] > 0) of_groups.push_back(std::sqrt(sums[k] / (static_cast<double>(counts[k]) * states_)));
-  return {std::sqrt(sum / (static_cast<double>(count) * states_)), quantile_of(of_groups, 0.25),
-          quantile_of(of_groups, 0.75), worst_};
+  const double mean = sum / (static_cast<double>(count) * states_);
+  double scatter = 0, used = 0;
+  for (std::size_t k = 0; k < groups; ++k) {
+    if (counts[k] == 0) continue;
+    const double off = sums[k] / (static_cast<double>(counts[k]) * states_) - mean;
+    scatter += off * off;
+    ++used;
+  }
+  const double off = used > 1 ? std::sqrt(scatter / (used * (used - 1))) : 0;
+  return {std::sqrt(mean), std::sqrt(std::max(mean - off, 0.0)), std::sqrt(mean + off), worst_};
 }
 
 double rms_distance(const BodyStates& a, const BodyStates& b, const InitialBodies& bodies, bool turning) {

@@ -21,7 +21,7 @@ class ErrorSum {
   void add(const std::vector<double>& squares);
 
   struct Result {
-    double rms, low, high, worst;  ///< m; `low` and `high`: quartiles of the r.m.s. of 16 groups of bodies
+    double rms, low, high, worst;  ///< m; `low` and `high`: a standard error off, from 16 groups of bodies
   };
   /// Over the bodies that forces move.
   Result result(const InitialBodies& bodies) const;

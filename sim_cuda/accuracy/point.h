@@ -69,7 +69,7 @@ struct AccuracyPoint {
   std::string name;    ///< "1/60 s, 4 substeps, 1 iteration": which of them
   AccuracySetting setting;
   /// m, root mean square over all bodies and samples of how far a body's matter is from where it should be,
-  /// turns included; and the quartiles of the same over groups of bodies.
+  /// turns included; and a standard error below and above, by how groups of bodies differ.
   double error = not_known, error_low = not_known, error_high = not_known;
   double error_worst = not_known;  ///< m, of any body at any sample
   AccuracyPrice ms;                ///< for a simulated second

@@ -195,7 +195,17 @@ bool AccuracyStudy::work_on_price(const Deadline& slice) {
   }
   if (!price_run_->reach_next(slice)) return false;
   if (price_run_->sample() + 1 < std::ssize(samples_)) return false;
-  point.ms_runs.push_back(price_run_->price());
+  // A run of few steps is made again, until there are enough for their median.
+  constexpr int enough = 100;
+  price_steps_ += price_run_->plain_steps();
+  prices_.push_back(price_run_->price());
+  if (price_steps_ < enough) {
+    price_run_->rewind(subject_.start);
+    return false;
+  }
+  point.ms_runs.push_back(quantile_of(prices_, 0.5));
+  prices_.clear();
+  price_steps_ = 0;
   point.ms = {quantile_of(point.ms_runs, 0.5), quantile_of(point.ms_runs, 0.25),
               quantile_of(point.ms_runs, 0.75)};
   price_run_.reset();

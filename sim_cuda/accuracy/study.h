@@ -92,6 +92,8 @@ class AccuracyStudy {
   struct ErrorRun;
   std::unique_ptr<ErrorRun> error_run_;    // of the job at hand
   std::unique_ptr<SampledRun> price_run_;  // of the job at hand
+  std::vector<double> prices_;             // of its runs so far
+  int price_steps_ = 0;                    // plain ones, of these
 };
 
 }  // namespace collidoscope

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <thread>
 
+#include "sim_cuda/accuracy/errors.h"
+
 namespace collidoscope {
 
 int AccuracySubject::steps_between(const AccuracySetting& setting) const {
@@ -61,21 +63,28 @@ bool SampledRun::reach_next(const Deadline& slice) {
     world_.step();
     ++done_;
     if (plain) {
-      plain_ms_ += world_.latest_times().step_last_ms;
+      stretch_.push_back(world_.latest_times().step_last_ms);
       ++plain_steps_;
     }
   } while (done_ % between_ != 0 && !slice.passed());
   if (done_ % between_ != 0) return false;
   ++sample_;
+  if (!stretch_.empty()) medians_.push_back(quantile_of(stretch_, 0.5));
+  stretch_.clear();
   return true;
 }
 
-double SampledRun::price() const { return plain_steps_ > 0 ? plain_ms_ / plain_steps_ / step_ : not_known; }
+double SampledRun::price() const {
+  double sum = 0;
+  for (const double each : medians_) sum += each;
+  return medians_.empty() ? not_known : sum / static_cast<double>(medians_.size()) / step_;
+}
 
 void SampledRun::rewind(const RunState& start) {
   world_.adopt(start);
   done_ = sample_ = plain_steps_ = 0;
-  plain_ms_ = 0;
+  stretch_.clear();
+  medians_.clear();
 }
 
 }  // namespace collidoscope

@@ -55,9 +55,11 @@ class SampledRun {
   bool reach_next(const Deadline& slice);
   int sample() const { return sample_; }  ///< last reached; 0: the start
   World& world() { return world_; }
-  /// ms for a simulated second, on average over the steps that ran plain: even-numbered ones, none of whose
-  /// stages is timed.
+  /// ms for a simulated second: the mean over the stretches between samples of the median of their plain
+  /// steps (even-numbered ones, none of whose stages is timed), so that a step which had to wait for another
+  /// program counts for little.
   double price() const;
+  int plain_steps() const { return plain_steps_; }
   /// Back to the start, with what was recorded and grown on the way: so that prices are of steps alone.
   void rewind(const RunState& start);
 
@@ -66,8 +68,9 @@ class SampledRun {
   World world_;
   double step_;  // s
   int between_, done_ = 0, sample_ = 0;
-  double plain_ms_ = 0;
   int plain_steps_ = 0;
+  std::vector<double> stretch_;  // ms, of plain steps since the last sample
+  std::vector<double> medians_;  // ms, of the stretches before
 };
 
 }  // namespace collidoscope

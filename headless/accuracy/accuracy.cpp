@@ -1,0 +1,117 @@
+#include "headless/accuracy/accuracy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "headless/accuracy/analytic_suite.h"
+#include "headless/accuracy/interruption.h"
+#include "headless/accuracy/study_report.h"
+#include "headless/bench/result_files.h"
+#include "headless/progress.h"
+#include "sim_cuda/accuracy/study.h"
+#include "sim_cuda/core/error.h"
+#include "ui/accuracy_chart.h"
+
+namespace collidoscope {
+namespace {
+
+/// Errors mean most against what is exact, and that starts apart; so do the scene's spheres, where nobody
+/// asked for another start and there is room.
+void start_apart(const CommandLine& line, Scene& scene) {
+  const bool overlapping = std::ranges::any_of(scene.generators, [](const BoxCollider& g) {
+    return g.spawn != Spawn::apart && g.variant != Variant::settled;
+  });
+  if (!overlapping || line.options.overrides.spawn) return;
+  Scene apart = scene;
+  for (BoxCollider& generator : apart.generators) generator.spawn = Spawn::apart;
+  try {
+    initial_bodies(apart);
+  } catch (const InputError&) {
+    return;  // no room
+  }
+  scene = std::move(apart);
+  std::fputs(
+      "note: generated spheres start apart, so that an exact answer is known; --spawn inside: as the "
+      "scene has them\n",
+      stderr);
+}
+
+/// What the file of --json holds of this study, which was cut short. Any other file will be replaced.
+void go_on(const std::string& file, AccuracyStudy& study) {
+  if (file.empty() || file == "-" || !std::filesystem::is_regular_file(file)) return;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  try {
+    const AccuracyRecord record = parse_record(text, file);
+    if (record.complete || !study.restore(record)) return;
+    const auto known = std::ranges::count_if(record.points, &AccuracyPoint::has_error);
+    std::fputs(
+        fmt::format("note: {} holds {} of {} settings already\n", file, known, record.points.size()).c_str(),
+        stderr);
+  } catch (const InputError&) {
+  }
+}
+
+/// Works to the end, or to Ctrl-C; files are as of the last second.
+void work(AccuracyStudy& study, const Interruption& interruption, const std::function<void()>& save) {
+  using Clock = std::chrono::steady_clock;
+  std::optional<Progress> bar;
+  std::int64_t total = -1;
+  Clock::time_point saved = Clock::now();
+  while (!interruption.wished() && study.advance(50)) {
+    const AccuracyStudy::Progress progress = study.progress();
+    if (progress.total != total) bar.emplace(study.reference() ? "runs" : "reference", progress.total);
+    total = progress.total;
+    bar->update(progress.done);
+    if (study.points().empty() || Clock::now() - saved < std::chrono::seconds(1)) continue;
+    save();
+    saved = Clock::now();
+  }
+}
+
+}  // namespace
+
+int accuracy_command(const CommandLine& line) {
+  if (line.operands.empty()) return analytic_suite(line);
+  const Options& options = line.options;
+  const std::optional<double> tolerance = options.accuracy.tolerance;
+  Scene scene = load_scene(line);
+  start_apart(line, scene);
+  const ResultFiles files(options);
+  AccuracyStudy study(
+      scene, options.run,
+      {.seconds = options.accuracy.seconds, .rounds = static_cast<int>(options.bench.repeats)});
+  go_on(options.json, study);
+  const auto save = [&] {
+    const AccuracyRecord record = study.record();
+    files.write(write_record(record), study_csv(record), study_markdown(record, tolerance));
+  };
+  const Interruption interruption;
+  work(study, interruption, save);
+  if (study.points().empty()) {
+    std::fputs("stopped before the reference was known: nothing is kept\n", stderr);
+    Interruption::obey();
+  }
+  save();
+  const AccuracyRecord record = study.record();
+  fmt::print("{}", options.json == "-" ? write_record(record) : study_text(record, tolerance));
+  std::fflush(stdout);
+  files.plot(accuracy_chart(record, tolerance, true).chart);
+  if (!record.complete) {
+    const bool kept = !options.json.empty() && options.json != "-";
+    std::fputs(kept ? fmt::format("stopped; the same command goes on from {}\n", options.json).c_str()
+                    : "stopped; with --json FILE the same command would go on from there\n",
+               stderr);
+    Interruption::obey();
+  }
+  return tolerance && !cheapest_below(record.points, *tolerance) ? 1 : 0;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,19 @@
+#pragma once
+// Ctrl-C (SIGINT) and SIGTERM as something to look at between two pieces of work. One at a time; from its
+// making to its end the first signal is only noted, a second one ends the program as ever.
+
+namespace collidoscope {
+
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  bool wished() const;
+  /// Ends the program as the signal would have, so that shells and scripts see that it was.
+  [[noreturn]] static void obey();
+};
+
+}  // namespace collidoscope

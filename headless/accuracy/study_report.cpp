@@ -1,0 +1,214 @@
+#include "headless/accuracy/study_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "headless/report.h"
+#include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+namespace {
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.2e}", value) : "-"; }
+
+/// For CSV: exact, empty where it is not known.
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+std::string price_text(const AccuracyPrice& ms) {
+  if (!std::isfinite(ms.median)) return "-";
+  return fmt::format("{:.4g} ({:.4g}-{:.4g})", ms.median, ms.low, ms.high);
+}
+
+std::string head_text(const AccuracyRecord& record) {
+  const AccuracyReference& r = record.reference;
+  std::string text = fmt::format("{}, N = {}; {}, median of {} runs each\n", record.scene,
+                                 grouped(record.bodies), record.executor, record.rounds);
+  text += fmt::format("against: {}\n", r.description);
+  text += fmt::format("positions compared over {:.3g} s", r.horizon);
+  if (r.seconds > r.horizon) text += fmt::format(", energy and distributions over {:.3g} s", r.seconds);
+  if (!r.end.empty()) text += fmt::format(": {}", r.end);
+  text += fmt::format("\nits own error: {} m", number(r.error));
+  if (std::isfinite(r.order)) text += fmt::format(", observed order {:.2f}", r.order);
+  if (r.growth_rate > 0)
+    text += fmt::format("; a tiny displacement grows e-fold each {:.2g} s", 1 / r.growth_rate);
+  return text + "\n";
+}
+
+/// The slope of a family's error over its time step, of the settings that differ in nothing else; what the
+/// reference cannot tell is left out.
+double order_of(const AccuracyRecord& record, const std::string& family) {
+  double order = not_known;
+  std::size_t longest = 2;  // points, at least three
+  for (const AccuracyPoint& first : record.points) {
+    if (first.family != family) continue;
+    std::vector<double> steps, errors;
+    for (const AccuracyPoint& p : record.points) {
+      if (p.family != family || p.setting.substeps != first.setting.substeps ||
+          p.setting.iterations != first.setting.iterations || !std::isfinite(p.error) ||
+          !(p.error > 3 * record.reference.error))
+        continue;
+      steps.push_back(p.setting.time_step);
+      errors.push_back(p.error);
+    }
+    if (steps.size() <= longest) continue;
+    longest = steps.size();
+    order = fitted_order(steps, errors);
+  }
+  return order;
+}
+
+std::vector<std::string> families_of(const AccuracyRecord& record) {
+  std::vector<std::string> families;
+  for (const AccuracyPoint& p : record.points)
+    if (std::ranges::find(families, p.family) == families.end()) families.push_back(p.family);
+  std::ranges::sort(families);
+  return families;
+}
+
+std::string row_text(const AccuracyPoint& p) {
+  const AccuracyInvariants& i = p.invariants;
+  const double joints = std::isfinite(i.joint_error) ? i.joint_error : i.penetration_max;
+  return fmt::format("{} {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", p.on_front ? '*' : ' ', p.name,
+                     p.has_error() && !std::isfinite(p.error) ? "lost" : number(p.error),
+                     number(p.error_worst), price_text(p.ms), number(i.energy_error),
+                     number(i.momentum_balance), number(joints));
+}
+
+std::string cheapest_text(const AccuracyRecord& record, double tolerance) {
+  const auto best = cheapest_below(record.points, tolerance);
+  if (!best) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const AccuracyPoint& p : record.points)
+      if (p.error < least) least = p.error;
+    return fmt::format("no setting has an error of at most {:g} m; the least is {} m", tolerance,
+                       number(least));
+  }
+  const AccuracyPoint& p = record.points[*best];
+  return fmt::format("the cheapest within {:g} m: {}, {}; error {} m, {:.4g} ms for a simulated second",
+                     tolerance, p.family, p.name, number(p.error), p.ms.median);
+}
+
+std::string float_text(const AccuracyRecord& record) {
+  constexpr double worse = 1.25;
+  std::vector<double> ratios;
+  double departs = 0;
+  int pairs = 0;
+  for (const AccuracyPoint& f : record.points) {
+    if (f.setting.precision != Precision::f32) continue;
+    for (const AccuracyPoint& d : record.points) {
+      AccuracySetting other = d.setting;
+      other.precision = Precision::f32;
+      if (d.setting.precision != Precision::f64 || !(other == f.setting)) continue;
+      if (f.has_price() && d.has_price()) ratios.push_back(d.ms.median / f.ms.median);
+      if (!std::isfinite(f.error) || !std::isfinite(d.error)) continue;
+      ++pairs;
+      if (f.error > worse * d.error) departs = std::max(departs, f.error);
+    }
+  }
+  if (pairs == 0 || ratios.empty()) return "";
+  return fmt::format("double costs {:.2f} times what float does (median of {} settings); {}\n",
+                     quantile_of(ratios, 0.5), ratios.size(),
+                     departs > 0 ? fmt::format("float stops paying at {} m: there its error is first more "
+                                               "than a quarter above double's",
+                                               number(departs))
+                                 : "float is as accurate as double at every setting, within a quarter");
+}
+
+/// From cheap to dear.
+std::vector<const AccuracyPoint*> front_of(const AccuracyRecord& record) {
+  std::vector<const AccuracyPoint*> front;
+  for (const AccuracyPoint& p : record.points)
+    if (p.on_front) front.push_back(&p);
+  std::ranges::sort(front, {}, [](const AccuracyPoint* p) { return p->ms.median; });
+  return front;
+}
+
+}  // namespace
+
+std::string study_text(const AccuracyRecord& record, std::optional<double> tolerance) {
+  std::string text = head_text(record);
+  const bool joints = std::ranges::any_of(
+      record.points, [](const AccuracyPoint& p) { return std::isfinite(p.invariants.joint_error); });
+  text += fmt::format("\n  {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", "", "error, m", "worst", "ms a second",
+                      "energy", "momentum", joints ? "joint, m" : "depth, m");
+  for (const std::string& family : families_of(record)) {
+    const double order = order_of(record, family);
+    text += family + (std::isfinite(order) ? fmt::format(", order {:.2f} in its step", order) : "") + "\n";
+    for (const AccuracyPoint& p : record.points)
+      if (p.family == family) text += row_text(p);
+  }
+  text +=
+      "* nothing else is both cheaper and more accurate. error: root mean square over bodies and time of "
+      "how\n"
+      "  far each is from where it should be; energy: off the reference's, over its most kinetic energy;\n"
+      "  momentum: change that neither walls nor gravity account for, over the sum of m |v|\n\n";
+  text += "the front, from cheap to dear:\n";
+  for (const AccuracyPoint* p : front_of(record))
+    text += fmt::format("  {:<60}{:>9} m {:>9.4g} ms\n", p->family + ", " + p->name, number(p->error),
+                        p->ms.median);
+  text += "\n" + float_text(record);
+  for (const std::string& doubt : record.doubts) text += doubt + "\n";
+  if (tolerance) text += cheapest_text(record, *tolerance) + "\n";
+  return text;
+}
+
+std::string study_csv(const AccuracyRecord& record) {
+  std::string text =
+      "family,name,time_step,substeps,iterations,solver,integrator,rotation_update,precision,"
+      "continuous_collision,error,error_low,error_high,error_worst,ms_per_second,ms_low,ms_high,"
+      "energy_drift,energy_error,momentum_balance,angular_momentum_balance,angular_momentum_error,"
+      "penetration_max,penetration_rms,penetration_over_radius,joint_error,joint_angle,cone_violation,"
+      "heights,speeds,on_front\n";
+  for (const AccuracyPoint& p : record.points) {
+    const AccuracySetting& s = p.setting;
+    const AccuracyInvariants& i = p.invariants;
+    text +=
+        fmt::format("{},\"{}\",{},{},{},{},{},{},{},{}", p.family, p.name, s.time_step, s.substeps,
+                    s.iterations, name_of(solver_names, s.solver), name_of(integrator_names, s.integrator),
+                    name_of(rotation_update_names, s.rotation_update), name_of(precision_names, s.precision),
+                    s.continuous_collision);
+    for (const double value : {p.error,
+                               p.error_low,
+                               p.error_high,
+                               p.error_worst,
+                               p.ms.median,
+                               p.ms.low,
+                               p.ms.high,
+                               i.energy_drift,
+                               i.energy_error,
+                               i.momentum_balance,
+                               i.angular_momentum_balance,
+                               i.angular_momentum_error,
+                               i.penetration_max,
+                               i.penetration_rms,
+                               i.penetration_over_radius,
+                               i.joint_error,
+                               i.joint_angle,
+                               i.cone_violation,
+                               p.distributions.heights,
+                               p.distributions.speeds})
+      text += "," + cell(value);
+    text += fmt::format(",{}\n", p.on_front);
+  }
+  return text;
+}
+
+std::string study_markdown(const AccuracyRecord& record, std::optional<double> tolerance) {
+  std::string text = head_text(record);
+  std::ranges::replace(text, '\n', ' ');
+  text +=
+      "\n\n| setting | error, m | worst, m | ms for a simulated second | energy | overlap over radius |\n"
+      "|---|---:|---:|---:|---:|---:|\n";
+  for (const AccuracyPoint* p : front_of(record))
+    text += fmt::format("| `{}`, {} | {:.2g} | {:.2g} | {} | {:.2g} | {:.2g} |\n", p->family, p->name,
+                        p->error, p->error_worst, price_text(p->ms), p->invariants.energy_error,
+                        p->invariants.penetration_over_radius);
+  text += "\n" + float_text(record);
+  if (tolerance) text += cheapest_text(record, *tolerance) + "\n";
+  return text;
+}
+
+}  // namespace collidoscope
