@@ -1,0 +1,130 @@
+// `accuracy SCENE` as its users meet it: what it writes, what its exit status says, and Ctrl-C.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "sim_cuda/accuracy/record.h"
+#include "tests/run_program.h"
+
+namespace collidoscope {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// Twenty spheres that fall for a short while.
+std::vector<std::string> falling(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"accuracy",   "box_collider", "--bodies",      "20",
+                                     "--seconds",  "0.2",          "--repeats",     "1",
+                                     "--executor", "cpu",          "--cpu-threads", "1"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(AccuracyCommand, WritesTableFilesAndChart) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_headless(falling({"--tolerance", "0.02", "--json", folder / "a.json", "--csv", folder / "a.csv",
+                            "--markdown", folder / "a.md", "--plot", folder / "a.png"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("start apart"));
+  EXPECT_THAT(outcome.out, HasSubstr("against: event-driven hard spheres"));
+  EXPECT_THAT(outcome.out, HasSubstr("soft_step f32, order 1.0"));
+  EXPECT_THAT(outcome.out, HasSubstr("the cheapest within 0.02 m: "));
+  const AccuracyRecord record = parse_record(text_of(folder / "a.json"), "a.json");
+  EXPECT_TRUE(record.complete);
+  EXPECT_EQ(record.bodies, 20);
+  EXPECT_EQ(record.executor.substr(0, 15), "CPU, 1 thread: ");
+  EXPECT_EQ(write_record(record), text_of(folder / "a.json"));
+  std::size_t rings = 0;
+  for (const AccuracyPoint& p : record.points) {
+    EXPECT_TRUE(p.has_error() && p.has_price());
+    rings += p.on_front;
+  }
+  EXPECT_GT(rings, 2u);
+  const std::string csv = text_of(folder / "a.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), record.points.size() + 1);
+  EXPECT_THAT(text_of(folder / "a.md"), HasSubstr("| setting |"));
+  EXPECT_EQ(text_of(folder / "a.png").substr(1, 3), "PNG");
+}
+
+TEST(AccuracyCommand, SaysWhereNoSettingIsGoodEnough) {
+  const Outcome outcome = run_headless(falling({"--tolerance", "1e-12"}));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("no setting has an error of at most 1e-12 m; the least is "));
+}
+
+TEST(AccuracyCommand, KeepsASceneThatWasAskedForAsItIs) {
+  const Outcome outcome = run_headless(falling({"--spawn", "inside", "--json", "-"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["suite"], "accuracy");
+  EXPECT_GT(result["points"].size(), 50u);
+}
+
+TEST(AccuracyCommand, RefusesWhatItCannotMeasure) {
+  EXPECT_EQ(run_headless({"accuracy", "no_such_scene"}).status, 2);
+  EXPECT_EQ(run_headless({"accuracy", "empty"}).status, 2);
+  EXPECT_THAT(run_headless({"accuracy", "empty"}).err, HasSubstr("no body that forces move"));
+  EXPECT_EQ(run_headless({"accuracy", "gas", "pile"}).status, 2);
+  for (const char* flag : {"--tolerance", "--seconds"})
+    for (const char* value : {"-1", "0", "nan", "much"}) {
+      const Outcome outcome = run_headless({"accuracy", "gas", flag, value});
+      EXPECT_EQ(outcome.status, 2) << flag << value;
+      EXPECT_THAT(outcome.err, testing::StartsWith(std::string(flag) + ": "));
+    }
+}
+
+TEST(AccuracyCommand, GoesOnAfterCtrlC) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.json";
+  const auto arguments = [&] {
+    std::vector<std::string> list{
+        "accuracy",  "box_collider", "--bodies",   "400", "--json",        file, "--repeats", "2",
+        "--seconds", "0.5",          "--executor", "cpu", "--cpu-threads", "1"};
+    return list;
+  }();
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (const int to : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, to);
+    const std::string program = program_folder() / "collidoscope-headless";
+    std::vector<char*> argv{const_cast<char*>(program.c_str())};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+  }
+  // Files are as of the last second.
+  for (int k = 0; k < 600 && text_of(file).find("\"measured\":true") == std::string::npos; ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGINT);
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+  const AccuracyRecord kept = parse_record(text_of(file), "a.json");
+  EXPECT_FALSE(kept.complete);
+
+  const Outcome outcome = run_headless(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("settings already"));
+  const AccuracyRecord whole = parse_record(text_of(file), "a.json");
+  EXPECT_TRUE(whole.complete);
+  ASSERT_EQ(whole.points.size(), kept.points.size());
+  for (std::size_t k = 0; k < kept.points.size(); ++k) {
+    EXPECT_EQ(whole.points[k].ms_runs.size(), 2u);
+    if (!kept.points[k].has_error()) continue;
+    EXPECT_EQ(whole.points[k].error, kept.points[k].error);
+    for (std::size_t run = 0; run < kept.points[k].ms_runs.size(); ++run)
+      EXPECT_EQ(whole.points[k].ms_runs[run], kept.points[k].ms_runs[run]);
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope
