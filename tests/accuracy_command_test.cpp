@@ -33,7 +33,7 @@ TEST(AccuracyCommand, WritesTableFilesAndChart) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("start apart"));
   EXPECT_THAT(outcome.out, HasSubstr("against: event-driven hard spheres"));
-  EXPECT_THAT(outcome.out, HasSubstr("soft_step f32, order 1.0"));
+  EXPECT_THAT(outcome.out, HasSubstr("soft_step f64, order 1.0"));
   EXPECT_THAT(outcome.out, HasSubstr("the cheapest within 0.02 m: "));
   const AccuracyRecord record = parse_record(text_of(folder / "a.json"), "a.json");
   EXPECT_TRUE(record.complete);
@@ -53,9 +53,9 @@ TEST(AccuracyCommand, WritesTableFilesAndChart) {
 }
 
 TEST(AccuracyCommand, SaysWhereNoSettingIsGoodEnough) {
-  const Outcome outcome = run_headless(falling({"--tolerance", "1e-12"}));
+  const Outcome outcome = run_headless(falling({"--tolerance", "1e-15"}));
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("no setting has an error of at most 1e-12 m; the least is "));
+  EXPECT_THAT(outcome.out, HasSubstr("no setting has an error of at most 1e-15 m; the least is "));
 }
 
 TEST(AccuracyCommand, KeepsASceneThatWasAskedForAsItIs) {
@@ -86,7 +86,7 @@ TEST(AccuracyCommand, GoesOnAfterCtrlC) {
   const auto arguments = [&] {
     std::vector<std::string> list{
         "accuracy",  "box_collider", "--bodies",   "400", "--json",        file, "--repeats", "2",
-        "--seconds", "0.5",          "--executor", "cpu", "--cpu-threads", "1"};
+        "--seconds", "0.3",          "--executor", "cpu", "--cpu-threads", "1"};
     return list;
   }();
   const pid_t child = fork();
