@@ -342,7 +342,7 @@ constexpr Reader readers[] = {
     {{"--tolerance", "E", "m: names the cheapest setting whose error is no larger; 1 if there is none",
       studying},
      [](Reading& in) { in.options.accuracy.tolerance = in.value.number(1e-15, 1e9, "m"); }},
-    {{"--seconds", "T", "simulated seconds to compare at most [2]", studying},
+    {{"--seconds", "T", "simulated seconds to compare at most [60 steps, and at least 2]", studying},
      [](Reading& in) {
        if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;
      }},

@@ -57,7 +57,7 @@ struct Overrides {
 /// What only `accuracy` takes, beside what it shares with `bench`.
 struct AccuracyOptions {
   std::optional<double> tolerance;  ///< m
-  double seconds = 2;               ///< s, that are compared at most
+  double seconds = 0;               ///< s, that are compared at most; 0: as AccuracyRequest has it
 };
 
 struct Options {

@@ -19,7 +19,7 @@
 namespace collidoscope {
 
 struct AccuracyRequest {
-  double seconds = 2;  ///< s of simulated time, about
+  double seconds = 0;  ///< s of simulated time, about; 0: 60 of the scene's own steps, and at least 2 s
   int rounds = 5;      ///< runs that a price is the middle of
   /// For tests: these settings (family, name, setting) and no others; and a scene of the same bodies that is
   /// what errors are measured against.

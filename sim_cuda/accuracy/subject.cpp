@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
 
@@ -30,13 +31,15 @@ AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, 
                                  const RunState* start) {
   constexpr int most_samples = 32;
   World world(scene, options, start);
+  const double step = scene.physics.time_step;
+  if (seconds == 0) seconds = std::max(2.0, 60 * step);
   AccuracySubject subject{.scene = scene,
                           .options = options,
                           .start = world.state(),
                           .initial = world.initial(),
                           .effects = world.effects(),
                           .substeps = world.substeps(),
-                          .coarsest = 2 * scene.physics.time_step};
+                          .coarsest = 2 * step <= limits::max_time_step ? 2 * step : step};
   const int steps = std::max(1, static_cast<int>(std::lround(seconds / subject.coarsest)));
   subject.samples = std::min(steps, most_samples);
   subject.stride = (steps + subject.samples - 1) / subject.samples;

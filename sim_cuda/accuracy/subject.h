@@ -30,7 +30,8 @@ struct AccuracySubject {
   AccuracySetting own_setting() const;
 };
 
-/// `seconds`: how long about; `start`: unset, state 0. Throws as World does.
+/// `seconds`: how long about, 0: 60 of the scene's own steps, and at least 2 s; `start`: unset, state 0.
+/// Throws as World does.
 AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, double seconds,
                                  const RunState* start = nullptr);
 
