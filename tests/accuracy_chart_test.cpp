@@ -1,8 +1,10 @@
-// The work-precision diagram of a study: what stands where.
-
-#include "ui/accuracy_chart.h"
+// The picture of a study: the panel's diagram, with names, spreads of the errors, and what it is of.
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "headless/accuracy/study_report.h"
 
 namespace collidoscope {
 namespace {
@@ -13,47 +15,43 @@ AccuracyPoint point(const std::string& family, Precision precision, double ms, d
   p.setting.precision = precision;
   p.ms = {ms, 0.9 * ms, 1.1 * ms};
   p.error = error;
+  p.error_low = 0.8 * error;
+  p.error_high = 1.2 * error;
   return p;
 }
 
 AccuracyRecord record() {
   AccuracyRecord made;
-  made.scene = "test";
-  made.points = {
-      point("soft_step f32", Precision::f32, 1, 1),    point("soft_step f32", Precision::f32, 2, 0.1),
-      point("soft_step f32", Precision::f32, 3, 0.5),  point("soft_step f64", Precision::f64, 1.5, 1),
-      point("soft_step f64", Precision::f64, 4, 0.01), point("impulse f32", Precision::f32, 5, not_known)};
+  made.scene = "A scene";
+  made.bodies = 12345;
+  made.points = {point("soft_step f32", Precision::f32, 1, 1), point("soft_step f32", Precision::f32, 2, 0.1),
+                 point("soft_step f32", Precision::f32, 3, 0.5),
+                 point("soft_step f64", Precision::f64, 1.5, 1),
+                 point("soft_step f64", Precision::f64, 4, 0.01)};
   mark_front(made.points);
   return made;
 }
 
-TEST(AccuracyChart, DrawsEachFamilysFrontAndTheRestAsDots) {
-  const AccuracyChart made = accuracy_chart(record(), 0.05, true);
-  const std::vector<ChartSeries>& series = made.chart.series;
-  ASSERT_EQ(series.size(), 3u);  // what has no error is not drawn
-  EXPECT_EQ(series[0].name, "soft_step f32");
-  EXPECT_EQ(made.points[0], (std::vector<std::size_t>{0, 1}));
-  EXPECT_FALSE(series[0].dashed);
-  EXPECT_EQ(series[1].name, "soft_step f64");
-  EXPECT_EQ(made.points[1], (std::vector<std::size_t>{3, 4}));
-  EXPECT_TRUE(series[1].dashed);
-  EXPECT_EQ(series[0].color, series[1].color);  // one family in two precisions
-  EXPECT_EQ(series[2].name, "");
-  EXPECT_TRUE(series[2].faint);
-  EXPECT_EQ(made.points[2], (std::vector<std::size_t>{2}));
-  EXPECT_TRUE(series[0].points[1].ringed);
-  EXPECT_FALSE(series[1].points[0].ringed);
+TEST(AccuracyChart, NamesEachFamilyOnceAndItsErrorsSpreads) {
+  const Chart chart = study_chart(record(), 0.05);
+  EXPECT_EQ(chart.title, "A scene, N = 12,345: what accuracy costs");
+  EXPECT_EQ(chart.level, 0.05);
+  std::vector<std::string> names;
+  for (const ChartSeries& series : chart.series) {
+    if (series.name.empty()) continue;
+    names.push_back(series.name);
+    for (const ChartPoint& p : series.points) EXPECT_DOUBLE_EQ(p.y_low, 0.8 * p.y);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"soft_step f32", "soft_step f64"}));
 }
 
-TEST(AccuracyChart, DrawsTheToleranceAndAReferenceThatIsNearTheErrors) {
+TEST(AccuracyChart, VeilsWhatTheReferenceCannotTellWhereThatIsNear) {
   AccuracyRecord far = record(), near = record();
   far.reference.error = 1e-9;
   near.reference.error = 0.004;
-  ASSERT_EQ(accuracy_chart(far, 0.05, true).chart.levels.size(), 1u);
-  EXPECT_EQ(accuracy_chart(far, 0.05, true).chart.levels[0].y, 0.05);
-  ASSERT_EQ(accuracy_chart(near, {}, true).chart.levels.size(), 1u);
-  EXPECT_TRUE(accuracy_chart(near, {}, true).chart.levels[0].shaded);
-  EXPECT_TRUE(accuracy_chart({}, {}, true).chart.series.empty());
+  EXPECT_TRUE(std::isnan(study_chart(far, {}).floor));
+  EXPECT_EQ(study_chart(near, {}).floor, 0.004);
+  EXPECT_TRUE(std::isnan(study_chart(near, {}).level));
 }
 
 }  // namespace

@@ -240,6 +240,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
   }
   float nearest = 1.2f * line;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
+  std::vector<std::size_t> named;  // series
   std::vector<float> wanted;
   std::vector<ImVec2> ends;
   const float r = 0.26f * line;
@@ -283,24 +284,27 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
       last = here;
       joined = true;
     }
+    if (series.name.empty() || !chart.names) continue;
+    named.push_back(s);
     ends.push_back(last);
     wanted.push_back(last.y - 0.5f * line);
   }
   const std::vector<float> places = spread_out(wanted, 1.08f * line, top - 0.5f * line, bottom + 0.5f * line);
-  for (std::size_t s = 0; s < chart.series.size() && chart.names; ++s) {
+  for (std::size_t k = 0; k < named.size(); ++k) {
+    const std::size_t s = named[k];
     const ChartSeries& series = chart.series[s];
-    const float middle = places[s] + 0.5f * line;
+    const float middle = places[k] + 0.5f * line;
     const ImU32 thin = (series.color & 0x00ffffffu) | 0x70000000u;
     if (series.line) {
-      list->AddLine({ends[s].x + r, ends[s].y}, {right + 0.3f * line, ends[s].y}, thin);
-      list->AddLine({right + 0.3f * line, ends[s].y}, {right + 1.1f * line, middle}, thin);
+      list->AddLine({ends[k].x + r, ends[k].y}, {right + 0.3f * line, ends[k].y}, thin);
+      list->AddLine({right + 0.3f * line, ends[k].y}, {right + 1.1f * line, middle}, thin);
     }
     if (series.marks)
       draw_mark(list, {right + 1.5f * line, middle}, r, mark_of(s), series.color);
     else
       draw_line(list, {right + 1.1f * line, middle}, {right + 1.9f * line, middle}, series.color,
                 1.3f * thick, series.dashed, 0.3f * line);
-    list->AddText({right + lead, places[s]}, ink, series.name.c_str());
+    list->AddText({right + lead, places[k]}, ink, series.name.c_str());
   }
   // Its grip at the right is the line's; along the rest of it, points that are nearer come first.
   const float off_line = std::abs(mouse.y - hit.level_at);

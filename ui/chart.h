@@ -21,7 +21,7 @@ struct ChartPoint {
 };
 
 struct ChartSeries {
-  std::string name;
+  std::string name;                  ///< empty: not named at its end
   std::uint32_t color = 0xffffffff;  ///< 0xAABBGGRR
   std::vector<ChartPoint> points;
   bool line = true;  ///< joins the points in their order

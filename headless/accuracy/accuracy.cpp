@@ -17,7 +17,6 @@
 #include "headless/progress.h"
 #include "sim_cuda/accuracy/study.h"
 #include "sim_cuda/core/error.h"
-#include "ui/accuracy_chart.h"
 
 namespace collidoscope {
 namespace {
@@ -103,7 +102,7 @@ int accuracy_command(const CommandLine& line) {
   const AccuracyRecord record = study.record();
   fmt::print("{}", options.json == "-" ? write_record(record) : study_text(record, tolerance));
   std::fflush(stdout);
-  files.plot(accuracy_chart(record, tolerance, true).chart);
+  files.plot(study_chart(record, tolerance));
   if (!record.complete) {
     const bool kept = !options.json.empty() && options.json != "-";
     std::fputs(kept ? fmt::format("stopped; the same command goes on from {}\n", options.json).c_str()

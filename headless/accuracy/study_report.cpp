@@ -8,6 +8,7 @@
 #include "headless/report.h"
 #include "sim_cuda/accuracy/errors.h"
 #include "sim_cuda/scene/names.h"
+#include "ui/accuracy_chart.h"
 
 namespace collidoscope {
 namespace {
@@ -209,6 +210,36 @@ std::string study_markdown(const AccuracyRecord& record, std::optional<double> t
   text += "\n" + float_text(record);
   if (tolerance) text += cheapest_text(record, *tolerance) + "\n";
   return text;
+}
+
+Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance) {
+  const AccuracyReference& reference = record.reference;
+  AccuracyChart made = accuracy_chart(record.points, reference, tolerance.value_or(0), true);
+  Chart& chart = made.chart;
+  chart.title = fmt::format("{}, N = {}: what accuracy costs", record.scene, grouped(record.bodies));
+  chart.note = fmt::format(
+      "{}; {:.3g} s; {}, median of {} and quartiles; double dashed, broad line: Pareto front",
+      reference.kind == AccuracyReference::Kind::hard_spheres ? "against event-driven hard spheres"
+                                                              : "against a converged run",
+      reference.horizon, record.executor, record.rounds);
+  for (std::size_t s = 0; s < chart.series.size(); ++s) {
+    ChartSeries& series = chart.series[s];
+    if (!series.line || !series.marks) {
+      series.name.clear();  // the front, and what families' own fronts leave behind
+      continue;
+    }
+    for (std::size_t k = 0; k < series.points.size(); ++k) {
+      const AccuracyPoint& point = record.points[made.points[s][k]];
+      series.points[k].y_low = point.error_low;
+      series.points[k].y_high = point.error_high;
+    }
+  }
+  // What is lost, or far below all errors, says nothing here.
+  if (!std::isfinite(chart.floor)) return chart;
+  double least = std::numeric_limits<double>::infinity();
+  for (const AccuracyPoint& p : record.points) least = p.error < least ? p.error : least;
+  if (chart.floor < least / 30) chart.floor = no_value;
+  return chart;
 }
 
 }  // namespace collidoscope

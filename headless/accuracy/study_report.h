@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim_cuda/accuracy/record.h"
+#include "ui/chart.h"
 
 namespace collidoscope {
 
@@ -14,5 +15,7 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
 std::string study_csv(const AccuracyRecord& record);
 /// The front, as a table.
 std::string study_markdown(const AccuracyRecord& record, std::optional<double> tolerance);
+/// The work-precision diagram as a picture of its own, with what it is of.
+Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance);
 
 }  // namespace collidoscope
