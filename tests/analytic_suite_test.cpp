@@ -92,14 +92,16 @@ TEST(AnalyticSuite, DrawsDoubleAndFloatOfEachIntegratorInOneColour) {
 }
 
 TEST(AnalyticSuite, RefusesFlagsOfScenes) {
-  const CommandLine line = parse_command_line({"run", "zeno", "--solver", "impulse", "--gravity", "0,0,0"});
+  const CommandLine line =
+      parse_command_line({"accuracy", "--solver", "impulse", "--gravity", "0,0,0", "--tolerance", "1"});
   try {
     analytic_suite(line);
     FAIL() << "ran";
   } catch (const InputError& error) {
-    ASSERT_EQ(error.lines().size(), 2u);
+    ASSERT_EQ(error.lines().size(), 3u);
     EXPECT_THAT(error.lines()[0], testing::StartsWith("--gravity: accuracy without a scene runs cases"));
     EXPECT_THAT(error.lines()[1], testing::StartsWith("--solver: "));
+    EXPECT_THAT(error.lines()[2], testing::StartsWith("--tolerance: "));
   }
 }
 

@@ -130,7 +130,9 @@ void refuse_what_cases_set(const Options& options) {
       {"--solver", o.solver.has_value()},
       {"--rotation-update", o.rotation_update.has_value()},
       {"--effects", o.effects.has_value()},
-      {"--restitution-threshold", o.restitution_threshold.has_value()}};
+      {"--restitution-threshold", o.restitution_threshold.has_value()},
+      {"--tolerance", options.accuracy.tolerance.has_value()},
+      {"--seconds", options.accuracy.seconds != 0}};
   std::vector<std::string> faults;
   for (const auto& [flag, given] : flags)
     if (given)
