@@ -9,6 +9,7 @@
 
 #include "headless/command_line.h"
 #include "sim_cuda/core/error.h"
+#include "tests/run_program.h"
 
 namespace collidoscope {
 namespace {
@@ -103,6 +104,20 @@ TEST(AnalyticSuite, RefusesFlagsOfScenes) {
     EXPECT_THAT(error.lines()[1], testing::StartsWith("--solver: "));
     EXPECT_THAT(error.lines()[2], testing::StartsWith("--tolerance: "));
   }
+}
+
+TEST(AnalyticSuite, IsAccuracyWithoutAScene) {
+  const TemporaryFolder folder;
+  const Outcome all = run_headless({"accuracy", "--precision", "f64", "--json", "-", "--csv",
+                                    folder / "a.csv", "--markdown", folder / "a.md"});
+  EXPECT_EQ(all.status, 0) << all.err;
+  const auto json = nlohmann::json::parse(all.out);
+  EXPECT_EQ(json["failed"], 0);
+  EXPECT_GE(json["cases"].size(), 14u);
+  EXPECT_THAT(text_of(folder / "a.csv"), testing::HasSubstr("\norbit,rk4,f64,leading,4,"));
+  EXPECT_THAT(text_of(folder / "a.md"), testing::HasSubstr("all pass"));
+  const Outcome refused = run_headless({"accuracy", "--steps", "3"});
+  EXPECT_EQ(refused.status, 2);
 }
 
 TEST(AnalyticSuite, ScenesHaveBareNames) {
