@@ -143,7 +143,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
   CommandLine line;
   line.command = command.command;
   if (line.command == Command::bench) line.options.capture.height = 720;
-  if (line.command == Command::accuracy) line.options.bench.repeats = 5;
+  if (line.command == Command::accuracy) line.options.bench.repeats = 3;
 
   CLI::App app;
   app.allow_extras();

@@ -325,7 +325,7 @@ constexpr Reader readers[] = {
          if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
        });
      }},
-    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 5]", benching | grading | studying},
+    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3]", benching | grading | studying},
      [](Reading& in) {
        if (const auto n = in.value.whole(1, 1'000'000)) in.options.bench.repeats = *n;
      }},

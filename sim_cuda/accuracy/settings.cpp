@@ -49,7 +49,7 @@ std::vector<AccuracySetting> families(const AccuracySubject& subject, double fas
   const AccuracySetting own = subject.own_setting();
   double smallest = std::numeric_limits<double>::infinity();
   for (const double r : subject.initial.radius) smallest = std::min(smallest, r);
-  const bool leaps = fastest * subject.coarsest / subject.substeps > smallest;
+  const bool leaps = subject.initial.size() > 1 && fastest * subject.coarsest / subject.substeps > smallest;
   const bool turns = subject.effects.rotation;
   std::vector<AccuracySetting> kinds;
   const auto add = [&](auto... changes) {
