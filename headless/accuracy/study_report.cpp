@@ -23,10 +23,24 @@ std::string price_text(const AccuracyPrice& ms) {
   return fmt::format("{:.4g} ({:.4g}-{:.4g})", ms.median, ms.low, ms.high);
 }
 
+/// Of how many runs prices are the medians: fewer than asked for where a study was stopped.
+std::string runs_text(const AccuracyRecord& record) {
+  std::size_t least = static_cast<std::size_t>(record.rounds), most = 0;
+  for (const AccuracyPoint& point : record.points) {
+    if (!point.has_price()) continue;
+    least = std::min(least, point.ms_runs.size());
+    most = std::max(most, point.ms_runs.size());
+  }
+  if (most == 0) return "no prices yet";
+  if (most == 1) return "one run each";
+  return "median of " +
+         (least < most ? fmt::format("{} to {} runs each", least, most) : fmt::format("{} runs each", most));
+}
+
 std::string head_text(const AccuracyRecord& record) {
   const AccuracyReference& r = record.reference;
-  std::string text = fmt::format("{}, N = {}; {}, median of {} runs each\n", record.scene,
-                                 grouped(record.bodies), record.executor, record.rounds);
+  std::string text = fmt::format("{}, N = {}; {}, {}\n", record.scene, grouped(record.bodies),
+                                 record.executor, runs_text(record));
   text += fmt::format("against: {}\n", r.description);
   text += fmt::format("positions compared over {:.3g} s", r.horizon);
   if (r.seconds > r.horizon) text += fmt::format(", energy and distributions over {:.3g} s", r.seconds);
@@ -217,11 +231,11 @@ Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance)
   AccuracyChart made = accuracy_chart(record.points, reference, tolerance.value_or(0), true);
   Chart& chart = made.chart;
   chart.title = fmt::format("{}, N = {}: what accuracy costs", record.scene, grouped(record.bodies));
-  chart.note = fmt::format(
-      "{}; {:.3g} s; {}, median of {} and quartiles; double dashed, broad line: Pareto front",
-      reference.kind == AccuracyReference::Kind::hard_spheres ? "against event-driven hard spheres"
-                                                              : "against a converged run",
-      reference.horizon, record.executor, record.rounds);
+  chart.note = fmt::format("{}; {:.3g} s; {}, {}; double dashed, broad line: Pareto front",
+                           reference.kind == AccuracyReference::Kind::hard_spheres
+                               ? "against event-driven hard spheres"
+                               : "against a converged run",
+                           reference.horizon, record.executor, runs_text(record));
   for (std::size_t s = 0; s < chart.series.size(); ++s) {
     ChartSeries& series = chart.series[s];
     if (!series.line || !series.marks) {
