@@ -149,7 +149,7 @@ struct SweptContacts {
     k.bodies = load_whole(&bodies[place]);
     const StoredContact<Real> stored = load_own(&soft[place]);
     const ContactSums<Real> sum = sums[place];
-    k.contact = {stored.normal, stored.gap, stored.impulse,
+    k.contact = {stored.normal, stored.gap,   stored.impulse,
                  sum.total,     sum.approach, min_of(k.bodies.radius_a, k.bodies.radius_b)};
     if constexpr (rubbed) {
       const GripSums<Real> grip_sums = load_own(&grips[place]);
