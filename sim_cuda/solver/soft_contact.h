@@ -108,7 +108,6 @@ struct SoftContact {
     approach = -1;
     return change;
   }
-
 };
 
 }  // namespace collidoscope

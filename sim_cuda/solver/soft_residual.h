@@ -55,8 +55,7 @@ struct SoftResidual {
                                     walls.bodies.angular_velocity[ids.b], k, known.bodies, known.turned);
         const Real eases = w_a + w_b + pair.ease_a() + pair.ease_b();
         const Vector3<Real> rubbed_off =
-            eases *
-            rub<Real>(pair.slip(velocity), 1 / eases, known.grip.coefficient * k.impulse, given);
+            eases * rub<Real>(pair.slip(velocity), 1 / eases, known.grip.coefficient * k.impulse, given);
         squared += static_cast<double>(rubbed_off.dot(rubbed_off));
       }
     }

@@ -86,8 +86,7 @@ struct PlaceContacts {
   StoredContact<Real>* soft;
   SIM_HD void operator()(int place) const {
     const auto [a, b] = ids[place];
-    StoredContact<Real>::store_face(&soft[place],
-                                    load_whole(&bodies_of[place]).at(position[a], position[b]));
+    StoredContact<Real>::store_face(&soft[place], load_whole(&bodies_of[place]).at(position[a], position[b]));
   }
 };
 
@@ -393,10 +392,10 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     }
     move();
     prescribed_.hold(h_);
-    run_awake_contacts(executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
-                       sleeping_.asleep(),
-                       PlaceContacts<Real>{swept_.data(), bodies_of_.data(), scene_.bodies.position,
-                                           soft_.data()});
+    run_awake_contacts(
+        executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
+        sleeping_.asleep(),
+        PlaceContacts<Real>{swept_.data(), bodies_of_.data(), scene_.bodies.position, soft_.data()});
     record_sweep<rubbed, false>(substep, 0);
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
@@ -442,11 +441,10 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   executor_.run("prepare", colouring_.degrees().bodies(),
                 FindBodies<Real, rubbed>{scene_.friction, gripped_.data(), scene_.bodies, found_.data()});
   executor_.run("prepare", Count(&control->contacts, contact_capacity_),
-                PrepareContacts<Real, rubbed>{contacts.bodies, found_.data(), gripped_.data(), known,
-                                              known_impulse_.data(), known_grip_.data(), colours,
-                                              place_of_.data(), swept_.data(), bodies_of_.data(),
-                                              turns_.data(), soft_.data(), grips_.data(), turned_.data(),
-                                              sums_.data()});
+                PrepareContacts<Real, rubbed>{
+                    contacts.bodies, found_.data(), gripped_.data(), known, known_impulse_.data(),
+                    known_grip_.data(), colours, place_of_.data(), swept_.data(), bodies_of_.data(),
+                    turns_.data(), soft_.data(), grips_.data(), turned_.data(), sums_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -480,10 +478,9 @@ void SoftStepSolver<Real>::begin_substep() {
       run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
                                           scene_.control});
   const auto with = [&]<Pull pull, bool walled, bool boxed>() {
-    run_bodies("forces",
-               BeginSubstep<Real, pull, walled, rubbed, boxed>{
-                   scene_.bodies, soft_.data(), all_.view(colouring_.degrees()), walls<rubbed, boxed>(),
-                   scene_.gravity, scene_.field, h_, scene_.control});
+    run_bodies("forces", BeginSubstep<Real, pull, walled, rubbed, boxed>{
+                             scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
+                             walls<rubbed, boxed>(), scene_.gravity, scene_.field, h_, scene_.control});
   };
   const auto with_walls = [&]<Pull pull>() {
     if (scene_.boxes.count > 0)
@@ -615,10 +612,9 @@ template <bool rubbed>
 void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulses) {
   const auto with = [&]<bool record>() {
     executor_.run("keep", Count(&scene_.control->contacts, contact_capacity_),
-                  KeepContacts<Real, rubbed, record>{contacts.bodies, place_of_.data(), soft_.data(),
-                                                     sums_.data(), known_grip_.data(), impulses,
-                                                     known_contacts_.data(), known_first_.data(),
-                                                     known_impulse_.data()});
+                  KeepContacts<Real, rubbed, record>{
+                      contacts.bodies, place_of_.data(), soft_.data(), sums_.data(), known_grip_.data(),
+                      impulses, known_contacts_.data(), known_first_.data(), known_impulse_.data()});
   };
   impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
   if constexpr (built_effects.rolling_resistance)
