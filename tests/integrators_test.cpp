@@ -30,7 +30,7 @@ double spring_order(const Fly& fly) {
         Vector3d x(1, 0, 0), v(0, 0.5, 0);
         const double h = 2.0 / steps;
         for (int k = 0; k < steps; ++k) {
-          const Flight<double> flight = fly(forces, x, v, forces.pull(x), h);
+          const FreeFlight<double> flight = fly(forces, x, v, forces.pull(x), h);
           x += h * flight.along;
           v = flight.after;
         }

@@ -70,7 +70,7 @@ struct SmoothForces {
 
 /// How a body flies for a while; m/s.
 template <class Real>
-struct Flight {
+struct FreeFlight {
   Vector3<Real> along;  ///< its way, over the while
   Vector3<Real> after;  ///< its velocity then
 };
@@ -81,8 +81,8 @@ struct VelocityVerlet {
 
 /// From x and v, where the pull is `a`, for h s.
 template <class Kicks = VelocityVerlet, class Real, class Forces>
-SIM_HD Flight<Real> verlet_flight(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
-                                  const Vector3<Real>& a, Real h) {
+SIM_HD FreeFlight<Real> verlet_flight(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
+                                      const Vector3<Real>& a, Real h) {
   const Vector3<Real> half = forces.kick(v, a, Real(Kicks::first) * h);
   return {half, forces.kick(half, forces.pull(x + h * half), Real(Kicks::second) * h)};
 }
@@ -95,8 +95,8 @@ struct RungeKutta4 {
 
 /// The same. Each stage lies along the speed and the force of the one before it.
 template <class Tableau = RungeKutta4, class Real, class Forces>
-SIM_HD Flight<Real> rk4_flight(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
-                               const Vector3<Real>& a, Real h) {
+SIM_HD FreeFlight<Real> rk4_flight(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
+                                   const Vector3<Real>& a, Real h) {
   using std::sqrt;
   const Real fastest = sqrt(v.dot(v)) + h * sqrt(a.dot(a));
   if (!(forces.fading(fastest, h) <= 1)) return verlet_flight<VelocityVerlet>(forces, x, v, a, h);

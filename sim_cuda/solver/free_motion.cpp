@@ -62,10 +62,10 @@ struct FlyBodies {
     Vector3<Real> v = bodies.velocity[body];
     const Vector3<Real> start = before[body];
     if (!forced) v += h * field.gravity;
-    Flight<Real> flight{v, v};
+    FreeFlight<Real> flight{v, v};
     if (v == field.foreseen(bodies, body, start, h)) {
       const Vector3<Real> x = bodies.position[body];
-      const Flight<Real> smooth = fly(field.on(bodies, body), x, start, field.pull(body));
+      const FreeFlight<Real> smooth = fly(field.on(bodies, body), x, start, field.pull(body));
       if (!enters_a_plane(x, smooth.along, v, bodies.radius[body])) flight = smooth;
     }
     along[body] = flight.along;
@@ -73,8 +73,8 @@ struct FlyBodies {
   }
 
   template <class Forces>
-  SIM_HD Flight<Real> fly(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
-                          const Vector3<Real>& a) const {
+  SIM_HD FreeFlight<Real> fly(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
+                              const Vector3<Real>& a) const {
     if constexpr (integrator == Integrator::rk4)
       return rk4_flight(forces, x, v, a, h);
     else
