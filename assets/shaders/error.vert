@@ -4,6 +4,7 @@ struct Ghost {
 };
 layout(std430, binding = 0) readonly buffer Ghosts { Ghost ghosts[]; };
 
+uniform int first;            // record to begin with
 uniform float strength;       // opacity of this pass
 uniform float magnification;  // of the error
 uniform vec4 tint;
@@ -13,7 +14,7 @@ flat out float half_width;
 noperspective out float across;
 
 void main() {
-  Ghost ghost = ghosts[gl_VertexID / 18];
+  Ghost ghost = ghosts[first + gl_VertexID / 18];
   int line = gl_VertexID % 18 / 6, corner = gl_VertexID % 6;
   vec3 from = ghost.body_radius.xyz, reach = magnification * ghost.offset_opacity.xyz, to = from + reach;
   vec3 in_view = (view * vec4(from, 1.0)).xyz;

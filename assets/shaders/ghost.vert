@@ -4,6 +4,7 @@ struct Ghost {
 };
 layout(std430, binding = 0) readonly buffer Ghosts { Ghost ghosts[]; };
 
+uniform int first;       // record to begin with
 uniform float strength;  // opacity of this pass
 
 flat out vec3 center;  // in view space
@@ -11,7 +12,7 @@ flat out float radius;
 flat out float opacity;
 
 void main() {
-  Ghost ghost = ghosts[gl_VertexID / 6];
+  Ghost ghost = ghosts[first + gl_VertexID / 6];
   center = (view * vec4(ghost.body_radius.xyz + ghost.offset_opacity.xyz, 1.0)).xyz;
   radius = ghost.body_radius.w;
   // One that lies where its body does has little to say.

@@ -22,7 +22,7 @@ class GhostPass {
   void draw_errors(double magnification) const;
 
  private:
-  void draw_twice(const gl::Program& program, int vertices, float hidden) const;
+  void draw(const gl::Program& program, GLsizei vertices, float hidden) const;
 
   gl::Program ghost_, error_;
   gl::VertexLayout nothing_;

@@ -7,12 +7,9 @@
 
 #include "viewer/render/frame_uniforms.h"
 #include "viewer/render/gl/errors.h"
+#include "viewer/render/see_through.h"
 
 namespace collidoscope {
-
-namespace {
-constexpr float least_visible = 0.5f / 255;  // of an opacity: less changes no colour of 8 bits
-}
 
 LinePass::LinePass()
     : box_("box.vert", "line.frag"),
@@ -25,63 +22,23 @@ LinePass::LinePass()
       nothing_{},
       box_layout_{{0, 4, offsetof(BoxInstance, min)}, {1, 4, offsetof(BoxInstance, max)}} {}
 
-void LinePass::draw_records(const gl::Program& program, GLenum mode, GLsizei vertices,
-                            const Records& records) {
-  // In blocks: shaders reach a limited part of a buffer at once, and vertices are counted in 32 bits. The
-  // last block first, since boxes are drawn backwards.
-  constexpr std::int64_t block = 1 << 20;
-  for (std::int64_t end = records.first + records.count; end > records.first;) {
-    const std::int64_t start = (end - 1) / block * block, first = std::max(start, records.first);
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, records.buffer.get(), start * records.bytes,
-                      (end - start) * records.bytes);
-    program.set("first", static_cast<int>(first - start));
-    if (records.bytes == sizeof(BoxInstance)) program.set("count", static_cast<int>(end - first));
-    glDrawArrays(mode, 0, static_cast<GLsizei>(end - first) * vertices);
-    end = first;
-  }
-}
-
 void LinePass::look_at(const gl::Target& surfaces, bool cull) { cull_.look_at(surfaces, cull); }
 
 void LinePass::draw_listed(const gl::Program& program, LineCull::Kind kind, GLenum mode, GLsizei vertices,
                            const Records& records, float strength, float low, float high) {
-  constexpr std::int64_t block = 1 << 20;  // as in draw_records()
-  for (std::int64_t end = records.first + records.count; end > records.first;) {
-    const std::int64_t start = (end - 1) / block * block, first = std::max(start, records.first);
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, records.buffer.get(), start * records.bytes,
-                      (end - start) * records.bytes);
-    cull_.list(kind, static_cast<int>(first - start), static_cast<int>(end - first), vertices, low, high);
-    program.set("first", static_cast<int>(first - start));
+  records.in_blocks([&](int first, int count) {
+    cull_.list(kind, first, count, vertices, low, high);
+    program.set("first", first);
     program.set("strength", strength);
-    prepare(program);
+    begin_see_through(program, nothing_);
     glDepthFunc(GL_GEQUAL);
     glDrawArraysIndirect(mode, nullptr);
-    end = first;
-  }
+  });
 }
 
-void LinePass::draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
-                          float shown, float hidden) const {
-  if (records.count <= 0) return;
-  prepare(program);
-  // Depth is reversed: less is farther. What changes no colour of 8 bits is not drawn.
-  if (hidden >= least_visible) {
-    glDepthFunc(GL_LESS);
-    program.set("strength", hidden);
-    draw_records(program, mode, vertices, records);
-  }
-  glDepthFunc(GL_GEQUAL);
-  program.set("strength", shown);
-  draw_records(program, mode, vertices, records);
-}
-
-void LinePass::prepare(const gl::Program& program) const {
-  program.use();
-  nothing_.bind(0, 0);
-  glEnable(GL_BLEND);
-  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-  glEnable(GL_DEPTH_TEST);
-  glDepthMask(GL_FALSE);
+void LinePass::draw_broad(const gl::Buffer& boxes, std::int64_t count, float shown, float hidden) const {
+  draw_see_through(box_, nothing_, GL_TRIANGLES, 72, {boxes, sizeof(BoxInstance), 0, count}, shown, hidden,
+                   true);
 }
 
 void LinePass::set_colors(const gl::Program& program, const BoxColors& colors) {
@@ -108,12 +65,12 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
     program->set("range", static_cast<float>(colors.low), static_cast<float>(colors.high), 0, 0);
     set_colors(*program, colors);
   }
-  constexpr std::int64_t bytes = sizeof(BoxInstance);
   // So many that none is seen through what hides it: only those that may be seen at all are drawn.
   if (count > broad)
-    draw_listed(thin_box_, LineCull::Kind::boxes, GL_LINES, 24, {boxes, bytes, broad, count - broad}, 0.95f,
-                static_cast<float>(colors.low), static_cast<float>(colors.high));
-  draw_twice(box_, GL_TRIANGLES, 72, {boxes, bytes, 0, broad}, 0.95f, hidden);
+    draw_listed(thin_box_, LineCull::Kind::boxes, GL_LINES, 24,
+                {boxes, sizeof(BoxInstance), broad, count - broad}, 0.95f, static_cast<float>(colors.low),
+                static_cast<float>(colors.high));
+  draw_broad(boxes, broad, 0.95f, hidden);
   gl::check("to draw " + std::to_string(count) + " boxes");
 }
 
@@ -123,7 +80,7 @@ void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
   box_.set("coloring", 0, 0, 3, 0);
   // They are what somebody looks for: seen through what hides them, unless they are many.
   const float hidden = std::min(0.45f, 20.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
-  draw_twice(box_, GL_TRIANGLES, 72, {boxes, sizeof(BoxInstance), 0, count}, 0.95f, hidden);
+  draw_broad(boxes, count, 0.95f, hidden);
   gl::check("to draw " + std::to_string(count) + " marks");
 }
 
@@ -131,7 +88,7 @@ void LinePass::draw_walls(const gl::Buffer& boxes) const {
   box_.set("levels", 0, 0, 0, 0);
   box_.set("range", -1, 1, 0, 0);
   set_colors(box_, {});
-  draw_twice(box_, GL_TRIANGLES, 72, {boxes, sizeof(BoxInstance), 0, 1}, 0.30f, 0.06f);
+  draw_broad(boxes, 1, 0.30f, 0.06f);
   gl::check("to draw the walls");
 }
 
@@ -141,13 +98,14 @@ void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) {
   if (hidden < least_visible && count > 0)
     draw_listed(listed_contact_, LineCull::Kind::contacts, GL_TRIANGLES, 12, records, 1.0f);
   else
-    draw_twice(contact_, GL_TRIANGLES, 12, records, 1.0f, hidden);
+    draw_see_through(contact_, nothing_, GL_TRIANGLES, 12, records, 1.0f, hidden);
   gl::check("to draw " + std::to_string(count) + " contacts");
 }
 
 void LinePass::draw_joints(const gl::Buffer& joints, std::int64_t count) const {
   const float hidden = std::min(0.25f, 100.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
-  draw_twice(joint_, GL_TRIANGLES, 132, {joints, sizeof(JointInstance), 0, count}, 1.0f, hidden);
+  draw_see_through(joint_, nothing_, GL_TRIANGLES, 132, {joints, sizeof(JointInstance), 0, count}, 1.0f,
+                   hidden);
   gl::check("to draw " + std::to_string(count) + " joints");
 }
 

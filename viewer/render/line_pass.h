@@ -10,6 +10,7 @@
 #include "viewer/render/gl/vertex_layout.h"
 #include "viewer/render/instance_buffers.h"
 #include "viewer/render/line_cull.h"
+#include "viewer/render/see_through.h"
 
 namespace collidoscope {
 
@@ -46,18 +47,11 @@ class LinePass {
   static constexpr std::int64_t most_broad_boxes = 8192;
 
  private:
-  struct Records {
-    const gl::Buffer& buffer;
-    std::int64_t bytes, first, count;  ///< of one; to draw
-  };
-  void draw_twice(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records,
-                  float shown, float hidden) const;
+  void draw_broad(const gl::Buffer& boxes, std::int64_t count, float shown, float hidden) const;
   static void set_colors(const gl::Program& program, const BoxColors& colors);
   /// What may be seen of them.
   void draw_listed(const gl::Program& program, LineCull::Kind kind, GLenum mode, GLsizei vertices,
                    const Records& records, float strength, float low = 0, float high = 0);
-  void prepare(const gl::Program& program) const;
-  static void draw_records(const gl::Program& program, GLenum mode, GLsizei vertices, const Records& records);
 
   gl::Program box_, thin_box_, contact_, listed_contact_, joint_, box_ids_, edge_ids_;
   LineCull cull_;
