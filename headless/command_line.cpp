@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 
 #include "headless/bench/suites.h"
 #include "headless/flag_value.h"
@@ -23,14 +24,16 @@ struct CommandName {
   std::size_t least, most;  ///< operands
   const char* help;
 };
-constexpr std::array<CommandName, 6> commands{
+constexpr std::array<CommandName, 7> commands{
     {{"run", Command::run, "SCENE", 1, 1, "step a scene and report what it cost; no pictures"},
      {"capture", Command::capture, "SCENE", 1, 1, "step a scene and write pictures of its states"},
      {"compare", Command::compare, "A.png B.png", 2, 2, "how different two pictures are"},
      {"bvh", Command::bvh, "SCENE", 1, 1, "how good the hierarchy of each broad phase is"},
      {"bench", Command::bench, "SUITE [SCENE]", 1, 2, "measure what things cost; a suite of measurements"},
      {"accuracy", Command::accuracy, "[SCENE]", 0, 1,
-      "what accuracy costs: error over time; without a scene, cases in closed form"}}};
+      "what accuracy costs: error over time; without a scene, cases in closed form"},
+     {"stability", Command::stability, "[CASE...]", 0, std::numeric_limits<std::size_t>::max(),
+      "what must hold of hard cases, with each solver in each precision"}}};
 
 constexpr const char* exit_codes =
     "Exit status: 0 done, 1 a check failed, 2 bad input, 3 something that the machine lacks.";
@@ -126,7 +129,7 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
         faults.push_back(fmt::format("{}: {} is the file of {} too", flag, shown(file), other));
     seen.emplace_back(flag, path);
   };
-  if (!line.operands.empty()) add("the scene", line.operands[0]);
+  if (!line.operands.empty() && line.command != Command::stability) add("the scene", line.operands[0]);
   add("--json", options.json == "-" ? "" : options.json);
   add("--dump-bodies", options.dump_bodies);
   add("--dump-dynamics", options.dump_dynamics);
@@ -164,10 +167,11 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
     faults.push_back(missing_value(error.what()));
   }
   for (const auto& [flag, option] : taken) {
-    if (option->count() > 1 && flag->value)
+    if (option->count() > 1 && flag->value && !flag->again)
       faults.push_back(fmt::format("{}: given {} times; once is enough", flag->name, option->count()));
     else if (option->count() > 0)
-      read_flag(flag->name, option->results().at(0), line.options, faults);
+      for (std::size_t k = 0; k < (flag->again ? option->count() : 1); ++k)
+        read_flag(flag->name, option->results().at(k), line.options, faults);
   }
   for (const std::string& extra : app.remaining()) {
     if (extra.size() < 2 || extra[0] != '-')
@@ -192,7 +196,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
   if (command == commands.end())
     throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
-                     "; there are run, capture, compare, bvh, bench and accuracy, and --help");
+                     "; there are run, capture, compare, bvh, bench, accuracy and stability, and --help");
   return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()});
 }
 

@@ -119,10 +119,11 @@ void collect(std::vector<std::string>& faults, Read read) {
 
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
 constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench), grading = bit(Command::bvh);
-constexpr unsigned studying = bit(Command::accuracy);
+constexpr unsigned studying = bit(Command::accuracy), breaking = bit(Command::stability);
 constexpr unsigned drawing = capturing | viewing | benching,
                    stepping = running | drawing | grading | studying;
-constexpr unsigned reporting = running | capturing | benching | grading | studying | bit(Command::compare);
+constexpr unsigned reporting =
+    running | capturing | benching | grading | studying | breaking | bit(Command::compare);
 
 struct Reader {
   Flag flag;
@@ -146,25 +147,25 @@ constexpr Reader readers[] = {
      [](Reading& in) { in.options.overrides.substeps = read_count(in.value, 1, limits::max_substeps); }},
     {{"--iterations", "I", "sweeps of the solver over all contacts", stepping},
      [](Reading& in) { in.options.overrides.iterations = read_count(in.value, 1, limits::max_iterations); }},
-    {{"--solver", "NAME", "impulse, soft_step or jacobi_split", stepping},
+    {{"--solver", "NAME", "impulse, soft_step or jacobi_split", stepping | breaking},
      [](Reading& in) { in.options.overrides.solver = in.value.one_of(solver_names); }},
     {{"--integrator", "NAME", "semi_implicit_euler, velocity_verlet or rk4: how free motion goes on",
       stepping},
      [](Reading& in) { in.options.overrides.integrator = in.value.one_of(integrator_names); }},
     {{"--rotation-update", "NAME", "first_order or lie_group: how bodies turn", stepping},
      [](Reading& in) { in.options.overrides.rotation_update = in.value.one_of(rotation_update_names); }},
-    {{"--precision", "NAME", "f32 or f64", stepping},
+    {{"--precision", "NAME", "f32 or f64", stepping | breaking},
      [](Reading& in) { in.options.overrides.precision = in.value.one_of(precision_names); }},
     {{"--effects", "LIST", "auto, none, or a list such as gravity,rotation", stepping},
      [](Reading& in) { read_effects(in.value, in.options.overrides); }},
     {{"--restitution-threshold", "V", "m/s, or auto: slower approaches do not bounce", stepping},
      [](Reading& in) { read_restitution_threshold(in.value, in.options.overrides); }},
 
-    {{"--executor", "NAME", "auto, cpu or cuda", stepping},
+    {{"--executor", "NAME", "auto, cpu or cuda", stepping | breaking},
      [](Reading& in) {
        if (const auto kind = in.value.one_of(executor_names)) in.options.run.executor = *kind;
      }},
-    {{"--gpu", "I", "CUDA's number of the device", stepping},
+    {{"--gpu", "I", "CUDA's number of the device", stepping | breaking},
      [](Reading& in) {
        if (const auto n = read_count(in.value, 0, 1023)) in.options.run.gpu = *n;
      }},
@@ -346,6 +347,21 @@ constexpr Reader readers[] = {
      [](Reading& in) {
        if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;
      }},
+
+    {{"--long", nullptr, "the long variants of the cases that have one", breaking},
+     [](Reading& in) { in.options.stability.extended = true; }},
+    {{"--plant", nullptr, "in place of the trials: faults, each of which must fail its criterion", breaking},
+     [](Reading& in) { in.options.stability.plant = true; }},
+    {{"--jobs", "K", "trials side by side, or auto: one for each core", breaking},
+     [](Reading& in) { read_count_or_auto(in.value, 1024, in.options.stability.jobs); }},
+    {{"--cases", "DIR", "a folder of cases [assets/scenes/hard]", breaking},
+     [](Reading& in) { read_path(in.value, in.options.stability.cases); }},
+    {{"--save-failures", "DIR", "snapshots, from which --load goes on to what failed", breaking},
+     [](Reading& in) { read_path(in.value, in.options.stability.save_failures); }},
+    {{"--readme", "FILE", "in place of the trials: writes the table of stability in FILE anew", breaking},
+     [](Reading& in) { read_path(in.value, in.options.stability.readme); }},
+    {{"--from", "FILE", "of --readme: what --json wrote; once for each machine", breaking, true},
+     [](Reading& in) { read_path(in.value, in.options.stability.from.emplace_back()); }},
 
     {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
      [](Reading& in) { in.options.view.reset_ui = true; }},

@@ -21,6 +21,7 @@
 #include "headless/compare.h"
 #include "headless/progress.h"
 #include "headless/run.h"
+#include "headless/stability/stability.h"
 #include "sim_cuda/core/error.h"
 
 namespace collidoscope {
@@ -46,6 +47,8 @@ int perform(const CommandLine& line) {
       return bench_command(line);
     case Command::accuracy:
       return accuracy_command(line);
+    case Command::stability:
+      return stability_command(line);
     case Command::view:
       break;  // no word of the command line means it
   }

@@ -16,7 +16,7 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, capture, compare, bvh, bench, accuracy, view };
+enum class Command { run, capture, compare, bvh, bench, accuracy, stability, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
@@ -60,6 +60,17 @@ struct AccuracyOptions {
   double seconds = 0;               ///< s, that are compared at most; 0: as AccuracyRequest has it
 };
 
+/// What only `stability` takes.
+struct StabilityOptions {
+  std::string cases;              ///< folder; empty: assets/scenes/hard
+  bool extended = false;          ///< the long variants
+  bool plant = false;             ///< faults that must fail their criteria, in place of the trials
+  int jobs = 0;                   ///< trials side by side; 0: one for each core
+  std::string save_failures;      ///< folder of snapshots, or empty
+  std::string readme;             ///< file whose table is written anew, or empty
+  std::vector<std::string> from;  ///< files of --json that the table is made of
+};
+
 struct Options {
   RunOptions run;
   Overrides overrides;
@@ -76,6 +87,7 @@ struct Options {
   std::int64_t frames = 300;  ///< of `bench frames`
   BenchRequest bench;
   AccuracyOptions accuracy;
+  StabilityOptions stability;
 
   std::int64_t steps_or(std::int64_t otherwise) const { return steps.value_or(otherwise); }
 };
@@ -85,7 +97,8 @@ struct Flag {
   const char* name;
   const char* value;  ///< what stands for its value in --help; nullptr: it takes none
   const char* help;
-  unsigned commands;  ///< bit() of each command that takes it
+  unsigned commands;   ///< bit() of each command that takes it
+  bool again = false;  ///< whether it may be given more than once
 };
 constexpr unsigned bit(Command command) { return 1u << static_cast<unsigned>(command); }
 std::span<const Flag> flags();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "sim_cuda/change_reader.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -73,7 +74,8 @@ class ChangesReader {
     ObjectReader reader(reading_, node, "a change");
     if (!reader.is_object()) return;
     read_step(node, reader, change);
-    read_settings(reader, change);
+    read_settings(reading_, reader, change);
+    read_way_of_running(reading_, reader, change);
     const JsonNode* remove = reader.member("remove", JsonKind::array);
     if (remove != nullptr) read_ids(*remove, change.remove);
     const JsonNode* add = reader.member("add", JsonKind::array);
@@ -106,73 +108,6 @@ class ChangesReader {
                                  start_));
     if (change.step == 0) start_ = 0;
     last_ = std::max(last_, change.step);
-  }
-
-  void read_settings(ObjectReader& reader, Change& change) {
-    const auto whole = [&](std::string_view key, auto& value) {
-      if (typename std::remove_reference_t<decltype(value)>::value_type read{}; reader.whole(key, read))
-        value = read;
-    };
-    const auto real = [&](std::string_view key, std::optional<double>& value) {
-      if (double read = 0; reader.real(key, read)) value = read;
-    };
-    const auto choice = [&](std::string_view key, const auto& table, auto& value) {
-      typename std::remove_reference_t<decltype(value)>::value_type read{};
-      if (reader.choice(key, table, read)) value = read;
-    };
-    whole("bodies", change.bodies);
-    real("radius_max", change.radius_max);
-    whole("seed", change.seed);
-    choice("variant", variant_names, change.variant);
-    real("time_step", change.time_step);
-    whole("steps_per_second", change.steps_per_second);
-    if (change.time_step && change.steps_per_second)
-      reading_.fault_at_key(*reader.member("steps_per_second"),
-                            "time_step and steps_per_second are both given; keep one of them");
-    read_substeps(reader, change);
-    whole("iterations", change.iterations);
-    real("restitution", change.restitution);
-    choice("solver", solver_names, change.solver);
-    choice("integrator", integrator_names, change.integrator);
-    choice("rotation_update", rotation_update_names, change.rotation_update);
-    choice("precision", precision_names, change.precision);
-    if (const JsonNode* node = reader.member("effects")) {
-      std::optional<Effects> effects;
-      collidoscope::read_effects(reading_, *node, effects);
-      change.effects = effects;
-    }
-    read_shape(reader, "blocks", 2147483647, change.blocks);
-    read_shape(reader, "threads", 1024, change.threads);
-    if (std::string name; reader.text("broad_phase", name)) {
-      const std::vector<std::string> known = broad_phase_names();
-      if (std::ranges::find(known, name) == known.end())
-        reading_.fault(
-            *reader.member("broad_phase"),
-            unknown_name("broad phase", name, std::vector<std::string_view>(known.begin(), known.end())));
-      change.broad_phase = name;
-    }
-  }
-
-  void read_substeps(ObjectReader& reader, Change& change) {
-    const JsonNode* node = reader.member("substeps");
-    if (node == nullptr) return;
-    if (node->kind == JsonKind::text && document_.text(*node) == "auto")
-      change.substeps = std::optional<int>{};
-    else if (int substeps = 0; reader.whole("substeps", substeps))
-      change.substeps = substeps;
-  }
-
-  void read_shape(ObjectReader& reader, std::string_view key, int most, std::optional<int>& value) {
-    const JsonNode* node = reader.member(key);
-    if (node == nullptr) return;
-    int count = 0;
-    if (node->kind == JsonKind::text && document_.text(*node) == "auto") {
-      value = 0;
-    } else if (reader.whole(key, count)) {
-      if (count < 1 || count > most)
-        reading_.fault(*node, fmt::format("\"{}\" is \"auto\" or a whole number from 1 to {}", key, most));
-      value = count;
-    }
   }
 
   void read_ids(const JsonNode& list, std::vector<std::int64_t>& ids) {

@@ -1,0 +1,181 @@
+#include "headless/stability/stability_readme.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "headless/output_file.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/text_file.h"
+#include "sim_cuda/stability/criterion.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::size_t most_bytes = std::size_t{64} << 20;
+
+/// Whatever stands where a word should: "".
+std::string word(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// All trials of a case, by solver, precision and executor.
+struct Row {
+  Json about;  ///< of the first file that has it
+  std::vector<Json> trials;
+
+  std::vector<const Json*> of(std::string_view solver, std::string_view precision) const {
+    std::vector<const Json*> found;
+    for (const Json& trial : trials)
+      if (word(trial, "solver").empty() ||
+          (word(trial, "solver") == solver && word(trial, "precision") == precision))
+        found.push_back(&trial);
+    return found;
+  }
+};
+
+const char* mark_of(const std::string& verdict) {
+  if (verdict == "passed") return "✓";
+  if (verdict == "declared limit") return "L";
+  return verdict == "failed" ? "**✗**" : "–";
+}
+
+/// Of all machines: what they agree on; what one does not run says nothing.
+std::string mark_of(const std::vector<const Json*>& trials) {
+  std::string mark;
+  for (const Json* trial : trials) {
+    const std::string here = mark_of(word(*trial, "verdict"));
+    if (mark.empty() || mark == "–" || here == mark)
+      mark = here;
+    else if (here != "–")
+      mark += " " + here;
+  }
+  return mark.empty() ? "–" : mark;
+}
+
+/// Where it ran, and whether all that did came to the same state.
+std::string machines_text(const Row& row) {
+  bool cpu = false, cuda = false, differ = false;
+  std::map<std::string, std::string> hashes;
+  for (const Json& trial : row.trials) {
+    if (word(trial, "verdict") == "not applicable") continue;
+    (word(trial, "executor") == "cuda" ? cuda : cpu) = true;
+    const std::string hash = word(trial, "state_hash");
+    if (hash.empty()) continue;
+    const auto [known, fresh] = hashes.emplace(word(trial, "solver") + word(trial, "precision"), hash);
+    differ = differ || (!fresh && known->second != hash);
+  }
+  if (differ) return "**differ**";
+  if (cpu && cuda) return hashes.empty() ? "both" : "same";
+  return cpu ? "CPU" : cuda ? "GPU" : "–";
+}
+
+std::string table_row(const Row& row) {
+  std::string text = fmt::format("| `{}` | {} |", word(row.about, "name"), word(row.about, "what"));
+  for (const Named<Solver>& solver : solver_names)
+    text += fmt::format(" {} {} |", mark_of(row.of(solver.name, "f32")), mark_of(row.of(solver.name, "f64")));
+  return text + " " + machines_text(row) + " |\n";
+}
+
+std::string limit_text(const std::string& name, const Json& limit) {
+  std::string where;
+  for (const char* key : {"solver", "precision", "executor"})
+    if (const std::string value = word(limit, key); !value.empty())
+      where += (where.empty() ? "`" : " `") + value + "`";
+  return fmt::format("- `{}`, {}: {}\n", name, where, word(limit, "why"));
+}
+
+/// "of 120 trials on an AMD EPYC (CPU) 110 pass".
+std::string counts_text(const std::vector<Json>& runs, std::int64_t& limits, std::int64_t& trials) {
+  std::string text;
+  for (const Json& run : runs) {
+    const auto count = [&](const char* key) { return run.value(key, std::int64_t{0}); };
+    const std::int64_t ran = count("passed") + count("failed") + count("declared_limits");
+    limits += count("declared_limits");
+    trials += ran;
+    text += fmt::format("{}{} ({}, {:.0f} s{}): {} trials, {} pass, {} at declared limits, {} fail",
+                        text.empty() ? "" : "; ", word(run, "device"),
+                        word(run, "executor") == "cuda" ? "CUDA" : "CPU", run.value("seconds", 0.0),
+                        run.value("long", false) ? ", long" : "", ran, count("passed"),
+                        count("declared_limits"), count("failed"));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string stability_markdown(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::vector<Json> runs;
+  std::vector<Row> rows;
+  for (const auto& [name, text] : files) {
+    const Json& run = runs.emplace_back(Json::parse(text, nullptr, false));
+    if (!run.is_object() || word(run, "suite") != "stability" || !run.contains("cases") ||
+        !run.contains("trials"))
+      throw InputError(name + ": is not what stability --json writes of trials");
+    for (const Json& about : run["cases"])
+      if (std::ranges::none_of(
+              rows, [&](const Row& row) { return word(row.about, "name") == word(about, "name"); }))
+        rows.push_back({about, {}});
+    for (const Json& trial : run["trials"])
+      for (Row& row : rows)
+        if (word(row.about, "name") == word(trial, "case")) row.trials.push_back(trial);
+  }
+  std::ranges::stable_sort(rows, {}, [](const Row& row) {
+    return std::ranges::find(hard_case_groups, word(row.about, "group")) - hard_case_groups.begin();
+  });
+
+  std::string text =
+      "| case | what must hold | `impulse` | `soft_step` | `jacobi_split` | CPU, GPU "
+      "|\n|---|---|---|---|---|---|\n";
+  std::string group, limits_text;
+  for (const Row& row : rows) {
+    if (word(row.about, "group") != group) {
+      group = word(row.about, "group");
+      text += fmt::format("| **{}** | | | | | |\n", group);
+    }
+    text += table_row(row);
+    for (const Json& limit : row.about.value("limits", Json::array()))
+      limits_text += limit_text(word(row.about, "name"), limit);
+  }
+  std::int64_t limits = 0, trials = 0;
+  const std::string counts = counts_text(runs, limits, trials);
+  text +=
+      "\nTwo marks for each solver, in float and in double: ✓ holds, L a declared limit, – the solver does "
+      "not take the scene, or "
+      "it runs elsewhere alone, **✗** fails. *Same*: CPU and GPU came to the same state, bit for bit, in "
+      "each "
+      "of them.\n\n" +
+      counts + ".\n";
+  if (limits_text.empty()) return text + "\nNo limits are declared.\n";
+  text += fmt::format("\nDeclared limits: {} of {} trials", limits, trials);
+  if (limits > 0)
+    text += fmt::format(", one in {:.3g}", static_cast<double>(trials) / static_cast<double>(limits));
+  return text + ".\n\n" + limits_text;
+}
+
+std::string with_stability(const std::string& readme, const std::string& name, const std::string& table) {
+  const std::string begin_mark(stability_begin);
+  const std::size_t begin = readme.find(begin_mark), end = readme.find(stability_end);
+  if (begin == std::string::npos || end == std::string::npos || end < begin)
+    throw InputError(fmt::format("{}: lacks the lines {} and {}, between which the table belongs", name,
+                                 stability_begin, stability_end));
+  return readme.substr(0, begin + begin_mark.size()) + "\n\n" + table + "\n" + readme.substr(end);
+}
+
+void rewrite_readme(const std::string& readme, const std::vector<std::string>& from) {
+  std::vector<std::pair<std::string, std::string>> runs;
+  for (const std::string& file : from)
+    runs.emplace_back(file, read_text_file(file, most_bytes, "what stability --json wrote"));
+  const std::string table = stability_markdown(runs);
+  const std::string text = with_stability(read_text_file(readme, most_bytes, "the README"), readme, table);
+  OutputFile output("--readme", readme);
+  output.write(text);
+  output.commit();
+}
+
+}  // namespace collidoscope

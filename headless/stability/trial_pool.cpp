@@ -1,0 +1,39 @@
+#include "headless/stability/trial_pool.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace collidoscope {
+
+void run_trials(std::span<Trial> trials, int jobs, const std::function<bool(std::int64_t done)>& told) {
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::int64_t> done{0};
+  std::atomic<bool> stop{false};
+  std::mutex mutex;
+  std::condition_variable ended;
+  const auto work = [&] {
+    for (std::size_t k = next++; k < trials.size() && !stop; k = next++) {
+      while (!stop && trials[k].go_on(20))
+        ;
+      if (!stop) ++done;
+      ended.notify_one();
+    }
+  };
+  std::vector<std::jthread> team;
+  for (std::size_t k = 0; k < std::min(static_cast<std::size_t>(jobs), trials.size()); ++k)
+    team.emplace_back(work);
+  while (done < std::ssize(trials) && !stop) {
+    {
+      std::unique_lock lock(mutex);
+      ended.wait_for(lock, std::chrono::milliseconds(100));
+    }
+    if (!told(done)) stop = true;
+  }
+}
+
+}  // namespace collidoscope

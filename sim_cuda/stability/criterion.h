@@ -1,0 +1,158 @@
+#pragma once
+// The criterion of a hard case: what must hold of its scene, how long, where it is known not to hold, and
+// faults that show that the criterion can fail. Plain data, and the reading of the file that says it: JSON
+// with comments, `"format": "collidoscope-criterion", "version": 1`. The README lists what it may hold.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim_cuda/changes.h"
+#include "sim_cuda/core/launch_shape.h"
+#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+/// What can be measured; quantities.h says how.
+enum class Quantity {
+  finite,
+  penetration,
+  penetration_over_radius,
+  speed,
+  spin,
+  energy_gain,
+  energy_loss,
+  kinetic_energy,
+  escaped,
+  displacement,
+  position,
+  velocity,
+  momentum_change,
+  angular_momentum_change,
+  quaternion_norm,
+  joint_error,
+  joint_angle,
+  pairs,
+  contacts,
+  asleep,
+  tree_depth,
+  difference,
+  separation_speed,
+  other_hash
+};
+inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
+    {"finite", Quantity::finite},
+    {"penetration", Quantity::penetration},
+    {"penetration_over_radius", Quantity::penetration_over_radius},
+    {"speed", Quantity::speed},
+    {"spin", Quantity::spin},
+    {"energy_gain", Quantity::energy_gain},
+    {"energy_loss", Quantity::energy_loss},
+    {"kinetic_energy", Quantity::kinetic_energy},
+    {"escaped", Quantity::escaped},
+    {"displacement", Quantity::displacement},
+    {"position", Quantity::position},
+    {"velocity", Quantity::velocity},
+    {"momentum_change", Quantity::momentum_change},
+    {"angular_momentum_change", Quantity::angular_momentum_change},
+    {"quaternion_norm", Quantity::quaternion_norm},
+    {"joint_error", Quantity::joint_error},
+    {"joint_angle", Quantity::joint_angle},
+    {"pairs", Quantity::pairs},
+    {"contacts", Quantity::contacts},
+    {"asleep", Quantity::asleep},
+    {"tree_depth", Quantity::tree_depth},
+    {"difference", Quantity::difference},
+    {"separation_speed", Quantity::separation_speed},
+    {"other_hash", Quantity::other_hash},
+});
+std::string_view unit_of(Quantity quantity);  ///< "m"; empty for a count or a share
+
+/// One thing that must hold at all states that are measured from `from` to `to`. NaN never holds.
+struct Term {
+  Quantity quantity = Quantity::finite;
+  std::optional<double> at_most, at_least;  ///< in the quantity's unit; at least one of them
+  std::optional<std::int64_t> from, to;     ///< states; unset: from the first, to the last
+  std::optional<std::uint32_t> body;        ///< unset: all of them
+  int axis = 0;                             ///< 0 to 2, of `position` and `velocity`
+  std::int64_t since = 0;                   ///< state that `displacement` counts from
+  std::string scene{};                      ///< file, whose bodies `difference` compares with
+  Vector3d offset{0, 0, 0};                 ///< m, from its bodies to these
+  std::vector<LaunchShape> shapes{};        ///< of the other runs of `other_hash`
+  std::vector<std::string> broad_phases{};  ///< the same
+
+  bool at(std::int64_t state) const { return state >= from.value_or(0) && (!to || state <= *to); }
+};
+/// "penetration at most 0.01 m, states 60 to 300".
+std::string text_of(const Term& term);
+/// `value` in the quantity's unit, three digits: "0.0123 m".
+std::string text_of(Quantity quantity, double value);
+
+/// Where the case is known not to hold; what is unset is any. At least one of the three is set.
+struct DeclaredLimit {
+  std::optional<Solver> solver;
+  std::optional<Precision> precision;
+  std::optional<ExecutorKind> executor;  ///< cpu or cuda
+  std::string why;                       ///< a line
+};
+
+/// What a body is set to at a state, before it is measured there; unset: as it was. Anything goes, NaN too.
+struct PlantedState {
+  std::int64_t step = 0;
+  std::uint32_t body = 0;
+  std::optional<Vector3d> position, velocity, angular_velocity;  ///< m, m/s, rad/s
+  std::optional<Quaterniond> orientation;                        ///< as it is, of any length
+};
+
+/// What makes a term fail, as a proof that it can.
+struct CriterionFault {
+  std::size_t term = 0;  ///< its place in `holds`
+  std::optional<PlantedState> state;
+  std::optional<Change> set;        ///< settings of the scene, from the start on
+  std::optional<Vector3d> gravity;  ///< m/s^2, with `set`
+  std::optional<double> friction;   ///< of the material "default", with `set`
+  std::string scene{};              ///< file, in place of the case's own
+};
+
+struct Criterion {
+  std::string file;         ///< that it was read from
+  std::string what, group;  ///< a line; one of hard_case_groups
+  std::int64_t steps = 0;
+  std::optional<std::int64_t> long_steps;  ///< of the long variant; unset: it has none
+  std::int64_t every = 1;                  ///< states between two that are measured
+
+  // How it runs, never the result; unset: as the command line has it.
+  std::optional<std::int64_t> pair_capacity;
+  std::optional<std::string> broad_phase;
+  std::optional<int> blocks, threads;  ///< 0: "auto"
+  std::optional<int> key_bits;         ///< 30 or 63
+
+  std::string changes;                  ///< file, or empty
+  std::vector<ExecutorKind> executors;  ///< it runs on these alone; empty: on all
+  std::vector<Term> holds;              ///< the first is always `finite`: no body that is not
+  std::vector<DeclaredLimit> limits;
+  std::vector<CriterionFault> faults;
+  /// The scene must be refused with so many lines, each with these words. Not empty: nothing else is set but
+  /// `what` and `group`.
+  std::vector<std::string> refused;
+
+  const DeclaredLimit* limit_of(Solver solver, Precision precision, ExecutorKind executor) const;
+};
+
+/// The headings under which cases are listed, in order.
+inline constexpr auto hard_case_groups = std::to_array<std::string_view>(
+    {"mass ratios", "stacks", "overlap", "speed", "distance", "time step", "rotation", "rest",
+     "restitution and friction", "wedges", "tree", "counts", "joints", "sleep", "settings", "bad input"});
+
+/// `scene` is the case's, null where it cannot be read. Files that it names lie beside it. Throws InputError
+/// with one line per fault, `file:line:column: what, and what would be right`.
+Criterion read_criterion(const std::string& file, const Scene* scene);
+/// The same from text; `name` stands where the file would.
+Criterion parse_criterion(const std::string& text, const std::string& name, const Scene* scene);
+
+}  // namespace collidoscope

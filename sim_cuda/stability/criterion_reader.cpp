@@ -1,0 +1,398 @@
+// Criterion files to structs: types, keys and names, and whether the scene has what the file speaks of.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "sim_cuda/change_reader.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/text_file.h"
+#include "sim_cuda/stability/criterion.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::int64_t most_steps = 1'000'000'000;
+constexpr std::array<Named<int>, 3> axis_names{{{"x", 0}, {"y", 1}, {"z", 2}}};
+constexpr std::array<Named<ExecutorKind>, 2> executor_names{
+    {{"cpu", ExecutorKind::cpu}, {"cuda", ExecutorKind::cuda}}};
+
+constexpr bool is_of_a_body(Quantity quantity) {
+  return quantity == Quantity::displacement || quantity == Quantity::position ||
+         quantity == Quantity::velocity;
+}
+
+class CriterionReader {
+ public:
+  CriterionReader(const JsonDocument& document, const Scene* scene)
+      : document_(document),
+        reading_{document, document.duplicates()},
+        scene_(scene),
+        bodies_(scene != nullptr ? bodies_of(*scene) : 0) {}
+
+  Criterion read() {
+    ObjectReader root(reading_, document_.root(), "a criterion");
+    if (root.is_object()) {
+      read_header(root);
+      read_what(root);
+      criterion_.holds.emplace_back().at_most = 0;  // finite
+      if (const JsonNode* refused = root.member("refused", JsonKind::array))
+        read_refused(*refused, root);
+      else
+        read_run(root);
+    }
+    root.finish();
+    if (!reading_.faults.empty()) throw InputError(document_.lines(std::move(reading_.faults)));
+    return std::move(criterion_);
+  }
+
+ private:
+  void read_header(ObjectReader& root) {
+    const JsonNode* format = root.member("format");
+    if (format == nullptr || format->kind != JsonKind::text ||
+        document_.text(*format) != "collidoscope-criterion")
+      reading_.fault(format == nullptr ? document_.root() : *format,
+                     "a criterion starts with \"format\": \"collidoscope-criterion\"");
+    const JsonNode* version = root.member("version");
+    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0)
+      reading_.fault(version == nullptr ? document_.root() : *version,
+                     version == nullptr ? "\"version\" is missing; it is 1"
+                                        : "this version of the format is not known; it is 1");
+  }
+
+  void read_what(ObjectReader& root) {
+    if (!root.text("what", criterion_.what) && root.member("what") == nullptr)
+      reading_.fault(document_.root(), "\"what\" is missing: a line that says what must hold");
+    if (root.text("group", criterion_.group)) {
+      if (std::ranges::find(hard_case_groups, criterion_.group) == hard_case_groups.end())
+        reading_.fault(*root.member("group"), unknown_name("group", criterion_.group, hard_case_groups));
+    } else if (root.member("group") == nullptr) {
+      reading_.fault(document_.root(), fmt::format("\"group\" is missing: {}", either_of(hard_case_groups)));
+    }
+  }
+
+  void read_refused(const JsonNode& list, ObjectReader& root) {
+    for (const JsonNode& child : document_.children(list)) {
+      if (child.kind == JsonKind::text)
+        criterion_.refused.emplace_back(document_.text(child));
+      else
+        reading_.fault(child,
+                       "\"refused\" is a list of texts: words of each line in which the scene is refused");
+    }
+    if (list.child_count == 0) reading_.fault(list, "\"refused\" names the words of at least one line");
+    criterion_.executors.push_back(ExecutorKind::cpu);
+    for (const char* key : {"steps", "holds", "faults", "limits"})
+      if (const JsonNode* node = root.member(key))
+        reading_.fault_at_key(*node,
+                              fmt::format("a scene that is refused has no \"{}\"; remove one of both", key));
+  }
+
+  void read_run(ObjectReader& root) {
+    read_steps(root);
+    if (const JsonNode* run = root.member("run")) read_way(*run);
+    if (root.text("changes", criterion_.changes)) check_file(*root.member("changes"));
+    for_each(root, "executors", [&](const JsonNode& node) {
+      const auto kind =
+          node.kind == JsonKind::text ? value_of(executor_names, document_.text(node)) : std::nullopt;
+      if (kind)
+        criterion_.executors.push_back(*kind);
+      else
+        reading_.fault(node, "\"executors\" is a list of \"cpu\" and \"cuda\"");
+    });
+    for_each(root, "holds", [&](const JsonNode& node) { read_term(node); });
+    for_each(root, "limits", [&](const JsonNode& node) { read_limit(node); });
+    for_each(root, "faults", [&](const JsonNode& node) { read_fault(node); });
+  }
+
+  template <class Read>
+  void for_each(ObjectReader& root, std::string_view key, Read read) {
+    if (const JsonNode* list = root.member(key, JsonKind::array))
+      for (const JsonNode& node : document_.children(*list)) read(node);
+  }
+
+  void read_steps(ObjectReader& root) {
+    if (!root.whole("steps", criterion_.steps) && root.member("steps") == nullptr)
+      reading_.fault(document_.root(), "\"steps\" is missing: how many the case runs for");
+    std::int64_t longer = 0;
+    if (root.whole("long_steps", longer)) criterion_.long_steps = longer;
+    root.whole("every", criterion_.every);
+    if (const JsonNode* node = root.member("steps"))
+      in_range(*node, "steps", criterion_.steps, 0, most_steps);
+    if (criterion_.long_steps)
+      in_range(*root.member("long_steps"), "long_steps", longer, criterion_.steps, most_steps);
+    if (const JsonNode* node = root.member("every"))
+      in_range(*node, "every", criterion_.every, 1, most_steps);
+  }
+
+  bool in_range(const JsonNode& node, std::string_view key, std::int64_t value, std::int64_t least,
+                std::int64_t most) {
+    if (value >= least && value <= most) return true;
+    reading_.fault(node, fmt::format("\"{}\" is a whole number from {} to {}, not {}", key, least, most,
+                                     printable(document_.token(node))));
+    return false;
+  }
+
+  void read_way(const JsonNode& node) {
+    ObjectReader reader(reading_, node, "\"run\"");
+    Change way;
+    read_way_of_running(reading_, reader, way);
+    criterion_.broad_phase = way.broad_phase;
+    criterion_.blocks = way.blocks;
+    criterion_.threads = way.threads;
+    std::int64_t pairs = 0;
+    int bits = 0;
+    if (reader.whole("pair_capacity", pairs) &&
+        in_range(*reader.member("pair_capacity"), "pair_capacity", pairs, 1, std::int64_t{1} << 40))
+      criterion_.pair_capacity = pairs;
+    if (reader.whole("key_bits", bits)) {
+      if (bits != 30 && bits != 63) reading_.fault(*reader.member("key_bits"), "\"key_bits\" is 30 or 63");
+      criterion_.key_bits = bits;
+    }
+    reader.finish();
+  }
+
+  /// A file beside the criterion's.
+  void check_file(const JsonNode& node) {
+    const std::string_view name = document_.text(node);
+    if (name.empty() || name.find('/') != std::string_view::npos || !name.ends_with(".json"))
+      reading_.fault(node, "the name of a file (.json) in the criterion's own folder");
+  }
+
+  /// False, and a fault, where the scene has no such body.
+  bool read_id(ObjectReader& reader, std::uint32_t& id) {
+    std::int64_t number = 0;
+    if (!reader.whole("body", number)) return false;
+    if (scene_ != nullptr &&
+        !in_range(*reader.member("body"), "body", number, 0, std::max<std::int64_t>(bodies_, 1) - 1))
+      return false;
+    id = static_cast<std::uint32_t>(number);
+    return true;
+  }
+
+  void read_state(ObjectReader& reader, std::string_view key, std::optional<std::int64_t>& state) {
+    std::int64_t number = 0;
+    const std::int64_t most = criterion_.long_steps.value_or(criterion_.steps);
+    if (reader.whole(key, number) && in_range(*reader.member(key), key, number, 0, most)) state = number;
+  }
+
+  void read_term(const JsonNode& node) {
+    Term term;
+    ObjectReader reader(reading_, node, "a term");
+    if (!reader.is_object()) return;
+    const bool named = reader.choice("quantity", quantity_names, term.quantity);
+    if (!named && reader.member("quantity") == nullptr)
+      reading_.fault(node, "a term has a \"quantity\", the name of what is measured");
+    if (named && term.quantity == Quantity::finite)
+      reading_.fault(node, "\"finite\" always holds by itself; remove this term");
+    if (double bound = 0; reader.real("at_most", bound)) term.at_most = bound;
+    if (double bound = 0; reader.real("at_least", bound)) term.at_least = bound;
+    if (!term.at_most && !term.at_least && reader.member("at_most") == nullptr &&
+        reader.member("at_least") == nullptr)
+      reading_.fault(node, "a term has a bound, \"at_most\" or \"at_least\" or both");
+    if (term.at_most && term.at_least && *term.at_least > *term.at_most)
+      reading_.fault(*reader.member("at_least"), "\"at_least\" is above \"at_most\": nothing can hold");
+    read_state(reader, "from", term.from);
+    read_state(reader, "to", term.to);
+    if (term.from && term.to && *term.from > *term.to)
+      reading_.fault(*reader.member("to"), "\"to\" is a state before \"from\": nothing is measured");
+    if (named) read_parameters(reader, node, term);
+    reader.finish();
+    criterion_.holds.push_back(std::move(term));
+  }
+
+  /// What only some quantities take.
+  void read_parameters(ObjectReader& reader, const JsonNode& node, Term& term) {
+    const Quantity quantity = term.quantity;
+    if (is_of_a_body(quantity))
+      if (std::uint32_t id = 0; read_id(reader, id)) term.body = id;
+    if (quantity == Quantity::position || quantity == Quantity::velocity) {
+      if (!reader.choice("axis", axis_names, term.axis) && reader.member("axis") == nullptr)
+        reading_.fault(node,
+                       fmt::format("a {} has an \"axis\": x, y or z", name_of(quantity_names, quantity)));
+    }
+    if (quantity == Quantity::displacement) {
+      std::optional<std::int64_t> since;
+      read_state(reader, "since", since);
+      term.since = since.value_or(0);
+    }
+    if (quantity == Quantity::difference) {
+      reader.vector("offset", term.offset);
+      if (reader.text("scene", term.scene))
+        check_file(*reader.member("scene"));
+      else if (reader.member("scene") == nullptr)
+        reading_.fault(node, "a difference has a \"scene\", the file of the one to compare with");
+    }
+    if (quantity == Quantity::other_hash) {
+      for_each(reader, "shapes", [&](const JsonNode& shape) { read_shape(shape, term); });
+      for_each(reader, "broad_phases", [&](const JsonNode& name) { read_broad_phase(name, term); });
+      if (reader.member("shapes") == nullptr && reader.member("broad_phases") == nullptr)
+        reading_.fault(node, "other_hash has \"shapes\" [[B, T], ...] or \"broad_phases\" to compare with");
+    }
+  }
+
+  void read_shape(const JsonNode& node, Term& term) {
+    const auto children = document_.children(node);
+    int sides[2] = {0, 0};
+    bool good = node.kind == JsonKind::array && children.size() == 2;
+    for (std::size_t k = 0; good && k < 2; ++k) {
+      const std::optional<double> number =
+          children[k].kind == JsonKind::number ? document_.number(children[k]) : std::nullopt;
+      good = number && *number >= 1 && *number <= (k == 0 ? 2147483647.0 : 1024.0) &&
+             *number == std::floor(*number);
+      if (good) sides[k] = static_cast<int>(*number);
+    }
+    if (!good) return reading_.fault(node, "a shape is [B, T]: blocks, and 1 to 1024 threads");
+    term.shapes.push_back({sides[0], sides[1]});
+  }
+
+  void read_broad_phase(const JsonNode& node, Term& term) {
+    const std::vector<std::string> known = broad_phase_names();
+    const std::string name(node.kind == JsonKind::text ? document_.text(node) : document_.token(node));
+    if (std::ranges::find(known, name) == known.end())
+      return reading_.fault(
+          node, unknown_name("broad phase", name, std::vector<std::string_view>(known.begin(), known.end())));
+    term.broad_phases.push_back(name);
+  }
+
+  void read_limit(const JsonNode& node) {
+    DeclaredLimit limit;
+    ObjectReader reader(reading_, node, "a limit");
+    const auto choice = [&](std::string_view key, const auto& table, auto& value) {
+      typename std::remove_reference_t<decltype(value)>::value_type read{};
+      if (reader.choice(key, table, read)) value = read;
+    };
+    choice("solver", solver_names, limit.solver);
+    choice("precision", precision_names, limit.precision);
+    choice("executor", executor_names, limit.executor);
+    if (!reader.text("why", limit.why) && reader.is_object() && reader.member("why") == nullptr)
+      reading_.fault(node, "a limit has a \"why\", the reason in a line");
+    if (reader.is_object() && reader.member("solver") == nullptr && reader.member("precision") == nullptr &&
+        reader.member("executor") == nullptr)
+      reading_.fault(node, "a limit says where: a \"solver\", a \"precision\" or an \"executor\"");
+    reader.finish();
+    criterion_.limits.push_back(std::move(limit));
+  }
+
+  void read_fault(const JsonNode& node) {
+    CriterionFault fault;
+    ObjectReader reader(reading_, node, "a fault");
+    if (!reader.is_object()) return;
+    read_failing_term(reader, node, fault);
+    const JsonNode* set = reader.member("set");
+    if (set != nullptr) {
+      read_set(*set, fault);
+    } else if (reader.text("scene", fault.scene)) {
+      check_file(*reader.member("scene"));
+    } else if (reader.member("scene") == nullptr) {
+      read_planted(reader, node, fault);
+    }
+    reader.finish();
+    criterion_.faults.push_back(std::move(fault));
+  }
+
+  void read_failing_term(ObjectReader& reader, const JsonNode& node, CriterionFault& fault) {
+    Quantity quantity{};
+    int number = 1;
+    const bool numbered = reader.whole("term", number);
+    if (!reader.choice("fails", quantity_names, quantity)) {
+      if (reader.member("fails") == nullptr)
+        reading_.fault(node, "a fault \"fails\" a quantity that must hold, by its name");
+      return;
+    }
+    int found = 0;
+    for (std::size_t k = 0; k < criterion_.holds.size(); ++k)
+      if (criterion_.holds[k].quantity == quantity && ++found == number) {
+        fault.term = k;
+        return;
+      }
+    reading_.fault(
+        numbered ? *reader.member("term") : *reader.member("fails"),
+        fmt::format("\"holds\" has {} of the quantity \"{}\"", found == 0 ? "none" : fmt::to_string(found),
+                    name_of(quantity_names, quantity)));
+  }
+
+  void read_set(const JsonNode& node, CriterionFault& fault) {
+    ObjectReader reader(reading_, node, "\"set\"");
+    fault.set.emplace();
+    read_settings(reading_, reader, *fault.set);
+    if (Vector3d gravity; reader.vector("gravity", gravity)) fault.gravity = gravity;
+    if (double friction = 0; reader.real("friction", friction)) fault.friction = friction;
+    reader.finish();
+    const Change& set = *fault.set;
+    if ((set.bodies || set.radius_max || set.seed || set.variant) && scene_ != nullptr &&
+        scene_->generators.size() != 1)
+      reading_.fault(node, "bodies, radius_max, seed and variant are of scenes with one generator");
+  }
+
+  void read_planted(ObjectReader& reader, const JsonNode& node, CriterionFault& fault) {
+    PlantedState& planted = fault.state.emplace();
+    std::optional<std::int64_t> step;
+    read_state(reader, "step", step);
+    planted.step = step.value_or(0);
+    if ((!read_id(reader, planted.body) && reader.member("body") == nullptr) ||
+        reader.member("step") == nullptr)
+      reading_.fault(
+          node,
+          "a fault is a \"set\" of settings, another \"scene\", or at a \"step\" a \"body\" with a "
+          "\"position\", \"velocity\", \"angular_velocity\" or \"orientation\"");
+    double q[4];
+    const auto vector = [&](std::string_view key, std::optional<Vector3d>& value) {
+      double parts[3];
+      if (read_parts(reader, key, parts, 3)) value = Vector3d(parts[0], parts[1], parts[2]);
+    };
+    vector("position", planted.position);
+    vector("velocity", planted.velocity);
+    vector("angular_velocity", planted.angular_velocity);
+    if (read_parts(reader, "orientation", q, 4)) planted.orientation = Quaterniond(q[0], q[1], q[2], q[3]);
+  }
+
+  /// Numbers, null for what is none, "inf" and "-inf".
+  bool read_parts(ObjectReader& reader, std::string_view key, double* parts, std::size_t count) {
+    const JsonNode* node = reader.member(key);
+    if (node == nullptr) return false;
+    const auto children = document_.children(*node);
+    bool good = node->kind == JsonKind::array && children.size() == count;
+    for (std::size_t k = 0; good && k < count; ++k) {
+      const JsonNode& child = children[k];
+      const std::string_view word = child.kind == JsonKind::text ? document_.text(child) : "";
+      const std::optional<double> number =
+          child.kind == JsonKind::number ? document_.number(child)
+          : child.kind == JsonKind::null ? std::optional(std::numeric_limits<double>::quiet_NaN())
+          : word == "inf"                ? std::optional(std::numeric_limits<double>::infinity())
+          : word == "-inf"               ? std::optional(-std::numeric_limits<double>::infinity())
+                                         : std::nullopt;
+      good = number.has_value();
+      if (good) parts[k] = *number;
+    }
+    if (!good)
+      reading_.fault(*node, fmt::format("\"{}\" is a list of {} numbers; null is none, \"inf\" is infinite",
+                                        key, count));
+    return good;
+  }
+
+  const JsonDocument& document_;
+  Reading reading_;
+  const Scene* scene_;
+  std::int64_t bodies_;
+  Criterion criterion_;
+};
+
+}  // namespace
+
+Criterion parse_criterion(const std::string& text, const std::string& name, const Scene* scene) {
+  const JsonDocument document(text, name);
+  Criterion criterion = CriterionReader(document, scene).read();
+  criterion.file = name;
+  return criterion;
+}
+
+Criterion read_criterion(const std::string& file, const Scene* scene) {
+  return parse_criterion(read_text_file(file, JsonDocument::max_bytes, "a criterion (.criterion.json)"), file,
+                         scene);
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,46 @@
+#include "sim_cuda/stability/hard_run.h"
+
+#include "sim_cuda/run_state.h"
+
+namespace collidoscope {
+namespace {
+
+template <class Value>
+void set(Value& value, const std::optional<Value>& planted) {
+  if (planted) value = *planted;
+}
+
+void plant(World& world, const PlantedState& planted) {
+  if (planted.body >= world.initial().size()) return;
+  RunState state = world.state();
+  set(state.bodies.position[planted.body], planted.position);
+  set(state.bodies.velocity[planted.body], planted.velocity);
+  set(state.bodies.angular_velocity[planted.body], planted.angular_velocity);
+  set(state.bodies.orientation[planted.body], planted.orientation);
+  world.adopt(state);
+}
+
+}  // namespace
+
+HardRun::HardRun(Scene scene, RunOptions options, std::vector<Change> changes,
+                 std::optional<PlantedState> planted)
+    : changes_(std::move(changes)), planted_(std::move(planted)) {
+  for (; next_ < changes_.size() && changes_[next_].step == 0; ++next_)
+    make_change(changes_[next_], scene, options);
+  world_ = std::make_unique<World>(scene, options);
+  make_due();
+}
+
+void HardRun::step() {
+  seconds_ += world_->scene().physics.time_step;
+  world_->step();
+  make_due();
+}
+
+void HardRun::make_due() {
+  for (; next_ < changes_.size() && changes_[next_].step == state(); ++next_)
+    if (auto next = changed_world(*world_, changes_[next_], world_->options())) world_ = std::move(next);
+  if (planted_ && planted_->step == state()) plant(*world_, *planted_);
+}
+
+}  // namespace collidoscope
