@@ -67,8 +67,8 @@ struct Trial::Impl {
   bool due(std::int64_t state) const;
   void look();
   void judge(std::size_t term, const Extremes& extremes);
-  bool runs_on();
-  void begin_other();
+  void advance();
+  void step();
   void end_others();
   void compare_refusal();
   void fail(const std::string& why);
@@ -208,17 +208,10 @@ void Trial::Impl::fail(const std::string& why) {
   result.failure = why;
 }
 
-/// False once the last state is known.
-bool Trial::Impl::runs_on() {
-  if (run->state() == steps) return false;
+void Trial::Impl::step() {
   run->step();
   for (auto& [name, scene] : beside) scene.step();
   if (due(run->state())) look();
-  return !done;
-}
-
-void Trial::Impl::begin_other() {
-  other.emplace(with_setting(one.scene, setting), others[next_other].options, changes);
 }
 
 /// The other runs are at their ends.
@@ -232,21 +225,24 @@ void Trial::Impl::end_others() {
   done = true;
 }
 
+/// At least a step of a run, then more until it is late.
 void Trial::Impl::work(const std::function<bool()>& late) {
   if (!run) begin();
-  while (!done && !late()) {
-    if (runs_on() || done) continue;
-    if (next_other == others.size()) return end_others();
-    if (!other) begin_other();
-    if (other->state() < steps) {
-      other->step();
-    } else {
-      const bool like = other->world().state_hash() == run->world().state_hash();
-      unlike[others[next_other].term] += like ? 0 : 1;
-      other.reset();
-      ++next_other;
-    }
+  while (!done) {
+    advance();
+    if (late()) return;
   }
+}
+
+void Trial::Impl::advance() {
+  if (run->state() < steps) return step();
+  if (next_other == others.size()) return end_others();
+  if (!other) other.emplace(with_setting(one.scene, setting), others[next_other].options, changes);
+  if (other->state() < steps) return other->step();
+  const bool like = other->world().state_hash() == run->world().state_hash();
+  unlike[others[next_other].term] += like ? 0 : 1;
+  other.reset();
+  ++next_other;
 }
 
 void Trial::Impl::finish() {

@@ -1,0 +1,182 @@
+// Criterion files: what they may say, and every fault named by line and column.
+
+#include "sim_cuda/stability/criterion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_cuda/core/error.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Scene five_spheres() {
+  Scene scene = empty_space();
+  for (int k = 0; k < 5; ++k) scene.bodies.push_back(sphere(1, Vector3d(3 * k, 0, 0)));
+  return scene;
+}
+
+/// A criterion with these members beside those that it must have.
+std::string text(const std::string& members) {
+  return R"({"format": "collidoscope-criterion", "version": 1, "what": "it stands", "group": "stacks",
+)" + members +
+         "}";
+}
+
+Criterion parse(const std::string& members) {
+  const Scene scene = five_spheres();
+  return parse_criterion(text(members), "c", &scene);
+}
+
+std::string fault_of(const std::string& members) {
+  try {
+    parse(members);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Criterion, ReadsAllThatItMaySay) {
+  const Criterion c = parse(R"("steps": 300, "long_steps": 100000, "every": 10,
+    "run": {"pair_capacity": 16, "broad_phase": "brute_force", "blocks": 3, "threads": 32, "key_bits": 63},
+    "changes": "x.changes.json", "executors": ["cuda"],
+    "holds": [
+      {"quantity": "penetration", "at_most": 0.01, "from": 60, "to": 300},
+      {"quantity": "position", "body": 3, "axis": "z", "at_least": 0.9, "at_most": 1.1},
+      {"quantity": "displacement", "since": 20, "at_most": 1},
+      {"quantity": "difference", "scene": "y.json", "offset": [1, 2, 3], "at_most": 1},
+      {"quantity": "other_hash", "shapes": [[1, 2], [7, 32]], "broad_phases": ["refit"], "at_most": 0},
+      {"quantity": "position", "axis": "x", "at_least": 0}],
+    "limits": [{"solver": "impulse", "precision": "f32", "executor": "cpu", "why": "sinks"}],
+    "faults": [
+      {"fails": "penetration", "step": 100, "body": 4, "position": [0, null, "inf"], "orientation": [2, 0, 0, "-inf"]},
+      {"fails": "position", "term": 2, "set": {"solver": "impulse", "substeps": 1, "time_step": 0.1, "restitution": 1,
+       "gravity": [0, 0, -100], "friction": 0.5}},
+      {"fails": "finite", "scene": "z.json"}])");
+  EXPECT_EQ(c.what, "it stands");
+  EXPECT_EQ(c.group, "stacks");
+  EXPECT_EQ(c.steps, 300);
+  EXPECT_EQ(c.long_steps, 100000);
+  EXPECT_EQ(c.every, 10);
+  EXPECT_EQ(c.pair_capacity, 16);
+  EXPECT_EQ(c.broad_phase, "brute_force");
+  EXPECT_EQ(c.blocks, 3);
+  EXPECT_EQ(c.threads, 32);
+  EXPECT_EQ(c.key_bits, 63);
+  EXPECT_EQ(c.changes, "x.changes.json");
+  EXPECT_THAT(c.executors, ElementsAre(ExecutorKind::cuda));
+
+  ASSERT_EQ(c.holds.size(), 7u);
+  EXPECT_EQ(text_of(c.holds[0]), "all finite");
+  EXPECT_EQ(text_of(c.holds[1]), "penetration at most 0.01 m, states 60 to 300");
+  EXPECT_EQ(text_of(c.holds[2]), "position z of body 3 0.9 m to 1.1 m");
+  EXPECT_EQ(text_of(c.holds[3]), "displacement since state 20 at most 1 m");
+  EXPECT_EQ(text_of(c.holds[4]), "difference from y at most 1 m");
+  EXPECT_EQ(text_of(c.holds[5]), "other_hash at most 0");
+  EXPECT_EQ(text_of(c.holds[6]), "position x at least 0 m");
+  EXPECT_TRUE(c.holds[1].at(60) && c.holds[1].at(300) && !c.holds[1].at(59) && !c.holds[1].at(301));
+  EXPECT_EQ(c.holds[4].offset, Vector3d(1, 2, 3));
+  ASSERT_EQ(c.holds[5].shapes.size(), 2u);
+  EXPECT_EQ(c.holds[5].shapes[1].threads, 32);
+  EXPECT_THAT(c.holds[5].broad_phases, ElementsAre("refit"));
+
+  ASSERT_EQ(c.faults.size(), 3u);
+  EXPECT_EQ(c.faults[0].term, 1u);
+  EXPECT_EQ(c.faults[0].state->body, 4u);
+  EXPECT_TRUE(std::isnan((*c.faults[0].state->position)[1]));
+  EXPECT_TRUE(std::isinf((*c.faults[0].state->position)[2]));
+  EXPECT_EQ(c.faults[0].state->orientation->w(), 2);
+  EXPECT_EQ(c.faults[1].term, 6u) << "the second of this quantity";
+  EXPECT_EQ(c.faults[1].set->solver, Solver::impulse);
+  EXPECT_EQ(c.faults[1].gravity, Vector3d(0, 0, -100));
+  EXPECT_EQ(c.faults[1].friction, 0.5);
+  EXPECT_EQ(c.faults[2].term, 0u);
+  EXPECT_EQ(c.faults[2].scene, "z.json");
+}
+
+TEST(Criterion, ALimitIsOfAllThatItDoesNotName) {
+  const Criterion c = parse(R"("steps": 1, "limits": [
+    {"solver": "impulse", "why": "a"}, {"precision": "f32", "executor": "cuda", "why": "b"}])");
+  const auto why = [&](Solver solver, Precision precision, ExecutorKind executor) {
+    const DeclaredLimit* limit = c.limit_of(solver, precision, executor);
+    return limit == nullptr ? "" : limit->why;
+  };
+  EXPECT_EQ(why(Solver::impulse, Precision::f64, ExecutorKind::cpu), "a");
+  EXPECT_EQ(why(Solver::impulse, Precision::f32, ExecutorKind::cuda), "a");
+  EXPECT_EQ(why(Solver::soft_step, Precision::f32, ExecutorKind::cuda), "b");
+  EXPECT_EQ(why(Solver::soft_step, Precision::f32, ExecutorKind::cpu), "");
+  EXPECT_EQ(why(Solver::soft_step, Precision::f64, ExecutorKind::cuda), "");
+}
+
+TEST(Criterion, OfASceneThatIsRefused) {
+  const Criterion c = parse(R"("refused": ["radius", "mass"])");
+  EXPECT_THAT(c.refused, ElementsAre("radius", "mass"));
+  EXPECT_THAT(fault_of(R"("refused": [])"), HasSubstr("at least one line"));
+  EXPECT_THAT(fault_of(R"("refused": ["a"], "steps": 3)"), HasSubstr("c:2:"));
+}
+
+TEST(Criterion, NamesEveryFaultByLineAndColumn) {
+  EXPECT_EQ(fault_of(R"("steps": 10, "holds": [{"quantity": "penetraton", "at_most": 1}])"),
+            "c:2:37: unknown quantity \"penetraton\"; did you mean \"penetration\"? (finite, penetration, "
+            "penetration_over_radius, speed, spin, energy_gain, energy_loss, kinetic_energy, escaped, "
+            "displacement, position, velocity, momentum_change, angular_momentum_change, quaternion_norm, "
+            "joint_error, joint_angle, pairs, contacts, asleep, tree_depth, difference, separation_speed or "
+            "other_hash)");
+  const std::pair<const char*, const char*> faults[] = {
+      {R"("holds": [])", "\"steps\" is missing"},
+      {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
+      {R"("steps": 10, "long_steps": 5)", "\"long_steps\" is a whole number from 10 to"},
+      {R"("steps": 10, "every": 0)", "\"every\" is a whole number from 1"},
+      {R"("steps": 10, "holds": [{"at_most": 1}])", "a term has a \"quantity\""},
+      {R"("steps": 10, "holds": [{"quantity": "finite", "at_most": 1}])", "always holds by itself"},
+      {R"("steps": 10, "holds": [{"quantity": "speed"}])", "a term has a bound"},
+      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "at_least": 2}])", "nothing can hold"},
+      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "from": 11}])", "\"from\" is a whole"},
+      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "from": 5, "to": 4}])",
+       "before \"from\""},
+      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "body": 1}])", "unknown key \"body\""},
+      {R"("steps": 10, "holds": [{"quantity": "position", "at_most": 1, "body": 5, "axis": "x"}])",
+       "\"body\" is a whole number from 0 to 4, not 5"},
+      {R"("steps": 10, "holds": [{"quantity": "position", "at_most": 1}])", "has an \"axis\""},
+      {R"("steps": 10, "holds": [{"quantity": "difference", "at_most": 1}])", "has a \"scene\""},
+      {R"("steps": 10, "holds": [{"quantity": "difference", "at_most": 1, "scene": "../a.json"}])",
+       "the criterion's own folder"},
+      {R"("steps": 10, "holds": [{"quantity": "other_hash", "at_most": 0}])", "has \"shapes\""},
+      {R"("steps": 10, "holds": [{"quantity": "other_hash", "at_most": 0, "shapes": [[0, 1]]}])", "[B, T]"},
+      {R"("steps": 10, "limits": [{"why": "a"}])", "a limit says where"},
+      {R"("steps": 10, "limits": [{"solver": "impulse"}])", "a limit has a \"why\""},
+      {R"("steps": 10, "executors": ["gpu"])", "\"cpu\" and \"cuda\""},
+      {R"("steps": 10, "faults": [{"fails": "speed", "step": 1, "body": 1}])", "\"holds\" has none"},
+      {R"("steps": 10, "faults": [{"fails": "finite", "term": 2, "scene": "a.json"}])", "\"holds\" has 1"},
+      {R"("steps": 10, "faults": [{"fails": "finite"}])", "a fault is a \"set\" of settings"},
+      {R"("steps": 10, "faults": [{"step": 1, "body": 1}])", "a fault \"fails\" a quantity"},
+      {R"("steps": 10, "faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
+       "a list of 3 numbers"},
+      {R"("steps": 10, "faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
+      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 30 or 63"},
+      {R"("steps": 10, "hold": [])", "did you mean \"holds\"?"}};
+  for (const auto& [members, words] : faults) {
+    const std::string line = fault_of(members);
+    EXPECT_THAT(line, testing::StartsWith("c:")) << members;
+    EXPECT_THAT(line, HasSubstr(words)) << members;
+  }
+  EXPECT_THROW(parse_criterion("{}", "c", nullptr), InputError);
+  EXPECT_THROW(parse_criterion("[]", "c", nullptr), InputError);
+}
+
+TEST(Criterion, EachQuantityHasAName) {
+  for (std::size_t k = 0; k < quantity_names.size(); ++k)
+    EXPECT_EQ(static_cast<std::size_t>(quantity_names[k].value), k);
+  EXPECT_EQ(text_of(Quantity::speed, 0.012345), "0.0123 m/s");
+  EXPECT_EQ(text_of(Quantity::contacts, 9), "9");
+}
+
+}  // namespace
+}  // namespace collidoscope

@@ -1,0 +1,175 @@
+// Each quantity of a criterion, measured where its value is known by hand.
+
+#include "sim_cuda/stability/quantities.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_cuda/run_state.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+class Quantities : public OnEachExecutor {
+ protected:
+  /// Of a state that the scene's first one is turned into.
+  template <class Change>
+  Extremes after(const Scene& scene, const Term& term, Change change) {
+    World world(scene, options());
+    Observation seen(world, std::vector<Term>{term});
+    RunState state = world.state();
+    change(state.bodies);
+    world.adopt(state);
+    seen.look(world, scene.physics.time_step);
+    culprit_ = culprit(term, seen);
+    return measured(term, seen);
+  }
+  Extremes at_once(const Scene& scene, const Term& term) {
+    return after(scene, term, [](BodyStates&) {});
+  }
+  std::optional<std::uint32_t> culprit_;
+};
+ON_EACH_EXECUTOR(Quantities);
+
+Term term_of(Quantity quantity) {
+  Term term;
+  term.quantity = quantity;
+  return term;
+}
+
+/// Three of 1 m, 1 kg: two that overlap by 0.5 m, and one 0.25 m deep in the floor, that turns.
+Scene three() {
+  Scene scene = hard_space();
+  scene.bodies = {sphere(1, Vector3d(0, 0, 5), Vector3d(1, 0, 0)), sphere(1, Vector3d(1.5, 0, 5)),
+                  sphere(1, Vector3d(8, 0, 0.75), Vector3d(0, 2, 0))};
+  for (Body& body : scene.bodies) body.mass = 1;
+  scene.bodies[2].angular_velocity = Vector3d(0, 0, 3);
+  scene.box = Box{Vector3d(-10, -10, 0), Vector3d(10, 10, 10)};
+  scene.physics.gravity = Vector3d(0, 0, -10);
+  return scene;
+}
+
+TEST_P(Quantities, AreWhatTheyAreByHand) {
+  const Scene scene = three();
+  const auto most = [&](Quantity quantity) { return at_once(scene, term_of(quantity)).most; };
+  EXPECT_EQ(most(Quantity::finite), 0);
+  EXPECT_DOUBLE_EQ(most(Quantity::penetration), 0.5);
+  EXPECT_EQ(culprit_, 0u);
+  EXPECT_DOUBLE_EQ(most(Quantity::penetration_over_radius), 0.5);
+  EXPECT_DOUBLE_EQ(most(Quantity::speed), 2);
+  EXPECT_DOUBLE_EQ(most(Quantity::spin), 3);
+  EXPECT_EQ(most(Quantity::energy_gain), 0);
+  EXPECT_DOUBLE_EQ(most(Quantity::kinetic_energy), 0.5 + 2 + 0.4 * 9 / 2);
+  EXPECT_EQ(most(Quantity::escaped), 0);
+  EXPECT_EQ(most(Quantity::displacement), 0);
+  EXPECT_EQ(most(Quantity::quaternion_norm), 0);
+  EXPECT_EQ(most(Quantity::pairs), 1);
+  EXPECT_EQ(most(Quantity::contacts), 1);
+  EXPECT_EQ(most(Quantity::asleep), 0);
+  EXPECT_EQ(most(Quantity::joint_error), 0);
+  EXPECT_EQ(most(Quantity::tree_depth), 3);
+  EXPECT_DOUBLE_EQ(most(Quantity::separation_speed), -1) << "they approach";
+}
+
+TEST_P(Quantities, OfOneBodyOrAllAlongAnAxis) {
+  Term term = term_of(Quantity::position);
+  term.axis = 2;
+  const Extremes all = at_once(three(), term);
+  EXPECT_DOUBLE_EQ(all.least, 0.75);
+  EXPECT_EQ(all.least_body, 2u);
+  EXPECT_DOUBLE_EQ(all.most, 5);
+  term.body = 1;
+  EXPECT_DOUBLE_EQ(at_once(three(), term).least, 5);
+  term.body = 7;
+  EXPECT_TRUE(std::isnan(at_once(three(), term).most)) << "there is no such body";
+  term = term_of(Quantity::velocity);
+  term.axis = 1;
+  EXPECT_DOUBLE_EQ(at_once(three(), term).most, 2);
+}
+
+TEST_P(Quantities, FindWhoIsToBlame) {
+  const auto lose = [](BodyStates& bodies) { bodies.velocity[1] = Vector3d(0, none, 0); };
+  EXPECT_EQ(after(three(), term_of(Quantity::finite), lose).most, 1);
+  EXPECT_EQ(culprit_, 1u);
+  EXPECT_TRUE(std::isnan(after(three(), term_of(Quantity::speed), lose).most));
+  const auto leave = [](BodyStates& bodies) { bodies.position[2] = Vector3d(11, 0, 1); };
+  EXPECT_EQ(after(three(), term_of(Quantity::escaped), leave).most, 1);
+  EXPECT_EQ(culprit_, 2u);
+  const auto sink = [](BodyStates& bodies) { bodies.position[2] = Vector3d(8, 0, 0.125); };
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::penetration), sink).most, 0.875);
+  EXPECT_EQ(culprit_, 2u);
+}
+
+TEST_P(Quantities, CompareWithTheStart) {
+  const auto push = [](BodyStates& bodies) {
+    bodies.position[1] += Vector3d(0, 0.5, 0);
+    bodies.velocity[1] = Vector3d(0, 1, 0);
+  };
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::displacement), push).most, 0.5);
+  // 0.5 J more of 4.8 J, which is then the most that there was.
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_gain), push).most, 0.5 / 4.8);
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_loss), push).most, -0.5 / 4.8);
+  // Gravity owes each -10 m/s of a second: here -10 h. Body 1 has 1 kg m/s more, of 4.
+  Scene floating = three();
+  floating.physics.gravity = Vector3d(0, 0, 0);
+  EXPECT_DOUBLE_EQ(after(floating, term_of(Quantity::momentum_change), push).most, 1.0 / 4);
+  const double owed = 3 * 10 * three().physics.time_step;
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::momentum_change), push).most, std::hypot(1, owed) / 4);
+  const auto turn = [](BodyStates& bodies) { bodies.angular_velocity[0] = Vector3d(0, 5, 0); };
+  Scene spinning = hard_space();
+  spinning.bodies = {sphere(1, Vector3d(0, 0, 0))};
+  spinning.bodies[0].mass = 1;
+  spinning.bodies[0].angular_velocity = Vector3d(0, 4, 0);
+  EXPECT_DOUBLE_EQ(after(spinning, term_of(Quantity::angular_momentum_change), turn).most, 0.2);
+}
+
+TEST_P(Quantities, KnowWhatCannotTouch) {
+  Scene scene = hard_space();
+  scene.bodies = {sphere(1, Vector3d(0, 0, 0)), sphere(1, Vector3d(1, 0, 0)), sphere(1, Vector3d(9, 0, 0)),
+                  sphere(1, Vector3d(9.5, 0, 0))};
+  scene.bodies[2].motion = scene.bodies[3].motion = Motion::fixed;
+  Joint rod;
+  rod.a = 1;
+  rod.b = 0;
+  scene.joints = {rod};
+  EXPECT_EQ(at_once(scene, term_of(Quantity::penetration_over_radius)).most, 0);
+  scene.joints[0].collide = true;
+  EXPECT_EQ(at_once(scene, term_of(Quantity::penetration_over_radius)).most, 1);
+}
+
+TEST(Extremes, OfNothingAreNothingAndNanStays) {
+  Extremes extremes;
+  EXPECT_EQ(extremes.most, 0);
+  extremes.take(2, 0);
+  extremes.take(-1, 1);
+  extremes.take(5, 2);
+  EXPECT_EQ(extremes.least, -1);
+  EXPECT_EQ(extremes.least_body, 1u);
+  EXPECT_EQ(extremes.most, 5);
+  EXPECT_EQ(extremes.most_body, 2u);
+  extremes.take(none, 3);
+  extremes.take(7, 4);
+  EXPECT_TRUE(std::isnan(extremes.least) && std::isnan(extremes.most));
+  EXPECT_EQ(extremes.most_body, 3u);
+}
+
+TEST(Difference, IsOfTheSameBodiesMovedByAnOffset) {
+  Term term = term_of(Quantity::difference);
+  term.offset = Vector3d(100, 0, 0);
+  BodyStates here, there;
+  there.position = {Vector3d(0, 0, 0), Vector3d(1, 0, 0)};
+  here.position = {Vector3d(100, 0, 0), Vector3d(101, 0.25, 0)};
+  EXPECT_EQ(difference(term, here, there).most, 0.25);
+  EXPECT_EQ(difference(term, here, there).most_body, 1u);
+  there.position.pop_back();
+  EXPECT_TRUE(std::isnan(difference(term, here, there).most)) << "other bodies";
+}
+
+}  // namespace
+}  // namespace collidoscope

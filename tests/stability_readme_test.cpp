@@ -1,0 +1,114 @@
+// The table of stability in the README: what it says of runs on several machines, and that it is of the
+// cases there are.
+
+#include "headless/stability/stability_readme.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/stability/hard_case.h"
+#include "tests/run_program.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::HasSubstr;
+
+/// What --json writes, as far as the table is made of it. The trials of `stack` are impulse and soft_step,
+/// both in float.
+std::string run(const std::string& executor, const std::string& first, const std::string& second,
+                const std::string& hash) {
+  const auto trial = [&](const std::string& name, const std::string& solver, const std::string& verdict) {
+    return R"({"case": ")" + name + R"(", "solver": )" + solver + R"(, "precision": "f32", "executor": ")" +
+           executor + R"(", "verdict": ")" + verdict + R"(", "state_hash": ")" + hash + "\"}";
+  };
+  return R"({"suite": "stability", "device": "the )" + executor + R"(", "executor": ")" + executor +
+         R"(", "passed": 2, "failed": 0, "declared_limits": 1, "seconds": 61.5, "cases": [
+           {"name": "bad", "group": "bad input", "what": "is refused", "limits": []},
+           {"name": "stack", "group": "stacks", "what": "it stands", "limits": [
+             {"solver": "impulse", "precision": null, "executor": null, "why": "it sinks"}]}], "trials": [)" +
+         trial("stack", "\"impulse\"", first) + "," + trial("stack", "\"soft_step\"", second) + "," +
+         trial("bad", "null", "passed") + "]}";
+}
+
+TEST(StabilityReadme, TellsEachCaseAndLimit) {
+  const std::string text = stability_markdown({{"a", run("cpu", "declared limit", "passed", "1")}});
+  EXPECT_THAT(text,
+              HasSubstr("| **stacks** | | | | | |\n| `stack` | it stands | L – | ✓ – | – – | CPU |\n"
+                        "| **bad input** | | | | | |\n| `bad` | is refused | ✓ ✓ | ✓ ✓ | ✓ ✓ | CPU |\n"));
+  EXPECT_THAT(text, HasSubstr("the cpu (CPU, 62 s): 3 trials, 2 pass, 1 at declared limits, 0 fail.\n"));
+  EXPECT_THAT(text,
+              HasSubstr("Declared limits: 1 of 3 trials, one in 3.\n\n- `stack`, `impulse`: it sinks\n"));
+}
+
+TEST(StabilityReadme, ComparesMachines) {
+  const std::string cpu = run("cpu", "declared limit", "passed", "1");
+  const auto with = [&](const std::string& gpu) { return stability_markdown({{"a", cpu}, {"b", gpu}}); };
+  const std::string same = with(run("cuda", "declared limit", "passed", "1"));
+  EXPECT_THAT(same, HasSubstr("| L – | ✓ – | – – | same |"));
+  EXPECT_THAT(same, HasSubstr("Declared limits: 2 of 6 trials, one in 3.\n"));
+  EXPECT_THAT(with(run("cuda", "declared limit", "passed", "2")), HasSubstr("| **differ** |"));
+  EXPECT_THAT(with(run("cuda", "declared limit", "failed", "1")), HasSubstr("| L – | ✓ **✗** – |"));
+  EXPECT_THAT(with(run("cuda", "not applicable", "not applicable", "")),
+              HasSubstr("| L – | ✓ – | – – | CPU |"));
+}
+
+TEST(StabilityReadme, StandsBetweenItsMarks) {
+  EXPECT_EQ(with_stability("a\n<!-- stability -->\nold\n<!-- /stability -->\nb\n", "r", "new\n"),
+            "a\n<!-- stability -->\n\nnew\n\n<!-- /stability -->\nb\n");
+  EXPECT_THROW(with_stability("a\n<!-- stability -->\n", "r", "new\n"), InputError);
+  EXPECT_THROW(stability_markdown({{"a", "{}"}}), InputError);
+  EXPECT_THROW(stability_markdown({{"a", "not JSON"}}), InputError);
+}
+
+TEST(StabilityReadme, IsWrittenFromFiles) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.json") << run("cpu", "passed", "passed", "1");
+  std::ofstream(folder / "README.md") << "a\n<!-- stability -->\n<!-- /stability -->\nb\n";
+  rewrite_readme(folder / "README.md", {folder / "a.json"});
+  EXPECT_THAT(text_of(folder / "README.md"), HasSubstr("| `stack` |"));
+  EXPECT_THROW(rewrite_readme(folder / "README.md", {folder / "b.json"}), InputError);
+}
+
+/// Lines between the marks of the project's README that begin so; what follows in them.
+std::vector<std::string> lines_of_readme(const std::string& beginning) {
+  const std::string readme = text_of(project_file("README.md"));
+  const std::size_t begin = readme.find(stability_begin), end = readme.find(stability_end);
+  std::vector<std::string> found;
+  if (begin == std::string::npos || end == std::string::npos) return found;
+  std::istringstream lines(readme.substr(begin, end - begin));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(beginning)) found.push_back(line.substr(beginning.size()));
+  return found;
+}
+
+TEST(ProjectReadme, ListsTheCasesThereAreAndTheirLimits) {
+  std::multiset<std::string> cases, limits, listed_cases, listed_limits;
+  for (const HardCase& one : read_hard_cases(project_file("assets/scenes/hard").string())) {
+    cases.insert(one.name + "` | " + one.criterion.what);
+    for (const DeclaredLimit& limit : one.criterion.limits) limits.insert(one.name + ": " + limit.why);
+  }
+  for (const std::string& line : lines_of_readme("| `"))
+    listed_cases.insert(line.substr(0, line.find(" |", line.find(" | ") + 3)));
+  for (const std::string& line : lines_of_readme("- `"))
+    listed_limits.insert(line.substr(0, line.find('`')) + line.substr(line.find(": ", line.find("`, "))));
+  const auto lacking = [](const std::multiset<std::string>& from, const std::multiset<std::string>& of) {
+    std::vector<std::string> lines;
+    std::ranges::set_difference(of, from, std::back_inserter(lines));
+    return lines;
+  };
+  EXPECT_THAT(lacking(listed_cases, cases), testing::IsEmpty())
+      << "stability --json FILE, then stability --readme README.md --from FILE";
+  EXPECT_THAT(lacking(cases, listed_cases), testing::IsEmpty()) << "cases that are no more";
+  EXPECT_THAT(lacking(listed_limits, limits), testing::IsEmpty());
+  EXPECT_THAT(lacking(limits, listed_limits), testing::IsEmpty()) << "limits that are no more";
+}
+
+}  // namespace
+}  // namespace collidoscope

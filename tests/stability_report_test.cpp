@@ -1,0 +1,101 @@
+// What trials came to, as a table and as JSON.
+
+#include "headless/stability/stability_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace collidoscope {
+namespace {
+
+using testing::HasSubstr;
+
+HardCase named(const std::string& name, const std::string& group) {
+  HardCase one;
+  one.name = name;
+  one.criterion.group = group;
+  one.criterion.what = "it holds";
+  Term& term = one.criterion.holds.emplace_back();
+  term.quantity = Quantity::penetration;
+  term.at_most = 0.5;
+  return one;
+}
+
+TrialResult result(Verdict verdict) {
+  TrialResult r;
+  r.verdict = verdict;
+  r.terms = {{true, verdict == Verdict::passed, 0.25, 0.5, 7, 3}};
+  r.steps = 10;
+  r.state_hash = 0xabcu;
+  r.seconds = 0.5;
+  if (verdict == Verdict::passed) return r;
+  r.failed_term = 0;
+  r.failure = "penetration: too deep";
+  r.why = verdict == Verdict::failed ? r.failure : "as it must be";
+  return r;
+}
+
+TEST(StabilityReport, TellsEachTrial) {
+  HardCase stack = named("stack", "stacks"), bad = named("bad", "bad input");
+  bad.criterion.refused = {"a"};
+  stack.criterion.limits = {{Solver::impulse, {}, {}, "as it must be"}};
+  StabilityRun run{"a machine", ExecutorKind::cpu, false, 2.5, 5, {}};
+  run.rows = {{&stack, {Solver::impulse, Precision::f32, ExecutorKind::cpu}, result(Verdict::declared_limit)},
+              {&stack, {Solver::soft_step, Precision::f32, ExecutorKind::cpu}, result(Verdict::passed)},
+              {&stack, {Solver::soft_step, Precision::f64, ExecutorKind::cpu}, result(Verdict::failed)},
+              {&bad, {}, result(Verdict::passed)}};
+  const std::string text = stability_text(run);
+  EXPECT_THAT(text, testing::ContainsRegex("\nstacks\n  stack  +limit  +ok  +FAIL  +1[.]50\n"));
+  EXPECT_THAT(text, HasSubstr("    stack, soft_step f64: penetration: too deep\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("\nbad input\n  bad  +ok  "));
+  EXPECT_THAT(text,
+              HasSubstr("declared limits\n  stack, impulse f32: as it must be (penetration: too deep)\n"));
+  EXPECT_THAT(text,
+              HasSubstr("4 trials of 2 cases on a machine: 2 passed, 1 failed, 1 declared limit (one in 4); "
+                        "0 not applicable; 2.5 s; stopped, 1 trials did not end\n"));
+
+  const auto json = nlohmann::json::parse(stability_json(run));
+  EXPECT_EQ(json["suite"], "stability");
+  EXPECT_EQ(json["device"], "a machine");
+  EXPECT_EQ(json["executor"], "cpu");
+  EXPECT_FALSE(json["complete"]);
+  EXPECT_EQ(json["passed"], 2);
+  EXPECT_EQ(json["failed"], 1);
+  EXPECT_EQ(json["declared_limits"], 1);
+  ASSERT_EQ(json["cases"].size(), 2u);
+  EXPECT_EQ(json["cases"][0]["what"], "it holds");
+  EXPECT_EQ(json["cases"][0]["limits"][0]["solver"], "impulse");
+  EXPECT_TRUE(json["cases"][0]["limits"][0]["precision"].is_null());
+  const auto& failed = json["trials"][2];
+  EXPECT_EQ(failed["case"], "stack");
+  EXPECT_EQ(failed["solver"], "soft_step");
+  EXPECT_EQ(failed["precision"], "f64");
+  EXPECT_EQ(failed["verdict"], "failed");
+  EXPECT_EQ(failed["failing_state"], 7);
+  EXPECT_EQ(failed["failing_body"], 3);
+  EXPECT_EQ(failed["state_hash"], "0000000000000abc");
+  EXPECT_EQ(failed["terms"][0]["quantity"], "penetration");
+  EXPECT_EQ(failed["terms"][0]["worst"], 0.25);
+  EXPECT_EQ(failed["terms"][0]["bound"], 0.5);
+  EXPECT_TRUE(json["trials"][3]["solver"].is_null());
+}
+
+TEST(StabilityReport, TellsWhichFaultsShow) {
+  HardCase stack = named("stack", "stacks");
+  stack.criterion.faults.resize(2);
+  const std::vector<PlantedRow> rows{{&stack, 0, true, result(Verdict::passed)},
+                                     {&stack, 1, false, result(Verdict::passed)}};
+  const std::string text = planted_text(rows);
+  EXPECT_THAT(text, testing::ContainsRegex("stack  +ok    penetration at most 0.5 m: 0.25 m at state 7\n"));
+  EXPECT_THAT(text,
+              testing::ContainsRegex("stack  +FAIL  penetration at most 0.5 m: holds in spite of fault 2\n"));
+  EXPECT_THAT(text, HasSubstr("2 faults planted: 1 show nowhere\n"));
+  const auto json = nlohmann::json::parse(planted_json(rows));
+  EXPECT_TRUE(json["planted"][0]["shows"]);
+  EXPECT_FALSE(json["planted"][1]["shows"]);
+}
+
+}  // namespace
+}  // namespace collidoscope
