@@ -177,6 +177,26 @@ TEST_P(Dragging, WhatIsNotCalledForCostsNothing) {
   EXPECT_NE(a.state_hash(), c.state_hash());
 }
 
+TEST_P(Dragging, NoRoundingTurnsABodyRound) {
+  // What is left of the speed is far less than what a float rounds away.
+  for (const Integrator integrator :
+       {Integrator::semi_implicit_euler, Integrator::velocity_verlet, Integrator::rk4})
+    for (const double viscosity : {1e2, 1e4, 1e6, 1e8})
+      for (const double speed : {1.0, 70.0, 100.0, 900.0}) {
+        Scene scene = in_medium(viscosity, 1e6, Vector3d(0, 0, 0), Vector3d(speed, 0, 0));
+        scene.physics.precision = Precision::f32;
+        scene.physics.integrator = integrator;
+        scene.bodies = {sphere(0.01, Vector3d(0, 0, 0), Vector3d(speed, 0, 0)),
+                        sphere(0.03, Vector3d(0, 1, 0), Vector3d(speed, 0, 0))};
+        World world(scene, options());
+        for (int k = 0; k < 3; ++k) {
+          world.step();
+          for (const Vector3d& v : world.bodies().velocity) EXPECT_GE(v.x(), 0) << viscosity << ' ' << speed;
+          for (const Vector3d& x : world.bodies().position) EXPECT_GE(x.x(), 0) << viscosity << ' ' << speed;
+        }
+      }
+}
+
 class DragAndContacts : public OnEachExecutor {};
 ON_EACH_EXECUTOR(DragAndContacts);
 

@@ -36,13 +36,14 @@ struct DragLaw {
   }
 
   /// The part of a speed of `speed` m/s > 0 that is lost in h seconds, 0 to 1. Without a difference of
-  /// numbers near 1: air takes a millionth at a time.
+  /// numbers near 1: air takes a millionth at a time. Where it takes nearly all, rounding may not take more:
+  /// that would turn the body round.
   SIM_HD Real loss(Real speed, Real radius, Real inverse_mass, Real h) const {
     const Real a = bounded(linear, h * radius * inverse_mass);
     const Real b4 = 4 * bounded(quadratic, h * radius * radius * inverse_mass * speed);
     using std::sqrt;
     const Real root = sqrt((1 + a) * (1 + a) + b4);
-    return (a + (2 * a + a * a + b4) / (root + 1)) / (1 + a + root);
+    return min_of((a + (2 * a + a * a + b4) / (root + 1)) / (1 + a + root), Real(1));
   }
 
   /// The same if the speed stayed as it is: the rate of drag x h, from 0 to 2e18.

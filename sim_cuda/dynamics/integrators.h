@@ -61,7 +61,11 @@ struct SmoothForces {
       if (!(speed > 0)) return v + time * a;
       const Real middle = (1 - drag.loss(speed, radius, inverse_mass, time / 2)) * speed;
       const Real z = fading(middle, time);
-      return v + (1 + z / 2) / (1 + z + z * z / 2) * (time * a - z * v);
+      const Real whole = 1 + z + z * z / 2;
+      // The same twice: so that a little is taken without a difference of numbers near 1, and nearly all
+      // without a rounding that takes more and turns the body round.
+      if (z > 1) return v / whole + (1 + z / 2) / whole * time * a;
+      return v + (1 + z / 2) / whole * (time * a - z * v);
     } else {
       return v + time * a;
     }
