@@ -11,6 +11,7 @@
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
+#include "sim_cuda/dynamics/needle.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
@@ -18,23 +19,27 @@ namespace collidoscope {
 /// One free step of rotation. The angular momentum L = R I R^T w is kept (no torque); the body turns by h w
 /// about w through a Cayley map (q' = normalised (1, h w / 2) q, second-order in the angle: it turns by 2
 /// atan(h|w|/2)), and w' follows from L in the new axes. First order in h as a whole; exact in direction for
-/// a sphere, whose w does not change. Whether w changed.
+/// a sphere, whose w does not change. A needle turns as needle.h has it. Whether w changed.
 template <class Real>
 SIM_HD bool rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
+  if (const int axis = needle_axis(inertia); axis >= 0) {
+    turn_needle(axis, q, w, inertia, h);
+    return true;
+  }
+  const Vector3<Real> half = (h / 2) * w;
+  const Quaternion<Real> turn(Real(1), half.x(), half.y(), half.z());
+  if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
+    q = turn * q;
+    normalise(q);
+    return false;
+  }
   const Vector3<Real> w_body = q.conjugate() * w;
   const Vector3<Real> momentum =
       q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
-  const Vector3<Real> half = (h / 2) * w;
-  const Quaternion<Real> turn(Real(1), half.x(), half.y(), half.z());
-  Quaternion<Real> next = turn * q;
-  using std::sqrt;
-  const Real norm = sqrt(next.coeffs().dot(next.coeffs()));
-  next.coeffs() /= norm;
-  q = next;
-  const bool ball = inertia.x() == inertia.y() && inertia.y() == inertia.z();
-  if (ball) return false;
-  const Vector3<Real> l_body = next.conjugate() * momentum;
-  w = next * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
+  q = turn * q;
+  normalise_evenly(q);
+  const Vector3<Real> l_body = q.conjugate() * momentum;
+  w = q * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
   return true;
 }
 

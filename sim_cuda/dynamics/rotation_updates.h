@@ -12,12 +12,11 @@
 // 1999) would take four evaluations in place of 25 turns; but it drifts in energy, and bodies that tumble are
 // off 20 times as far with it at the same h, fast tops 1.2 times.
 //
-// A turn by an angle is a Cayley map, as in move.h, of tangent t + t^3/3 at t = angle/2, so that it is of
-// fourth order in the angle: no libm. Pure functions of SI units.
+// A turn by an angle is a Cayley map of fourth order in the angle (cayley.h). Needles turn as needle.h has
+// it. Pure functions of SI units.
 
-#include "sim_cuda/core/arithmetic.h"
-#include "sim_cuda/core/host_device.h"
-#include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/dynamics/cayley.h"
+#include "sim_cuda/dynamics/needle.h"
 
 namespace collidoscope {
 
@@ -31,13 +30,6 @@ struct FourthOrderTurn {
   static constexpr double outer = 0.41449077179437573714;  ///< 1 / (4 - 4^(1/3))
   static constexpr double share(int part) { return part == 2 ? 1 - 4 * outer : outer; }
 };
-
-/// The tangent of half an angle, to fourth order in the half; beyond a radian, in which it would not matter
-/// any more, in proportion.
-template <class Real>
-SIM_HD Real half_tangent(Real half) {
-  return half * (1 + min_of(half * half, Real(1)) / 3);
-}
 
 /// A body turns about its own principal axis `k` by twice `half`. `momentum`: in its axes, which turn.
 template <class Real>
@@ -57,14 +49,14 @@ SIM_HD void turn_about(int k, Real half, Quaternion<Real>& q, Vector3<Real>& mom
 /// q, from principal axes to the world's, and w, rad/s in the world's, after h s. Whether w changed.
 template <class Parts, class Real>
 SIM_HD bool turn_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
-  using std::sqrt;
-  const auto normalise = [&] { q.coeffs() /= sqrt(q.coeffs().dot(q.coeffs())); };
   if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
-    const Vector3<Real> half = (h / 2) * w;
-    const Vector3<Real> tangent = (1 + min_of(half.dot(half), Real(1)) / 3) * half;
-    q = Quaternion<Real>(Real(1), tangent.x(), tangent.y(), tangent.z()) * q;
-    normalise();
+    q = turn_along<Real>((h / 2) * w) * q;
+    normalise(q);
     return false;
+  }
+  if (const int axis = needle_axis(inertia); axis >= 0) {
+    turn_needle(axis, q, w, inertia, h);
+    return true;
   }
   const Vector3<Real> w_body = q.conjugate() * w;
   Vector3<Real> body(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
@@ -80,7 +72,7 @@ SIM_HD bool turn_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Rea
     turn(1, quarter);
     turn(0, quarter);
   }
-  normalise();
+  normalise_evenly(q);
   body = q.conjugate() * momentum;
   w = q * Vector3<Real>(body.x() / inertia.x(), body.y() / inertia.y(), body.z() / inertia.z());
   return true;
