@@ -33,17 +33,6 @@ bool whole_number(std::string_view text, std::int64_t& value) {
   return error == std::errc{} && end == text.data() + text.size() && !text.empty();
 }
 
-std::string file_stem(const std::string& scene) {
-  std::string stem;
-  for (char c : scene) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-';
-    if (plain) stem += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (!plain && !stem.empty() && stem.back() != '_') stem += '_';
-  }
-  while (!stem.empty() && stem.back() == '_') stem.pop_back();
-  return stem.empty() ? "scene" : stem;
-}
-
 std::string variant_name(const Scene& scene) {
   if (scene.generators.empty()) return "";
   switch (scene.generators[0].variant) {
@@ -98,6 +87,17 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
 }
 
 }  // namespace
+
+std::string file_stem(const std::string& scene) {
+  std::string stem;
+  for (char c : scene) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-';
+    if (plain) stem += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!plain && !stem.empty() && stem.back() != '_') stem += '_';
+  }
+  while (!stem.empty() && stem.back() == '_') stem.pop_back();
+  return stem.empty() ? "scene" : stem;
+}
 
 std::vector<std::int64_t> parse_states(const std::string& text, const std::string& where) {
   std::vector<std::int64_t> states;
@@ -190,6 +190,10 @@ int run_capture(const CaptureRequest& request, World& world) {
     while (world.steps() < state) {
       if (asked) reference.go_ahead(time_step, std::numeric_limits<double>::infinity());
       world.step();
+      if (world.paused()) {
+        say(describe(*world.finding()));
+        return 1;
+      }
       reference.stepped(time_step);
       if (panels) panels->record(world);
       progress.update(world.steps());

@@ -28,13 +28,16 @@ std::vector<std::int64_t> parse_states(const std::string& text, const std::strin
 /// WIDTHxHEIGHT, each 16 to 16384.
 void parse_size(const std::string& text, CaptureRequest& request, const std::string& where = "--size");
 
+/// A scene's name as part of a file's: letters in lower case, digits, '-' and '_'; never empty.
+std::string file_stem(const std::string& scene);
+
 /// Where pictures go: makes the folder and tries a file in it. Throws InputError if it cannot be written.
 /// Call it before anything is simulated; run_capture() does.
 void ensure_writable_folder(const std::string& folder);
 
 /// Writes OUT/<scene>_<state>.png for each state, whole or not at all, and prints one line per picture on
-/// stdout; says on stderr which renderer and display path drew them. Returns 0. Throws InputError and
-/// MachineError.
+/// stdout; says on stderr which renderer and display path drew them. Returns 0; 1 where a guard paused the
+/// run, after a line on stderr. Throws InputError and MachineError.
 int run_capture(const CaptureRequest& request, World& world);
 
 }  // namespace collidoscope

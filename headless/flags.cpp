@@ -87,6 +87,15 @@ void read_restitution_threshold(FlagValue& value, Overrides& overrides) {
     overrides.restitution_threshold = std::optional<double>{*speed};
 }
 
+void read_guards(FlagValue& value, Overrides& overrides) {
+  if (value.text() == "off")
+    overrides.guards = std::optional<OnFailure>{};
+  else if (const auto on_failure = value_of(on_failure_names, value.text()))
+    overrides.guards = std::optional<OnFailure>{*on_failure};
+  else
+    value.refuse("pause, freeze or off");
+}
+
 void read_path(FlagValue& value, std::string& path) {
   if (value.text().empty() || value.text().find('\0') != std::string_view::npos)
     value.refuse("the name of a file");
@@ -122,6 +131,7 @@ constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench),
 constexpr unsigned studying = bit(Command::accuracy), breaking = bit(Command::stability);
 constexpr unsigned drawing = capturing | viewing | benching,
                    stepping = running | drawing | grading | studying;
+constexpr unsigned guarding = running | capturing | viewing;
 constexpr unsigned reporting =
     running | capturing | benching | grading | studying | breaking | bit(Command::compare);
 
@@ -160,6 +170,15 @@ constexpr Reader readers[] = {
      [](Reading& in) { read_effects(in.value, in.options.overrides); }},
     {{"--restitution-threshold", "V", "m/s, or auto: slower approaches do not bounce", stepping},
      [](Reading& in) { read_restitution_threshold(in.value, in.options.overrides); }},
+
+    {{"--guards", "NAME", "pause, freeze or off: what happens where a step goes wrong", guarding},
+     [](Reading& in) { read_guards(in.value, in.options.overrides); }},
+    {{"--break", "LIST",
+      "such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped: where it ends",
+      running},
+     [](Reading& in) {
+       collect(in.faults, [&] { in.options.breaks = parse_break_conditions(std::string(in.value.text())); });
+     }},
 
     {{"--executor", "NAME", "auto, cpu or cuda", stepping | breaking},
      [](Reading& in) {

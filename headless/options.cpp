@@ -64,6 +64,15 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
   set(physics.precision, overrides.precision);
   set(physics.effects, overrides.effects);
   set(physics.restitution_threshold, overrides.restitution_threshold);
+  if (overrides.guards) {
+    if (!*overrides.guards)
+      leave_out_guards(physics);
+    else if (physics.guards)
+      physics.guards->on_failure = **overrides.guards;
+    else
+      physics.guards.emplace().on_failure = **overrides.guards;
+    if (*overrides.guards && physics.effects) physics.effects->guards = true;
+  }
   if (overrides.time_step) {
     physics.time_step = *overrides.time_step;
     physics.steps_per_second.reset();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "headless/capture.h"
+#include "sim_cuda/guard/break_conditions.h"
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
 
@@ -52,6 +53,7 @@ struct Overrides {
   std::optional<Precision> precision;
   std::optional<std::optional<Effects>> effects;               ///< inner unset: "auto"
   std::optional<std::optional<double>> restitution_threshold;  ///< m/s; inner unset: "auto"
+  std::optional<std::optional<OnFailure>> guards;              ///< inner unset: none
 };
 
 /// What only `accuracy` takes, beside what it shares with `bench`.
@@ -82,6 +84,7 @@ struct Options {
   std::string save, load;             ///< snapshots, or empty
   std::string changes;                ///< of `run`: what is changed on the way, or empty
   bool residuals = false;             ///< of the last step
+  BreakConditions breaks;             ///< of `run`
   CaptureRequest capture;
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`

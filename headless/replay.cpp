@@ -18,9 +18,11 @@ std::int64_t Replay::steps_to_next(const World& world) const {
   return list_.changes[next_].step - world.steps();
 }
 
-void Replay::make_due(World& world) {
+bool Replay::make_due(World& world) {
+  const std::size_t before = next_;
   for (; left() > 0 && list_.changes[next_].step == world.steps(); ++next_)
     if (auto next = changed_world(world, list_.changes[next_], world.options())) world = std::move(*next);
+  return next_ != before;
 }
 
 }  // namespace collidoscope

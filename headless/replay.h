@@ -19,8 +19,8 @@ class Replay {
 
   /// Steps that can be made before the next change.
   std::int64_t steps_to_next(const World& world) const;
-  /// Makes the changes of the state that the world is in. Throws as World does.
-  void make_due(World& world);
+  /// Makes the changes of the state that the world is in; whether there were any. Throws as World does.
+  bool make_due(World& world);
   std::size_t left() const { return list_.changes.size() - next_; }  ///< not made yet
   const std::optional<RecordedEnd>& end() const { return list_.end; }
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "sim_cuda/launch_json.h"
 #include "sim_cuda/scene/effect_reasons.h"
@@ -29,6 +31,19 @@ Json vector_json(const double (&v)[3]) { return Json::array({v[0], v[1], v[2]});
 
 /// A time that was not measured is null, not 0.
 Json time_json(double ms, int steps_timed) { return steps_timed > 0 ? Json(ms) : Json(nullptr); }
+
+/// What is not finite is a word, so that it is not taken for what was not measured.
+Json finding_json(const Finding& finding) {
+  return {
+      {"stage", finding.stage},
+      {"step", finding.step},
+      {"substep", finding.substep},
+      {"body", finding.body},
+      {"quantity", name_of(finding.quantity)},
+      {"value", std::isfinite(finding.value) ? Json(finding.value) : Json(fmt::format("{}", finding.value))},
+      {"unit", unit_of(finding.quantity)},
+      {"before", finding.before}};
+}
 
 std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
 
@@ -98,6 +113,13 @@ std::string numbers_text(const RunReport& report) {
   text += line("penetration", fmt::format("{:.6g} m at the deepest", last.max_penetration));
   text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
                                      grouped(last.escaped)));
+  if (!report.frozen.empty())
+    text += line(
+        "frozen",
+        fmt::format("{} bodies: {}", grouped(std::ssize(report.frozen)),
+                    fmt::join(std::span(report.frozen).first(std::min<std::size_t>(report.frozen.size(), 10)),
+                              ", ")));
+  if (report.finding) text += line("found", describe(*report.finding));
   text += line("memory", fmt::format("{} bytes", grouped(report.allocated_bytes)));
   if (report.wall_seconds && *report.wall_seconds > 0 && last.step > first.step) {
     text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", *report.wall_seconds,
@@ -147,7 +169,13 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .times = world.times(),
       .state_hash = world.state_hash(),
       .allocated_bytes = world.allocated_bytes(),
+      .guards = {},
+      .finding = world.finding(),
+      .frozen = world.frozen(),
+      .failure = {},
       .wall_seconds = wall_seconds};
+  if (world.effects().guards)
+    report.guards = name_of(on_failure_names, scene.physics.guards.value_or(Guards{}).on_failure);
   for (const EffectName& effect : effect_names)
     report.effect_reasons.emplace_back(effect.name, effect_reason(scene, world.initial(), effect.flag).why);
   report.simulated_seconds = static_cast<double>(report.final.step - initial.step) * report.time_step;
@@ -203,6 +231,11 @@ nlohmann::ordered_json json_of(const RunReport& report) {
                      {"awake", last.bodies - last.asleep},
                      {"islands", last.islands},
                      {"islands_asleep", last.islands_asleep}};
+  if (!report.guards.empty() || !report.frozen.empty())
+    json["guards"] = {{"on_failure", report.guards.empty() ? Json(nullptr) : Json(report.guards)},
+                      {"finding", report.finding ? finding_json(*report.finding) : Json(nullptr)},
+                      {"frozen", report.frozen}};
+  if (!report.failure.empty()) json["failure"] = report.failure;
   json["non_finite"] = last.non_finite;
   json["escaped"] = last.escaped;
   json["wall_impulse"] = last.wall_impulse;

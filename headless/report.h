@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim_cuda/core/launch_shape.h"
+#include "sim_cuda/guard/finding.h"
 #include "sim_cuda/residual.h"
 #include "sim_cuda/step_stats.h"
 
@@ -34,6 +35,10 @@ struct RunReport {
   RunTimes times;
   std::uint64_t state_hash = 0;
   std::int64_t allocated_bytes = 0;
+  std::string guards;  ///< on_failure of guards that look; empty: nobody does
+  std::optional<Finding> finding;
+  std::vector<std::uint32_t> frozen;   ///< ids
+  std::string failure;                 ///< what ended the run early; empty: nothing
   std::optional<double> wall_seconds;  ///< s, of the stepping alone; unset where pictures were drawn between
   double simulated_seconds = 0;        ///< s, between its first state and its last
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include "headless/body_csv.h"
@@ -14,6 +15,7 @@
 #include "headless/replay.h"
 #include "headless/report.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/guard/rewind.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -61,39 +63,83 @@ std::string trace_row(const StepStats& s) {
                      s.escaped);
 }
 
-/// Seconds of the clock that stepping took, and of the time that was simulated.
+/// Seconds of the clock that stepping took, and of the time that was simulated; and what ended it early.
 struct Stepped {
   double seconds = 0, simulated = 0;
+  std::optional<std::string> failure;  ///< the world stands at the state before that step
+};
+
+/// What is asked of a state that was just reached; where it breaks, the world goes back to the one before.
+class Breaks {
+ public:
+  Breaks(const BreakConditions& conditions, const StepStats& start)
+      : conditions_(conditions), watch_(start) {}
+  bool any() const { return conditions_.any(); }
+  void before_step(World& world) { rewind_.before_step(world); }
+  std::optional<std::string> look(World& world, const StepStats& stats) {
+    std::optional<Broken> broken = watch_.look(conditions_, stats, world.latest_times());
+    if (!broken) return std::nullopt;
+    broken->body = culprit(world, broken->condition);
+    rewind_.to(world, stats.step - 1);
+    return describe(*broken);
+  }
+  void world_changed() { rewind_.forget(); }
+
+ private:
+  BreakConditions conditions_;
+  BreakWatch watch_;
+  Rewind rewind_;
 };
 
 /// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
-/// progress. With a trace every state is measured.
-Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace, bool residuals) {
+/// progress. With a trace, or with breaks, every state is measured.
+Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace, bool residuals,
+                 Breaks& breaks) {
   Progress progress("steps", steps);
   Stepped stepped;
   std::int64_t stride = 1;
   for (std::int64_t done = 0; done < steps;) {
     const std::int64_t rest = std::min(steps - done, replay.steps_to_next(world));
-    int count = static_cast<int>(trace ? 1 : std::min(stride, rest));
+    int count = static_cast<int>(trace || breaks.any() ? 1 : std::min(stride, rest));
     if (residuals && done + count == steps) {
       if (count == 1)
         world.record_residuals(true);  // of the last step alone
       else
         --count;
     }
+    const std::int64_t before = world.steps();
+    const std::size_t frozen = world.frozen().size();
     const Clock::time_point start = Clock::now();
+    if (breaks.any()) breaks.before_step(world);
     world.step(count);
     const double spent = seconds_since(start);
     stepped.seconds += spent;
-    stepped.simulated += count * world.scene().physics.time_step;
+    stepped.simulated += static_cast<double>(world.steps() - before) * world.scene().physics.time_step;
+    if (world.frozen().size() > frozen)
+      std::fputs(fmt::format("note: bodies frozen so far: {}; found last: {}\n", world.frozen().size(),
+                             describe(*world.finding()))
+                     .c_str(),
+                 stderr);
+    if (world.paused()) stepped.failure = describe(*world.finding());
+    if (!stepped.failure && breaks.any()) stepped.failure = breaks.look(world, world.measure());
+    if (stepped.failure) return stepped;
     done += count;
-    replay.make_due(world);
+    if (replay.make_due(world)) breaks.world_changed();
     if (trace) *trace += trace_row(world.measure());
     if (spent < 0.05 && stride < 1 << 20) stride *= 2;
     if (spent > 0.2 && stride > 1) stride /= 2;
     progress.update(done);
   }
   return stepped;
+}
+
+/// In the working folder, of a name that no file has yet.
+std::string failure_file(const World& world) {
+  const std::string stem = fmt::format("failure-{}-{}", file_stem(world.scene().name), world.steps() + 1);
+  std::string file = stem + ".snapshot";
+  std::error_code failed;
+  for (int k = 2; std::filesystem::exists(file, failed); ++k) file = fmt::format("{}-{}.snapshot", stem, k);
+  return file;
 }
 
 /// Whether the run came to what its list of changes says it came to when it was recorded; says so if not.
@@ -128,10 +174,14 @@ int run_command(const CommandLine& line) {
       "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped\n" +
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
+  Breaks breaks(options.breaks, initial);
   const Stepped stepped = step_all(world, options.steps_or(std::max<std::int64_t>(recorded, 0)), replay,
-                                   outputs.energy ? &trace : nullptr, options.residuals);
+                                   outputs.energy ? &trace : nullptr, options.residuals, breaks);
+  const std::string failed_at = stepped.failure && options.save.empty() ? failure_file(world) : options.save;
+  if (stepped.failure && options.save.empty()) outputs.snapshot.emplace("--save", failed_at);
   RunReport report = make_report(world, initial, stepped.seconds);
   report.simulated_seconds = stepped.simulated;
+  report.failure = stepped.failure.value_or("");
 
   // All is written before anything is put in place: a disk that fills up leaves no half of a set.
   if (outputs.bodies) write_body_states(world, [&](std::string_view text) { outputs.bodies->write(text); });
@@ -144,6 +194,12 @@ int run_command(const CommandLine& line) {
   for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
     if (*file) (*file)->commit();
   print(options.json == "-" ? to_json(report) : to_text(report));
+  if (stepped.failure) {
+    std::fputs(
+        fmt::format("{}; state {} before it is in {}\n", *stepped.failure, world.steps(), failed_at).c_str(),
+        stderr);
+    return 1;
+  }
   return as_recorded(world, replay, options.changes) ? 0 : 1;
 }
 

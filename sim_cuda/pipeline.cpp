@@ -12,7 +12,6 @@
 #include "sim_cuda/inspect.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/pack.h"
-#include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/walls.h"
@@ -36,13 +35,17 @@ struct Commit {
 template <class Real>
 class TypedPipeline final : public Pipeline {
  public:
-  TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial, Effects effects);
+  TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial, Effects effects,
+                int substeps);
 
   int runs_per_step() const override { return solver_->runs_per_step(); }
 
   void run() override {
-    detect(foresight());
-    solver_->advance(contacts_.view(), impulses_.data());
+    const auto stages = [&] {
+      detect(foresight());
+      solver_->advance(contacts_.view(), impulses_.data());
+    };
+    guard_ ? guard_->watch(guarded(), stages) : stages();
     executor_.run("move", 1, Commit{control_.data()});
   }
 
@@ -66,6 +69,22 @@ class TypedPipeline final : public Pipeline {
 
   void record_residuals(bool on) override { solver_->record_residuals(on); }
   std::vector<Residual> residuals() override { return solver_->residuals(); }
+
+  std::optional<FirstFound> found() const override {
+    if (!guard_) return std::nullopt;
+    const FirstFound found = guard_->found();
+    return found.key == FirstFound::none ? std::nullopt : std::optional(found);
+  }
+  void forget_found() override {
+    if (guard_) guard_->forget();
+  }
+  Finding read_found(const FirstFound& found, int runs_before) override {
+    for (int before = 0; before < runs_before; ++before) run();
+    guard_->read(found);
+    run();
+    return guard_->finding();
+  }
+  void dismiss_guards() override { guard_.reset(); }
 
   SolverMemory memory() override { return solver_->memory(); }
   void remember(const SolverMemory& memory) override { solver_->remember(memory); }
@@ -111,6 +130,10 @@ class TypedPipeline final : public Pipeline {
   SphereView<Real> spheres() const {
     return {state_.position.data(), state_.radius.data(),
             prescribed_.size() > 0 ? state_.inverse_mass.data() : nullptr};
+  }
+  GuardedView<Real> guarded() const {
+    return {state_.view(),    body_count_,          boxes_.data(),  field_.data(),
+            contacts_.view(), contacts_.capacity(), control_.data()};
   }
   Foresight<Real> foresight() const {
     const Real time = solver_->foresight();
@@ -158,6 +181,7 @@ class TypedPipeline final : public Pipeline {
   std::unique_ptr<ContactSolver<Real>> solver_;
   ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
+  std::unique_ptr<StageGuard<Real>> guard_;  // null where the effect is off
   Measurer<Real> measurer_;
   Buffer<std::uint32_t> publish_counts_;
 };
@@ -218,7 +242,7 @@ double bounce_threshold(const Physics& physics, int substeps, bool gravity) {
 
 template <class Real>
 TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial,
-                                   Effects effects)
+                                   Effects effects, int substeps)
     : executor_(executor),
       body_count_(static_cast<std::int64_t>(initial.size())),
       effects_(effects),
@@ -245,7 +269,6 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       measurer_(executor),
       publish_counts_(executor, "contacts per body to draw") {
   const std::size_t n = initial.size();
-  const int substeps = substeps_of(scene, initial);
   state_.position.upload(narrowed<Real>(initial.position));
   state_.velocity.upload(initial.velocity.empty()
                              ? std::vector<StoredVector3<Real>>(n, Vector3<Real>(Vector3<Real>::Zero()))
@@ -360,6 +383,10 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        control_.data(),
        joints_.get()});
 
+  if constexpr (built_effects.guards)
+    if (effects.guards)
+      guard_ = std::make_unique<StageGuard<Real>>(executor, scene.physics.guards.value_or(Guards{}));
+
   boxes_.resize_discarding(n);
   if (box_)
     extent_.upload({Aabb{box_->min.cast<float>(), box_->max.cast<float>()}});
@@ -462,10 +489,10 @@ void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector
 }  // namespace
 
 std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
-                                        Effects effects) {
+                                        Effects effects, int substeps) {
   if (scene.physics.precision == Precision::f64)
-    return std::make_unique<TypedPipeline<double>>(executor, scene, bodies, effects);
-  return std::make_unique<TypedPipeline<float>>(executor, scene, bodies, effects);
+    return std::make_unique<TypedPipeline<double>>(executor, scene, bodies, effects, substeps);
+  return std::make_unique<TypedPipeline<float>>(executor, scene, bodies, effects, substeps);
 }
 
 }  // namespace collidoscope

@@ -4,11 +4,13 @@
 // and measure. One interface for both precisions.
 
 #include <memory>
+#include <optional>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/guard/stage_guard.h"
 #include "sim_cuda/publish.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
@@ -50,6 +52,15 @@ class Pipeline {
   virtual void record_residuals(bool on) = 0;
   virtual std::vector<Residual> residuals() = 0;
 
+  /// What guards have found since forget_found(); waits for the device. Nothing where nobody looks.
+  virtual std::optional<FirstFound> found() const = 0;
+  virtual void forget_found() = 0;
+  /// Does the runs of a step up to the one in which this was found, `runs_before` of them, and that one, and
+  /// reads it on its way. Waits for the device.
+  virtual Finding read_found(const FirstFound& found, int runs_before) = 0;
+  /// From here on nobody looks; what runs have recorded must be recorded again.
+  virtual void dismiss_guards() = 0;
+
   virtual StepControl control() = 0;  ///< read from the device; waits for it
   virtual void clear_overflow() = 0;
   virtual BroadPhase& broad_phase() = 0;
@@ -76,8 +87,8 @@ class Pipeline {
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 
-/// Uploads the bodies; reserves nothing yet.
+/// Uploads the bodies; reserves nothing yet. `substeps` of a step, whatever the scene says.
 std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
-                                        Effects effects);
+                                        Effects effects, int substeps);
 
 }  // namespace collidoscope

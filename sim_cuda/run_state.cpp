@@ -67,8 +67,14 @@ RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh)
       same[body] = body < count ? static_cast<std::uint32_t>(body) : no_body;
     if (known > 0) return renumbered(state, same, std::move(fresh));
   }
-  RunState moved{state.steps, std::move(fresh), by_new_id(state.ledgers, ids, count, WallLedger{}),
-                 renumbered(state.memory, ids, count), state.settings};
+  RunState moved{state.steps,
+                 std::move(fresh),
+                 by_new_id(state.ledgers, ids, count, WallLedger{}),
+                 renumbered(state.memory, ids, count),
+                 state.settings,
+                 {}};
+  for (const std::uint32_t body : state.frozen)
+    if (ids[body] != no_body) moved.frozen.push_back(ids[body]);
   for (std::size_t body = 0; body < ids.size(); ++body) {
     if (ids[body] == no_body) continue;
     moved.bodies.position[ids[body]] = state.bodies.position[body];

@@ -19,6 +19,7 @@ struct RunState {
   SolverMemory memory;
   /// Of all settings but N: a world of others lets nothing sleep on.
   std::uint64_t settings = 0;
+  std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed where they are
 };
 
 /// The same with other bodies: those of `ids` (see World::adopt) with what is known of them, all others as

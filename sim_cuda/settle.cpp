@@ -42,6 +42,7 @@ Scene falling(const Scene& scene) {
   Physics& physics = inner.physics;
   physics.sleep.reset();
   if (physics.effects) physics.effects->sleeping = false;
+  leave_out_guards(physics);
   if (physics.solver != Solver::impulse) return inner;
   physics.solver = Solver::soft_step;
   physics.substeps.reset();

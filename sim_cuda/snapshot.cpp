@@ -54,7 +54,7 @@ class Fingerprint {
 /// The members of a file in their order, for who writes and who reads them alike.
 template <class Archive, class SnapshotOrConst>
 void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
-  auto& [steps, bodies, ledgers, memory, settings] = snapshot.state;
+  auto& [steps, bodies, ledgers, memory, settings, frozen] = snapshot.state;
   archive.text(scene);
   archive.text(directory);
   archive.number(steps);
@@ -74,6 +74,7 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.list(memory.wall_rolls);
   archive.list(memory.slow);
   archive.list(memory.joints);
+  if (archive.version() >= 2) archive.list(frozen);
 }
 
 class Writer {
@@ -107,6 +108,7 @@ class Writer {
     number(static_cast<std::uint64_t>(lists.size()));
     for (const std::vector<Item>& one : lists) list(one);
   }
+  std::uint32_t version() const { return snapshot_version; }
   std::uint64_t hash() const { return fingerprint_.value(); }
   std::uint64_t bytes() const { return bytes_; }
 
@@ -158,6 +160,7 @@ class Reader {
     lists.resize(length(word));
     for (std::vector<Item>& one : lists) list(one);
   }
+  std::uint32_t version() const { return version_; }
   void end() const {
     if (left_ != 0) damaged(fmt::format("{} of its bytes belong to nothing", left_));
   }
@@ -173,10 +176,11 @@ class Reader {
       refuse(std::string("is no snapshot; ") + what_writes_one);
     if (header.byte_order != expected.byte_order)
       refuse("was written by a machine of the other byte order, which this one cannot read");
-    if (header.version != expected.version)
-      refuse(fmt::format("is a snapshot of version {}; this program reads version {}{}", header.version,
-                         expected.version,
+    if (header.version < oldest_snapshot_version || header.version > expected.version)
+      refuse(fmt::format("is a snapshot of version {}; this program reads versions {} to {}{}",
+                         header.version, oldest_snapshot_version, expected.version,
                          header.version > expected.version ? ": a newer one can" : ": save it anew"));
+    version_ = header.version;
     std::error_code failed;
     const std::uintmax_t bytes = std::filesystem::file_size(file_, failed);
     if (failed || bytes != header.file_bytes || bytes < sizeof header + word || bytes % word != 0)
@@ -224,6 +228,7 @@ class Reader {
 
   std::string file_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
+  std::uint32_t version_ = 0;
   std::uint64_t left_ = 0;  ///< bytes that are not read yet, the hash not counted
 };
 
@@ -245,6 +250,8 @@ bool fits(const RunState& state) {
     good = good && contact.a < contact.b && contact.b < n && ids > before;
     before = ids;
   }
+  for (std::size_t k = 0; k < state.frozen.size(); ++k)
+    good = good && state.frozen[k] < n && (k == 0 || state.frozen[k - 1] < state.frozen[k]);
   for (const JointMemory& joint : memory.joints)
     good = good && joint.a < n && (joint.b < n || joint.b == PlacedJoint::world);
   return good;

@@ -10,6 +10,8 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/guard/frozen.h"
+#include "sim_cuda/guard/rewind.h"
 #include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/joint_substeps.h"
@@ -69,7 +71,8 @@ struct World::Impl {
         substeps(substeps_of(scene, initial)) {
     effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
     refuse_what_is_not_built(effects);
-    pipeline = make_pipeline(executor, scene, initial, effects);
+    watched = effects.guards;
+    pipeline = make_pipeline(executor, scene, initial, effects, substeps);
     const std::int64_t guess = options.initial_pair_capacity > 0
                                    ? options.initial_pair_capacity
                                    : first_guess(static_cast<std::int64_t>(initial.size()));
@@ -116,6 +119,31 @@ struct World::Impl {
     return true;
   }
 
+  /// These bodies are what no force moves, until others are. Where memory is lacking, nothing has changed.
+  void set_frozen(const std::vector<std::uint32_t>& bodies) {
+    if (bodies == frozen) return;
+    plain.reset();
+    instrumented.reset();
+    executor.synchronize();
+    auto next = make_pipeline(executor, scene, with_frozen(initial, bodies), effects, substeps);
+    next->reserve(pipeline->capacity());
+    next->record_impulses(recording);
+    next->record_residuals(residuals);
+    if (!watched) next->dismiss_guards();
+    pipeline = std::move(next);
+    committed = 0;
+    frozen = bodies;
+  }
+
+  /// Does one step; or what guards found in it, which then is neither in `steps` nor in a state of any use.
+  std::optional<FirstFound> advance();
+  /// After runs that are not to be in the state.
+  void forget_runs() {
+    pipeline->clear_overflow();
+    pipeline->forget_found();
+    committed = pipeline->control().committed;
+  }
+
   StepGraph& graph(bool with_events) {
     std::unique_ptr<StepGraph>& wanted = with_events ? instrumented : plain;
     if (!wanted) wanted = std::make_unique<StepGraph>(executor, with_events, [this] { pipeline->run(); });
@@ -149,6 +177,11 @@ struct World::Impl {
   std::unique_ptr<Pipeline> pipeline;
   std::unique_ptr<StepGraph> plain, instrumented;
   std::int64_t steps = 0;
+  bool watched = false;  // guards look
+  bool paused = false;   // at `finding`
+  std::optional<Finding> finding;
+  std::vector<std::uint32_t> frozen;
+  Rewind rewind;
   std::uint32_t committed = 0;  // pipeline runs, modulo 2^32
   Tree tree{executor};
   bool arranged = false;  // `tree` is that of the broad phase now
@@ -247,15 +280,67 @@ std::int64_t World::steps() const { return impl_->steps; }
 
 void World::step(int count) {
   Impl& w = *impl_;
-  for (int k = 0; k < count; ++k) {
-    const bool with_events = w.steps % 2 == 1;
-    const std::uint32_t target = w.committed + static_cast<std::uint32_t>(w.pipeline->runs_per_step());
-    w.detected = false;
-    while (!(with_events ? w.run_instrumented(target) : w.run_plain(target))) w.grow();
-    ++w.steps;
-    w.impulses_new = w.recording;
-    w.residuals_known = w.residuals;
+  for (int done = 0; done < count && !w.paused;) {
+    if (w.watched) w.rewind.before_step(*this);
+    const std::uint32_t first_run = w.committed;
+    if (const std::optional<FirstFound> found = w.advance())
+      resolve(*found, first_run);
+    else
+      ++done;
   }
+}
+
+std::optional<FirstFound> World::Impl::advance() {
+  const bool with_events = steps % 2 == 1;
+  const std::uint32_t target = committed + static_cast<std::uint32_t>(pipeline->runs_per_step());
+  detected = false;
+  for (bool done = false; !done;) {
+    done = with_events ? run_instrumented(target) : run_plain(target);
+    if (auto found = pipeline->found()) return found;
+    if (!done) grow();
+  }
+  ++steps;
+  impulses_new = recording;
+  residuals_known = residuals;
+  return std::nullopt;
+}
+
+/// Back to the state before the step, which is done up to there once more to read what was found; then
+/// freezes its body, or pauses.
+void World::resolve(const FirstFound& found, std::uint32_t first_run) {
+  Impl& w = *impl_;
+  const Guards guards = w.scene.physics.guards.value_or(Guards{});
+  const int run = static_cast<int>(found.run - first_run);
+  w.forget_runs();
+  w.rewind.to(*this, w.steps);
+  RunState before = state();
+  Finding finding = w.pipeline->read_found(found, run);
+  w.forget_runs();
+  finding.step = before.steps + 1;
+  finding.substep += run;
+  finding.before = !is_sane(before.bodies, finding.body, guards);
+  const InitialBodies now = with_frozen(w.initial, w.frozen);
+  const bool moves = now.motion.empty() || now.motion[finding.body] == Motion::dynamic;
+  const bool freezes = guards.on_failure == OnFailure::freeze && moves;
+  if (freezes) freeze(before, finding.body, w.initial, guards);
+  adopt(before);
+  w.finding = finding;
+  w.paused = !freezes;
+}
+
+const std::optional<Finding>& World::finding() const { return impl_->finding; }
+bool World::paused() const { return impl_->paused; }
+const std::vector<std::uint32_t>& World::frozen() const { return impl_->frozen; }
+
+void World::dismiss() {
+  Impl& w = *impl_;
+  w.plain.reset();
+  w.instrumented.reset();
+  w.executor.synchronize();
+  w.pipeline->dismiss_guards();
+  w.rewind.forget();
+  w.finding.reset();
+  w.watched = w.paused = false;
 }
 
 void World::record_impulses(bool on) {
@@ -302,6 +387,7 @@ namespace {
 /// Of all settings, but not of which bodies there are; 0 where nothing can sleep.
 std::uint64_t settings_hash(Scene scene) {
   if (!scene.physics.sleep) return 0;
+  leave_out_guards(scene.physics);  // they decide nothing
   scene.bodies.clear();
   scene.added.clear();
   scene.joints.clear();
@@ -318,7 +404,8 @@ std::uint64_t settings_hash(Scene scene) {
 
 RunState World::state() {
   Impl& w = *impl_;
-  return {w.steps, w.pipeline->bodies(), w.pipeline->ledgers(), w.pipeline->memory(), settings_hash(w.scene)};
+  return {w.steps, w.pipeline->bodies(), w.pipeline->ledgers(), w.pipeline->memory(), settings_hash(w.scene),
+          w.frozen};
 }
 
 void World::adopt(World& other) { adopt(other.state()); }
@@ -328,11 +415,19 @@ void World::adopt(const RunState& other, const BodyIds& ids) {
   RunState state = renumbered(other, ids, w.pipeline->bodies());
   w.plain.reset();  // what the solver remembers may move
   w.instrumented.reset();
+  w.set_frozen(state.frozen);
+  for (const std::uint32_t body : state.frozen) {
+    state.bodies.velocity[body].setZero();
+    state.bodies.angular_velocity[body].setZero();
+  }
   w.pipeline->set_bodies(state.bodies, state.ledgers);
   if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
   w.pipeline->remember(state.memory);
   w.steps = other.steps;
   w.detected = w.residuals_known = false;
+  w.paused = false;
+  w.finding.reset();
+  w.rewind.forget();
 }
 
 BodyReport World::inspect(std::uint32_t id) {

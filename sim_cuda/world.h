@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim_cuda/body_report.h"
+#include "sim_cuda/guard/finding.h"
 #include "sim_cuda/publish.h"
 #include "sim_cuda/residual.h"
 #include "sim_cuda/run_options.h"
@@ -28,6 +30,7 @@ struct BodyStates {
 };
 
 struct RunState;
+struct FirstFound;
 /// What became of bodies: the new id of each, or `no_body`. Ascending.
 using BodyIds = std::vector<std::uint32_t>;
 inline constexpr std::uint32_t no_body = 0xffffffffu;
@@ -58,8 +61,23 @@ class World {
 
   /// Advances by `count` steps; returns when they are done (overflows grown and repeated).
   /// Odd-numbered steps run instrumented, even-numbered ones plain, so that times() knows both.
+  ///
+  /// Where guards look (scene/effects.h) and one finds something in a step, that step is never in the state.
+  /// They pause: the world stands at the state before, bit for bit, and steps no more until it is dismissed
+  /// or adopts a state. Or they freeze: the body is fixed where it was in the state before, and the step done
+  /// again; all that it never touches goes on as if it had been well. One that no force moves anyway cannot
+  /// be frozen, and pauses.
   void step(int count = 1);
   std::int64_t steps() const;
+
+  /// The last one since the start, adopt() or dismiss().
+  const std::optional<Finding>& finding() const;
+  bool paused() const;  ///< at the finding
+  /// Bodies that are frozen, ascending, by ids of now. Other settings do not free them; a start at state 0
+  /// does.
+  const std::vector<std::uint32_t>& frozen() const;
+  /// Goes on from the state that it stands at, and nobody looks any more.
+  void dismiss();
 
   /// (B, T) for the steps from now on. Throws MachineError beyond the device's limits, and changes nothing
   /// then.
@@ -148,6 +166,7 @@ class World {
   void copy_to_host(void* host, const void* source, std::size_t bytes);
 
  private:
+  void resolve(const FirstFound& found, std::uint32_t first_run);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

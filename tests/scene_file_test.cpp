@@ -274,6 +274,11 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:43: sleep.speed: must lie in [0, 1e+09] m/s, not -1"},
         Bad{"\"solver\": \"soft_step\", \"sleep\": {\"time\": 2e6}}",
             "s:2:42: sleep.time: must lie in [0, 1e+06] s, not 2e6"},
+        Bad{"\"guards\": {\"on_failure\": \"stop\"}}",
+            "s:2:26: unknown on_failure \"stop\"; it is pause or freeze"},
+        Bad{"\"guards\": {\"speed\": -1}}", "s:2:21: guards.speed: must lie in [0, 1e+18] m/s, not -1"},
+        Bad{"\"guards\": {\"spin\": 1e19}}", "s:2:20: guards.spin: must lie in [0, 1e+18] rad/s, not 1e19"},
+        Bad{"\"guards\": {\"distance\": \"far\"}}", "s:2:24: \"distance\" is a number"},
         Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not hold sleeping without \"sleep\""},
         // generators
         Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},

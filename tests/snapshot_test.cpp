@@ -176,6 +176,15 @@ class SpoiltSnapshot : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(SpoiltSnapshot, OfTheFirstVersionItIsReadWithoutFrozenBodies) {
+  // Its last list, empty here, was not there.
+  good_.erase(good_.size() - 16, 8);
+  const std::uint64_t size = good_.size();
+  good_[24] = 1;
+  EXPECT_EQ(line_of(with(32, size)), "read");
+  EXPECT_EQ(read_snapshot(folder_ / "s").state.steps, 3);
+}
+
 TEST_F(SpoiltSnapshot, WholeItIsRead) { EXPECT_EQ(line_of(good_), "read"); }
 
 TEST_F(SpoiltSnapshot, CutShortAnywhere) {

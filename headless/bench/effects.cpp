@@ -27,6 +27,7 @@ struct Trial {
   std::string_view effect;
   void (*ground)(Scene&);    ///< of all three runs
   void (*call_for)(Scene&);  ///< of those that call for it; null: the ground calls for it already
+  bool decides = true;       ///< the state; else it is the same with it
 };
 
 void nothing(Scene&) {}
@@ -66,6 +67,7 @@ constexpr Trial trials[] = {
      [](Scene& s) {
        s.physics.sleep = Sleep{2, 0.1};
      }},
+    {"guards", nothing, [](Scene& s) { s.physics.guards = Guards{}; }, false},
 };
 
 struct Launched {
@@ -124,12 +126,18 @@ struct Row {
   Footprint without, off, on;
   Spread ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
   std::optional<CodeRow> code;
+  bool decides = true;
 
   bool off_is_free() const {
     return off.launches == without.launches && off.buffers == without.buffers && off.hash == without.hash &&
            (!code || code->different == 0);
   }
-  bool on_is_seen() const { return on.hash != without.hash && (!code || code->added_kernels > 0); }
+  /// What decides no state leads to the same one.
+  bool on_is_right() const { return decides || on.hash == without.hash; }
+  bool on_is_seen() const {
+    const bool seen = decides ? on.hash != without.hash : on.launches != without.launches;
+    return seen && on_is_right() && (!code || code->added_kernels > 0);
+  }
 };
 
 Scene base_of(const CommandLine& line) {
@@ -173,8 +181,15 @@ Row measure(const Trial& trial, const Scene& base, const RunOptions& options, st
     off_ratios.push_back(second.ms[k] / first.ms[k]);
     on_ratios.push_back(with.ms[k] / first.ms[k]);
   }
-  return {std::string(trial.effect), first.footprint(),     second.footprint(),   with.footprint(),
-          spread_of(first.ms),       spread_of(off_ratios), spread_of(on_ratios), {}};
+  return {std::string(trial.effect),
+          first.footprint(),
+          second.footprint(),
+          with.footprint(),
+          spread_of(first.ms),
+          spread_of(off_ratios),
+          spread_of(on_ratios),
+          {},
+          trial.decides};
 }
 
 /// Adds up the objects of effects_code_<effect>.dir, beside those of the same files with all effects; and the
@@ -276,7 +291,8 @@ std::vector<std::string> cells_of(const Row& r) {
       fmt::format("{:+.1f}",
                   static_cast<double>(r.on.bytes() - r.without.bytes()) / static_cast<double>(1 << 10)),
       r.code ? fmt::format("{} of {} KiB", r.code->added_kernels, r.code->added_bytes / 1024) : "-",
-      r.on.hash != r.without.hash ? "another" : "THE SAME"};
+      r.decides ? (r.on.hash != r.without.hash ? "another" : "THE SAME")
+                : (r.on_is_right() ? "same" : "DIFFERENT")};
   return cells;
 }
 const std::vector<std::string> heads{"effect",

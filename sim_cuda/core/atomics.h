@@ -104,6 +104,17 @@ SIM_HD inline bool atomic_min(std::uint32_t* target, std::uint32_t value) {
 #endif
 }
 
+SIM_HD inline void atomic_min(std::uint64_t* target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  atomicMin(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<std::uint64_t> cell(*target);
+  std::uint64_t seen = cell.load(std::memory_order_relaxed);
+  while (seen > value && !cell.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
 /// Does not wait for anything: for places where few bid.
 SIM_HD inline void atomic_max_unseen(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <new>
 #include <thread>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
@@ -269,6 +270,7 @@ void Executor::begin_stage(const char* name, bool own_shape) {
   if (own_shape) entry.own_shape = true;
   stage_ = name;
   stage_entry_ = clock_.index(entry);
+  stage_substep_ = substep_;
   push_range(name);
 #if SIM_CUDA
   if (recording_ != nullptr) {
@@ -280,6 +282,28 @@ void Executor::begin_stage(const char* name, bool own_shape) {
 }
 
 void Executor::end_stage() {
+  const char* ended = stage_;
+  close_stage();
+  if (watch_ == nullptr || ended == nullptr) return;
+  const StageEnded* watch = std::exchange(watch_, nullptr);
+  (*watch)(ended, stage_substep_);
+  close_stage();
+  watch_ = watch;
+}
+
+void Executor::run_watched(const StageEnded& ended, const std::function<void()>& work) {
+  end_stage();
+  substep_ = 0;
+  watch_ = &ended;
+  struct UntilTheEnd {  // of the work, however it ends
+    const StageEnded*& watch;
+    ~UntilTheEnd() { watch = nullptr; }
+  } watched{watch_};
+  work();
+  end_stage();
+}
+
+void Executor::close_stage() {
   if (stage_ == nullptr) return;
   if (timing_)
     clock_.add(

@@ -98,6 +98,15 @@ class Executor {
   void begin_stage(const char* name, bool own_shape = false);
   /// On the CPU: that many parallel loops ran. On a GPU the graph counts its own nodes.
   void count_launches(int launches);
+  /// The stages that begin from here on belong to this substep, 0 being the first, and that of what is
+  /// watched at first. Nobody but who watches asks.
+  void begin_substep(int substep) { substep_ = substep; }
+
+  /// Is told of a stage whose work is enqueued, all of it, and in which substep it began.
+  using StageEnded = std::function<void(const char* stage, int substep)>;
+  /// Does `work`, and tells `ended` of each stage that begins in it. Stages that `ended` itself begins are
+  /// not told of.
+  void run_watched(const StageEnded& ended, const std::function<void()>& work);
 
 #if !SIM_CUDA || defined(__CUDACC__)
   /// Runs one stage over all items. Returns when it is done on the CPU, when it is enqueued on a GPU.
@@ -176,6 +185,7 @@ class Executor {
   void launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage);
 #endif
   void end_stage();
+  void close_stage();
 
   RunOptions options_;
   bool on_device_ = false;
@@ -194,8 +204,10 @@ class Executor {
   // The stage in progress.
   const char* stage_ = nullptr;
   std::size_t stage_entry_ = 0;
-  bool timing_ = false;    ///< CPU: read the clock at every change of stage
-  bool counting_ = false;  ///< count launches per stage
+  int substep_ = 0, stage_substep_ = 0;
+  const StageEnded* watch_ = nullptr;  ///< null: nobody watches, or is told at this moment
+  bool timing_ = false;                ///< CPU: read the clock at every change of stage
+  bool counting_ = false;              ///< count launches per stage
   std::chrono::steady_clock::time_point stage_start_;
 #if SIM_CUDA
   /// What the device says of a kernel in blocks of so many threads.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 
 namespace collidoscope {
@@ -72,6 +73,10 @@ EffectReason called(const Scene& scene, const InitialBodies& bodies, bool Effect
     return physics.sleep ? because(fmt::format("what is slower than {:g} m/s for {:g} s sleeps",
                                                physics.sleep->speed, physics.sleep->time))
                          : not_since("no \"sleep\" in the scene");
+  if (flag == &Effects::guards)
+    return physics.guards ? because(fmt::format("the scene's \"guards\" {} what fails",
+                                                name_of(on_failure_names, physics.guards->on_failure)))
+                          : not_since("no \"guards\" in the scene");
   return not_since("nothing calls for it");
 }
 
@@ -80,7 +85,8 @@ EffectReason called(const Scene& scene, const InitialBodies& bodies, bool Effect
 EffectReason effect_reason(const Scene& scene, const InitialBodies& bodies, bool Effects::*flag) {
   EffectReason reason = called(scene, bodies, flag);
   // As validate() has it.
-  const bool everywhere = flag == &Effects::gravity || flag == &Effects::drag || flag == &Effects::rotation;
+  const bool everywhere = flag == &Effects::gravity || flag == &Effects::drag || flag == &Effects::rotation ||
+                          flag == &Effects::guards;
   if (scene.physics.solver == Solver::impulse && !everywhere) reason.cannot = "impulse has none";
   return reason;
 }

@@ -12,7 +12,7 @@
 
 namespace collidoscope {
 
-/// One flag per effect. Which are on is physics: it decides the state.
+/// One flag per effect. Which are on is physics: it decides the state (guards alone do not).
 struct Effects {
   bool gravity = false;    ///< a uniform acceleration; called for by gravity != 0
   bool attractor = false;  ///< points that pull; called for by a list of attractors
@@ -27,6 +27,7 @@ struct Effects {
   bool continuous_collision = false;
 
   bool sleeping = false;  ///< islands at rest are not solved; called for by `sleep`
+  bool guards = false;    ///< who looks at what stages write: guard/stage_guard.h; called for by `guards`
 
   friend bool operator==(const Effects&, const Effects&) = default;
 };
@@ -49,7 +50,8 @@ inline constexpr Effects built_effects{.gravity = is_built("gravity"),
                                        .rolling_resistance = is_built("rolling_resistance"),
                                        .joints = is_built("joints"),
                                        .continuous_collision = is_built("continuous_collision"),
-                                       .sleeping = is_built("sleeping")};
+                                       .sleeping = is_built("sleeping"),
+                                       .guards = is_built("guards")};
 
 /// Calls then<true>() where the effect is on, else then<false>(): a template for each. What is left out of
 /// the build is not compiled.

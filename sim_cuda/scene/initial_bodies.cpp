@@ -249,6 +249,7 @@ Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
   effects.joints = !scene.joints.empty();
   effects.rotation = effects.friction || joints_turn_bodies(scene);
   effects.sleeping = scene.physics.sleep.has_value();
+  effects.guards = scene.physics.guards.has_value();
   effects.continuous_collision = scene.physics.solver != Solver::impulse && crosses_radii(scene, bodies);
   for (const Vector3d& spin : bodies.angular_velocity) effects.rotation |= !spin.isZero(0);
   return effects;

@@ -29,6 +29,7 @@ inline constexpr int max_iterations = 1000;
 inline constexpr double max_friction = 100;
 inline constexpr double max_rolling_resistance = 10;
 inline constexpr double max_sleep_time = 1e6;  ///< s
+inline constexpr double max_guarded = 1e18;  ///< m, m/s, rad/s: beyond, guards find it; its square is a float
 inline constexpr std::int64_t max_joints = std::int64_t{1} << 24;
 inline constexpr double min_frequency = 1e-6, max_frequency = 1e9;  ///< Hz, of a spring
 inline constexpr double max_damping_ratio = 1000;

@@ -35,6 +35,8 @@ inline constexpr std::array<Named<Variant>, 4> variant_names{{{"paper", Variant:
                                                               {"scaled", Variant::scaled},
                                                               {"settled", Variant::settled},
                                                               {"equal", Variant::equal}}};
+inline constexpr std::array<Named<OnFailure>, 2> on_failure_names{
+    {{"pause", OnFailure::pause}, {"freeze", OnFailure::freeze}}};
 inline constexpr std::array<Named<Spawn>, 3> spawn_names{
     {{"inside", Spawn::inside}, {"centres", Spawn::centres}, {"apart", Spawn::apart}}};
 inline constexpr std::array<Named<JointKind>, 4> joint_kind_names{{{"distance", JointKind::distance},
@@ -57,6 +59,7 @@ inline constexpr auto effect_names = std::to_array<EffectName>({
     {"joints", &Effects::joints},
     {"continuous_collision", &Effects::continuous_collision},
     {"sleeping", &Effects::sleeping},
+    {"guards", &Effects::guards},
 });
 
 /// The name of a value that is in the table; "?" for one that is not.

@@ -116,6 +116,17 @@ struct Sleep {
   double time = 0.5;    ///< s, >= 0
 };
 
+/// What becomes of a step in which a guard finds something (guard/stage_guard.h): the run waits before it, or
+/// it is done again with the body fixed where it was.
+enum class OnFailure { pause, freeze };
+/// What guards take for absurd, beside what is not finite: ten times and more what a scene may start with.
+struct Guards {
+  OnFailure on_failure = OnFailure::pause;
+  double speed = 1e10;     ///< m/s, >= 0; faster is absurd
+  double distance = 1e10;  ///< m, >= 0, from the origin; a centre farther off is absurd, and a box on an axis
+  double spin = 1e10;      ///< rad/s, >= 0; faster is absurd
+};
+
 /// The physical settings: with the bodies, they alone decide the state.
 struct Physics {
   Vector3d gravity{0, 0, -9.81};  ///< m/s^2
@@ -132,7 +143,14 @@ struct Physics {
   std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for
   std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h
   std::optional<Sleep> sleep;                   ///< unset: nothing falls asleep
+  std::optional<Guards> guards;                 ///< unset: nobody looks; decides no state but a frozen one
 };
+
+/// For who compares or times runs, and could make nothing of a pause.
+inline void leave_out_guards(Physics& physics) {
+  physics.guards.reset();
+  if (physics.effects) physics.effects->guards = false;
+}
 
 /// K as set, or what "auto" comes to: soft contacts live of their substeps, `impulse` is the paper's without
 /// them.

@@ -101,6 +101,17 @@ class SceneReader {
       }
     }
     if (const JsonNode* node = root.member("sleep")) read_sleep(*node);
+    if (const JsonNode* node = root.member("guards")) read_guards(*node);
+  }
+
+  void read_guards(const JsonNode& node) {
+    Guards& guards = scene_.physics.guards.emplace();
+    ObjectReader reader(reading_, node, "\"guards\"");
+    reader.choice("on_failure", on_failure_names, guards.on_failure);
+    reader.real("speed", guards.speed);
+    reader.real("distance", guards.distance);
+    reader.real("spin", guards.spin);
+    reader.finish();
   }
 
   void read_sleep(const JsonNode& node) {

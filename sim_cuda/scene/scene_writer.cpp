@@ -86,6 +86,10 @@ class SceneWriter {
                                              : json_text("auto"));
     if (const auto& sleep = physics.sleep)
       root.member("sleep", fmt::format(R"({{"speed": {}, "time": {}}})", sleep->speed, sleep->time));
+    if (const auto& guards = physics.guards)
+      root.member("guards", fmt::format(R"({{"on_failure": {}, "speed": {}, "distance": {}, "spin": {}}})",
+                                        json_text(name_of(on_failure_names, guards->on_failure)),
+                                        guards->speed, guards->distance, guards->spin));
     root.member("materials", materials());
     root.member("bodies", items(scene_.bodies, [&](const Body& body) { return one(body); }));
     root.member("generators", items(scene_.generators, [&](const BoxCollider& g) { return one(g); }));

@@ -157,6 +157,15 @@ class Validator {
       number(root.at("restitution_threshold"), *physics.restitution_threshold, 0, limits::max_speed, "m/s");
     }
     check_sleep(physics);
+    if (physics.guards) check_guards(*physics.guards);
+  }
+
+  void check_guards(const Guards& guards) {
+    const Path path{"guards"};
+    choice(path.at("on_failure"), on_failure_names, guards.on_failure);
+    number(path.at("speed"), guards.speed, 0, limits::max_guarded, "m/s");
+    number(path.at("distance"), guards.distance, 0, limits::max_guarded, "m");
+    number(path.at("spin"), guards.spin, 0, limits::max_guarded, "rad/s");
   }
 
   void check_sleep(const Physics& physics) {

@@ -373,6 +373,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   if constexpr (built_effects.continuous_collision)
     if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.slack);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
+    executor_.begin_substep(substep);
     free_motion_.begin();
     if constexpr (built_effects.rolling_resistance)
       if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());

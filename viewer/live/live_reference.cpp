@@ -99,6 +99,7 @@ void LiveReference::begin(World& world) {
   Scene scene = world.scene();
   scene.physics.precision = Precision::f64;
   scene.physics.steps_per_second.reset();
+  leave_out_guards(scene.physics);
   const RunState state = world.state();
   try {
     for (const int parts : {8, 4}) {

@@ -1,0 +1,55 @@
+// Back to a state that a run came through, bit for bit.
+
+#include "sim_cuda/guard/rewind.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "sim_cuda/scene/names.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+class Rewinds : public OnEachExecutor {};
+ON_EACH_EXECUTOR(Rewinds);
+
+TEST_P(Rewinds, ToAnyStateThatWasFollowed) {
+  for (const auto& [name, solver] : solver_names) {
+    Scene scene = box_collider(150);
+    scene.generators[0].radius_max = 9;
+    scene.physics.solver = solver;
+    World world(scene, options());
+    Rewind rewind;
+    world.step(5);
+    std::vector<std::uint64_t> hashes;
+    for (int k = 0; k < 30; ++k) {
+      hashes.push_back(world.state_hash());
+      rewind.before_step(world);
+      world.step();
+    }
+    const std::uint64_t last = world.state_hash();
+    rewind.to(world, world.steps() - 1);
+    EXPECT_EQ(world.steps(), 34);
+    EXPECT_EQ(world.state_hash(), hashes[29]) << name;
+    rewind.before_step(world);
+    world.step();
+    EXPECT_EQ(world.state_hash(), last) << name;
+  }
+}
+
+TEST_P(Rewinds, NotToWhatWasNot) {
+  World world(box_collider(10), options());
+  Rewind rewind;
+  EXPECT_THROW(rewind.to(world, 0), std::logic_error);
+  world.step(3);
+  rewind.before_step(world);
+  EXPECT_THROW(rewind.to(world, 2), std::logic_error);
+  rewind.forget();
+  EXPECT_THROW(rewind.to(world, 3), std::logic_error);
+}
+
+}  // namespace
+}  // namespace collidoscope
