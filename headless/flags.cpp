@@ -373,7 +373,7 @@ constexpr Reader readers[] = {
      [](Reading& in) { in.options.stability.plant = true; }},
     {{"--jobs", "K", "trials side by side, or auto: one for each core", breaking},
      [](Reading& in) { read_count_or_auto(in.value, 1024, in.options.stability.jobs); }},
-    {{"--cases", "DIR", "a folder of cases [assets/scenes/hard]", breaking},
+    {{"--cases", "DIR", "a folder of cases [assets/scenes/hard]", breaking | viewing},
      [](Reading& in) { read_path(in.value, in.options.stability.cases); }},
     {{"--save-failures", "DIR", "snapshots, from which --load goes on to what failed", breaking},
      [](Reading& in) { read_path(in.value, in.options.stability.save_failures); }},

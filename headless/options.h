@@ -62,7 +62,7 @@ struct AccuracyOptions {
   double seconds = 0;               ///< s, that are compared at most; 0: as AccuracyRequest has it
 };
 
-/// What only `stability` takes.
+/// What only `stability` takes, but for the cases, which the viewer lists.
 struct StabilityOptions {
   std::string cases;              ///< folder; empty: assets/scenes/hard
   bool extended = false;          ///< the long variants

@@ -313,6 +313,120 @@ TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   panel.mouse({-1, -1}, false);
 }
 
+/// Cases and marks of every kind, as a run of the suite might have left them.
+HardCasesFacts hard_cases() {
+  HardCasesFacts facts;
+  facts.executor = "the CPU";
+  facts.before = "Box Collider";
+  using enum HardMark;
+  const auto add = [&](const char* name, const char* group, std::array<HardMark, 6> marks) {
+    HardCaseFacts& one = facts.cases.emplace_back();
+    one.name = name;
+    one.what = "a sphere of 1 t lies on one of 1 kg for ten seconds";
+    one.group = group;
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+      HardTrialFacts& trial = one.trials.emplace_back();
+      trial.solver = static_cast<Solver>(k / 2);
+      trial.precision = k % 2 == 0 ? Precision::f32 : Precision::f64;
+      trial.mark = marks[k];
+      trial.progress = 0.4;
+      trial.steps = 300;
+    }
+  };
+  add("heavy_on_light_1e3", "mass ratios", {failed, declared_limit, passed, passed, passed, passed});
+  add("light_on_heavy_1e6", "mass ratios", {passed, passed, passed, passed, passed, passed});
+  add("stack_10", "stacks", {declared_limit, declared_limit, passed, passed, passed, passed});
+  add("stack_50", "stacks", {declared_limit, declared_limit, passed, passed, passed, failed});
+  add("stack_100_of_growing_spheres", "stacks",
+      {declared_limit, declared_limit, passed, passed, running, waiting});
+  add("coincident_centres", "overlap", {waiting, waiting, waiting, waiting, waiting, waiting});
+  add("hundreds_in_one_point", "overlap", {waiting, waiting, waiting, waiting, waiting, waiting});
+  add("joint_loop", "joints", {not_applicable, not_applicable, not_run, not_run, not_run, not_run});
+  add("radius_zero", "bad input", {passed, passed, passed, passed, passed, passed});
+  facts.cases.back().trials.resize(1);
+  facts.cases.back().refused = true;
+  HardTrialFacts& failing = facts.cases[0].trials[0];
+  failing.terms = {{"no body that is not finite", "0", true, 300, std::nullopt},
+                   {"penetration at most 0.01 m, states 60 to 300", "0.0123 m", false, 130, 1}};
+  failing.failed_state = 130;
+  failing.body = 1;
+  HardTrialFacts& limit = facts.cases[0].trials[1];
+  limit.why = "the paper's impulses have no memory: what is light sinks in";
+  limit.failure = "penetration at most 0.01 m, states 60 to 300: 0.0151 m at state 170, body 1";
+  facts.shown = 0;
+  facts.shown_trial = 0;
+  facts.doing = "stack_100_of_growing_spheres, jacobi_split f32";
+  return facts;
+}
+
+struct HardCasesPanel : Alone {
+  explicit HardCasesPanel(Theme theme) : Alone(draw_hard_cases_panel, 338, 450) {
+    workspace.theme = theme;
+    workspace.folds.hard_cases = true;
+    workspace.hard_cases.selected = "heavy_on_light_1e3";
+    view.hard_cases = &facts;
+    view.with_times = false;
+  }
+  ImVec2 middle(const std::string& name) const {
+    for (const auto& [widget, rect] : workspace.widgets)
+      if (widget == name) return {rect.x + 0.5f * rect.width, rect.y + 0.5f * rect.height};
+    ADD_FAILURE() << "no widget " << name;
+    return {-1, -1};
+  }
+  void click(const std::string& name) {
+    const ImVec2 at = middle(name);
+    mouse(at, false);
+    mouse(at, true);
+    mouse(at, false);
+  }
+  HardCasesFacts facts = hard_cases();
+};
+
+TEST(PanelPicture, HardCases) {
+  test_context();
+  {
+    HardCasesPanel dark(Theme::dark);
+    EXPECT_EQ(check_golden("hard_cases_dark", dark.picture()), "");
+  }
+  HardCasesPanel light(Theme::light);
+  light.picture();
+  light.pointer = light.middle("hard_cases.mark.heavy_on_light_1e3.impulse f32");
+  EXPECT_EQ(check_golden("hard_cases_light", light.picture()), "");
+}
+
+TEST(PanelPicture, ACaseAndEachOfItsMarksCanBeOpened) {
+  test_context();
+  HardCasesPanel panel(Theme::dark);
+  panel.picture();
+  HardCasesWishes& wishes = panel.workspace.hard_cases;
+  panel.click("hard_cases.case.stack_10");
+  EXPECT_EQ(wishes.selected, "stack_10");
+  ASSERT_TRUE(wishes.open);
+  EXPECT_EQ(wishes.open->which, 2u);
+  EXPECT_FALSE(wishes.open->trial);
+  panel.click("hard_cases.mark.stack_50.jacobi_split f64");
+  EXPECT_EQ(wishes.selected, "stack_50");
+  EXPECT_EQ(wishes.open->which, 3u);
+  EXPECT_EQ(wishes.open->trial, 5u);
+  // What cannot be opened is selected.
+  wishes.open.reset();
+  panel.click("hard_cases.case.radius_zero");
+  EXPECT_EQ(wishes.selected, "radius_zero");
+  panel.click("hard_cases.mark.radius_zero");
+  panel.click("hard_cases.mark.joint_loop.impulse f32");
+  EXPECT_FALSE(wishes.open);
+  panel.click("hard_cases.run");
+  EXPECT_TRUE(wishes.run_selected);
+  panel.click("hard_cases.run_all");
+  EXPECT_TRUE(wishes.stop) << "something runs";
+  EXPECT_FALSE(wishes.run_all);
+  panel.facts.doing.clear();
+  panel.click("hard_cases.run_all");
+  EXPECT_TRUE(wishes.run_all);
+  panel.click("hard_cases.back");
+  EXPECT_TRUE(wishes.back);
+}
+
 TEST(PanelPicture, RepeatsItself) {
   test_context();
   Desk desk, other;
@@ -348,6 +462,7 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
                            "timing.csv",
                            "panel.convergence",
                            "panel.accuracy",
+                           "panel.hard_cases",
                            "tree.method",
                            "tree.levels",
                            "tree.boxes",

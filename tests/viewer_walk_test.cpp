@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "tests/hard_case_folder.h"
 #include "tests/viewer_fixture.h"
 #include "tests/window_walker.h"
 
@@ -48,6 +49,12 @@ std::vector<std::string> named_widgets() {
                                  "settings.iterations.slider",
                                  "panel.convergence",
                                  "panel.accuracy",
+                                 "panel.hard_cases",
+                                 "hard_cases.run_all",
+                                 "hard_cases.run",
+                                 "hard_cases.case.falls",
+                                 "hard_cases.mark.falls.soft_step f32",
+                                 "hard_cases.back",
                                  "layers.ghosts",
                                  "layers.errors"};
   const auto list = [&](const std::string& name, const std::vector<std::string>& choices) {
@@ -74,7 +81,8 @@ TEST_F(Viewer, SurvivesARandomWalk) {
     return text ? std::atoi(text) : otherwise;
   };
   const int seconds = from_environment("COLLIDOSCOPE_WALK_SECONDS", 12);
-  WindowDriver window({"box_collider", "--bodies", "1000", "--size", "1100x960"});
+  HardCaseFolder cases;  // few, so that the walk comes round
+  WindowDriver window({"box_collider", "--bodies", "1000", "--size", "1100x960", "--cases", cases.path()});
   WindowWalker walker(window, static_cast<unsigned>(from_environment("COLLIDOSCOPE_WALK_SEED", 1)));
   std::vector<std::string> missing = named_widgets();
   const std::size_t named = missing.size();

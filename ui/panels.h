@@ -16,7 +16,8 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view);  ///< t
 void draw_convergence_panel(Workspace& workspace,
                             const WorkspaceView& view);  ///< what sweeps of the solver leave
 void draw_accuracy_panel(Workspace& workspace, const WorkspaceView& view);  ///< error over price of settings
-void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view);   ///< counts, energy, momentum
+void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view);  ///< what holds of hard cases
+void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view);     ///< counts, energy, momentum
 void draw_tree_panel(Workspace& workspace,
                      const WorkspaceView& view);  ///< how good the tree is, and where not
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view);  ///< the selected body

@@ -116,6 +116,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_timing_panel(workspace, view);
       draw_convergence_panel(workspace, view);
       draw_accuracy_panel(workspace, view);
+      draw_hard_cases_panel(workspace, view);
       draw_numbers_panel(workspace, view);
       draw_inspector_panel(workspace, view);
     });

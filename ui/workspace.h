@@ -19,6 +19,7 @@
 #include "ui/accuracy_facts.h"
 #include "ui/color_key.h"
 #include "ui/effect_facts.h"
+#include "ui/hard_cases_facts.h"
 #include "ui/reference_facts.h"
 #include "ui/tree_facts.h"
 
@@ -71,6 +72,7 @@ struct Folds {
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
        inspector = true, tree = false, convergence = false,  ///< measuring takes time
       effects = false,                                       ///< rarely asked for
+      hard_cases = false,                                    ///< runs them where somebody said so
       accuracy = false;                                      ///< measures as long as it is unfolded
 
   friend bool operator==(const Folds&, const Folds&) = default;
@@ -104,6 +106,7 @@ struct Workspace {
 
   TreeWishes tree;
   AccuracyWishes accuracy;
+  HardCasesWishes hard_cases;
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
@@ -161,9 +164,10 @@ struct WorkspaceView {
   double error_scale = 1;    ///< of the lines that show errors, in effect
 
   const BodyReport* selected = nullptr;
-  const TreeFacts* tree = nullptr;          ///< null: nobody asked
-  const AccuracyFacts* accuracy = nullptr;  ///< so here
-  std::vector<std::uint32_t> mark_colors;   ///< by BoxMark
+  const TreeFacts* tree = nullptr;             ///< null: nobody asked
+  const AccuracyFacts* accuracy = nullptr;     ///< so here
+  const HardCasesFacts* hard_cases = nullptr;  ///< and here
+  std::vector<std::uint32_t> mark_colors;      ///< by BoxMark
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
   std::vector<std::pair<float, float>> outline;
   bool orthographic = false;

@@ -46,6 +46,7 @@ App::App(const Start& start, const Options& options)
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
       scene_(options.capture.display_path, options.capture.draw, say_on_stderr),
+      stability_(options.stability.cases, options.run),
       workspace_(first_workspace(options)),
       renderer_name_(gl::renderer_name()),
       software_(gl::is_software_renderer()),
@@ -61,6 +62,7 @@ void App::run(const std::function<bool()>& ended) {
     // Paused and untouched, the window need not be drawn sixty times a second.
     bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
+    busy |= shows_hard_cases() && !stability_.done();
     const bool idle =
         !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);
@@ -130,6 +132,7 @@ void App::fill(WorkspaceView& view) {
     view.measuring_effects = workspace_.measure_effects && !costs_.done();
   }
   if (shows_accuracy()) view.accuracy = &accuracy_.facts(live_.world(), workspace_.accuracy);
+  if (shows_hard_cases()) view.hard_cases = &stability_.facts();
   view.reference = reference_.facts();
   if (view.reference.name.empty()) view.reference.lack = LiveReference::lack_of(view.stats.bodies);
   view.error_scale = scene_.range().error_scale;

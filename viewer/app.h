@@ -15,6 +15,7 @@
 #include "viewer/live/effect_costs.h"
 #include "viewer/live/live_accuracy.h"
 #include "viewer/live/live_reference.h"
+#include "viewer/live/live_stability.h"
 #include "viewer/live/live_world.h"
 #include "viewer/live/tree_inspector.h"
 #include "viewer/render/gui_pass.h"
@@ -63,6 +64,13 @@ class App {
   void measure_accuracy(double seconds);
   void save_picture();
 
+  // Hard cases (app_hard_cases.cpp).
+  bool shows_hard_cases() const { return workspace_.folds.right && workspace_.folds.hard_cases; }
+  void follow_hard_cases(double seconds);
+  void show_case(LiveStability::Opened opened);
+  void to_scene_before();
+  void show_another_scene();
+
   void fill(WorkspaceView& view);
   void write_automation(const WorkspaceView& view, double ui_ms);
 
@@ -76,6 +84,12 @@ class App {
   TreeInspector tree_;
   LiveReference reference_;
   LiveAccuracy accuracy_;
+  LiveStability stability_;
+  struct Left {
+    Start start;
+    RunOptions options;
+  };
+  std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
   EffectCosts costs_;
   int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;

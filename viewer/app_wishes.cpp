@@ -51,6 +51,7 @@ void App::meet_wishes(double seconds) {
   guarded([&] { advance(seconds); });
   guarded([&] { measure_effects(); });
   guarded([&] { measure_accuracy(seconds); });
+  guarded([&] { follow_hard_cases(seconds); });
 }
 
 void App::measure_effects() {
@@ -116,6 +117,7 @@ void App::advance(double seconds) {
                                 (workspace_.selection && folds.right && folds.inspector));
   live_.world().record_residuals(folds.right && folds.convergence);
   live_.step(true);
+  if (live_.scripted()) workspace_.settings = live_.settings();
   reference_.stepped(time_step);
   simulated_ += time_step;
   const auto& pause_at = options_.view.pause_at;

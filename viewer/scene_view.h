@@ -36,6 +36,8 @@ class SceneView {
   OrbitCamera& camera() { return camera_; }
   /// From now on the camera is somebody's choice: a new window size keeps it.
   void camera_was_moved() { camera_moved_ = true; }
+  /// Another scene: the camera looks as that one wishes.
+  void forget_camera() { camera_set_ = camera_moved_ = false; }
   void meet_wish(CameraWish wish);
   /// The body at a pixel of the view; where there is none, the box whose edge is near.
   struct Picked {

@@ -331,11 +331,16 @@ TrialSetting setting_of(const HardCase& one, const CriterionFault& fault, Execut
   return {physics.solver, physics.precision, executor};
 }
 
+TrialStart start_of(const HardCase& one, const TrialSetting& setting, const RunOptions& options) {
+  TrialStart start{with_setting(one.scene, setting), with_way(options, one.criterion, setting), {}};
+  start.changes = changes_of(one, start.scene, start.options);
+  return start;
+}
+
 Snapshot state_in_trial(const HardCase& one, const TrialSetting& setting, const RunOptions& options,
                         std::int64_t state) {
-  const RunOptions how = with_way(options, one.criterion, setting);
-  const Scene scene = with_setting(one.scene, setting);
-  HardRun run(scene, how, changes_of(one, scene, how));
+  TrialStart start = start_of(one, setting, options);
+  HardRun run(std::move(start.scene), std::move(start.options), std::move(start.changes));
   while (run.state() < state) run.step();
   return snapshot_of(run.world());
 }

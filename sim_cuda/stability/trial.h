@@ -82,6 +82,15 @@ std::vector<TrialSetting> trials_of(const HardCase& one, ExecutorKind executor);
 /// Of a fault: the scene's own solver and precision, or those that the fault sets.
 TrialSetting setting_of(const HardCase& one, const CriterionFault& fault, ExecutorKind executor);
 
+/// What a trial's run is made of, as a HardRun takes it. Throws InputError where the changes are not such as
+/// the scene takes in this setting.
+struct TrialStart {
+  Scene scene;
+  RunOptions options;
+  std::vector<Change> changes;
+};
+TrialStart start_of(const HardCase& one, const TrialSetting& setting, const RunOptions& options);
+
 /// The run as it stood at a state of a trial: made again from the start, so the same bit for bit.
 Snapshot state_in_trial(const HardCase& one, const TrialSetting& setting, const RunOptions& options,
                         std::int64_t state);

@@ -76,6 +76,27 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
   return accuracy;
 }
 
+/// What the panel of hard cases says; null while it is folded.
+nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.hard_cases == nullptr) return nullptr;
+  const HardCasesFacts& facts = *view.hard_cases;
+  Json cases = {{"lack", facts.lack},
+                {"doing", facts.doing},
+                {"opening", facts.opening ? Json(*facts.opening) : Json(nullptr)},
+                {"selected", workspace.hard_cases.selected},
+                {"before", facts.before},
+                {"shown", facts.shown ? Json(facts.cases[*facts.shown].name) : Json(nullptr)},
+                {"marks", Json::object()}};
+  for (const auto& [name, mark] : hard_mark_names) cases["counts"][std::string(name)] = facts.count(mark);
+  for (const HardCaseFacts& one : facts.cases)
+    for (const HardTrialFacts& trial : one.trials)
+      cases["marks"][one.name][fmt::format("{} {}", name_of(solver_names, trial.solver),
+                                           name_of(precision_names, trial.precision))] =
+          std::string(name_of(hard_mark_names, trial.mark));
+  return cases;
+}
+
 }  // namespace
 
 Automation::Automation(const std::string& file) : stream_(file, std::ios::trunc) {
@@ -86,6 +107,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   using Json = nlohmann::ordered_json;
   const Settings& s = view.in_effect;
   Json line = {{"frame", frame.frame},
+               {"scene", view.scene},
                {"window", {frame.width, frame.height}},
                {"step", view.stats.step},
                {"playing", workspace.playing},
@@ -140,6 +162,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                        {"since", view.reference.since}, {"rms", view.reference.rms},
                        {"max", view.reference.max},     {"doubt", view.reference.doubt}};
   line["accuracy"] = accuracy_json(workspace, view);
+  line["hard_cases"] = hard_cases_json(workspace, view);
   line["measuring_effects"] = view.measuring_effects;
   line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
   Json widgets = Json::object();

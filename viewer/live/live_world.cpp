@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "sim_cuda/stability/hard_run.h"
+
 namespace collidoscope {
 
 Settings settings_of(const World& world) {
@@ -132,7 +134,30 @@ std::string LiveWorld::changes_text() {
   return write_changes({changes_, RecordedEnd{world_->steps(), state_hash()}}, world_->scene());
 }
 
+void LiveWorld::open(World world, Script script) {
+  replace(std::make_unique<World>(std::move(world)));
+  script_ = std::move(script);
+  next_in_script_ = 0;
+  while (next_in_script_ < script_.changes.size() && script_.changes[next_in_script_].step <= world_->steps())
+    ++next_in_script_;
+  began_ = world_->steps();
+  changes_.clear();
+  history_.clear();
+  last_ids_.clear();
+  edited_ = false;
+}
+
+void LiveWorld::play_script() {
+  for (; next_in_script_ < script_.changes.size() && script_.changes[next_in_script_].step == world_->steps();
+       ++next_in_script_)
+    apply(script_.changes[next_in_script_]);
+}
+
 void LiveWorld::restart() {
+  if (scripted()) {
+    HardRun again(script_.scene, script_.options, script_.changes);
+    return open(std::move(again.world()), Script(script_));
+  }
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options())));
   record_restart(changes_);
   if (began_ > 0 && changes_.empty()) changes_.emplace_back();  // a change of state 0 begins anew
@@ -145,6 +170,7 @@ void LiveWorld::step(bool measured) {
   world_->step();
   stats_known_ = hash_known_ = false;
   record_step(*world_, measured ? &stats() : nullptr, history_);
+  play_script();
 }
 
 const StepStats& LiveWorld::stats() {

@@ -48,6 +48,16 @@ class LiveWorld {
   std::string apply(Change change);
   /// What became of the bodies at the last change; empty: their ids are what they were.
   const BodyIds& last_ids() const { return last_ids_; }
+  /// Another run in place of this one, at whatever state it is in, without history and with nothing changed.
+  /// `script`: what it changes of itself on its way; it begins again with its first scene, not with the
+  /// settings in effect.
+  struct Script {
+    Scene scene;
+    RunOptions options;
+    std::vector<Change> changes;  ///< steps ascending
+  };
+  void open(World world, Script script = {});
+  bool scripted() const { return !script_.changes.empty(); }
   /// Back to state 0, with the settings in effect.
   void restart();
 
@@ -65,10 +75,13 @@ class LiveWorld {
  private:
   std::string apply(Change change, const RunOptions& options);
   void replace(std::unique_ptr<World> world);
+  void play_script();
 
   std::unique_ptr<World> world_;
   History history_;
   std::vector<Change> changes_;
+  Script script_;
+  std::size_t next_in_script_ = 0;
   BodyIds last_ids_;
   std::int64_t began_ = 0;  ///< the state that it was given, of a snapshot
   bool edited_ = false, stats_known_ = false, hash_known_ = false;

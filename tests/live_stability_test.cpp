@@ -1,0 +1,168 @@
+// Hard cases beside a running scene, in slices: their marks, and the way to the state where one failed.
+
+#include "viewer/live/live_stability.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim_cuda/core/error.h"
+#include "tests/hard_case_folder.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+RunOptions on_cpu() {
+  RunOptions options;
+  options.executor = ExecutorKind::cpu;
+  options.cpu_threads = 1;
+  return options;
+}
+
+struct Listed {
+  void frame(double milliseconds = 5) {
+    cases.follow(live.world(), wishes);
+    cases.go_on(milliseconds);
+  }
+  const HardCasesFacts& to_the_end() {
+    while (frame(), !cases.done()) ++frames;
+    return cases.facts();
+  }
+  std::size_t place(const std::string& name) {
+    const auto& all = cases.facts().cases;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (all[k].name == name) return k;
+    throw std::runtime_error("no case " + name);
+  }
+  std::vector<HardMark> marks(const std::string& name) {
+    std::vector<HardMark> marks;
+    for (const HardTrialFacts& trial : cases.facts().cases[place(name)].trials) marks.push_back(trial.mark);
+    return marks;
+  }
+  LiveStability::Opened open(const std::string& name, std::optional<std::size_t> trial) {
+    wishes.open = HardCasesWishes::Opening{place(name), trial};
+    for (;;) {
+      frame(0.01);
+      if (auto opened = cases.take_opened()) return std::move(*opened);
+      ++frames;
+    }
+  }
+
+  HardCaseFolder folder;
+  LiveWorld live{empty_space(), on_cpu()};
+  LiveStability cases{folder.path(), on_cpu()};
+  HardCasesWishes wishes;
+  int frames = 0;
+};
+
+TEST(LiveStability, MarksEachTrialOfEachCase) {
+  Listed list;
+  list.frame();
+  EXPECT_EQ(list.cases.facts().count(HardMark::not_run), 5 * 6 + 1);
+  list.wishes.run_all = true;
+  list.frame(0);
+  EXPECT_FALSE(list.wishes.run_all);
+  EXPECT_EQ(list.cases.facts().count(HardMark::waiting), 5 * 6 + 1);
+  EXPECT_NE(list.cases.facts().doing, "");
+  const HardCasesFacts& facts = list.to_the_end();
+  EXPECT_EQ(facts.doing, "");
+  using enum HardMark;
+  EXPECT_THAT(list.marks("flies"), testing::Each(passed));
+  EXPECT_THAT(list.marks("falls"), testing::Each(failed));
+  EXPECT_THAT(list.marks("turned"), testing::Each(passed));
+  EXPECT_THAT(list.marks("wrong"), testing::ElementsAre(passed));
+  EXPECT_THAT(list.marks("limited"),
+              testing::ElementsAre(declared_limit, declared_limit, failed, failed, failed, failed));
+  EXPECT_THAT(list.marks("rubs"),
+              testing::ElementsAre(not_applicable, not_applicable, passed, passed, passed, passed));
+  const HardTrialFacts& fell = facts.cases[list.place("falls")].trials[2];
+  EXPECT_EQ(fell.solver, Solver::soft_step);
+  EXPECT_EQ(fell.failed_state, 4);
+  EXPECT_EQ(fell.body, 1u);
+  EXPECT_THAT(fell.failure, testing::HasSubstr("position"));
+  EXPECT_EQ(facts.cases[list.place("limited")].trials[0].why, "as tests want it");
+  EXPECT_NE(facts.cases[list.place("rubs")].trials[0].why, "");
+}
+
+TEST(LiveStability, RunsOneAndStopsAndGoesOn) {
+  Listed list;
+  list.frame();
+  list.wishes.selected = "flies";
+  list.wishes.run_selected = true;
+  list.to_the_end();
+  EXPECT_EQ(list.cases.facts().count(HardMark::passed), 6);
+  EXPECT_EQ(list.cases.facts().count(HardMark::not_run), 4 * 6 + 1);
+  list.wishes.run_all = true;
+  list.frame(0);
+  EXPECT_EQ(list.cases.facts().count(HardMark::passed), 6) << "what is known stays";
+  list.wishes.stop = true;
+  list.frame(0);
+  EXPECT_TRUE(list.cases.done());
+  EXPECT_EQ(list.cases.facts().count(HardMark::waiting), 0);
+  list.wishes.run_all = true;
+  list.to_the_end();
+  EXPECT_EQ(list.cases.facts().count(HardMark::not_run), 0);
+  list.wishes.run_all = true;
+  list.frame(0);
+  EXPECT_EQ(list.cases.facts().count(HardMark::waiting), 5 * 6 + 1) << "all are known, so all again";
+}
+
+TEST(LiveStability, OpensACaseWhereItFailed) {
+  Listed list;
+  list.frame();
+  list.wishes.run_all = true;
+  list.to_the_end();
+  list.frames = 0;
+  LiveStability::Opened opened = list.open("falls", 3);
+  EXPECT_EQ(opened.world.steps(), 4);
+  EXPECT_EQ(opened.world.scene().physics.solver, Solver::soft_step);
+  EXPECT_EQ(opened.world.scene().physics.precision, Precision::f64);
+  EXPECT_LT(opened.world.bodies().position[1].z(), 9.2);
+  EXPECT_TRUE(opened.failed);
+  EXPECT_EQ(opened.body, 1u);
+  EXPECT_THAT(opened.notice, testing::HasSubstr("falls, soft_step f64: position"));
+  EXPECT_EQ(list.cases.facts().shown, list.place("falls"));
+  EXPECT_EQ(list.cases.facts().shown_trial, 3u);
+
+  LiveStability::Opened whole = list.open("falls", std::nullopt);
+  EXPECT_EQ(whole.world.steps(), 0);
+  EXPECT_FALSE(whole.failed);
+  LiveStability::Opened passed = list.open("flies", 1);
+  EXPECT_EQ(passed.world.steps(), 0);
+  EXPECT_EQ(passed.world.scene().physics.precision, Precision::f64);
+  list.wishes.open = HardCasesWishes::Opening{list.place("wrong"), std::nullopt};
+  list.frame();
+  EXPECT_FALSE(list.cases.take_opened()) << "there is nothing to see";
+}
+
+TEST(LiveStability, AnOpenedCaseMakesItsChangesAndBeginsAgainWithThem) {
+  Listed list;
+  list.frame();
+  LiveStability::Opened opened = list.open("turned", 2);
+  EXPECT_EQ(opened.script.changes.size(), 1u);
+  list.live.open(std::move(opened.world), std::move(opened.script));
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_EQ(list.live.world().steps(), 0);
+    list.live.step(true);
+    EXPECT_EQ(list.live.settings().time_step, 0.1);
+    list.live.step(true);
+    EXPECT_EQ(list.live.settings().time_step, 0.05);
+    list.live.step(true);
+    EXPECT_EQ(list.live.history().size(), 3u);
+    list.live.restart();
+  }
+}
+
+TEST(LiveStability, SaysWhatIsWrongWithAFolder) {
+  TemporaryFolder empty;
+  LiveWorld live(empty_space(), on_cpu());
+  LiveStability cases(empty.path().string(), on_cpu());
+  HardCasesWishes wishes;
+  wishes.run_all = true;
+  cases.follow(live.world(), wishes);
+  EXPECT_THAT(cases.facts().lack, testing::HasSubstr("holds no case"));
+  EXPECT_TRUE(cases.done());
+}
+
+}  // namespace
+}  // namespace collidoscope
