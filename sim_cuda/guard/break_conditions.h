@@ -21,7 +21,7 @@ struct ConditionName {
   std::string_view unit;     ///< of value and limit
   bool has_limit;            ///< else its limit is 0
   double max_limit;          ///< a limit is 0 to this
-  std::string_view meaning;  /// for people: "the fastest body is faster"
+  std::string_view meaning;  ///< for people: "the fastest body is faster"
 };
 inline constexpr auto condition_names = std::to_array<ConditionName>({
     {Condition::non_finite, "non-finite", "bodies", false, 0, "a body is not finite"},

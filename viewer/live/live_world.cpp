@@ -167,7 +167,9 @@ void LiveWorld::restart() {
 }
 
 void LiveWorld::step(bool measured) {
+  const std::int64_t before = world_->steps();
   world_->step();
+  if (world_->steps() == before) return;  // a guard has paused it
   stats_known_ = hash_known_ = false;
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
