@@ -1,23 +1,20 @@
 #pragma once
-// A file that is whole or as it was: written under a temporary name beside its target and renamed by
-// commit(). Made before a simulation starts, so that a target that cannot be written is refused before
-// hours are spent; the temporary file exists only from the first write() to commit() or the destructor.
+// A file that a flag asks for, whole or as it was (whole_file.h). Made before a simulation starts, so that a
+// target that cannot be written is refused before hours are spent; the temporary file exists only from the
+// first write() to commit() or the destructor.
 
-#include <cstdio>
-#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "sim_cuda/core/whole_file.h"
 
 namespace collidoscope {
 
 class OutputFile {
  public:
-  /// Tries a file beside the target, and removes it. An existing target that is no regular file (/dev/null, a
-  /// pipe) is written in place. Throws InputError, a line that begins with `flag`.
+  /// Tries a file beside the target, and removes it. Throws InputError, a line that begins with `flag`.
   OutputFile(std::string flag, const std::string& target);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
 
   /// Throws MachineError (a full disk) with the operating system's words.
   void write(std::string_view text);
@@ -25,13 +22,12 @@ class OutputFile {
   void commit();
 
  private:
-  void open();
-  void close();
+  /// Does it with the file, and names the flag in what it throws.
+  template <class Work>
+  void with_file(const Work& work);
 
-  std::string flag_;
-  std::filesystem::path target_;     ///< links resolved: a link stays one, and what it names is replaced
-  std::filesystem::path temporary_;  ///< the target itself where it is written in place
-  std::FILE* file_ = nullptr;
+  std::string flag_, target_;
+  std::optional<WholeFile> file_;
 };
 
 }  // namespace collidoscope

@@ -210,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "",
                  {"run", "box_collider", "--steps", "1", "--json", "/dev/full"},
                  3,
-                 "--json: writing /dev/full failed: No space left on device"},
+                 "--json: /dev/full cannot be written: No space left on device"},
         BadInput{"CaptureFolder",
                  "",
                  {"capture", "box_collider", "--states", "0", "--out", "/proc/pictures"},

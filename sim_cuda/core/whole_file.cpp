@@ -1,34 +1,105 @@
 #include "sim_cuda/core/whole_file.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-
-#include "sim_cuda/core/error.h"
+#include <utility>
 
 namespace collidoscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether `name` still is the name of the file that `handle` has open.
+bool is_named(int handle, const fs::path& name) {
+  struct stat of_handle {
+  }, of_name{};
+  return ::fstat(handle, &of_handle) == 0 && ::lstat(name.c_str(), &of_name) == 0 &&
+         of_handle.st_ino == of_name.st_ino && of_handle.st_dev == of_name.st_dev;
+}
+
+}  // namespace
+
+WholeFile::WholeFile(const std::string& target) : name_(target), target_(target) {
+  std::error_code failed;
+  if (fs::is_symlink(target_, failed)) {
+    const fs::path resolved = fs::weakly_canonical(target_, failed);
+    if (!failed) target_ = resolved;
+  }
+  const fs::file_status status = fs::status(target_, failed);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    stream_ = std::fopen(target_.c_str(), "we");
+    if (stream_ == nullptr) fail();
+    return;
+  }
+  open_temporary();
+}
+
+/// The first that nobody else has locked: a new one, or one that a killed program left.
+void WholeFile::open_temporary() {
+  for (int k = 0; stream_ == nullptr;) {
+    temporary_ = target_;
+    temporary_ += ".collidoscope-" + std::to_string(k) + ".part";
+    const int handle = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (handle < 0) fail();
+    if (::flock(handle, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(handle);
+      ++k;
+      continue;
+    }
+    // Whoever had it may have put it in place just before.
+    if (!is_named(handle, temporary_)) {
+      ::close(handle);
+      continue;
+    }
+    if (::ftruncate(handle, 0) == 0) stream_ = ::fdopen(handle, "w");
+    if (stream_ != nullptr) return;
+    const std::string why = std::strerror(errno);
+    ::unlink(temporary_.c_str());
+    ::close(handle);
+    fail(why);
+  }
+}
+
+WholeFile::~WholeFile() {
+  if (stream_ == nullptr) return;
+  if (!in_place()) ::unlink(temporary_.c_str());
+  std::fclose(stream_);
+}
+
+void WholeFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail();
+}
+
+void WholeFile::commit() {
+  errno = 0;
+  if (std::ferror(stream_) || std::fflush(stream_) != 0) fail();
+  if (!in_place()) {
+    // A file system may otherwise rename first, and write when the machine has long lost its power.
+    if (::fsync(fileno(stream_)) != 0 && errno != EINVAL) fail();
+    if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+    temporary_.clear();
+  }
+  std::FILE* const closed = std::exchange(stream_, nullptr);
+  if (std::fclose(closed) != 0) fail();
+}
+
+void WholeFile::fail(const std::string& why) const {
+  const int code = errno;
+  throw NotWritten(name_, !why.empty() ? why : code != 0 ? std::strerror(code) : "no reason is known");
+}
 
 void write_whole_file(const std::string& file, const std::string& text) {
-  namespace fs = std::filesystem;
   std::error_code failed;
-  const fs::path target(file), folder = target.parent_path();
+  const fs::path folder = fs::path(file).parent_path();
   if (!folder.empty()) fs::create_directories(folder, failed);
-  const fs::path temporary = file + "." + std::to_string(getpid()) + ".part";
-  errno = 0;
-  std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  std::string why = stream ? "" : errno != 0 ? std::strerror(errno) : "writing failed";
-  if (why.empty()) {
-    fs::rename(temporary, target, failed);
-    if (failed) why = failed.message();
-  }
-  if (why.empty()) return;
-  fs::remove(temporary, failed);
-  throw MachineError("'" + file + "' cannot be written: " + why);
+  WholeFile whole(file);
+  whole.write(text);
+  whole.commit();
 }
 
 }  // namespace collidoscope

@@ -1,11 +1,55 @@
 #pragma once
-// A file that is whole or as it was. A free function.
+// A file that is whole or as it was, whenever the program or the machine ends: written under a temporary name
+// beside its target, brought to the disk, and only then renamed.
 
+#include <cstdio>
+#include <filesystem>
 #include <string>
+#include <string_view>
+
+#include "sim_cuda/core/error.h"
 
 namespace collidoscope {
 
-/// Writes `text` under a temporary name beside `file` and renames it; makes the folder. Throws MachineError.
+/// "FILE cannot be written: WHY"
+struct NotWritten : MachineError {
+  NotWritten(const std::string& file, const std::string& reason)
+      : MachineError(file + " cannot be written: " + reason), why(reason) {}
+  std::string why;  ///< in the operating system's words
+};
+
+/// For as long as one file is written. Owns the temporary file and a lock on it (flock), by which a program
+/// that writes the same target sees that it must take another; one that a killed program left has no lock,
+/// and is taken over.
+class WholeFile {
+ public:
+  /// Opens the temporary file, `target` with ".collidoscope-0.part" behind it. Links are followed: a link
+  /// stays one, and what it names is replaced. A target that is no regular file (/dev/null, a pipe) is
+  /// written in place. Throws NotWritten, as all members do (a full disk).
+  explicit WholeFile(const std::string& target);
+  /// Without commit() the target is as it was.
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  /// For libraries that write to one.
+  std::FILE* stream() { return stream_; }
+  void write(std::string_view bytes);
+  /// Puts the file in its place. Once, last.
+  void commit();
+  /// Throws, with `why` or the operating system's last words.
+  [[noreturn]] void fail(const std::string& why = "") const;
+
+ private:
+  void open_temporary();
+  bool in_place() const { return temporary_.empty(); }
+
+  std::string name_;  ///< as it was given
+  std::filesystem::path target_, temporary_;
+  std::FILE* stream_ = nullptr;
+};
+
+/// Writes `text` so; makes the folder. Throws NotWritten.
 void write_whole_file(const std::string& file, const std::string& text);
 
 }  // namespace collidoscope

@@ -1,7 +1,6 @@
 #include "viewer/render/image.h"
 
 #include <png.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include <memory>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/whole_file.h"
 
 namespace collidoscope {
 namespace {
@@ -46,20 +46,10 @@ void write_png(const Image& image, const std::string& file) {
   for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4)
     rgb.insert(rgb.end(), image.rgba.begin() + static_cast<std::ptrdiff_t>(i),
                image.rgba.begin() + static_cast<std::ptrdiff_t>(i) + 3);
-  const std::string part = file + "." + std::to_string(getpid()) + ".part";
-  const auto refuse = [&](const std::string& why) {
-    std::remove(part.c_str());
-    return MachineError("picture '" + file + "' cannot be written: " + why);
-  };
-  File out(std::fopen(part.c_str(), "wb"));
-  if (!out) throw refuse(std::strerror(errno));
+  WholeFile out(file);
   errno = 0;
-  bool whole = write_rows(out.get(), image, rgb.data());
-  whole = std::fflush(out.get()) == 0 && whole;
-  const int code = errno;
-  whole = std::fclose(out.release()) == 0 && whole;
-  if (!whole) throw refuse(code ? std::strerror(code) : "libpng failed");
-  if (std::rename(part.c_str(), file.c_str()) != 0) throw refuse(std::strerror(errno));
+  if (!write_rows(out.stream(), image, rgb.data())) out.fail(errno == 0 ? "libpng failed" : "");
+  out.commit();
 }
 
 Image read_png(const std::string& file) {

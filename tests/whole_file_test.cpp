@@ -1,0 +1,193 @@
+#include "sim_cuda/core/whole_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <functional>
+
+#include "tests/random.h"
+#include "tests/run_program.h"
+#include "viewer/render/image.h"
+
+namespace collidoscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t files_in(const TemporaryFolder& folder) {
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
+}
+
+TEST(WholeFile, IsAsItWasUntilCommit) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "x") << "old";
+  {
+    WholeFile given_up(folder / "x");
+    given_up.write("half");
+  }
+  EXPECT_EQ(files_in(folder), 1u);
+  WholeFile file(folder / "x");
+  file.write("new ");
+  file.write("text");
+  EXPECT_EQ(text_of(folder / "x"), "old");
+  file.commit();
+  EXPECT_EQ(text_of(folder / "x"), "new text");
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, TwoWritersOfOneTargetDoNotMeet) {
+  const TemporaryFolder folder;
+  WholeFile first(folder / "x"), second(folder / "x");
+  first.write("first");
+  second.write("second");
+  second.commit();
+  EXPECT_EQ(text_of(folder / "x"), "second");
+  WholeFile third(folder / "x");
+  first.commit();
+  EXPECT_EQ(text_of(folder / "x"), "first");
+  third.write("third");
+  third.commit();
+  EXPECT_EQ(text_of(folder / "x"), "third");
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, ALinkStaysOne) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "x") << "old";
+  fs::create_symlink("x", folder / "link");
+  write_whole_file(folder / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(text_of(folder / "x"), "new");
+}
+
+TEST(WholeFile, WhatCannotBeWrittenIsSaidWithItsName) {
+  const TemporaryFolder folder;
+  const auto line = [](const std::string& file) -> std::string {
+    try {
+      WholeFile whole(file);
+      whole.write("text");
+      whole.commit();
+    } catch (const NotWritten& error) {
+      return error.what();
+    }
+    return "written";
+  };
+  EXPECT_EQ(line("/dev/full"), "/dev/full cannot be written: No space left on device");
+  EXPECT_EQ(line("/dev/null"), "written");
+  EXPECT_EQ(line("/proc/x"), "/proc/x cannot be written: No such file or directory");
+  EXPECT_THAT(line(folder.path()), testing::HasSubstr("Is a directory"));
+}
+
+/// Runs `write` in a process of its own, and kills it within the time that it is known to take.
+void kill_while(const std::function<void()>& write, Uniform& uniform) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    write();
+    _exit(0);
+  }
+  usleep(static_cast<useconds_t>(uniform(0, 20'000)));
+  kill(child, SIGKILL);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+}
+
+TEST(WholeFile, IsOldOrNewWheneverItsWriterIsKilled) {
+  const TemporaryFolder folder;
+  const std::string text = folder / "text", picture = folder / "picture.png";
+  const std::string texts[2] = {std::string(3 << 20, 'a'), std::string(2 << 20, 'b')};
+  Image images[2] = {{300, 200, std::vector<std::uint8_t>(300 * 200 * 4, 255)},
+                     {200, 300, std::vector<std::uint8_t>(300 * 200 * 4, 255)}};
+  for (std::size_t k = 0; k < images[1].rgba.size(); ++k)
+    if (k % 4 != 3) images[1].rgba[k] = static_cast<std::uint8_t>(k * k / 7);
+  const auto write_all_the_time = [&] {
+    for (int turn = 0;; turn = 1 - turn) {
+      write_whole_file(text, texts[turn]);
+      write_png(images[turn], picture);
+    }
+  };
+  write_whole_file(text, texts[0]);
+  write_png(images[0], picture);
+  Uniform uniform{Random(1)};
+  std::size_t left = 0;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_NO_FATAL_FAILURE(kill_while(write_all_the_time, uniform));
+    const std::string now = text_of(text);
+    ASSERT_TRUE(now == texts[0] || now == texts[1]) << "after " << k << " kills";
+    const Image drawn = read_png(picture);
+    ASSERT_TRUE(drawn == images[0] || drawn == images[1]) << "after " << k << " kills";
+    left = std::max(left, files_in(folder) - 2);
+  }
+  EXPECT_GT(left, 0u) << "no kill came while a file was being written";
+  EXPECT_LE(left, 2u) << "what killed writers leave piles up";
+  write_whole_file(text, "whole");
+  write_png(images[0], picture);
+  EXPECT_EQ(files_in(folder), 2u);
+}
+
+/// The program rewrites what a run of one more step left.
+TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> names{"json", "bodies", "dynamics", "energy", "snapshot"};
+  const auto arguments = [&](const std::string& steps, const std::string& prefix) {
+    std::vector<std::string> flags{"run",      "box_collider", "--executor", "cpu",
+                                   "--bodies", "3000",         "--steps",    steps};
+    const char* const of_flag[] = {"--json", "--dump-bodies", "--dump-dynamics", "--energy-trace", "--save"};
+    for (std::size_t k = 0; k < names.size(); ++k)
+      flags.insert(flags.end(), {of_flag[k], (folder / (prefix + names[k])).string()});
+    return flags;
+  };
+  for (const std::string steps : {"1", "2"})
+    ASSERT_EQ(run_headless(arguments(steps, "of" + steps)).status, 0);
+  ASSERT_EQ(run_headless(arguments("1", "")).status, 0);
+  const std::size_t files = files_in(folder);
+  // Times are in the report and differ from run to run; its end tells that it is whole.
+  const auto is_whole = [&](const std::string& name) {
+    const std::string now = text_of(folder / name);
+    if (name == "json") return now.starts_with("{") && now.ends_with("}\n");
+    return now == text_of(folder / ("of1" + name)) || now == text_of(folder / ("of2" + name));
+  };
+  Uniform uniform{Random(2)};
+  int killed = 0;
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<std::string> flags = arguments(k % 2 == 0 ? "2" : "1", "");
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      std::vector<char*> argv{const_cast<char*>("collidoscope-headless")};
+      for (const std::string& flag : flags) argv.push_back(const_cast<char*>(flag.c_str()));
+      argv.push_back(nullptr);
+      if (std::freopen("/dev/null", "w", stdout) != nullptr &&
+          std::freopen("/dev/null", "w", stderr) != nullptr)
+        execv((program_folder() / "collidoscope-headless").c_str(), argv.data());
+      _exit(127);
+    }
+    // From the moment that it begins to write; or it is done.
+    int status = 0;
+    const auto writes = [&] { return files_in(folder) > files; };
+    pid_t done = 0;
+    const bool left_before = writes();
+    while (done == 0 && (left_before || !writes())) {
+      usleep(100);
+      done = waitpid(child, &status, WNOHANG);
+      if (left_before && uniform(0, 1) < 0.002) break;
+    }
+    if (done == 0) {
+      usleep(static_cast<useconds_t>(uniform(0, 15'000)));
+      killed += kill(child, SIGKILL) == 0;
+      ASSERT_EQ(waitpid(child, &status, 0), child);
+    }
+    for (const std::string& name : names) ASSERT_TRUE(is_whole(name)) << name << " after " << k << " kills";
+    ASSERT_LE(files_in(folder), files + names.size()) << "what killed programs leave piles up";
+  }
+  EXPECT_GT(killed, 0);
+  EXPECT_EQ(run_headless(arguments("1", "")).status, 0);
+  EXPECT_EQ(files_in(folder), files);
+}
+
+}  // namespace
+}  // namespace collidoscope
