@@ -2,32 +2,22 @@
 // status is 0 where the work was done, 1 where a check failed, 2 for bad input, 3 where the machine lacks
 // something.
 
-#include <fmt/format.h>
-
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
-#include <exception>
-#include <iostream>
-#include <new>
 #include <string>
-#include <vector>
 
 #include "headless/accuracy/accuracy.h"
 #include "headless/bench/suites.h"
 #include "headless/bvh.h"
 #include "headless/command_line.h"
 #include "headless/compare.h"
+#include "headless/exit_status.h"
 #include "headless/progress.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
-#include "sim_cuda/core/error.h"
 
 namespace collidoscope {
 namespace {
-
-enum ExitStatus { done = 0, bad_input = 2, machine_lacks = 3 };
 
 int perform(const CommandLine& line) {
   if (!line.text.empty()) {
@@ -55,36 +45,15 @@ int perform(const CommandLine& line) {
   return bad_input;
 }
 
-void print_faults(const std::vector<std::string>& faults) {
-  constexpr std::size_t most = 20;  // a broken file has thousands
-  for (std::size_t i = 0; i < faults.size() && i < most; ++i) std::fprintf(stderr, "%s\n", faults[i].c_str());
-  if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
-}
-
-int guarded_main(const std::vector<std::string>& arguments) {
-  try {
-    announce_settling();
-    const int status = perform(parse_command_line(arguments));
-    if (!std::cout.flush() || std::fflush(stdout) != 0)  // a full disk behind a redirection
-      throw MachineError(std::string("stdout: writing failed: ") + std::strerror(errno));
-    return status;
-  } catch (const InputError& error) {
-    print_faults(error.lines());
-    return bad_input;
-  } catch (const std::bad_alloc&) {
-    std::fputs("out of memory: the machine refused an allocation; fewer bodies (--bodies) need less\n",
-               stderr);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-  }
-  return machine_lacks;
-}
-
 }  // namespace
 }  // namespace collidoscope
 
 int main(int argc, char** argv) {
   // A reader that left (| head) ends the program without a word, even where a parent ignores the signal.
   std::signal(SIGPIPE, SIG_DFL);
-  return collidoscope::guarded_main(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
+  collidoscope::end_with_a_line_where_memory_ends();
+  return collidoscope::exit_status_of([&] {
+    collidoscope::announce_settling();
+    return collidoscope::perform(collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
+  });
 }

@@ -15,6 +15,7 @@
 #include "headless/replay.h"
 #include "headless/report.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/guard/rewind.h"
 #include "sim_cuda/world.h"
 
@@ -183,16 +184,18 @@ int run_command(const CommandLine& line) {
   report.simulated_seconds = stepped.simulated;
   report.failure = stepped.failure.value_or("");
 
-  // All is written before anything is put in place: a disk that fills up leaves no half of a set.
-  if (outputs.bodies) write_body_states(world, [&](std::string_view text) { outputs.bodies->write(text); });
-  if (outputs.dynamics)
-    write_body_dynamics(world, [&](std::string_view text) { outputs.dynamics->write(text); });
-  if (outputs.energy) outputs.energy->write(trace);
-  if (outputs.snapshot)
-    write_snapshot(snapshot_of(world), [&](std::string_view bytes) { outputs.snapshot->write(bytes); });
-  if (outputs.json) outputs.json->write(to_json(report));
-  for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
-    if (*file) (*file)->commit();
+  while_doing("writing what came out", [&] {
+    // All is written before anything is put in place: a disk that fills up leaves no half of a set.
+    if (outputs.bodies) write_body_states(world, [&](std::string_view text) { outputs.bodies->write(text); });
+    if (outputs.dynamics)
+      write_body_dynamics(world, [&](std::string_view text) { outputs.dynamics->write(text); });
+    if (outputs.energy) outputs.energy->write(trace);
+    if (outputs.snapshot)
+      write_snapshot(snapshot_of(world), [&](std::string_view bytes) { outputs.snapshot->write(bytes); });
+    if (outputs.json) outputs.json->write(to_json(report));
+    for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
+      if (*file) (*file)->commit();
+  });
   print(options.json == "-" ? to_json(report) : to_text(report));
   if (stepped.failure) {
     std::fputs(

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/box_collider.h"
 
 namespace collidoscope {
@@ -149,21 +148,6 @@ bool begins_another_run(const Scene& before, const Scene& after) {
     if (a.count != b.count && (a.spawn == Spawn::apart || a.variant == Variant::settled)) return true;
   }
   return false;
-}
-
-std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options) {
-  if (change.shape_alone() && options.executor == world.options().executor) {
-    options.shape.blocks = change.blocks.value_or(options.shape.blocks);
-    options.shape.threads = change.threads.value_or(options.shape.threads);
-    world.set_launch_shape(options.shape);
-    return nullptr;
-  }
-  Scene scene = world.scene();
-  const BodyIds ids = make_change(change, scene, options);
-  if ((world.steps() == 0 && change.physical()) || begins_another_run(world.scene(), scene))
-    return std::make_unique<World>(scene, options);
-  const RunState state = world.state();
-  return std::make_unique<World>(scene, options, &state, ids);
 }
 
 void record_change(std::vector<Change>& changes, Change change) {

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <unordered_set>
 
 #include "sim_cuda/change_reader.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/scene/text_file.h"
 
@@ -162,21 +165,20 @@ class ChangesReader {
     RunOptions options = options_;
     make_change(settings, counted, options);
     const std::int64_t bodies = bodies_of(counted);
-    std::vector<std::int64_t> seen;
+    std::unordered_set<std::int64_t> seen;
     for (std::size_t k = 0; k < change.remove.size(); ++k) {
       const std::int64_t id = change.remove[k];
       const JsonNode& at = document_.children(*remove)[k];
       if (id < 0 || id >= bodies)
         reading_.fault(at, fmt::format("there is no body {}; ids are below {} here", id, bodies));
-      if (std::ranges::find(seen, id) != seen.end())
-        reading_.fault(at, fmt::format("body {} stands twice in this list", id));
-      seen.push_back(id);
+      if (!seen.insert(id).second) reading_.fault(at, fmt::format("body {} stands twice in this list", id));
     }
     return reading_.faults.empty();
   }
 
   /// What only the bodies themselves show: meshes, masses that follow from densities.
   void try_bodies(const JsonNode& node) {
+    if (bodies_of(scene_) > limits::max_listed) return;  // the run itself says so, then
     try {
       initial_bodies(scene_);
     } catch (const InputError& error) {
@@ -267,10 +269,12 @@ std::string text_of(const Change& change, const Scene& scene) {
 
 }  // namespace
 
-ChangeList parse_changes(const std::string& text, const std::string& name, const Scene& scene,
+ChangeList parse_changes(std::string text, const std::string& name, const Scene& scene,
                          const RunOptions& options, std::int64_t start) {
-  const JsonDocument document(text, name);
-  return ChangesReader(document, scene, options, start).read();
+  return while_doing("reading a list of changes", [&] {
+    const JsonDocument document(std::move(text), name);
+    return ChangesReader(document, scene, options, start).read();
+  });
 }
 
 ChangeList read_changes(const std::string& file, const Scene& scene, const RunOptions& options,

@@ -28,7 +28,7 @@ struct ChangeList {
 ChangeList read_changes(const std::string& file, const Scene& scene, const RunOptions& options,
                         std::int64_t start);
 /// The same from text; `name` stands where the file would.
-ChangeList parse_changes(const std::string& text, const std::string& name, const Scene& scene,
+ChangeList parse_changes(std::string text, const std::string& name, const Scene& scene,
                          const RunOptions& options, std::int64_t start);
 
 /// The list as a file. `scene` has the materials that bodies name. Reading it gives the same, bit for bit.

@@ -89,7 +89,11 @@ class TypedPipeline final : public Pipeline {
   SolverMemory memory() override { return solver_->memory(); }
   void remember(const SolverMemory& memory) override { solver_->remember(memory); }
 
-  StepControl control() override { return control_.download()[0]; }
+  StepControl control() override {  // without memory of its own: what a step has done is known in any case
+    StepControl now;
+    executor_.copy_to_host(&now, control_.data(), sizeof now);
+    return now;
+  }
   void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
   BroadPhase& broad_phase() override { return *broad_phase_; }
   std::int64_t broad_phase_bytes() const override { return broad_phase_bytes_; }

@@ -13,6 +13,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 
@@ -128,6 +129,7 @@ class Reader {
   explicit Reader(const std::string& file) : file_(file) {
     std::error_code failed;
     if (std::filesystem::is_directory(file, failed)) refuse("is a folder; a snapshot is a file");
+    if (std::filesystem::is_fifo(file, failed)) refuse("is a pipe; a snapshot is a file, and is read twice");
     errno = 0;
     stream_.reset(std::fopen(file.c_str(), "rb"));
     if (!stream_)
@@ -161,8 +163,11 @@ class Reader {
     for (std::vector<Item>& one : lists) list(one);
   }
   std::uint32_t version() const { return version_; }
-  void end() const {
+  void end() {
     if (left_ != 0) damaged(fmt::format("{} of its bytes belong to nothing", left_));
+    std::uint64_t hash = 0;
+    read(&hash, word);
+    if (hash != fingerprint_.value()) refuse("was changed while it was read; try again");
   }
 
  private:
@@ -186,12 +191,13 @@ class Reader {
     if (failed || bytes != header.file_bytes || bytes < sizeof header + word || bytes % word != 0)
       damaged(fmt::format("it has {} of {} bytes", failed ? 0 : bytes, header.file_bytes));
     left_ = bytes - sizeof header;
+    fingerprint_.add(&header, sizeof header);
   }
 
   void check_hash() {
     seek(0);
     Fingerprint fingerprint;
-    std::vector<char> block(1 << 20);
+    std::vector<char> block(1 << 16);
     for (std::uint64_t rest = left_ + sizeof(Header) - word; rest > 0;) {
       const std::size_t bytes = rest < block.size() ? static_cast<std::size_t>(rest) : block.size();
       read(block.data(), bytes);
@@ -212,9 +218,15 @@ class Reader {
   }
   void piece(void* data, std::size_t bytes) {
     if (padded(bytes) > left_) damaged("it ends within a list");
-    read(data, bytes);
-    std::array<char, word> padding{};
-    read(padding.data(), padded(bytes) - bytes);
+    const std::size_t whole = bytes / word * word;
+    read(data, whole);
+    fingerprint_.add(data, whole);
+    if (whole < bytes) {
+      std::array<char, word> last{};
+      read(last.data(), word);
+      fingerprint_.add(last.data(), word);
+      std::memcpy(static_cast<char*>(data) + whole, last.data(), bytes - whole);
+    }
     left_ -= padded(bytes);
   }
   void read(void* data, std::size_t bytes) {
@@ -229,7 +241,8 @@ class Reader {
   std::string file_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
   std::uint32_t version_ = 0;
-  std::uint64_t left_ = 0;  ///< bytes that are not read yet, the hash not counted
+  std::uint64_t left_ = 0;   ///< bytes that are not read yet, the hash not counted
+  Fingerprint fingerprint_;  ///< of what was read, this time
 };
 
 /// Whether the lists fit together, so that whoever uses them need not ask.
@@ -267,15 +280,6 @@ std::uint64_t hash_of_bodies(const InitialBodies& bodies) {
   return fingerprint.value();
 }
 
-Snapshot snapshot_of(World& world) {
-  Snapshot snapshot;
-  snapshot.scene = world.scene();
-  snapshot.state = world.state();
-  snapshot.state_hash = world.state_hash();
-  snapshot.bodies_hash = hash_of_bodies(world.initial());
-  return snapshot;
-}
-
 void write_snapshot(const Snapshot& snapshot, const std::function<void(std::string_view)>& write) {
   std::string scene = write_scene(snapshot.scene), directory;
   for (const Body& body : snapshot.scene.bodies)
@@ -295,24 +299,16 @@ void write_snapshot(const Snapshot& snapshot, const std::function<void(std::stri
 }
 
 Snapshot read_snapshot(const std::string& file) {
-  Reader reader(file);
-  Snapshot snapshot;
-  std::string scene, directory;
-  visit(reader, scene, directory, snapshot);
-  reader.end();
-  if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
-  snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
-  return snapshot;
-}
-
-World world_from(const Snapshot& snapshot, const Scene& scene, const RunOptions& options) {
-  World world(scene, options, &snapshot.state);
-  if (write_scene(scene) == write_scene(snapshot.scene) &&
-      hash_of_bodies(world.initial()) != snapshot.bodies_hash)
-    throw InputError(scene.file +
-                     ": the bodies of its scene are not those that it was saved with: has the file of a mesh "
-                     "changed?");
-  return world;
+  return while_doing("reading a snapshot", [&] {
+    Reader reader(file);
+    Snapshot snapshot;
+    std::string scene, directory;
+    visit(reader, scene, directory, snapshot);
+    reader.end();
+    if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
+    snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
+    return snapshot;
+  });
 }
 
 }  // namespace collidoscope

@@ -6,10 +6,12 @@
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_bits.h"
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/broad_phase/quality.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/guard/frozen.h"
 #include "sim_cuda/guard/rewind.h"
 #include "sim_cuda/pipeline.h"
@@ -83,7 +85,28 @@ struct World::Impl {
     plain.reset();
     instrumented.reset();
     executor.synchronize();
-    pipeline->reserve(capacity);
+    const Capacity before = pipeline->capacity();
+    try {
+      pipeline->reserve(capacity);
+    } catch (...) {
+      lost = true;
+      pipeline->reserve(before);  // what was given back for more
+      lost = false;
+      throw;
+    }
+  }
+
+  void expect_memory() const {
+    if (lost)
+      throw MachineError(
+          "memory ran out in the middle of a step, and this run has no state to go on from; start it again");
+  }
+
+  /// What ends in the middle of it leaves no state.
+  void launch(StepGraph& g) {
+    lost = true;
+    g.launch();
+    lost = false;
   }
 
   /// Bytes beyond those that are free; 0: there is room.
@@ -194,6 +217,7 @@ struct World::Impl {
   bool recording = false;            // steps note the impulses of contacts
   bool residuals = false;            // steps measure what sweeps leave
   bool residuals_known = false;      // the last one did
+  bool lost = false;                 // no state to go on from, or no memory for what was already there
   bool impulses_new = false;         // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
   std::vector<float> errors;                    // of bodies, m
@@ -203,7 +227,7 @@ struct World::Impl {
 bool World::Impl::run_instrumented(std::uint32_t target) {
   while (committed != target) {
     StepGraph& g = graph(true);
-    g.launch();
+    launch(g);
     executor.synchronize();
     const StepControl control = pipeline->control();
     if (control.overflow) {
@@ -243,7 +267,7 @@ bool World::Impl::run_plain(std::uint32_t target) {
   StepGraph& g = graph(false);
   const bool whole = target - committed == static_cast<std::uint32_t>(pipeline->runs_per_step());
   const double milliseconds = milliseconds_of([&] {
-    for (std::uint32_t run = committed; run != target; ++run) g.launch();
+    for (std::uint32_t run = committed; run != target; ++run) launch(g);
   });
   const StepControl control = pipeline->control();
   committed = control.committed;
@@ -253,10 +277,12 @@ bool World::Impl::run_plain(std::uint32_t target) {
 }
 
 World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids) {
-  std::optional<RunState> rest;
-  if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
-  impl_ = std::make_unique<Impl>(scene, options);
-  if (start != nullptr) adopt(*start, ids);
+  while_doing("making a world", [&] {
+    std::optional<RunState> rest;
+    if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
+    impl_ = std::make_unique<Impl>(scene, options);
+    if (start != nullptr) adopt(*start, ids);
+  });
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -294,15 +320,29 @@ std::optional<FirstFound> World::Impl::advance() {
   const bool with_events = steps % 2 == 1;
   const std::uint32_t target = committed + static_cast<std::uint32_t>(pipeline->runs_per_step());
   detected = false;
-  for (bool done = false; !done;) {
-    done = with_events ? run_instrumented(target) : run_plain(target);
-    if (auto found = pipeline->found()) return found;
-    if (!done) grow();
-  }
-  ++steps;
-  impulses_new = recording;
-  residuals_known = residuals;
-  return std::nullopt;
+  struct AtItsEnd {  // even where the clock then finds no memory to note its time in
+    Impl& world;
+    std::uint32_t target;
+    bool found = false;
+    ~AtItsEnd() {
+      if (found || world.committed != target) return;
+      ++world.steps;
+      world.impulses_new = world.recording;
+      world.residuals_known = world.residuals;
+    }
+  } count_it{*this, target};
+  return while_doing("making a step", [&]() -> std::optional<FirstFound> {
+    expect_memory();
+    for (bool done = false; !done;) {
+      done = with_events ? run_instrumented(target) : run_plain(target);
+      if (auto found = pipeline->found()) {
+        count_it.found = true;
+        return found;
+      }
+      if (!done) grow();
+    }
+    return std::nullopt;
+  });
 }
 
 /// Back to the state before the step, which is done up to there once more to read what was found; then
@@ -460,10 +500,13 @@ RunTimes World::latest_times() const {
 
 void World::detect() {
   Impl& w = *impl_;
+  w.expect_memory();
   if (w.detected) return;
   w.keep_impulses();
-  do w.pipeline->detect();
-  while (w.grow());
+  while_doing("finding pairs", [&] {
+    do w.pipeline->detect();
+    while (w.grow());
+  });
   w.detected = true;
   w.arranged = w.metered = w.leaves_known = false;
 }

@@ -117,6 +117,12 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{CORNERS "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n",
             "m.obj: the faces are clockwise seen from outside"},
         Bad{CORNERS "f 1 2 3\nf 3 2 1\n", "m.obj: the surface encloses no volume"},
+        Bad{"v 5 0 0\nv 3 0 0\nv 3 0 1\nv 1 0 1\nv 1 0 6\nv 0 0 2\nv 0 1 0\nv 3 1 0\nv 3 1 1\nv 1 1 1\nv 1 1 "
+            "2\n"
+            "v 0 1 2\nf 1 2 3 4\nf 1 4 5 6\nf 10 9 8 7\nf 12 11 10 7\nf 2 1 7 8\nf 3 2 8 9\nf 4 3 9 10\nf 5 "
+            "4 10 11\n"
+            "f 6 5 11 12\nf 1 6 12 7\n",
+            "m.obj: the surface crosses itself"},
         Bad{"v 0 0 0\nv 2e-12 0 0\nv 0 3e-12 0\nv 0 0 7e-12\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
             "m.obj: the mesh's bounding sphere has a radius of"}));
 

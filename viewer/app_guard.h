@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 
+#include "sim_cuda/core/out_of_memory.h"
 #include "viewer/app.h"
 
 namespace collidoscope {
@@ -12,6 +13,8 @@ template <class Action>
 void App::guarded(Action action) {
   try {
     action();
+  } catch (const OutOfMemory& error) {
+    report_error(std::string("out of memory while ") + error.what() + "; fewer bodies need less");
   } catch (const std::bad_alloc&) {
     report_error("out of memory: the machine refused an allocation; fewer bodies need less");
   } catch (const std::exception& error) {

@@ -42,9 +42,6 @@ class BroadPhase {
 /// run on this executor.
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor);
 
-/// Whether its order is that of Morton keys, whose length then decides how good its tree is.
-bool has_morton_keys(const std::string& name);
-
 // One factory per method, defined in the method's own file.
 std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
 std::unique_ptr<BroadPhase> make_brute_force_tiled(Executor& executor);

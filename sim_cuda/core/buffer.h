@@ -41,12 +41,22 @@ class Buffer {
     data_ = static_cast<T*>(executor_->allocate(name_, size * sizeof(T)));
     size_ = size;
   }
-  /// The same, but what there was stays, as far as there is room; by way of the host.
+  /// The same, but what there was stays, as far as there is room; by way of the host. Where there is no
+  /// memory for more, all stays as it was.
   void resize_keeping(std::size_t size) {
     if (size == size_ || executor_->rehearsing()) return resize_discarding(size);
     const std::vector<T> kept = download(size < size_ ? size : size_);
-    resize_discarding(size);
-    if (!kept.empty()) executor_->copy_to_executor(data_, kept.data(), kept.size() * sizeof(T));
+    const auto put_back = [&] {
+      if (!kept.empty()) executor_->copy_to_executor(data_, kept.data(), kept.size() * sizeof(T));
+    };
+    try {
+      resize_discarding(size);
+    } catch (...) {
+      resize_discarding(kept.size());
+      put_back();
+      throw;
+    }
+    put_back();
   }
   void upload(const std::vector<T>& host) {
     resize_discarding(host.size());

@@ -45,6 +45,17 @@ void pop_range() {
 #endif
 }
 
+void give_back(void* memory, [[maybe_unused]] bool on_device) {
+#if SIM_CUDA
+  // Waits for the device; an error here was, or will be, reported by the next checked call.
+  if (on_device) {
+    cudaFree(memory);
+    return;
+  }
+#endif
+  ::operator delete(memory, host_alignment);
+}
+
 }  // namespace
 
 bool cuda_available(std::string* why) {
@@ -179,8 +190,13 @@ void* Executor::allocate(const char* name, std::size_t bytes) {
     }
   }
 #endif
+  try {
+    allocations_[memory] = {name, bytes};
+  } catch (...) {
+    give_back(memory, on_device_);
+    throw;
+  }
   allocated_bytes_ += static_cast<std::int64_t>(bytes);
-  allocations_[memory] = {name, bytes};
   return memory;
 }
 
@@ -195,14 +211,7 @@ void Executor::release(void* memory, std::size_t bytes) {
   if (memory == nullptr) return;
   allocated_bytes_ -= static_cast<std::int64_t>(bytes);
   allocations_.erase(memory);
-#if SIM_CUDA
-  if (on_device_) {
-    cudaFree(
-        memory);  // waits for the device; an error here was, or will be, reported by the next checked call
-    return;
-  }
-#endif
-  ::operator delete(memory, host_alignment);
+  give_back(memory, on_device_);
 }
 
 void Executor::copy_to_executor(void* destination, const void* host_source, std::size_t bytes) {

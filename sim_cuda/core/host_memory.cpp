@@ -1,7 +1,6 @@
 #include "sim_cuda/core/host_memory.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -13,15 +12,16 @@ namespace {
 constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
 
 /// The number in a file that holds nothing else; "max" is none.
-std::optional<std::int64_t> number_in(const std::filesystem::path& file) {
+std::optional<std::int64_t> number_in(const std::string& file) {
   std::ifstream stream(file);
   std::int64_t number = 0;
   if (stream >> number) return number;
   return std::nullopt;
 }
 
-std::int64_t free_in_group(const std::filesystem::path& folder, const char* limit, const char* usage) {
-  const auto most = number_in(folder / limit), used = number_in(folder / usage);
+// Plain texts: a std::filesystem::path of libstdc++ 12 that finds no memory to grow damages itself.
+std::int64_t free_in_group(const std::string& folder, const char* limit, const char* usage) {
+  const auto most = number_in(folder + '/' + limit), used = number_in(folder + '/' + usage);
   return most && used ? std::max<std::int64_t>(*most - *used, 0) : no_limit;
 }
 
@@ -43,17 +43,17 @@ std::int64_t free_host_bytes() {
   for (std::string line; std::getline(groups, line);) {
     const std::size_t last = line.rfind(':');
     if (last == std::string::npos) continue;
-    const std::filesystem::path path = line.substr(last + 1);
-    if (line.starts_with("0::"))
-      for (std::filesystem::path at = path;; at = at.parent_path()) {
-        free = std::min(free,
-                        free_in_group("/sys/fs/cgroup" / at.relative_path(), "memory.max", "memory.current"));
-        if (!at.has_relative_path()) break;
-      }
+    std::string path = line.substr(last + 1);
+    while (path.ends_with('/')) path.pop_back();
     if (line.find(":memory:") != std::string::npos)
-      for (const auto& at : {path.relative_path(), std::filesystem::path()})
-        free = std::min(free, free_in_group("/sys/fs/cgroup/memory" / at, "memory.limit_in_bytes",
+      for (const std::string& at : {path, std::string()})
+        free = std::min(free, free_in_group("/sys/fs/cgroup/memory" + at, "memory.limit_in_bytes",
                                             "memory.usage_in_bytes"));
+    if (line.starts_with("0::"))
+      for (;; path.resize(path.rfind('/'))) {
+        free = std::min(free, free_in_group("/sys/fs/cgroup" + path, "memory.max", "memory.current"));
+        if (path.find('/') == std::string::npos) break;
+      }
   }
   return free;
 }

@@ -33,8 +33,9 @@ inline constexpr double max_guarded = 1e18;  ///< m, m/s, rad/s: beyond, guards 
 inline constexpr std::int64_t max_joints = std::int64_t{1} << 24;
 inline constexpr double min_frequency = 1e-6, max_frequency = 1e9;  ///< Hz, of a spring
 inline constexpr double max_damping_ratio = 1000;
-inline constexpr int max_name_length = 200;          ///< bytes of UTF-8
-inline constexpr int max_materials = 65535;          ///< indices are 16 bits
-inline constexpr double smallest_normal = 0x1p-126;  ///< of a float; what is nearer to 0 must be 0
+inline constexpr std::uint32_t max_listed = 1u << 20;  ///< bodies, joints... that a file lists one by one
+inline constexpr int max_name_length = 200;            ///< bytes of UTF-8
+inline constexpr int max_materials = 65535;            ///< indices are 16 bits
+inline constexpr double smallest_normal = 0x1p-126;    ///< of a float; what is nearer to 0 must be 0
 
 }  // namespace collidoscope::limits

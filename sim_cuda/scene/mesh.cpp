@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/mass_properties.h"
 #include "sim_cuda/scene/text_file.h"
@@ -17,7 +21,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::size_t max_file_size = std::size_t{256} << 20;
+constexpr std::size_t max_file_size = std::size_t{64} << 20;  // takes 13 times as much to check
 constexpr std::size_t max_faults = 100;
 
 /// An edge as a face runs along it.
@@ -47,6 +51,7 @@ class ObjReader {
       fault(0, 0, "there are no faces; a mesh needs `v` and `f` lines");
     if (faults_.empty()) check_closed();
     if (!faults_.empty()) throw InputError(std::move(faults_));
+    faces.reserve(corners_.size() - 2 * polygons_.size());
     for (const Polygon& polygon : polygons_) {
       const std::uint32_t* corner = corners_.data() + polygon.first;
       for (std::uint32_t i = 2; i < polygon.count; ++i)
@@ -156,6 +161,8 @@ class ObjReader {
 
   void read_face(std::string_view keyword, std::string_view rest) {
     Polygon polygon{static_cast<std::uint32_t>(corners_.size()), 0, line_number_};
+    constexpr std::uint32_t few = 64;        // corners, that are looked through one by one
+    std::unordered_set<std::uint32_t> seen;  // where there are more
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
       const std::optional<std::uint32_t> index = corner(word);
       if (!index) {
@@ -164,7 +171,9 @@ class ObjReader {
                                             printable(word), vertices_.size()));
       }
       const auto first = corners_.begin() + polygon.first;
-      if (std::find(first, corners_.end(), *index) != corners_.end()) {
+      if (polygon.count == few) seen.insert(first, corners_.end());
+      if (polygon.count < few ? std::find(first, corners_.end(), *index) != corners_.end()
+                              : !seen.insert(*index).second) {
         return fault_here(word, fmt::format("vertex {} twice in one face; name each once", *index + 1));
       }
       corners_.push_back(*index);
@@ -181,6 +190,7 @@ class ObjReader {
       for (std::uint32_t i = 0; i < polygon.count; ++i) {
         const std::uint32_t index = corners_[polygon.first + i];
         if (index < vertices_.size()) continue;
+        if (faults_.size() == max_faults) return;
         fault(polygon.line, 1,
               fmt::format("the face names vertex {}, but there are {}", index + 1, vertices_.size()));
       }
@@ -202,35 +212,35 @@ class ObjReader {
       if (a.high() != b.high()) return a.high() < b.high();
       return a.line < b.line;
     });
-    std::vector<std::pair<std::uint32_t, std::string>> found;
+    // The first by line, then in this order; no more than are told.
+    std::map<std::pair<std::uint32_t, std::size_t>, std::string> found;
+    const auto find = [&](std::size_t i, const std::string& what) {
+      found.emplace(std::pair(edges[i].line, i), fmt::format("the edge from vertex {} to {} {}",
+                                                             edges[i].from + 1, edges[i].to + 1, what));
+      if (found.size() > max_faults) found.erase(std::prev(found.end()));
+    };
     for (std::size_t i = 0; i < edges.size();) {
       std::size_t end = i + 1;
       while (end < edges.size() && edges[end].low() == edges[i].low() &&
              edges[end].high() == edges[i].high()) {
         ++end;
       }
-      const std::string edge =
-          fmt::format("the edge from vertex {} to {}", edges[i].from + 1, edges[i].to + 1);
-      if (end - i == 1) {
-        found.emplace_back(
-            edges[i].line,
-            edge +
-                " belongs to this face alone, so the surface is open; close it (vertices that lie in the "
-                "same place must be one vertex)");
+      const bool told = found.size() < max_faults || edges[i].line < std::prev(found.end())->first.first;
+      if (!told) {
+        // nobody would read it
+      } else if (end - i == 1) {
+        find(i,
+             "belongs to this face alone, so the surface is open; close it (vertices that lie in the same "
+             "place must be one vertex)");
       } else if (end - i > 2) {
-        found.emplace_back(
-            edges[i].line,
-            fmt::format("{} belongs to {} faces; in a closed surface it belongs to two", edge, end - i));
+        find(i, fmt::format("belongs to {} faces; in a closed surface it belongs to two", end - i));
       } else if (edges[i].from == edges[i + 1].from) {
-        found.emplace_back(edges[i].line,
-                           fmt::format("{} runs the same way in the face of line {}; turn one of them over",
-                                       edge, edges[i + 1].line));
+        find(i, fmt::format("runs the same way in the face of line {}; turn one of them over",
+                            edges[i + 1].line));
       }
       i = end;
     }
-    std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [line, what] : found) fault(line, 1, what);
+    for (const auto& [place, what] : found) fault(place.first, 1, what);
   }
 
   std::string_view text_, line_;
@@ -247,7 +257,7 @@ class ObjReader {
 Mesh parse_mesh(const std::string& text, const std::string& file, const std::string& name) {
   Mesh mesh;
   mesh.name = name;
-  ObjReader(text, file).read(mesh.vertices, mesh.faces);
+  while_doing("reading a mesh", [&] { ObjReader(text, file).read(mesh.vertices, mesh.faces); });
 
   const MassProperties solid = mass_properties(mesh.vertices, mesh.faces);
   if (solid.volume < 0) {
@@ -258,6 +268,12 @@ Mesh parse_mesh(const std::string& text, const std::string& file, const std::str
     throw InputError(file + ": the surface encloses no volume; a body needs one to have a mass");
   }
   const PrincipalAxes principal = principal_axes(solid.inertia);
+  if (!(principal.moments.minCoeff() > 0)) {
+    throw InputError(
+        file +
+        ": the surface crosses itself, and about some axis its body would have no inertia; give one "
+        "that does not");
+  }
   mesh.volume = solid.volume;
   mesh.center = solid.center;
   mesh.axes = principal.axes;

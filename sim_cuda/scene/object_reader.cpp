@@ -158,6 +158,7 @@ void ObjectReader::finish() {
   for (const JsonNode& child : reading_.document.children(node_)) {
     const std::string_view key = reading_.document.key(child);
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    if (reading_.full()) return;
     const std::string_view nearest = nearest_name(key, known_);
     reading_.fault_at_key(child, fmt::format("unknown key \"{}\" in {}; {}", printable(key), what_,
                                              nearest.empty() ? "it has " + either_of(known_)

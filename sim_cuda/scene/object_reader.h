@@ -18,11 +18,13 @@ struct Reading {
   const JsonDocument& document;
   std::vector<JsonFault> faults;
 
+  /// More are not listed, and need not be put into words.
+  bool full() const { return faults.size() > JsonDocument::max_faults; }
   void fault(const JsonNode& node, std::string message) {
-    if (faults.size() <= JsonDocument::max_faults) faults.push_back({node.begin, std::move(message)});
+    if (!full()) faults.push_back({node.begin, std::move(message)});
   }
   void fault_at_key(const JsonNode& node, std::string message) {
-    if (faults.size() <= JsonDocument::max_faults) faults.push_back({node.key_begin, std::move(message)});
+    if (!full()) faults.push_back({node.key_begin, std::move(message)});
   }
 };
 

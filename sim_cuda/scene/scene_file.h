@@ -21,11 +21,11 @@ struct Fault {
 /// densities, room for `apart`) is checked by initial_bodies().
 std::vector<Fault> validate(const Scene& scene);
 
-/// Reads (at most 64 MiB, 2^23 values), and validates. Throws InputError with one line per fault,
-/// `file:line:column: what, and what would be right`.
+/// Reads (at most 64 MiB, 2^23 values, 2^20 in a list of bodies or joints), and validates. Throws InputError
+/// with one line per fault, `file:line:column: what, and what would be right`.
 Scene read_scene(const std::string& file);
 /// The same from text; `name` stands where the file would.
-Scene parse_scene(const std::string& text, const std::string& name, const std::string& directory = ".");
+Scene parse_scene(std::string text, const std::string& name, const std::string& directory = ".");
 
 /// The scene as a file. For a valid scene parse_scene(write_scene(s)) equals s, bit for bit (but for `file`
 /// and `directory`, which are not written).

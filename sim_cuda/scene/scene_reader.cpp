@@ -7,8 +7,10 @@
 #include <filesystem>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/json_document.h"
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/object_reader.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/scene/text_file.h"
@@ -153,6 +155,9 @@ class SceneReader {
           node, fmt::format("\"materials\" is an object of names, {{\"default\": {{ ... }}}}, not {}",
                             described(node.kind)));
     }
+    if (node.child_count > limits::max_materials)
+      return reading_.fault(node, fmt::format("{} materials, and {} at most are read", node.child_count,
+                                              limits::max_materials));
     for (const JsonNode& child : document_.children(node)) {
       const std::string_view name = document_.key(child);
       Material& material =
@@ -172,6 +177,12 @@ class SceneReader {
   void read_list(ObjectReader& root, std::string_view key, Read read) {
     const JsonNode* list = root.member(key, JsonKind::array);
     if (list == nullptr) return;
+    // A "{}" of two bytes would become hundreds.
+    if (list->child_count > limits::max_listed)
+      return reading_.fault(*list,
+                            fmt::format("\"{}\" lists {} of them, and {} at most are read; a generator "
+                                        "makes more bodies",
+                                        key, list->child_count, limits::max_listed));
     for (const JsonNode& child : document_.children(*list)) read(child);
   }
 
@@ -335,19 +346,21 @@ class SceneReader {
 
 }  // namespace
 
-Scene parse_scene(const std::string& text, const std::string& name, const std::string& directory) {
-  Scene scene;
-  scene.directory = directory;
-  scene.file = name;
-  const JsonDocument document(text, name);
-  SceneReader(document, scene).read();
-  return scene;
+Scene parse_scene(std::string text, const std::string& name, const std::string& directory) {
+  return while_doing("reading a scene", [&] {
+    Scene scene;
+    scene.directory = directory;
+    scene.file = name;
+    const JsonDocument document(std::move(text), name);
+    SceneReader(document, scene).read();
+    return scene;
+  });
 }
 
 Scene read_scene(const std::string& file) {
-  const std::string text = read_text_file(file, JsonDocument::max_bytes, "a scene file (.json)");
+  std::string text = read_text_file(file, JsonDocument::max_bytes, "a scene file (.json)");
   const std::string directory = std::filesystem::path(file).parent_path().string();
-  return parse_scene(text, file, directory.empty() ? "." : directory);
+  return parse_scene(std::move(text), file, directory.empty() ? "." : directory);
 }
 
 }  // namespace collidoscope

@@ -9,10 +9,13 @@
 #include <system_error>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
 
 namespace collidoscope {
 
-std::string read_text_file(const std::string& file, std::size_t limit, const std::string& wanted) {
+namespace {
+
+std::string read_bounded(const std::string& file, std::size_t limit, const std::string& wanted) {
   const auto refuse = [&](const std::string& what) {
     return InputError(fmt::format("{}: {}; give the path of {}", file, what, wanted));
   };
@@ -20,16 +23,17 @@ std::string read_text_file(const std::string& file, std::size_t limit, const std
     return refuse(fmt::format("holds more than {} MiB, the most that is read", limit >> 20));
   };
   std::error_code ignored;
+  std::string text;
   if (std::filesystem::is_directory(file, ignored)) throw refuse("is a folder");
   if (std::filesystem::is_regular_file(file, ignored)) {
     const auto size = std::filesystem::file_size(file, ignored);
     if (!ignored && size > limit) throw too_large();
+    if (!ignored) text.reserve(static_cast<std::size_t>(size));
   }
 
   errno = 0;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
   if (!stream) throw refuse("cannot be opened (" + std::generic_category().message(errno) + ")");
-  std::string text;
   char block[1 << 16];
   while (const std::size_t got = std::fread(block, 1, sizeof block, stream.get())) {
     if (text.size() + got > limit) throw too_large();
@@ -39,6 +43,12 @@ std::string read_text_file(const std::string& file, std::size_t limit, const std
     throw refuse("cannot be read (" + std::generic_category().message(errno) + ")");
   }
   return text;
+}
+
+}  // namespace
+
+std::string read_text_file(const std::string& file, std::size_t limit, const std::string& wanted) {
+  return while_doing("reading a file", [&] { return read_bounded(file, limit, wanted); });
 }
 
 }  // namespace collidoscope

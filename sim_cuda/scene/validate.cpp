@@ -425,9 +425,9 @@ class Validator {
     const auto length = [&](const char* field, const std::optional<double>& value, double least) {
       return !value || number(path.at(field), *value, least, limits::max_coordinate, "m");
     };
-    const bool good = length("length", joint.length, limits::min_radius) &
-                      length("min_length", joint.min_length, 0) &
-                      length("max_length", joint.max_length, limits::min_radius);
+    bool good = length("length", joint.length, limits::min_radius);
+    good &= length("min_length", joint.min_length, 0);
+    good &= length("max_length", joint.max_length, limits::min_radius);
     if (joint.length && (joint.min_length || joint.max_length))
       fault(path.at("length"), "must not stand beside min_length or max_length");
     if (good && joint.min_length && joint.max_length && *joint.min_length > *joint.max_length)

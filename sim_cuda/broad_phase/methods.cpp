@@ -1,0 +1,21 @@
+#include "sim_cuda/broad_phase/methods.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+std::vector<std::string> broad_phase_names() {
+  std::vector<std::string> names;
+  for (const BroadPhaseMethod& method : broad_phase_methods) names.emplace_back(method.name);
+  return names;
+}
+
+bool has_morton_keys(const std::string& name) {
+  const auto* method = std::ranges::find(broad_phase_methods, name, &BroadPhaseMethod::name);
+  return method != std::end(broad_phase_methods) && method->morton;
+}
+
+}  // namespace collidoscope

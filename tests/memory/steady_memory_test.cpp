@@ -1,0 +1,53 @@
+// A run may last for days: its memory does not grow with its steps. COLLIDOSCOPE_SMALL_STEPS says how many
+// (100,000).
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "sim_cuda/world.h"
+#include "tests/memory/counted_new.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+/// Bytes of this process that lie in memory.
+std::int64_t resident_bytes() {
+  std::int64_t all = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+TEST(SteadyMemory, OfSmallSteps) {
+  const char* const asked = std::getenv("COLLIDOSCOPE_SMALL_STEPS");
+  const std::int64_t steps = asked != nullptr ? std::atoll(asked) : 100'000;
+  for (const Solver solver : {Solver::impulse, Solver::soft_step, Solver::jacobi_split}) {
+    Scene scene = box_collider(3);
+    scene.physics.solver = solver;
+    scene.box = Box{Vector3d(0, 0, 0), Vector3d(12, 12, 12)};
+    scene.physics.time_step = 0.001;
+    scene.materials[0].restitution = 1;
+    RunOptions options;
+    options.executor = ExecutorKind::cpu;
+    options.cpu_threads = 1;
+    World world(scene, options);
+    const auto go_to = [&](std::int64_t state) {
+      while (world.steps() < state) {
+        world.step(static_cast<int>(std::min<std::int64_t>(1000, state - world.steps())));
+        world.measure();
+        world.times();
+      }
+    };
+    go_to(20'000);  // what keeps the latest times is full
+    const std::int64_t taken = counted_new().live_bytes, resident = resident_bytes();
+    go_to(20'000 + steps / 3);
+    EXPECT_EQ(counted_new().live_bytes, taken);
+    EXPECT_LE(resident_bytes(), resident + (std::int64_t{1} << 20));
+  }
+}
+
+}  // namespace
+}  // namespace collidoscope

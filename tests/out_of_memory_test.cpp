@@ -1,0 +1,126 @@
+// What does not fit is said with its bytes, and the world that there was goes on as if nobody had asked. On
+// the device as on the host: RunOptions::memory_limit stands for what the machine has.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "sim_cuda/changes.h"
+#include "sim_cuda/core/error.h"
+#include "tests/executors.h"
+#include "tests/scenes.h"
+#include "viewer/live/live_world.h"
+
+namespace collidoscope {
+namespace {
+
+class OutOfMemoryOn : public OnEachExecutor {};
+ON_EACH_EXECUTOR(OutOfMemoryOn);
+
+/// The largest number of the line: the bytes that were needed.
+std::int64_t largest_number(const std::string& line) {
+  std::int64_t largest = 0;
+  const std::regex number("[0-9]+");
+  for (std::sregex_iterator at(line.begin(), line.end(), number), end; at != end; ++at)
+    largest = std::max<std::int64_t>(largest, std::stoll(at->str()));
+  return largest;
+}
+
+std::string refusal_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const MachineError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+/// 300 spheres that come from all sides to one point: more and more pairs.
+Scene implosion(Solver solver) {
+  Scene scene = empty_space();
+  scene.physics.solver = solver;
+  scene.physics.attractors.clear();
+  Uniform uniform{Random(7)};
+  for (int k = 0; k < 300; ++k) {
+    const Vector3d place = uniform.vector(60);
+    scene.bodies.push_back(sphere(2, place, place * -1.5));
+  }
+  return scene;
+}
+
+TEST_P(OutOfMemoryOn, GrowthThatDoesNotFitLeavesTheState) {
+  for (const Solver solver : {Solver::impulse, Solver::soft_step, Solver::jacobi_split}) {
+    const Scene scene = implosion(solver);
+    RunOptions roomy = options();
+    roomy.initial_pair_capacity = 16;
+    World undisturbed(scene, roomy);
+    const std::int64_t at_first = undisturbed.allocated_bytes();
+    undisturbed.step(25);
+    ASSERT_GT(undisturbed.allocated_bytes(), at_first + 1000);
+
+    RunOptions scarce = roomy;
+    scarce.memory_limit = (at_first + undisturbed.allocated_bytes()) / 2;
+    World world(scene, scarce);
+    const std::string line = refusal_of([&] { world.step(25); });
+    EXPECT_THAT(line, testing::HasSubstr(" pairs")) << line;
+    EXPECT_GT(largest_number(line), scarce.memory_limit) << line;
+    EXPECT_LE(world.allocated_bytes(), scarce.memory_limit);
+    EXPECT_LT(world.steps(), 25);
+
+    World beside(scene, roomy);
+    beside.step(static_cast<int>(world.steps()));
+    EXPECT_EQ(world.state_hash(), beside.state_hash()) << "at state " << world.steps();
+    EXPECT_THAT(refusal_of([&] { world.step(); }), testing::StartsWith(line.substr(0, line.find(" pairs"))));
+    EXPECT_EQ(world.state_hash(), beside.state_hash());
+    // With more room it goes on from there.
+    World roomier(scene, roomy);
+    roomier.adopt(world);
+    roomier.step(25 - static_cast<int>(world.steps()));
+    EXPECT_EQ(roomier.state_hash(), undisturbed.state_hash());
+  }
+}
+
+TEST_P(OutOfMemoryOn, AChangeOfNThatDoesNotFitLeavesTheRun) {
+  Scene scene = box_collider(200);
+  scene.physics.solver = Solver::soft_step;
+  World undisturbed(scene, options());
+  undisturbed.step(10);
+  RunOptions scarce = options();
+  scarce.memory_limit = 2 * undisturbed.allocated_bytes();
+  World world(scene, scarce);
+  world.step(5);
+  Change change;
+  change.bodies = 1'000'000;
+  const std::string line = refusal_of([&] { changed_world(world, change, scarce); });
+  EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
+  EXPECT_GT(largest_number(line), 100'000) << line;
+  world.step(5);
+  EXPECT_EQ(world.state_hash(), undisturbed.state_hash());
+}
+
+/// The same as somebody does it who moves the slider of N.
+TEST_P(OutOfMemoryOn, TheWindowKeepsTheRunThatItHas) {
+  Scene scene = box_collider(200);
+  scene.physics.solver = Solver::soft_step;
+  RunOptions scarce = options();
+  scarce.memory_limit = 16 << 20;
+  LiveWorld live(scene, scarce);
+  LiveWorld undisturbed(scene, scarce);
+  for (int k = 0; k < 5; ++k) {
+    live.step(true);
+    undisturbed.step(true);
+  }
+  Settings wish = live.settings();
+  wish.bodies = 5'000'000;
+  const std::string line = refusal_of([&] { live.apply(wish); });
+  EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
+  for (int k = 0; k < 5; ++k) {
+    live.step(true);
+    undisturbed.step(true);
+  }
+  EXPECT_EQ(live.state_hash(), undisturbed.state_hash());
+}
+
+}  // namespace
+}  // namespace collidoscope

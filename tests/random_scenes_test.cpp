@@ -1,0 +1,122 @@
+// Scenes that nobody would think of, and what must hold of every one. COLLIDOSCOPE_RANDOM_SCENES says how
+// many (200); one that fails is told as the scene file that it is.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/snapshot.h"
+#include "tests/any_scene.h"
+#include "tests/executors.h"
+#include "tests/random.h"
+#include "tests/test_files.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int steps = 12;
+
+int scenes() {
+  const char* const asked = std::getenv("COLLIDOSCOPE_RANDOM_SCENES");
+  return asked != nullptr ? std::atoi(asked) : 200;
+}
+
+/// Another way to the same state.
+RunOptions another_way(RunOptions options, std::uint32_t seed) {
+  Random random(seed);
+  const std::vector<std::string> methods = broad_phase_names(options.executor);
+  options.broad_phase = methods[random() % methods.size()];
+  options.shape = {1 + static_cast<int>(random() % 5), 1 + static_cast<int>(random() % 64)};
+  options.cpu_threads = 1 + static_cast<int>(random() % 2);
+  options.lane_order = static_cast<LaneOrder>(random() % 3);
+  options.initial_pair_capacity = 1 + random() % 8;
+  return options;
+}
+
+/// Of `options` from the start to the end, and from a file half-way.
+struct Outcome {
+  std::uint64_t hash = 0, hash_from_file = 0;
+  StepStats start, end;
+};
+Outcome run(const Scene& scene, const RunOptions& options, const std::string& file) {
+  Outcome result;
+  World world(scene, options);
+  result.start = world.measure();
+  world.step(steps / 2);
+  {
+    std::ofstream out(file, std::ios::binary);
+    write_snapshot(snapshot_of(world), [&](std::string_view bytes) { out << bytes; });
+  }
+  world.step(steps - steps / 2);
+  result.hash = world.state_hash();
+  result.end = world.measure();
+  const Snapshot half_way = read_snapshot(file);
+  World second = world_from(half_way, half_way.scene, options);
+  second.step(steps - steps / 2);
+  result.hash_from_file = second.state_hash();
+  return result;
+}
+
+/// Nothing in it brings energy: what moves by itself, springs and rods that start out of length, attractors.
+bool keeps_its_energy(const Scene& scene) {
+  for (const std::vector<Body>* list : {&scene.bodies, &scene.added})
+    for (const Body& body : *list)
+      if (body.motion != Motion::dynamic) return false;
+  return scene.joints.empty() && scene.physics.attractors.empty();
+}
+
+/// J over J, of the largest that it had at the start or the end.
+double energy_gain(const Outcome& run) {
+  const double gain = run.end.energy() - run.start.energy() - (run.end.push_work - run.start.push_work);
+  const double scale = std::max(run.start.kinetic_energy, run.end.kinetic_energy) +
+                       std::abs(run.end.potential_energy - run.start.potential_energy);
+  return scale > 0 ? gain / scale : 0;
+}
+
+class RandomScenes : public OnEachExecutor {
+ protected:
+  void check(std::uint32_t seed, Values values) {
+    const Scene scene = any_scene(seed, values);
+    const std::string text = write_scene(scene);
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", the scene:\n" + text);
+    ASSERT_EQ(write_scene(parse_scene(text, "any")), text);
+
+    const Outcome straight = run(scene, options(), folder_ / "half-way");
+    ASSERT_EQ(straight.hash_from_file, straight.hash) << "a snapshot goes on otherwise";
+    const RunOptions other = another_way(options(), seed);
+    const Outcome again = run(scene, other, folder_ / "half-way");
+    ASSERT_EQ(again.hash, straight.hash)
+        << other.broad_phase << ' ' << other.shape.blocks << " x " << other.shape.threads << ", order "
+        << static_cast<int>(other.lane_order);
+    ASSERT_EQ(again.hash_from_file, straight.hash) << other.broad_phase;
+    if (GetParam() != ExecutorKind::cpu) {
+      RunOptions on_cpu = options();
+      on_cpu.executor = ExecutorKind::cpu;
+      ASSERT_EQ(run(scene, on_cpu, folder_ / "half-way").hash, straight.hash) << "the CPU has another answer";
+    }
+    if (values == Values::extreme) return;
+    ASSERT_EQ(straight.end.non_finite, 0);
+    if (keeps_its_energy(scene) && !(straight.start.max_penetration > 0)) {
+      ASSERT_LE(energy_gain(straight), 0.05);
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+ON_EACH_EXECUTOR(RandomScenes);
+
+TEST_P(RandomScenes, OfOrdinaryThings) {
+  for (int seed = 0; seed < scenes() / 2 && !HasFatalFailure(); ++seed)
+    check(static_cast<std::uint32_t>(seed), Values::ordinary);
+}
+
+TEST_P(RandomScenes, AtTheEndsOfEveryRange) {
+  for (int seed = 0; seed < scenes() - scenes() / 2 && !HasFatalFailure(); ++seed)
+    check(static_cast<std::uint32_t>(seed), Values::extreme);
+}
+
+}  // namespace
+}  // namespace collidoscope
