@@ -1,13 +1,14 @@
 #pragma once
-// Needles: bodies with two equal moments of inertia, many times the third. Left to itself such a body turns
-// about its own axis, and that about its angular momentum, both at constant rates (Landau, Lifshitz,
-// Mechanics, 33 and 35), so both turns can be made as they are, whatever h. An update that only keeps the
-// angular momentum L may not: it puts an error of the order of (h w)^2 L along the needle, whose moment there
-// makes a large spin of it; from h w = root(I/I_across) on that error grows from step to step, up to
-// I_across/I times the energy.
+// Needles: bodies with one moment of inertia that is a small part of the other two, which then differ by no
+// more than it (no body has a moment above the sum of the others). An update that only keeps the angular
+// momentum L puts an error of the order of (h w)^2 L along a needle, whose moment there makes a large spin of
+// it; from h w = root(I/I_across) on that error grows from step to step, up to I_across/I times the energy.
 //
-// Of bodies whose two large moments differ, that is left: they need so small an h. Pure functions of SI
-// units.
+// So the kinetic energy goes in two parts, each followed as it is (Strang 1968; Fasso 2003, of any body): a
+// body whose moments across are equal turns about its own axis, and that about L, both at constant rates
+// (Landau, Lifshitz, Mechanics, 33 and 35); what is left is a turn about one of the axes across, smaller by
+// I/I_across, half before and half after. Exact where both moments are equal; else of second order, and
+// bounded in energy for every step that follows the tumbling at all. Pure functions of SI units.
 
 #include "sim_cuda/dynamics/cayley.h"
 
@@ -18,29 +19,27 @@ namespace collidoscope {
 template <class Real>
 SIM_HD int needle_axis(const Vector3<Real>& inertia) {
   constexpr int slender = 16;
-  for (int k = 0; k < 3; ++k) {
-    const Real across = inertia[(k + 1) % 3];
-    if (across == inertia[(k + 2) % 3] && across > slender * inertia[k]) return k;
-  }
+  for (int k = 0; k < 3; ++k)
+    if (inertia[(k + 1) % 3] > slender * inertia[k] && inertia[(k + 2) % 3] > slender * inertia[k]) return k;
   return -1;
 }
 
 /// q, from principal axes to the world's, and w, rad/s in the world's, of the needle along `axis` after h s.
-/// w goes round L with the needle, not by way of L, of which its spin along the needle is a rounding error.
 template <class Real>
 SIM_HD void turn_needle(int axis, Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia,
                         Real h) {
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
   const Vector3<Real> w_body = q.conjugate() * w;
-  const Vector3<Real> momentum =
-      q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
-  const Real across = inertia[(axis + 1) % 3];
-  Vector3<Real> own = Vector3<Real>::Zero();
-  own[axis] = h / 2 * (w_body[axis] - inertia[axis] * w_body[axis] / across);
-  Quaternion<Real> precession = turn_along<Real>(h / 2 / across * momentum);
-  normalise_evenly(precession);
-  q = precession * q * turn_along<Real>(own);
+  // In the needle's axes throughout: in the world's, its own share of L would be a rounding error.
+  Vector3<Real> body(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
+  const Real unequal = (inertia[i] - inertia[j]) / inertia[i] / inertia[j];
+  turn_about(j, h / 4 * unequal * body[j], q, body);
+  const Vector3<Real> momentum = q * body;
+  turn_about(axis, h / 2 * (body[axis] / inertia[axis] - body[axis] / inertia[i]), q, body);
+  q = turn_along<Real>(h / 2 / inertia[i] * momentum) * q;
+  turn_about(j, h / 4 * unequal * body[j], q, body);
   normalise_evenly(q);
-  w = precession * w;
+  w = q * Vector3<Real>(body.x() / inertia.x(), body.y() / inertia.y(), body.z() / inertia.z());
 }
 
 }  // namespace collidoscope
