@@ -122,13 +122,32 @@ TEST(Criterion, OfASceneThatIsRefused) {
   EXPECT_THAT(fault_of(R"("refused": ["a"], "steps": 3)"), HasSubstr("c:2:"));
 }
 
+TEST(Criterion, OfWhatGuardsMustFind) {
+  const Criterion c = parse(R"("steps": 10, "found": {"step": 8, "stage": "bounds", "body": 3},
+    "plant": {"step": 7, "body": 3, "position": [null, 0, 0]}, "faults": [{"fails": "found", "step": 7, "body": 2,
+    "position": [null, 0, 0]}])");
+  ASSERT_TRUE(c.found && c.plant);
+  EXPECT_EQ(c.found->step, 8);
+  EXPECT_EQ(c.found->stage, "bounds");
+  EXPECT_EQ(c.found->body, 3u);
+  EXPECT_TRUE(std::isnan((*c.plant->position)[0]));
+  ASSERT_EQ(c.holds.size(), 1u) << "what is planted need not be finite";
+  EXPECT_EQ(c.holds[0].quantity, Quantity::found);
+  EXPECT_EQ(c.faults[0].term, 0u);
+  EXPECT_THAT(fault_of(R"("steps": 10, "plant": {"step": 7, "body": 3, "position": [null, 0, 0]})"),
+              HasSubstr("is of cases with \"found\""));
+  EXPECT_THAT(fault_of(R"("steps": 10, "found": {"step": 8, "body": 3})"), HasSubstr("a \"stage\" and a"));
+  EXPECT_THAT(fault_of(R"("steps": 10, "found": {"step": 8, "stage": "a", "body": 3}, "holds": [])"),
+              HasSubstr("remove \"found\" or \"holds\""));
+}
+
 TEST(Criterion, NamesEveryFaultByLineAndColumn) {
   EXPECT_EQ(fault_of(R"("steps": 10, "holds": [{"quantity": "penetraton", "at_most": 1}])"),
             "c:2:37: unknown quantity \"penetraton\"; did you mean \"penetration\"? (finite, penetration, "
             "penetration_over_radius, speed, spin, energy_gain, energy_loss, kinetic_energy, escaped, "
             "displacement, position, velocity, momentum_change, angular_momentum_change, quaternion_norm, "
-            "joint_error, joint_angle, pairs, contacts, asleep, tree_depth, difference, separation_speed or "
-            "other_hash)");
+            "joint_error, joint_angle, pairs, contacts, asleep, tree_depth, difference, separation_speed, "
+            "other_hash or found)");
   const std::pair<const char*, const char*> faults[] = {
       {R"("holds": [])", "\"steps\" is missing"},
       {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
@@ -136,6 +155,7 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
       {R"("steps": 10, "every": 0)", "\"every\" is a whole number from 1"},
       {R"("steps": 10, "holds": [{"at_most": 1}])", "a term has a \"quantity\""},
       {R"("steps": 10, "holds": [{"quantity": "finite", "at_most": 1}])", "always holds by itself"},
+      {R"("steps": 10, "holds": [{"quantity": "found", "at_least": 1}])", "is said by \"found\" beside"},
       {R"("steps": 10, "holds": [{"quantity": "speed"}])", "a term has a bound"},
       {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "at_least": 2}])", "nothing can hold"},
       {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "from": 11}])", "\"from\" is a whole"},

@@ -185,6 +185,40 @@ TEST_P(Trials, FaultsShowInTheTermThatTheyAreToFail) {
   EXPECT_TRUE(shows(3));
 }
 
+TEST_P(Trials, GuardsFindWhatIsPlanted) {
+  const HardCase one = flight(R"("steps": 9, "found": {"step": 4, "stage": "bounds", "body": 1},
+    "plant": {"step": 3, "body": 1, "velocity": [0, null, 0]},
+    "faults": [{"fails": "found", "step": 5, "body": 1, "velocity": [0, null, 0]},
+               {"fails": "found", "step": 3, "body": 1, "velocity": [0, 1, 0]}])");
+  for (const TrialSetting& setting : trials_of(one, GetParam())) {
+    const TrialResult result = run(one, setting);
+    EXPECT_EQ(result.verdict, Verdict::passed) << result.why;
+    EXPECT_EQ(result.steps, 3) << "the run waits before the step";
+  }
+  for (const CriterionFault& fault : one.criterion.faults) {
+    run(one, {}, &fault);
+    EXPECT_TRUE(shows_);
+  }
+  HardCase another = one;
+  another.criterion.found->body = 0;
+  EXPECT_THAT(run(another).why, HasSubstr("guards find what they must: "));
+  EXPECT_THAT(run(another).why, HasSubstr("body 1"));
+}
+
+TEST_P(Trials, FailWhereTheScenesOwnGuardsPause) {
+  HardCase one = flight(R"("steps": 9)");
+  one.scene.physics.guards = Guards{};
+  PlantedState& planted = one.criterion.plant.emplace();
+  planted.step = 3;
+  planted.body = 1;
+  planted.velocity = Vector3d(0, 1e12, 0);
+  const TrialResult result = run(one);
+  EXPECT_EQ(result.verdict, Verdict::failed);
+  EXPECT_THAT(result.why, HasSubstr("body 1 has"));
+  EXPECT_FALSE(result.failed_term);
+  EXPECT_EQ(result.steps, 3);
+}
+
 TEST_P(Trials, PlayChanges) {
   HardCase one = flight(R"("steps": 8, "changes": "faster.json", "holds": [
     {"quantity": "position", "body": 0, "axis": "x", "at_least": 1.49, "at_most": 1.51, "from": 8}])");

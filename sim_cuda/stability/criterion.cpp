@@ -40,6 +40,7 @@ std::string text_of(Quantity quantity, double value) {
 std::string text_of(const Term& term) {
   std::string text(name_of(quantity_names, term.quantity));
   if (term.quantity == Quantity::finite) return "all finite";
+  if (term.quantity == Quantity::found) return "guards find what they must";
   const bool along = term.quantity == Quantity::position || term.quantity == Quantity::velocity;
   if (along) text += fmt::format(" {}", "xyz"[term.axis]);
   if (term.body) text += fmt::format(" of body {}", *term.body);
@@ -73,8 +74,8 @@ const DeclaredLimit* Criterion::limit_of(Solver solver, Precision precision, Exe
     return limit.solver.value_or(solver) == solver && limit.precision.value_or(precision) == precision &&
            limit.executor.value_or(executor) == executor;
   };
-  const auto found = std::ranges::find_if(limits, fits);
-  return found == limits.end() ? nullptr : &*found;
+  const auto first = std::ranges::find_if(limits, fits);
+  return first == limits.end() ? nullptr : &*first;
 }
 
 }  // namespace collidoscope

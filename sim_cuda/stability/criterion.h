@@ -43,7 +43,8 @@ enum class Quantity {
   tree_depth,
   difference,
   separation_speed,
-  other_hash
+  other_hash,
+  found
 };
 inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"finite", Quantity::finite},
@@ -70,6 +71,7 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"difference", Quantity::difference},
     {"separation_speed", Quantity::separation_speed},
     {"other_hash", Quantity::other_hash},
+    {"found", Quantity::found},
 });
 std::string_view unit_of(Quantity quantity);  ///< "m"; empty for a count or a share
 
@@ -119,6 +121,13 @@ struct CriterionFault {
   std::string scene{};              ///< file, in place of the case's own
 };
 
+/// What guards must find, and no other: in which step, after which stage, of which body.
+struct MustFind {
+  std::int64_t step = 0;
+  std::string stage;
+  std::uint32_t body = 0;
+};
+
 struct Criterion {
   std::string file;         ///< that it was read from
   std::string what, group;  ///< a line; one of hard_case_groups
@@ -134,9 +143,13 @@ struct Criterion {
 
   std::string changes;                  ///< file, or empty
   std::vector<ExecutorKind> executors;  ///< it runs on these alone; empty: on all
-  std::vector<Term> holds;              ///< the first is always `finite`: no body that is not
+  /// The first is always `finite`: no body that is not. Of a case whose guards must find something, that they
+  /// do is the only one.
+  std::vector<Term> holds;
   std::vector<DeclaredLimit> limits;
   std::vector<CriterionFault> faults;
+  std::optional<MustFind> found;      ///< the scene runs with guards, which pause there
+  std::optional<PlantedState> plant;  ///< for them to find
   /// The scene must be refused with so many lines, each with these words. Not empty: nothing else is set but
   /// `what` and `group`.
   std::vector<std::string> refused;

@@ -9,7 +9,7 @@
 
 #include "sim_cuda/change_reader.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/text_file.h"
 #include "sim_cuda/stability/criterion.h"
 
@@ -39,7 +39,6 @@ class CriterionReader {
     if (root.is_object()) {
       read_header(root);
       read_what(root);
-      criterion_.holds.emplace_back().at_most = 0;  // finite
       if (const JsonNode* refused = root.member("refused", JsonKind::array))
         read_refused(*refused, root);
       else
@@ -93,8 +92,17 @@ class CriterionReader {
 
   void read_run(ObjectReader& root) {
     read_steps(root);
-    if (const JsonNode* run = root.member("run")) read_way(*run);
     if (root.text("changes", criterion_.changes)) check_file(*root.member("changes"));
+    if (const JsonNode* run = root.member("run")) read_way(*run);
+    const JsonNode* found = root.member("found");
+    const JsonNode* plant = root.member("plant");
+    if (found != nullptr)
+      read_found(*found, root);
+    else
+      criterion_.holds.emplace_back().at_most = 0;  // finite
+    if (plant != nullptr) read_plant(*plant);
+    if (plant != nullptr && found == nullptr)
+      reading_.fault_at_key(*plant, "\"plant\" is of cases with \"found\", whose guards must find it");
     for_each(root, "executors", [&](const JsonNode& node) {
       const auto kind =
           node.kind == JsonKind::text ? value_of(executor_names, document_.text(node)) : std::nullopt;
@@ -162,12 +170,12 @@ class CriterionReader {
       reading_.fault(node, "the name of a file (.json) in the criterion's own folder");
   }
 
-  /// False, and a fault, where the scene has no such body.
+  /// False, and a fault, where the scene has no such body, and no change adds one.
   bool read_id(ObjectReader& reader, std::uint32_t& id) {
     std::int64_t number = 0;
     if (!reader.whole("body", number)) return false;
-    if (scene_ != nullptr &&
-        !in_range(*reader.member("body"), "body", number, 0, std::max<std::int64_t>(bodies_, 1) - 1))
+    const std::int64_t count = scene_ != nullptr && criterion_.changes.empty() ? bodies_ : limits::max_bodies;
+    if (!in_range(*reader.member("body"), "body", number, 0, std::max<std::int64_t>(count, 1) - 1))
       return false;
     id = static_cast<std::uint32_t>(number);
     return true;
@@ -188,6 +196,8 @@ class CriterionReader {
       reading_.fault(node, "a term has a \"quantity\", the name of what is measured");
     if (named && term.quantity == Quantity::finite)
       reading_.fault(node, "\"finite\" always holds by itself; remove this term");
+    if (named && term.quantity == Quantity::found)
+      reading_.fault(node, "what guards must find is said by \"found\" beside \"holds\"; remove this term");
     if (double bound = 0; reader.real("at_most", bound)) term.at_most = bound;
     if (double bound = 0; reader.real("at_least", bound)) term.at_least = bound;
     if (!term.at_most && !term.at_least && reader.member("at_most") == nullptr &&
@@ -256,6 +266,34 @@ class CriterionReader {
       return reading_.fault(
           node, unknown_name("broad phase", name, std::vector<std::string_view>(known.begin(), known.end())));
     term.broad_phases.push_back(name);
+  }
+
+  void read_found(const JsonNode& node, ObjectReader& root) {
+    ObjectReader reader(reading_, node, "\"found\"");
+    MustFind& found = criterion_.found.emplace();
+    std::optional<std::int64_t> step;
+    read_state(reader, "step", step);
+    found.step = step.value_or(0);
+    reader.text("stage", found.stage);
+    read_id(reader, found.body);
+    for (const char* key : {"step", "stage", "body"})
+      if (reader.is_object() && reader.member(key) == nullptr)
+        reading_.fault(node, "\"found\" is a \"step\", a \"stage\" and a \"body\"");
+    reader.finish();
+    Term& term = criterion_.holds.emplace_back();
+    term.quantity = Quantity::found;
+    term.at_least = 1;
+    if (const JsonNode* holds = root.member("holds"))
+      reading_.fault_at_key(*holds,
+                            "what guards must find is all that can hold; remove \"found\" or \"holds\"");
+  }
+
+  void read_plant(const JsonNode& node) {
+    ObjectReader reader(reading_, node, "\"plant\"");
+    CriterionFault planted;
+    if (reader.is_object()) read_planted(reader, node, planted);
+    reader.finish();
+    criterion_.plant = planted.state;
   }
 
   void read_limit(const JsonNode& node) {

@@ -167,6 +167,7 @@ Extremes measured(const Term& term, Observation& seen) {
       return separation_speed(seen);
     case Quantity::difference:
     case Quantity::other_hash:
+    case Quantity::found:
       break;
   }
   return one(std::numeric_limits<double>::quiet_NaN());

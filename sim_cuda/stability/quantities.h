@@ -23,7 +23,8 @@
 //   tree_depth               levels of the tree that the broad phase has; 0 without one
 //   separation_speed         m/s, at which two bodies part that overlapped at the first state; along z where
 //                            their centres coincide
-// `difference` and `other_hash` need other runs: trial.h.
+// `difference` and `other_hash` need other runs, `found` is 1 where guards found what they must and nothing
+// else, or 0: trial.h.
 
 #include <cstdint>
 #include <optional>
@@ -42,7 +43,7 @@ struct Extremes {
   void take(double value, std::optional<std::uint32_t> body = std::nullopt);
 };
 
-/// Of the state that is observed; the term is none of those that need other runs.
+/// Of the state that is observed; the term is none of those three.
 Extremes measured(const Term& term, Observation& seen);
 /// How far each body is from where `other` has it, and the term's offset.
 Extremes difference(const Term& term, const BodyStates& bodies, const BodyStates& other);

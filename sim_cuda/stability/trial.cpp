@@ -44,6 +44,11 @@ std::vector<Change> changes_of(const HardCase& one, const Scene& scene, const Ru
   return read_changes(one.beside(one.criterion.changes), scene, options, 0).changes;
 }
 
+/// Whether it is measured once, when all runs have ended.
+bool is_of_the_end(Quantity quantity) {
+  return quantity == Quantity::other_hash || quantity == Quantity::found;
+}
+
 /// Why these settings cannot run the scene at all, a line; empty: they can.
 std::string refusal_of(const Scene& scene) {
   const std::vector<Fault> faults = validate(scene);
@@ -69,7 +74,8 @@ struct Trial::Impl {
   void judge(std::size_t term, const Extremes& extremes);
   void advance();
   void step();
-  void end_others();
+  void end();
+  bool found_it();
   void compare_refusal();
   void fail(const std::string& why);
   void finish();
@@ -134,8 +140,12 @@ void Trial::Impl::begin() {
     for (const std::string& name : term.broad_phases)
       others.emplace_back(k, options).options.broad_phase = name;
   }
-  run.emplace(fault != nullptr ? with_setting(with_fault(one, *fault), setting) : own, options, changes,
-              fault != nullptr ? fault->state : std::nullopt);
+  Scene scene = fault != nullptr ? with_setting(with_fault(one, *fault), setting) : own;
+  if (criterion.found) {
+    scene.physics.guards = Guards{};
+    if (scene.physics.effects) scene.physics.effects->guards = true;
+  }
+  run.emplace(scene, options, changes, fault != nullptr && fault->state ? fault->state : criterion.plant);
   seen.emplace(run->world(), criterion.holds);
   look();
 }
@@ -167,7 +177,7 @@ void Trial::Impl::look() {
   if (state > 0) seen->look(run->world(), run->seconds());
   for (std::size_t k = 0; k < one.criterion.holds.size() && !done; ++k) {
     const Term& term = one.criterion.holds[k];
-    if (term.quantity == Quantity::other_hash || !term.at(state)) continue;
+    if (is_of_the_end(term.quantity) || !term.at(state)) continue;
     judge(k, term.quantity == Quantity::difference
                  ? difference(term, seen->bodies(), beside.at(term.scene).world().bodies())
                  : measured(term, *seen));
@@ -199,6 +209,9 @@ void Trial::Impl::judge(std::size_t k, const Extremes& extremes) {
   }
   if (!known.body) known.body = culprit(term, *seen);
   result.failed_term = k;
+  if (term.quantity == Quantity::found)
+    return fail(text_of(term) + ": " +
+                (run->world().finding() ? describe(*run->world().finding()) : "they find nothing"));
   fail(fmt::format("{}: {} at state {}{}", text_of(term), text_of(term.quantity, known.value), known.state,
                    known.body ? fmt::format(", body {}", *known.body) : ""));
 }
@@ -210,19 +223,29 @@ void Trial::Impl::fail(const std::string& why) {
 
 void Trial::Impl::step() {
   run->step();
+  if (run->world().paused() && !one.criterion.found) return fail(describe(*run->world().finding()));
   for (auto& [name, scene] : beside) scene.step();
   if (due(run->state())) look();
 }
 
-/// The other runs are at their ends.
-void Trial::Impl::end_others() {
+/// All runs are at their ends.
+void Trial::Impl::end() {
   for (std::size_t k = 0; k < one.criterion.holds.size() && !done; ++k) {
-    if (one.criterion.holds[k].quantity != Quantity::other_hash) continue;
-    Extremes count;
-    count.take(unlike[k]);
-    judge(k, count);
+    const Quantity quantity = one.criterion.holds[k].quantity;
+    if (!is_of_the_end(quantity)) continue;
+    Extremes value;
+    value.take(quantity == Quantity::found ? (found_it() ? 1 : 0) : unlike[k]);
+    judge(k, value);
   }
   done = true;
+}
+
+/// Whether guards found what they must, and that first.
+bool Trial::Impl::found_it() {
+  const MustFind& wanted = *one.criterion.found;
+  const std::optional<Finding>& finding = run->world().finding();
+  return finding && finding->step == wanted.step && finding->stage == wanted.stage &&
+         finding->body == wanted.body;
 }
 
 /// At least a step of a run, then more until it is late.
@@ -235,10 +258,10 @@ void Trial::Impl::work(const std::function<bool()>& late) {
 }
 
 void Trial::Impl::advance() {
-  if (run->state() < steps) return step();
-  if (next_other == others.size()) return end_others();
+  if (run->state() < steps && !run->world().paused()) return step();
+  if (next_other == others.size()) return end();
   if (!other) other.emplace(with_setting(one.scene, setting), others[next_other].options, changes);
-  if (other->state() < steps) return other->step();
+  if (other->state() < steps && !other->world().paused()) return other->step();
   const bool like = other->world().state_hash() == run->world().state_hash();
   unlike[others[next_other].term] += like ? 0 : 1;
   other.reset();
