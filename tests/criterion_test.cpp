@@ -101,6 +101,13 @@ TEST(Criterion, ReadsAllThatItMaySay) {
   EXPECT_EQ(c.faults[2].scene, "z.json");
 }
 
+TEST(Criterion, MayCompareWithEveryBroadPhaseThatThereIs) {
+  const Criterion c = parse(R"("steps": 1, "holds": [
+      {"quantity": "other_hash", "broad_phases": ["all"], "at_most": 0}])");
+  EXPECT_TRUE(c.holds[0].every_broad_phase);
+  EXPECT_TRUE(c.holds[0].broad_phases.empty());
+}
+
 TEST(Criterion, ALimitIsOfAllThatItDoesNotName) {
   const Criterion c = parse(R"("steps": 1, "limits": [
     {"solver": "impulse", "why": "a"}, {"precision": "f32", "executor": "cuda", "why": "b"}])");

@@ -87,6 +87,7 @@ struct Term {
   Vector3d offset{0, 0, 0};                 ///< m, from its bodies to these
   std::vector<LaunchShape> shapes{};        ///< of the other runs of `other_hash`
   std::vector<std::string> broad_phases{};  ///< the same
+  bool every_broad_phase = false;           ///< the same, with all that the executor has
 
   bool at(std::int64_t state) const { return state >= from.value_or(0) && (!to || state <= *to); }
 };

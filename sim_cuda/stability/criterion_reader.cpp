@@ -260,12 +260,16 @@ class CriterionReader {
   }
 
   void read_broad_phase(const JsonNode& node, Term& term) {
-    const std::vector<std::string> known = broad_phase_names();
+    std::vector<std::string> known = broad_phase_names();
+    known.emplace_back("all");
     const std::string name(node.kind == JsonKind::text ? document_.text(node) : document_.token(node));
     if (std::ranges::find(known, name) == known.end())
       return reading_.fault(
           node, unknown_name("broad phase", name, std::vector<std::string_view>(known.begin(), known.end())));
-    term.broad_phases.push_back(name);
+    if (name == "all")
+      term.every_broad_phase = true;
+    else
+      term.broad_phases.push_back(name);
   }
 
   void read_found(const JsonNode& node, ObjectReader& root) {

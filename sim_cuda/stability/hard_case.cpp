@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 #include "sim_cuda/changes_file.h"
@@ -117,7 +118,11 @@ std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vect
     }
   }
   if (!faults.empty()) throw InputError(faults);
-  std::ranges::stable_sort(cases, {}, [](const HardCase& one) { return place_of(one.criterion.group); });
+  std::ranges::sort(cases, [](const HardCase& a, const HardCase& b) {
+    const auto place_a = place_of(a.criterion.group), place_b = place_of(b.criterion.group);
+    // A stack of 50 comes before one of 100.
+    return place_a != place_b ? place_a < place_b : strverscmp(a.name.c_str(), b.name.c_str()) < 0;
+  });
   return cases;
 }
 

@@ -137,7 +137,8 @@ void Trial::Impl::begin() {
     const Term& term = criterion.holds[k];
     if (term.quantity != Quantity::other_hash) continue;
     for (const LaunchShape& shape : term.shapes) others.emplace_back(k, options).options.shape = shape;
-    for (const std::string& name : term.broad_phases)
+    for (const std::string& name :
+         term.every_broad_phase ? broad_phase_names(setting.executor) : term.broad_phases)
       others.emplace_back(k, options).options.broad_phase = name;
   }
   Scene scene = fault != nullptr ? with_setting(with_fault(one, *fault), setting) : own;
