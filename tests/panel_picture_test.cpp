@@ -463,6 +463,7 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
                            "panel.convergence",
                            "panel.accuracy",
                            "panel.hard_cases",
+                           "panel.breaks",
                            "tree.method",
                            "tree.levels",
                            "tree.boxes",

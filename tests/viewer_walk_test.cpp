@@ -55,6 +55,11 @@ std::vector<std::string> named_widgets() {
                                  "hard_cases.case.falls",
                                  "hard_cases.mark.falls.soft_step f32",
                                  "hard_cases.back",
+                                 "panel.breaks",
+                                 "breaks.non-finite",
+                                 "breaks.speed",
+                                 "breaks.speed.limit",
+                                 "effects.guards",
                                  "layers.ghosts",
                                  "layers.errors"};
   const auto list = [&](const std::string& name, const std::vector<std::string>& choices) {

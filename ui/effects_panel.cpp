@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_cuda/scene/names.h"
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
@@ -66,6 +67,35 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
   text_to(size * 25.0f, signed_bytes(cost.bytes));
 }
 
+/// What they do where something goes wrong is a setting; what they look at decides no state.
+void draw_guards(Workspace& workspace, const EffectFacts& effect, const WorkspaceView& view,
+                 const Effects& now) {
+  std::optional<OnFailure>& wish = workspace.settings.guards;
+  bool on = wish.has_value();
+  if (ImGui::Checkbox("guards", &on)) wish = on ? std::optional(OnFailure::pause) : std::nullopt;
+  track(workspace, "effects.guards");
+  explain(("After each stage a look at all that it wrote, for what is not finite, or absurd. " +
+           cost_text(effect, now))
+              .c_str());
+  ImGui::SameLine(ImGui::GetFontSize() * 6.6f);
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5.2f);
+  ImGui::BeginDisabled(!wish);
+  const std::string chosen = wish ? std::string(name_of(on_failure_names, *wish)) : "off";
+  if (begin_choice("##guards", chosen.c_str())) {
+    track(workspace, "effects.on_failure");
+    for (const auto& [name, value] : on_failure_names) {
+      if (ImGui::Selectable(std::string(name).c_str(), wish == value)) wish = value;
+      track(workspace, ("effects.on_failure." + std::string(name)).c_str());
+    }
+    ImGui::EndCombo();
+  } else {
+    track(workspace, "effects.on_failure");
+  }
+  ImGui::EndDisabled();
+  explain("pause: the run waits before the step that fails. freeze: the body is fixed where it was");
+  if (effect.cost) draw_cost(view, *effect.cost);
+}
+
 void draw_effect(Workspace& workspace, const EffectFacts& effect, const WorkspaceView& view,
                  const Effects& now) {
   const bool greyed = !effect.on && (!effect.called_for || !effect.cannot.empty());
@@ -114,7 +144,8 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
     text_to(size * 25.0f, view.measuring_effects ? "…" : "bytes");
     ImGui::PopStyleColor();
   }
-  for (const EffectFacts& effect : view.effect_facts) draw_effect(workspace, effect, view, now);
+  for (const EffectFacts& effect : view.effect_facts)
+    (effect.flag == &Effects::guards ? draw_guards : draw_effect)(workspace, effect, view, now);
   end_panel();
 }
 

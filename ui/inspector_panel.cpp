@@ -107,6 +107,14 @@ void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(fmt::format("body {}", view.selected->id).c_str());
   ImGui::SameLine();
+  if (std::ranges::binary_search(view.frozen, view.selected->id)) {
+    ImGui::TextColored(
+        workspace.theme == Theme::light ? ImVec4(0.05f, 0.42f, 0.62f, 1) : ImVec4(0.47f, 0.84f, 1, 1),
+        "frozen");
+    explain(
+        "A step of its own failed, or somebody asked for it: it stays where it was, and no force moves it");
+    ImGui::SameLine();
+  }
   ImGui::Checkbox("follow", &workspace.follow);
   track(workspace, "inspector.follow");
   ImGui::SameLine();

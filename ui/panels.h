@@ -17,12 +17,16 @@ void draw_convergence_panel(Workspace& workspace,
                             const WorkspaceView& view);  ///< what sweeps of the solver leave
 void draw_accuracy_panel(Workspace& workspace, const WorkspaceView& view);  ///< error over price of settings
 void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view);  ///< what holds of hard cases
+void draw_break_panel(Workspace& workspace, const WorkspaceView& view);       ///< where the run is to stop
 void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view);     ///< counts, energy, momentum
 void draw_tree_panel(Workspace& workspace,
                      const WorkspaceView& view);  ///< how good the tree is, and where not
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view);  ///< the selected body
 void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view);     ///< over time, along the bottom
 void draw_status_line(Workspace& workspace, const WorkspaceView& view);
+void draw_stop_bar(
+    Workspace& workspace,
+    const WorkspaceView& view);  ///< at what it has stopped; in a window of its own, over the 3D view
 void draw_error_bar(Workspace& workspace);  ///< in a window of its own, over the 3D view
 void draw_help(Workspace& workspace);       ///< the keys; so too
 

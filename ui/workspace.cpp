@@ -52,15 +52,17 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const ScreenRect& at = workspace.scene_view;
   list->PushClipRect({at.x, at.y}, {at.x + at.width, at.y + at.height});
-  if (view.outline.size() > 2) {
+  const auto outline = [&](const std::vector<std::pair<float, float>>& around, ImU32 color) {
+    if (around.size() <= 2) return;
     std::vector<ImVec2> points;
-    for (const auto& [x, y] : view.outline) points.emplace_back(x, y);
+    for (const auto& [x, y] : around) points.emplace_back(x, y);
     const float size = ImGui::GetFontSize() / 14;
     list->AddPolyline(points.data(), static_cast<int>(points.size()), IM_COL32(0, 0, 0, 160),
                       ImDrawFlags_Closed, 4 * size);
-    list->AddPolyline(points.data(), static_cast<int>(points.size()), IM_COL32(255, 214, 92, 255),
-                      ImDrawFlags_Closed, 2 * size);
-  }
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_Closed, 2 * size);
+  };
+  for (const auto& around : view.frozen_outlines) outline(around, IM_COL32(120, 214, 255, 255));
+  outline(view.outline, IM_COL32(255, 214, 92, 255));
   const auto line = [&](const std::string& text, float y, ImU32 color) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     const float pad = ImGui::GetFontSize() * 0.5f;
@@ -117,11 +119,13 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_convergence_panel(workspace, view);
       draw_accuracy_panel(workspace, view);
       draw_hard_cases_panel(workspace, view);
+      draw_break_panel(workspace, view);
       draw_numbers_panel(workspace, view);
       draw_inspector_panel(workspace, view);
     });
   if (folds.bottom) window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
   window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
+  draw_stop_bar(workspace, view);
   draw_error_bar(workspace);
   draw_help(workspace);
 }

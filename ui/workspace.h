@@ -17,6 +17,7 @@
 #include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "ui/accuracy_facts.h"
+#include "ui/break_facts.h"
 #include "ui/color_key.h"
 #include "ui/effect_facts.h"
 #include "ui/hard_cases_facts.h"
@@ -40,7 +41,8 @@ struct Settings {
   RotationUpdate rotation_update = RotationUpdate::first_order;
   std::optional<int> substeps;  ///< unset: "auto"
   int iterations = 1;
-  std::optional<Effects> effects;  ///< unset: "auto", what the scene calls for
+  std::optional<Effects> effects;   ///< unset: "auto", what the scene calls for
+  std::optional<OnFailure> guards;  ///< unset: nobody looks; the scene's own limits, where it has some
   ExecutorKind executor = ExecutorKind::automatic;
   LaunchShape shape;  ///< (B, T); zeros are "auto"
   std::string broad_phase;
@@ -72,7 +74,7 @@ struct Folds {
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
        inspector = true, tree = false, convergence = false,  ///< measuring takes time
       effects = false,                                       ///< rarely asked for
-      hard_cases = false,                                    ///< runs them where somebody said so
+      breaks = false, hard_cases = false,                    ///< runs them where somebody said so
       accuracy = false;                                      ///< measures as long as it is unfolded
 
   friend bool operator==(const Folds&, const Folds&) = default;
@@ -107,6 +109,7 @@ struct Workspace {
   TreeWishes tree;
   AccuracyWishes accuracy;
   HardCasesWishes hard_cases;
+  BreakWishes breaks;
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
@@ -163,6 +166,9 @@ struct WorkspaceView {
   ReferenceFacts reference;  ///< that ghosts and errors are of
   double error_scale = 1;    ///< of the lines that show errors, in effect
 
+  std::optional<StopFacts> stop;      ///< what the run has stopped at
+  std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed
+
   const BodyReport* selected = nullptr;
   const TreeFacts* tree = nullptr;             ///< null: nobody asked
   const AccuracyFacts* accuracy = nullptr;     ///< so here
@@ -170,6 +176,7 @@ struct WorkspaceView {
   std::vector<std::uint32_t> mark_colors;      ///< by BoxMark
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
   std::vector<std::pair<float, float>> outline;
+  std::vector<std::vector<std::pair<float, float>>> frozen_outlines;  ///< so too, of the first of `frozen`
   bool orthographic = false;
 
   bool with_times = true;  ///< false: times are drawn as a dash, so that pictures repeat

@@ -150,11 +150,18 @@ void App::fill(WorkspaceView& view) {
   view.orthographic = scene_.camera().orthographic;
   view.mark_colors = mark_legend();
   view.tree = tree_.facts();
+  view.stop = breaks_.stop(live_);
   if (scene_.selected()) view.selected = &*scene_.selected();
   const ScreenRect rect = scene_view_rect(workspace_, static_cast<float>(window_.width()),
                                           static_cast<float>(window_.height()), ImGui::GetFontSize());
   for (const auto& [x, y] : scene_.outline())
     view.outline.emplace_back(static_cast<float>(x) + rect.x, static_cast<float>(y) + rect.y);
+
+  for (const auto& around : scene_.frozen_outlines()) {
+    auto& points = view.frozen_outlines.emplace_back();
+    for (const auto& [x, y] : around)
+      points.emplace_back(static_cast<float>(x) + rect.x, static_cast<float>(y) + rect.y);
+  }
 
   const Clock::time_point now = Clock::now();
   moments_.push_back({now, simulated_});

@@ -14,6 +14,7 @@
 #include "viewer/live/automation.h"
 #include "viewer/live/effect_costs.h"
 #include "viewer/live/live_accuracy.h"
+#include "viewer/live/live_breaks.h"
 #include "viewer/live/live_reference.h"
 #include "viewer/live/live_stability.h"
 #include "viewer/live/live_world.h"
@@ -64,6 +65,11 @@ class App {
   void measure_accuracy(double seconds);
   void save_picture();
 
+  // Where it stops by itself (app_breaks.cpp).
+  void meet_stop_wish();
+  void step_once();
+  bool is_held();
+
   // Hard cases (app_hard_cases.cpp).
   bool shows_hard_cases() const { return workspace_.folds.right && workspace_.folds.hard_cases; }
   void follow_hard_cases(double seconds);
@@ -84,6 +90,7 @@ class App {
   TreeInspector tree_;
   LiveReference reference_;
   LiveAccuracy accuracy_;
+  LiveBreaks breaks_;
   LiveStability stability_;
   struct Left {
     Start start;

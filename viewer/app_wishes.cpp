@@ -9,21 +9,11 @@
 
 #include "sim_cuda/core/whole_file.h"
 #include "viewer/app_guard.h"
+#include "viewer/free_name.h"
 #include "viewer/live/thrown_ball.h"
 #include "viewer/render/image.h"
 
 namespace collidoscope {
-namespace {
-
-/// captures/<stem>.<ending>, or with a number where that is taken: nothing is overwritten.
-std::string free_name(const std::string& stem, const std::string& ending) {
-  namespace fs = std::filesystem;
-  std::string file = fmt::format("captures/{}.{}", stem, ending);
-  for (int k = 2; fs::exists(file); ++k) file = fmt::format("captures/{}_{}.{}", stem, k, ending);
-  return file;
-}
-
-}  // namespace
 
 void App::say(const std::string& notice) {
   workspace_.notice = notice;
@@ -47,6 +37,7 @@ void App::meet_wishes(double seconds) {
     });
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
+  guarded([&] { meet_stop_wish(); });
   guarded([&] { follow_reference(); });
   guarded([&] { advance(seconds); });
   guarded([&] { measure_effects(); });
@@ -105,6 +96,7 @@ void App::advance(double seconds) {
   if (!wished && workspace_.playing)
     due_ = workspace_.speed > 0 ? due_ + seconds * workspace_.speed / time_step : 1;
   if (!wished && !(workspace_.playing && due_ >= 1)) return;
+  if (is_held()) return;
   constexpr double slice = 12;  // ms of a frame
   if (workspace_.layers.ask_a_reference() && !reference_.go_ahead(time_step, slice)) return;
   if (wished)
@@ -116,10 +108,7 @@ void App::advance(double seconds) {
   live_.world().record_impulses(workspace_.layers.contacts ||
                                 (workspace_.selection && folds.right && folds.inspector));
   live_.world().record_residuals(folds.right && folds.convergence);
-  live_.step(true);
-  if (live_.scripted()) workspace_.settings = live_.settings();
-  reference_.stepped(time_step);
-  simulated_ += time_step;
+  step_once();
   const auto& pause_at = options_.view.pause_at;
   if (pause_at && live_.world().steps() == *pause_at) workspace_.playing = false;
 }

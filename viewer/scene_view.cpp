@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "viewer/camera_control.h"
 #include "viewer/live/tree_marks.h"
@@ -51,6 +52,21 @@ void SceneView::follow_world(LiveWorld& live) {
   // In another box the same direction shows all of it.
   if (camera_set_ && !same_bounds(before, renderer_->scene().bounds))
     camera_ = frame_all(renderer_->scene().bounds, aspect(), camera_);
+}
+
+void SceneView::follow_frozen(LiveWorld& live) {
+  constexpr std::size_t most = 100;
+  const std::vector<std::uint32_t>& ids = live.world().frozen();
+  const std::size_t shown = std::min(ids.size(), most);
+  if (frozen_generation_ == live.generation() &&
+      std::ranges::equal(frozen_, std::span(ids).first(shown), {}, &Frozen::id))
+    return;
+  frozen_generation_ = live.generation();
+  frozen_.clear();
+  if (shown == 0) return;
+  const BodyStates bodies = live.world().bodies();
+  for (const std::uint32_t id : std::span(ids).first(shown))
+    frozen_.push_back({id, bodies.position[id], live.world().initial().radius[id]});
 }
 
 void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
@@ -113,6 +129,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
     camera_.orthographic = orthographic;
     camera_set_ = true;
   }
+  follow_frozen(live);
   follow_selection(live, workspace);
   mark(workspace, tree);
   publish(live, workspace, reference);
@@ -193,6 +210,14 @@ SceneView::Picked SceneView::pick(int x, int y) {
   }
   constexpr int reach = 4;  // pixels by which a hand misses a line
   return {std::nullopt, renderer_->pick_box(camera_, layers, x, y, reach)};
+}
+
+std::vector<std::vector<std::pair<double, double>>> SceneView::frozen_outlines() const {
+  std::vector<std::vector<std::pair<double, double>>> outlines;
+  constexpr double room = 1.08;  // beside the outline of a selected one
+  for (const Frozen& body : frozen_)
+    outlines.push_back(sphere_outline(camera_, body.at, room * body.radius, width_, height_));
+  return outlines;
 }
 
 std::vector<std::pair<double, double>> SceneView::outline() const {

@@ -55,9 +55,12 @@ class SceneView {
   double scene_size() const { return renderer_ ? renderer_->scene().bounds.diagonal() : 1; }
   /// The selected body's outline in pixels of the view.
   std::vector<std::pair<double, double>> outline() const;
+  /// So of what is frozen; of the first hundred such.
+  std::vector<std::vector<std::pair<double, double>>> frozen_outlines() const;
 
  private:
   void follow_world(LiveWorld& live);
+  void follow_frozen(LiveWorld& live);
   void follow_selection(LiveWorld& live, const Workspace& workspace);
   void mark(const Workspace& workspace, const TreeInspector& tree);
   void publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference);
@@ -93,6 +96,14 @@ class SceneView {
     friend bool operator==(const Inspected&, const Inspected&) = default;
   } inspected_;
   std::optional<BodyReport> selected_;
+
+  struct Frozen {
+    std::uint32_t id;
+    Vector3d at;    ///< m
+    double radius;  ///< m
+  };
+  std::vector<Frozen> frozen_;  ///< they stay where they are
+  int frozen_generation_ = -1;
 
   // Of what the boxes on top of the picture are.
   struct Marked {

@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(plain_data "sim_cuda/(run_options|step_stats|stage_launch|publish|tree_quality|history|body_report|residual)[.]h|sim_cuda/scene/(scene|effects|limits|names)[.]h"
-  "sim_cuda/accuracy/point[.]h" "sim_cuda/core/(launch_shape|linear_algebra|error)[.]h")
+  "sim_cuda/guard/(break_conditions|finding)[.]h" "sim_cuda/accuracy/point[.]h" "sim_cuda/core/(launch_shape|linear_algebra|error)[.]h")
 string(JOIN "|" plain_data ${plain_data})
 set(windows "GLFW/|X11/")
 set(drawing "${windows}|GL/|epoxy/|EGL/|KHR/|imgui|stb_|png")

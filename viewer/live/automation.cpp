@@ -163,6 +163,14 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                        {"max", view.reference.max},     {"doubt", view.reference.doubt}};
   line["accuracy"] = accuracy_json(workspace, view);
   line["hard_cases"] = hard_cases_json(workspace, view);
+  line["stop"] = nullptr;
+  if (view.stop)
+    line["stop"] = {{"what", view.stop->what},
+                    {"found", view.stop->found},
+                    {"body", view.stop->body ? Json(*view.stop->body) : Json(nullptr)},
+                    {"before", view.stop->before}};
+  line["frozen"] = view.frozen;
+  line["guards"] = s.guards ? Json(std::string(name_of(on_failure_names, *s.guards))) : Json(nullptr);
   line["measuring_effects"] = view.measuring_effects;
   line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
   Json widgets = Json::object();

@@ -113,7 +113,7 @@ void EffectCosts::go_on(World& world, double milliseconds) {
     cost.ms_low = quantile(differences_, 0.25);
     cost.ms_high = quantile(differences_, 0.75);
     cost.without_ms = quantile(without_ms_, 0.5);
-    const bool moving = with_->steps() < state_.steps + 10 * pairs;
+    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->paused() && !without_->paused();
     if (cost.pairs >= pairs || !moving) finish();
     if (std::chrono::duration<double, std::milli>(Clock::now() - start).count() > milliseconds) break;
   }

@@ -22,6 +22,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.tree_nodes = world.tree_nodes();
   view.history = &history;
   view.residuals = world.residuals();
+  view.frozen = world.frozen();
 }
 
 }  // namespace collidoscope

@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/guard/frozen.h"
 #include "sim_cuda/stability/hard_run.h"
 
 namespace collidoscope {
@@ -29,6 +31,7 @@ Settings settings_of(const World& world) {
   s.substeps = scene.physics.substeps;
   s.iterations = scene.physics.iterations;
   s.effects = scene.physics.effects;
+  if (world.effects().guards) s.guards = scene.physics.guards.value_or(Guards{}).on_failure;
   s.executor = options.executor;
   s.shape = options.shape;
   s.broad_phase = options.broad_phase;
@@ -89,11 +92,37 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
 }
 
 std::string LiveWorld::apply(const Settings& wish) {
+  if (wish.guards != settings().guards) set_guards(wish.guards);
+  Settings others = wish;
+  if (others.effects) others.effects->guards = others.guards.has_value();
   const Settings now = settings();
-  if (wish == now) return "";
+  if (others == now) return "";
   RunOptions options = world_->options();
-  options.executor = wish.executor;
-  return apply(change_between(now, wish), options);
+  options.executor = others.executor;
+  return apply(change_between(now, others), options);
+}
+
+/// They decide no state, so nobody need be told that they were turned.
+void LiveWorld::set_guards(std::optional<OnFailure> wish) {
+  Scene scene = world_->scene();
+  Physics& physics = scene.physics;
+  if (physics.guards) guards_ = *physics.guards;
+  if (wish) {
+    physics.guards = guards_;
+    physics.guards->on_failure = *wish;
+    if (physics.effects) physics.effects->guards = true;
+  } else {
+    leave_out_guards(physics);
+  }
+  const RunState state = world_->state();
+  replace(std::make_unique<World>(scene, RunOptions(world_->options()), &state));
+}
+
+void LiveWorld::freeze(std::uint32_t body) {
+  RunState state = world_->state();
+  collidoscope::freeze(state, body, world_->initial(), world_->scene().physics.guards.value_or(Guards{}));
+  replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), &state));
+  edited_ = true;
 }
 
 std::string LiveWorld::apply(Change change) { return apply(std::move(change), world_->options()); }
@@ -131,6 +160,8 @@ std::string LiveWorld::apply(Change change, const RunOptions& options) {
 }
 
 std::string LiveWorld::changes_text() {
+  if (!world_->frozen().empty())
+    throw InputError("bodies were frozen, and no list of changes says so; a snapshot keeps it");
   return write_changes({changes_, RecordedEnd{world_->steps(), state_hash()}}, world_->scene());
 }
 
@@ -166,13 +197,14 @@ void LiveWorld::restart() {
   edited_ = false;
 }
 
-void LiveWorld::step(bool measured) {
+bool LiveWorld::step(bool measured) {
   const std::int64_t before = world_->steps();
   world_->step();
-  if (world_->steps() == before) return;  // a guard has paused it
   stats_known_ = hash_known_ = false;
+  if (world_->steps() == before) return false;  // a guard has paused it
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
+  return true;
 }
 
 const StepStats& LiveWorld::stats() {

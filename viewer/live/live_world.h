@@ -34,7 +34,8 @@ class LiveWorld {
   bool edited() const { return edited_; }
   /// All that was changed since this world was made, for a replay of it from where it began.
   const std::vector<Change>& changes() const { return changes_; }
-  /// The same as a file, with the state that it led to.
+  /// The same as a file, with the state that it led to. Throws InputError where bodies were frozen, which no
+  /// list of changes says.
   std::string changes_text();
   /// Changes whenever world() is another one: whoever keeps what belongs to it asks this.
   int generation() const { return generation_; }
@@ -61,8 +62,12 @@ class LiveWorld {
   /// Back to state 0, with the settings in effect.
   void restart();
 
-  /// One step, added to the history; measured, too, if `measured`.
-  void step(bool measured);
+  /// Fixes a body where it is, as guards do.
+  void freeze(std::uint32_t body);
+
+  /// One step, added to the history; measured, too, if `measured`. False where guards found something, and
+  /// the world stands at the state that it was in.
+  bool step(bool measured);
   /// Of the current state, measured at most once for each.
   const StepStats& stats();
   std::uint64_t state_hash();
@@ -76,12 +81,14 @@ class LiveWorld {
   std::string apply(Change change, const RunOptions& options);
   void replace(std::unique_ptr<World> world);
   void play_script();
+  void set_guards(std::optional<OnFailure> wish);
 
   std::unique_ptr<World> world_;
   History history_;
   std::vector<Change> changes_;
   Script script_;
   std::size_t next_in_script_ = 0;
+  Guards guards_;  ///< limits of the scene that had some
   BodyIds last_ids_;
   std::int64_t began_ = 0;  ///< the state that it was given, of a snapshot
   bool edited_ = false, stats_known_ = false, hash_known_ = false;

@@ -16,14 +16,14 @@ struct Switch {
 };
 
 std::vector<Switch> switches(ShownLayers& layers, Folds& folds) {
-  return {{"spheres", layers.spheres},  {"boxes", layers.boxes},         {"contacts", layers.contacts},
-          {"grid", layers.grid},        {"walls", layers.walls},         {"joints", layers.joints},
-          {"ghosts", layers.ghosts},    {"errors", layers.errors},       {"left", folds.left},
-          {"right", folds.right},       {"bottom", folds.bottom},        {"run", folds.run},
-          {"settings", folds.settings}, {"layers", folds.layers},        {"camera", folds.camera},
-          {"tree", folds.tree},         {"effects", folds.effects},      {"timing", folds.timing},
-          {"numbers", folds.numbers},   {"inspector", folds.inspector},  {"convergence", folds.convergence},
-          {"accuracy", folds.accuracy}, {"hard_cases", folds.hard_cases}};
+  return {{"spheres", layers.spheres},  {"boxes", layers.boxes},          {"contacts", layers.contacts},
+          {"grid", layers.grid},        {"walls", layers.walls},          {"joints", layers.joints},
+          {"ghosts", layers.ghosts},    {"errors", layers.errors},        {"left", folds.left},
+          {"right", folds.right},       {"bottom", folds.bottom},         {"run", folds.run},
+          {"settings", folds.settings}, {"layers", folds.layers},         {"camera", folds.camera},
+          {"tree", folds.tree},         {"effects", folds.effects},       {"timing", folds.timing},
+          {"numbers", folds.numbers},   {"inspector", folds.inspector},   {"convergence", folds.convergence},
+          {"accuracy", folds.accuracy}, {"hard_cases", folds.hard_cases}, {"breaks", folds.breaks}};
 }
 
 }  // namespace

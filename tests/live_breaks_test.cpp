@@ -1,0 +1,120 @@
+// Where a live run stops: at conditions, and at what guards find; and the ways on.
+
+#include "viewer/live/live_breaks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "tests/falling_scene.h"
+
+namespace collidoscope {
+namespace {
+
+RunOptions on_cpu() {
+  RunOptions options;
+  options.executor = ExecutorKind::cpu;
+  options.cpu_threads = 1;
+  return options;
+}
+
+struct Watched {
+  explicit Watched(const std::string& guards = "")
+      : live(parse_scene(falling_scene(guards), "falling"), on_cpu()) {}
+  bool step() {
+    breaks.before_step(live, conditions);
+    live.step(true);
+    return breaks.after_step(live, conditions);
+  }
+  const StopFacts& to_a_stop() {
+    for (int k = 0; k < 100; ++k)
+      if (step()) return *breaks.stop(live);
+    throw std::runtime_error("it does not stop");
+  }
+  LiveWorld live;
+  LiveBreaks breaks;
+  BreakConditions conditions;
+};
+
+TEST(LiveBreaks, StopsWhereAConditionIsMet) {
+  Watched run;
+  run.conditions.limit(Condition::speed) = 5.5;
+  const StopFacts& stop = run.to_a_stop();
+  EXPECT_EQ(run.live.world().steps(), 5) << "the state that meets it can be seen";
+  EXPECT_FALSE(stop.found);
+  EXPECT_EQ(stop.body, 1u);
+  EXPECT_TRUE(stop.can_freeze);
+  EXPECT_EQ(stop.before, 4);
+  EXPECT_THAT(stop.what, testing::HasSubstr("speed"));
+
+  // The state before it, and the run where it was.
+  const std::uint64_t hash = run.live.world().state_hash();
+  const Snapshot before = run.breaks.before(run.live);
+  EXPECT_EQ(before.state.steps, 4);
+  EXPECT_EQ(run.live.world().steps(), 5);
+  EXPECT_EQ(run.live.world().state_hash(), hash);
+  World again = world_from(before, before.scene, on_cpu());
+  again.step();
+  EXPECT_EQ(again.state_hash(), hash);
+
+  // Gone on from, it is not met anew while it lasts.
+  run.breaks.go_on();
+  for (int k = 0; k < 5; ++k) EXPECT_FALSE(run.step());
+  run.conditions.limit(Condition::speed) = 15.5;
+  EXPECT_FALSE(run.step()) << "now it does not hold";
+  run.to_a_stop();
+  EXPECT_EQ(run.live.world().steps(), 15);
+}
+
+TEST(LiveBreaks, AsksNothingWhereAllIsOff) {
+  Watched run;
+  for (int k = 0; k < 50; ++k) EXPECT_FALSE(run.step());
+  EXPECT_FALSE(run.breaks.stop(run.live));
+  EXPECT_THROW(run.breaks.before(run.live), InputError);
+}
+
+TEST(LiveBreaks, StopsAtWhatGuardsFindAndFreezesIt) {
+  Watched run(R"({"on_failure": "pause", "speed": 5.5})");
+  const StopFacts stop = run.to_a_stop();
+  EXPECT_TRUE(stop.found);
+  EXPECT_EQ(stop.body, 1u);
+  EXPECT_EQ(stop.before, 4);
+  EXPECT_EQ(run.live.world().steps(), 4) << "the step that fails is in no state";
+  EXPECT_EQ(run.live.history().size(), 4u);
+  EXPECT_EQ(run.breaks.before(run.live).state.steps, 4);
+  const Vector3d where = run.live.world().bodies().position[1];
+  run.live.freeze(1);
+  EXPECT_FALSE(run.breaks.stop(run.live)) << "another run";
+  EXPECT_TRUE(run.live.edited());
+  EXPECT_THROW(run.live.changes_text(), InputError) << "no list of changes says that";
+  EXPECT_FALSE(run.step());
+  EXPECT_EQ(run.live.world().bodies().position[1], where);
+  EXPECT_EQ(run.to_a_stop().body, 0u);
+  EXPECT_THAT(run.live.world().frozen(), testing::ElementsAre(1));
+  run.live.restart();
+  EXPECT_THAT(run.live.world().frozen(), testing::IsEmpty());
+}
+
+TEST(LiveBreaks, GuardsAreASettingThatKeepsTheScenesLimits) {
+  Watched run(R"({"on_failure": "pause", "speed": 5.5})");
+  run.step();
+  Settings wish = run.live.settings();
+  EXPECT_EQ(wish.guards, OnFailure::pause);
+  const std::uint64_t hash = run.live.state_hash();
+  wish.guards.reset();
+  run.live.apply(wish);
+  EXPECT_FALSE(run.live.world().effects().guards);
+  EXPECT_FALSE(run.live.edited()) << "guards decide nothing";
+  EXPECT_EQ(run.live.state_hash(), hash);
+  wish = run.live.settings();
+  wish.guards = OnFailure::freeze;
+  run.live.apply(wish);
+  EXPECT_EQ(run.live.settings().guards, OnFailure::freeze);
+  for (int k = 0; k < 4; ++k) EXPECT_FALSE(run.step()) << "it freezes and goes on";
+  EXPECT_EQ(run.live.world().steps(), 5);
+  EXPECT_THAT(run.live.world().frozen(), testing::ElementsAre(1));
+}
+
+}  // namespace
+}  // namespace collidoscope

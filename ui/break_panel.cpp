@@ -1,0 +1,94 @@
+// Where a run is to stop: a condition in each row, asked of every state while it is on. What it has stopped
+// at is one line, over the picture and here, with what can be done about it.
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "ui/panels.h"
+#include "ui/widgets.h"
+
+namespace collidoscope {
+namespace {
+
+void draw_condition(Workspace& workspace, const ConditionName& condition) {
+  const auto k = static_cast<std::size_t>(condition.condition);
+  BreakWishes& wishes = workspace.breaks;
+  const std::string name(condition.name);
+  ImGui::PushID(name.c_str());
+  ImGui::Checkbox(name.c_str(), &wishes.on[k]);
+  track(workspace, ("breaks." + name).c_str());
+  explain(
+      fmt::format("Stops where {}{}", condition.meaning, condition.has_limit ? " than this" : "").c_str());
+  if (condition.has_limit) {
+    ImGui::SameLine(ImGui::GetFontSize() * 10);
+    ImGui::SetNextItemWidth(-1);
+    double limit = wishes.limits[k];
+    const std::string format = "%.6g " + std::string(condition.unit == "%" ? "%%" : condition.unit);
+    ImGui::InputDouble("##limit", &limit, 0, 0, format.c_str(), ImGuiInputTextFlags_AutoSelectAll);
+    if (ImGui::IsItemDeactivatedAfterEdit() && limit >= 0 && limit <= condition.max_limit)
+      wishes.limits[k] = limit;
+    track(workspace, ("breaks." + name + ".limit").c_str());
+  }
+  ImGui::PopID();
+}
+
+/// The line, and its buttons; `where` begins their names.
+void draw_stop(Workspace& workspace, const StopFacts& stop, const std::string& where) {
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(stop.what.c_str());
+  ImGui::PopTextWrapPos();
+  StopWish& wish = workspace.breaks.stop;
+  if (ImGui::Button("go on")) wish = StopWish::go_on;
+  track(workspace, (where + ".go_on").c_str());
+  explain(stop.found ? "Does the step as it is, with guards switched off"
+                     : "Stops again where the condition is met anew");
+  if (stop.body) {
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!stop.can_freeze);
+    if (ImGui::Button(fmt::format("freeze body {}", *stop.body).c_str())) wish = StopWish::freeze;
+    ImGui::EndDisabled();
+    track(workspace, (where + ".freeze").c_str());
+    explain("Fixes it where it is, at rest; all that it never touches goes on as if it had been well");
+  }
+  ImGui::SameLine();
+  if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.before)).c_str())) wish = StopWish::save;
+  track(workspace, (where + ".save").c_str());
+  explain("A snapshot of the state before that step, from which run --load comes to the same");
+}
+
+}  // namespace
+
+void draw_break_panel(Workspace& workspace, const WorkspaceView& view) {
+  if (!begin_panel(workspace, "breaks", "Break when", workspace.folds.breaks)) return end_panel();
+  for (const ConditionName& condition : condition_names) draw_condition(workspace, condition);
+  if (view.stop) {
+    ImGui::Separator();
+    draw_stop(workspace, *view.stop, "breaks");
+  }
+  end_panel();
+}
+
+void draw_stop_bar(Workspace& workspace, const WorkspaceView& view) {
+  if (!view.stop) return;
+  const ScreenRect& at = workspace.scene_view;
+  const float margin = ImGui::GetFontSize();
+  const bool light = workspace.theme == Theme::light;
+  // Above the hint and the notice.
+  ImGui::SetNextWindowPos({at.x + margin, at.y + at.height - 5 * margin}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSize({std::max(at.width - 2 * margin, 100.0f), 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg,
+                        light ? ImVec4(1, 0.93f, 0.76f, 0.97f) : ImVec4(0.30f, 0.21f, 0.05f, 0.97f));
+  ImGui::PushStyleColor(ImGuiCol_Button,
+                        light ? ImVec4(0.93f, 0.79f, 0.48f, 1) : ImVec4(0.48f, 0.35f, 0.11f, 1));
+  ImGui::Begin("stop", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
+  draw_stop(workspace, *view.stop, "stop");
+  ImGui::End();
+  ImGui::PopStyleColor(2);
+}
+
+}  // namespace collidoscope

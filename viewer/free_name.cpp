@@ -1,0 +1,16 @@
+#include "viewer/free_name.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace collidoscope {
+
+std::string free_name(const std::string& stem, const std::string& ending) {
+  namespace fs = std::filesystem;
+  std::string file = fmt::format("captures/{}.{}", stem, ending);
+  for (int k = 2; fs::exists(file); ++k) file = fmt::format("captures/{}_{}.{}", stem, k, ending);
+  return file;
+}
+
+}  // namespace collidoscope
