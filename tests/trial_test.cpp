@@ -187,8 +187,8 @@ TEST_P(Trials, FaultsShowInTheTermThatTheyAreToFail) {
 
 TEST_P(Trials, GuardsFindWhatIsPlanted) {
   const HardCase one = flight(R"("steps": 9, "found": {"step": 4, "stage": "bounds", "body": 1},
-    "plant": {"step": 3, "body": 1, "velocity": [0, null, 0]},
-    "faults": [{"fails": "found", "step": 5, "body": 1, "velocity": [0, null, 0]},
+    "plant": {"step": 3, "body": 1, "position": [0, null, 0]},
+    "faults": [{"fails": "found", "step": 5, "body": 1, "position": [0, null, 0]},
                {"fails": "found", "step": 3, "body": 1, "velocity": [0, 1, 0]}])");
   for (const TrialSetting& setting : trials_of(one, GetParam())) {
     const TrialResult result = run(one, setting);

@@ -32,8 +32,10 @@ HardRun::HardRun(Scene scene, RunOptions options, std::vector<Change> changes,
 }
 
 void HardRun::step() {
-  seconds_ += world_->scene().physics.time_step;
+  const std::int64_t before = state();
   world_->step();
+  if (state() == before) return;  // guards pause: what is due here was made
+  seconds_ += world_->scene().physics.time_step;
   make_due();
 }
 

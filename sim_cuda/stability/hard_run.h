@@ -18,7 +18,8 @@ class HardRun {
   HardRun(Scene scene, RunOptions options, std::vector<Change> changes = {},
           std::optional<PlantedState> planted = std::nullopt);
 
-  /// One step, what is changed at the state that it comes to, and what is planted there.
+  /// One step, what is changed at the state that it comes to, and what is planted there. Nothing where the
+  /// scene's guards pause.
   void step();
   std::int64_t state() const { return world_->steps(); }
   double seconds() const { return seconds_; }  ///< s, simulated
