@@ -31,6 +31,8 @@ TEST_F(Viewer, StopsWhereAConditionIsMet) {
   TemporaryFolder folder;
   WindowDriver window({write_scene_file(folder, ""), "--steps", "1", "--size", "1280x900"});
   window.click("panel.timing");  // folded, it leaves room
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("timing.csv"); }));
+  window.next_frame();
   window.click("panel.breaks");
   window.click("breaks.speed");
   window.type_into("breaks.speed.limit", "5.5");
@@ -43,6 +45,7 @@ TEST_F(Viewer, StopsWhereAConditionIsMet) {
   EXPECT_EQ(window.frame()["selection"], 1);
   EXPECT_THAT(window.frame()["stop"]["what"].get<std::string>(), testing::HasSubstr("body 1"));
 
+  window.next_frame();  // the line is laid out
   window.click("stop.save");
   ASSERT_TRUE(window.wait_for([](const Json& f) {
     return f["notice"].get<std::string>().find("wrote captures/") != std::string::npos;

@@ -19,6 +19,8 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   EXPECT_TRUE(window.frame()["hard_cases"].is_null()) << "folded, nothing is read";
   const std::string scene = window.frame()["scene"];
   window.click("panel.timing");  // folded, it leaves room
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("timing.csv"); }));
+  window.next_frame();
   window.click("panel.hard_cases");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["hard_cases"].is_object(); }));
   EXPECT_EQ(cases("counts")["not run"], 31);
