@@ -93,10 +93,10 @@ void App::apply_settings() {
 void App::advance(double seconds) {
   const double time_step = live_.world().scene().physics.time_step;
   const bool wished = workspace_.step_wishes > 0;
+  if ((wished || workspace_.playing) && is_held()) return;
   if (!wished && workspace_.playing)
     due_ = workspace_.speed > 0 ? due_ + seconds * workspace_.speed / time_step : 1;
   if (!wished && !(workspace_.playing && due_ >= 1)) return;
-  if (is_held()) return;
   constexpr double slice = 12;  // ms of a frame
   if (workspace_.layers.ask_a_reference() && !reference_.go_ahead(time_step, slice)) return;
   if (wished)
