@@ -2,9 +2,11 @@
 // The marks of trials: told apart by shape, and by colour. Free functions, between ImGui::NewFrame() and
 // Render().
 
-#include <imgui.h>
+#include <cstdint>
 
 #include "ui/hard_cases_facts.h"
+
+struct ImVec2;
 
 namespace collidoscope {
 
