@@ -1,5 +1,7 @@
 #include "ui/hard_mark.h"
 
+#include <imgui.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
