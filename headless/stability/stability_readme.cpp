@@ -75,8 +75,18 @@ std::string machines_text(const Row& row) {
   return cpu ? "CPU" : cuda ? "GPU" : "–";
 }
 
+/// As a cell of a table holds it, where a line between cells would end it.
+std::string cell(const std::string& text) {
+  std::string escaped;
+  for (const char letter : text) {
+    if (letter == '|') escaped += '\\';
+    escaped += letter;
+  }
+  return escaped;
+}
+
 std::string table_row(const Row& row) {
-  std::string text = fmt::format("| `{}` | {} |", word(row.about, "name"), word(row.about, "what"));
+  std::string text = fmt::format("| `{}` | {} |", word(row.about, "name"), cell(word(row.about, "what")));
   for (const Named<Solver>& solver : solver_names)
     text += fmt::format(" {} {} |", mark_of(row.of(solver.name, "f32")), mark_of(row.of(solver.name, "f64")));
   return text + " " + machines_text(row) + " |\n";
