@@ -4,6 +4,7 @@
 
 #include "sim_cuda/dynamics/continuous_collision.h"
 
+#include <bit>
 #include <cmath>
 
 #include "tests/executors.h"
@@ -87,6 +88,17 @@ int passed(World& world, const Scene& scene, int steps) {
     before = after;
   }
   return count;
+}
+
+// A wall may push a body beyond its leash: without a way of its own it stays there, wherever that is.
+TEST(HeldMotion, OfWhoStandsStillIsNone) {
+  const Leash<float> leash{Vector3f(0, 0, 0), 1};
+  const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);
+  const HeldMotion<float> motion{&leash, &whole};
+  const Vector3f still(0, 0, 0), outside(0, 0, 1.5f), back(0, 0, -1), on(0, 0, 1);
+  EXPECT_EQ(motion.held_way(0, outside, still, 0.01f), still);
+  EXPECT_EQ(motion.held_way(0, outside, on, 0.01f), still);
+  EXPECT_EQ(motion.held_way(0, outside, back, 0.01f), Vector3f(0.01f * back));
 }
 
 TEST_P(Continuous, NobodyPassesThroughAnybodyInASwarm) {

@@ -64,9 +64,11 @@ struct HeldMotion {
   SIM_HD Vector3<Real> way(int body, const Vector3<Real>& x, const Vector3<Real>& v, Real h) const {
     const Vector3<Real> way = h * v, off = x - leash[body].start, end = off + way;
     const Real square = leash[body].length * leash[body].length;
-    if (!(end.dot(end) > square)) return way;
+    const Real all = way.dot(way);
+    // Who stands still may be off by a rounding, or because a wall has pushed him there: he stays.
+    if (!(end.dot(end) > square) || !(all > 0)) return way;
     // |off + s way| = length, where off lies within it; in the form that does not cancel.
-    const Real along = off.dot(way), all = way.dot(way), left = max_of(square - off.dot(off), Real(0));
+    const Real along = off.dot(way), left = max_of(square - off.dot(off), Real(0));
     using std::sqrt;
     const Real root = sqrt(along * along + all * left);
     const Real s = along > 0 ? left / (along + root) : (root - along) / all;
