@@ -83,7 +83,7 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
 
   for (const Fault& fault : validate(scene)) {
     const std::string_view flag = flag_of(fault.path, overrides);
-    faults.push_back(flag.empty() ? fmt::format("{}: {}: {}", shown(file), fault.path, fault.message)
+    faults.push_back(flag.empty() ? fmt::format("{}: {}", shown(file), line_of(fault))
                                   : fmt::format("{}: {}", flag, fault.message));
   }
   if (!faults.empty()) throw InputError(faults);

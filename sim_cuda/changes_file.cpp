@@ -132,8 +132,8 @@ class ChangesReader {
     for (Fault& fault : validate(scene_)) {
       const JsonNode* at = place_of(fault.path, node, before.added.size());
       const bool is_value = at != &node && (at->kind == JsonKind::number || at->kind == JsonKind::text);
-      reading_.fault(*at, fmt::format("{}: {}", fault.path, fault.message) +
-                              (is_value ? fmt::format(", not {}", printable(document_.token(*at))) : ""));
+      reading_.fault(
+          *at, line_of(fault) + (is_value ? fmt::format(", not {}", printable(document_.token(*at))) : ""));
     }
     if (reading_.faults.empty() && change.step > 0 && begins_another_run(before, scene_))
       reading_.fault(node,

@@ -30,8 +30,7 @@ constexpr std::int64_t max_list = 2147483647;  // pairs and contacts are counted
 
 const Scene& valid(const Scene& scene) {
   std::vector<std::string> lines;
-  for (const Fault& fault : validate(scene))
-    lines.push_back(scene.name + ": " + fault.path + ": " + fault.message);
+  for (const Fault& fault : validate(scene)) lines.push_back(scene.name + ": " + line_of(fault));
   if (!lines.empty()) throw InputError(lines);
   return scene;
 }

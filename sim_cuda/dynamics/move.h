@@ -22,16 +22,16 @@ namespace collidoscope {
 /// a sphere, whose w does not change. A needle turns as needle.h has it. Whether w changed.
 template <class Real>
 SIM_HD bool rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
-  if (const int axis = needle_axis(inertia); axis >= 0) {
-    turn_needle(axis, q, w, inertia, h);
-    return true;
-  }
   const Vector3<Real> half = (h / 2) * w;
   const Quaternion<Real> turn(Real(1), half.x(), half.y(), half.z());
   if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
     q = turn * q;
     normalise(q);
     return false;
+  }
+  if (const int axis = needle_axis(inertia); axis >= 0) {
+    turn_needle(axis, q, w, inertia, h);
+    return true;
   }
   const Vector3<Real> w_body = q.conjugate() * w;
   const Vector3<Real> momentum =

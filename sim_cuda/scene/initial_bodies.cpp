@@ -184,7 +184,7 @@ InitialBodies initial_bodies(const Scene& scene) {
   if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
     std::vector<std::string> lines;
     for (const Fault& fault : faults) {
-      lines.push_back(fmt::format("{}: {}: {}", scene_name(scene), fault.path, fault.message));
+      lines.push_back(fmt::format("{}: {}", scene_name(scene), line_of(fault)));
     }
     throw InputError(std::move(lines));
   }

@@ -59,8 +59,7 @@ std::string unknown_name(std::string_view what, std::string_view word,
   return text + (nearest.empty() ? "it is " + either_of(names) : "(" + either_of(names) + ")");
 }
 
-std::string printable(std::string_view word) {
-  constexpr std::size_t longest = 60;
+std::string printable(std::string_view word, std::size_t longest) {
   std::string text(word.substr(0, longest));
   if (word.size() > longest) {
     // Not through the middle of a UTF-8 character.

@@ -101,7 +101,7 @@ std::string_view nearest_name(std::string_view word, std::span<const std::string
 std::string unknown_name(std::string_view what, std::string_view word,
                          std::span<const std::string_view> names);
 
-/// `word` for a message: at most 60 bytes of it, control characters replaced by '?'.
-std::string printable(std::string_view word);
+/// `word` for a message: at most `longest` bytes of it, control characters replaced by '?'.
+std::string printable(std::string_view word, std::size_t longest = 60);
 
 }  // namespace collidoscope

@@ -12,9 +12,12 @@ namespace collidoscope {
 /// One thing wrong with a scene: where (a path such as `bodies[3].radius`), and what, and what would be
 /// right.
 struct Fault {
-  std::string path;
+  std::string path;  ///< as it is: a material's name may hold anything
   std::string message;
 };
+
+/// `path: message` in one line, whatever the path holds.
+std::string line_of(const Fault& fault);
 
 /// Every fault of the values in `scene`, in the order of the file format; empty if it can be simulated. Paths
 /// are those of the file format. What needs the bodies themselves (mesh files, masses that follow from

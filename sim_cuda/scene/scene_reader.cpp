@@ -318,7 +318,7 @@ class SceneReader {
     for (Fault& fault : validate(scene_)) {
       fault.path = path_in_file(fault.path);
       const auto [node, exact] = locate(document_, document_.root(), fault.path);
-      std::string message = fault.path.empty() ? fault.message : fault.path + ": " + fault.message;
+      std::string message = line_of(fault);
       const bool is_plain = node->kind == JsonKind::number || node->kind == JsonKind::text;
       if (exact && is_plain) message += fmt::format(", not {}", printable(document_.token(*node)));
       reading_.fault(*node, std::move(message));

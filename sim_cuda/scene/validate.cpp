@@ -40,12 +40,17 @@ struct Path {
   Path at(int part) const { return {list, index, field, part, name}; }
 };
 
-/// A text for people and for paths in them.
-bool is_plain_text(const std::string& text) {
+/// A text that stays in one line of a message.
+bool is_printable(const std::string& text) {
   for (const char c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return false;
   }
-  return text.size() <= limits::max_name_length && is_utf8(text);
+  return is_utf8(text);
+}
+
+/// A text for people and for paths in them.
+bool is_plain_text(const std::string& text) {
+  return text.size() <= limits::max_name_length && is_printable(text);
 }
 
 class Validator {
@@ -256,8 +261,8 @@ class Validator {
       }
     } else if (body.mesh.empty()) {
       fault(path.at("mesh"), "must name an OBJ file, relative to the scene file");
-    } else if (!is_utf8(body.mesh) || body.mesh.find('\0') != std::string::npos) {
-      fault(path.at("mesh"), "must be a path in UTF-8");
+    } else if (!is_printable(body.mesh)) {
+      fault(path.at("mesh"), "must be a path in UTF-8 without control characters");
     }
     vector(path.at("position"), body.position, limits::max_coordinate, "m");
     if (!is_unit(body.orientation.squaredNorm())) {
@@ -472,6 +477,11 @@ class Validator {
 };
 
 }  // namespace
+
+std::string line_of(const Fault& fault) {
+  constexpr std::size_t longest_path = 300;  // that of a name of the greatest length is shorter
+  return (fault.path.empty() ? "" : printable(fault.path, longest_path) + ": ") + fault.message;
+}
 
 std::vector<Fault> validate(const Scene& scene) { return Validator(scene).run(); }
 

@@ -188,6 +188,8 @@ struct SoftWalls {
       const Real start = impulse[place(p, id)];
       if (!(start > 0)) continue;
       const Vector3<Real> normal = plane(p, id).normal;
+      if constexpr (boxed)  // what the step before remembers is in no snapshot
+        if (p >= plane_count && bounce[place(p, id)] < 0) boxes.touched[place(p - plane_count, id)] = normal;
       give(id, body, normal, start);
       if constexpr (rubbed) turn(id, body, normal, grips.impulse[place(p, id)]);
     }

@@ -41,8 +41,7 @@ void try_out(const HardCase& one, std::vector<std::string>& faults) {
   for (std::size_t k = 0; k < criterion.faults.size(); ++k) {
     if (!criterion.faults[k].set) continue;
     for (const Fault& fault : validate(with_fault(one, criterion.faults[k])))
-      faults.push_back(
-          fmt::format("{}: faults[{}].set: {}: {}", criterion.file, k, fault.path, fault.message));
+      faults.push_back(fmt::format("{}: faults[{}].set: {}", criterion.file, k, line_of(fault)));
   }
   if (criterion.changes.empty()) return;
   try {

@@ -53,7 +53,7 @@ bool EffectCosts::make_worlds() {
     Scene other = scene_;
     scene_.physics.effects = now_;
     other.physics.effects = trial.other;
-    for (const Fault& fault : validate(other)) throw std::runtime_error(fault.path + ' ' + fault.message);
+    for (const Fault& fault : validate(other)) throw std::runtime_error(line_of(fault));
     with_ = std::make_unique<World>(trial.on ? scene_ : other, options_, &state_);
     without_ = std::make_unique<World>(trial.on ? other : scene_, options_, &state_);
     cost.bytes = with_->allocated_bytes() - without_->allocated_bytes();
