@@ -135,12 +135,13 @@ class Maker {
     return b;
   }
 
-  /// Of an ordinary body: as its mass may lie in its sphere.
+  /// Of an ordinary body: as its mass may lie in its sphere, or all of it next to the centre.
   Vector3d inertia(const Body& b, const Scene& scene) {
     const double density = scene.materials[static_cast<std::size_t>(b.material)].density;
     const double mass = b.mass.value_or(density * 4.18879 * b.radius * b.radius * b.radius);
     const double solid = std::clamp(0.4 * mass * b.radius * b.radius, 1e-30, 1e30);
-    const double moment = size(0.4 * solid, solid, limits::min_inertia, limits::max_inertia / 2);
+    const double least = once_in(2) ? 0.4 * solid : std::min(solid, std::exp2(uniform_(-13, 10)));
+    const double moment = size(least, solid, limits::min_inertia, limits::max_inertia / 2);
     return {moment, moment * uniform_(1, 1.3), moment * uniform_(1, 1.6)};
   }
 

@@ -36,6 +36,10 @@ struct JointWork {
       : joint(row), given(impulse), ends(both), h(substep) {}
 
   SIM_HD void warm_start() {
+    if (whirls(ends.a) || whirls(ends.b)) {
+      given = {Vector3<Real>::Zero(), 0, 0, {0, 0}};
+      return;
+    }
     const Real keep = joint.stiffness.keep;
     given.linear *= keep;
     given.lower *= keep;
@@ -65,6 +69,12 @@ struct JointWork {
   }
 
  private:
+  /// It turns so far in a substep, by half a radian, that an impulse of the substep before is none for this
+  /// one: carried over all the same, joints that contradict each other would bring energy without end.
+  SIM_HD bool whirls(const JointEnd<Real, turning>& end) const {
+    if constexpr (turning) return h * h * end.rate.dot(end.rate) > Real(0.25);
+    return false;
+  }
   static SIM_HD Real length_of(const Vector3<Real>& v) {
     using std::sqrt;
     return sqrt(v.dot(v));
