@@ -68,18 +68,25 @@ struct SoftWalls {
     body.at |= std::uint32_t{1} << p;
     at[id] = body.at;
   }
-  /// At the end of a step: leaves the planes that give nothing any more.
+  /// At the end of a step: leaves the planes that give nothing any more, nor what is no number: that would be
+  /// in a snapshot, and who goes on from one asks all planes.
   SIM_HD void leave(int id, Body& body) const {
     if (body.at == 0) return;
     std::uint32_t stays = 0;
     for (int p = 0; p < min_of(count(), +bits); ++p) {
       if (!is_at(body, p)) continue;
-      bool gives = impulse[place(p, id)] > 0;
+      Real& normal = impulse[place(p, id)];
+      bool gives = normal > 0;
       if constexpr (rubbed) {
         const Vector3<Real> grip = grips.impulse[place(p, id)];
         gives = gives || grip.dot(grip) > 0;
       }
-      if (gives) stays |= std::uint32_t{1} << p;
+      if (gives) {
+        stays |= std::uint32_t{1} << p;
+        continue;
+      }
+      normal = 0;
+      if constexpr (rubbed) grips.impulse[place(p, id)] = Vector3<Real>::Zero();
     }
     if (stays != body.at) at[id] = stays;
   }
