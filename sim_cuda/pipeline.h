@@ -1,7 +1,7 @@
 #pragma once
 // The pipeline: the stages of one run, in order, over the buffers of one world. Each method only enqueues
-// work on the executor, so that a run can be recorded once and replayed; world.cpp decides when to run, grow
-// and measure. One interface for both precisions.
+// work on the executor, so that a run can be recorded once and replayed; step_runner.h decides when to run
+// and grow. One interface for both precisions.
 
 #include <memory>
 #include <optional>

@@ -1,32 +1,29 @@
 #include "sim_cuda/world.h"
 
 #include <algorithm>
-#include <chrono>
-#include <functional>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_bits.h"
 #include "sim_cuda/broad_phase/methods.h"
-#include "sim_cuda/broad_phase/quality.h"
+#include "sim_cuda/broad_phase_times.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/current_tree.h"
 #include "sim_cuda/guard/frozen.h"
 #include "sim_cuda/guard/rewind.h"
-#include "sim_cuda/pipeline.h"
 #include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/settle.h"
+#include "sim_cuda/step_runner.h"
 
 namespace collidoscope {
 
 namespace {
-
-constexpr std::int64_t max_list = 2147483647;  // pairs and contacts are counted in 32 bits
 
 const Scene& valid(const Scene& scene) {
   std::vector<std::string> lines;
@@ -40,25 +37,22 @@ RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies) {
   return options;
 }
 
-/// About four times what a packing of such spheres shows, so that most scenes never grow.
-std::int64_t first_guess(std::int64_t bodies) { return std::max<std::int64_t>(1024, 4 * bodies); }
-
-std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what, std::size_t bytes_each) {
-  if (needed <= static_cast<std::uint64_t>(capacity)) return capacity;
-  if (needed > static_cast<std::uint64_t>(max_list))
-    throw MachineError("a step found " + std::to_string(needed) + ' ' + what + ", which would take " +
-                       std::to_string(needed * bytes_each) + " bytes; this build counts up to " +
-                       std::to_string(max_list) +
-                       ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
-  return std::min<std::int64_t>(max_list, static_cast<std::int64_t>(needed + needed / 2));
-}
-
-void refuse_what_is_not_built(const Effects& effects) {
+/// Refuses what is not built.
+const Effects& built(const Effects& effects) {
   for (const EffectName& effect : effect_names)
     if (effects.*effect.flag && !(built_effects.*effect.flag))
       throw MachineError(
           "this program was built without " + std::string(effect.name) +
           ", which the scene calls for (COLLIDOSCOPE_WITHOUT); leave it out by a list of effects");
+  return effects;
+}
+
+/// How long the lists of a pipeline are at first: about four times what a packing of such spheres shows, so
+/// that most scenes never grow.
+Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) {
+  const auto usual = std::max<std::int64_t>(1024, 4 * static_cast<std::int64_t>(bodies.size()));
+  const std::int64_t guess = options.initial_pair_capacity > 0 ? options.initial_pair_capacity : usual;
+  return {guess, guess};
 }
 
 }  // namespace
@@ -69,126 +63,39 @@ struct World::Impl {
         options(asked),
         initial(initial_bodies(scene)),
         executor(with_key_bits(asked, initial)),
-        substeps(substeps_of(scene, initial)) {
-    effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
-    refuse_what_is_not_built(effects);
-    watched = effects.guards;
-    pipeline = make_pipeline(executor, scene, initial, effects, substeps);
-    const std::int64_t guess = options.initial_pair_capacity > 0
-                                   ? options.initial_pair_capacity
-                                   : first_guess(static_cast<std::int64_t>(initial.size()));
-    reserve({std::min(guess, max_list), std::min(guess, max_list)});
-  }
+        effects(built(scene.physics.effects.value_or(effects_called_for(scene, initial)))),
+        substeps(substeps_of(scene, initial)),
+        runner(executor, make_pipeline(executor, scene, initial, effects, substeps),
+               first_capacity(options, initial)),
+        watched(effects.guards),
+        tree(executor, static_cast<std::int64_t>(initial.size())) {}
 
-  void reserve(Capacity capacity) {
-    plain.reset();
-    instrumented.reset();
-    executor.synchronize();
-    const Capacity before = pipeline->capacity();
-    try {
-      pipeline->reserve(capacity);
-    } catch (...) {
-      lost = true;
-      pipeline->reserve(before);  // what was given back for more
-      lost = false;
-      throw;
-    }
-  }
-
-  void expect_memory() const {
-    if (lost)
-      throw MachineError(
-          "memory ran out in the middle of a step, and this run has no state to go on from; start it again");
-  }
-
-  /// What ends in the middle of it leaves no state.
-  void launch(StepGraph& g) {
-    lost = true;
-    g.launch();
-    lost = false;
-  }
-
-  /// Bytes beyond those that are free; 0: there is room.
-  std::int64_t lacking(Capacity capacity) {
-    const std::int64_t more = executor.rehearse([&] { pipeline->reserve(capacity); });
-    executor.rehearse([&] { pipeline->reserve(pipeline->capacity()); });
-    return std::max<std::int64_t>(more - executor.available_bytes(), 0);
-  }
-
-  /// After an overflow: grows what was too small. Returns whether there was one.
-  bool grow() {
-    const StepControl control = pipeline->control();
-    if (!control.overflow) return false;
-    const Capacity now = pipeline->capacity();
-    Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
-                    grown(control.contacts_needed, now.contacts, "contacts", 64)};
-    if (lacking(wanted) > 0) {
-      // Without room to spare, then. Where even that is too much, nothing has changed.
-      wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
-                std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
-      if (const std::int64_t bytes = lacking(wanted); bytes > 0)
-        throw MachineError("a step found " + std::to_string(control.pairs_needed) + " pairs" +
-                           (control.pairs > 0
-                                ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
-                                : ", which take at least ") +
-                           std::to_string(executor.allocated_bytes() + executor.available_bytes() + bytes) +
-                           " bytes with the rest of the scene; " + executor.device_name() + " gives " +
-                           std::to_string(executor.allocated_bytes() + executor.available_bytes()) +
-                           ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
-    }
-    reserve(wanted);
-    pipeline->clear_overflow();
-    return true;
-  }
+  Pipeline& pipeline() { return runner.pipeline(); }
+  const Pipeline& pipeline() const { return runner.pipeline(); }
 
   /// These bodies are what no force moves, until others are. Where memory is lacking, nothing has changed.
   void set_frozen(const std::vector<std::uint32_t>& bodies) {
     if (bodies == frozen) return;
-    plain.reset();
-    instrumented.reset();
-    executor.synchronize();
+    runner.forget_recorded();
     auto next = make_pipeline(executor, scene, with_frozen(initial, bodies), effects, substeps);
-    next->reserve(pipeline->capacity());
+    next->reserve(pipeline().capacity());
     next->record_impulses(recording);
     next->record_residuals(residuals);
     if (!watched) next->dismiss_guards();
-    pipeline = std::move(next);
-    committed = 0;
+    runner.replace(std::move(next));
     frozen = bodies;
   }
 
   /// Does one step; or what guards found in it, which then is neither in `steps` nor in a state of any use.
   std::optional<FirstFound> advance();
-  /// After runs that are not to be in the state.
-  void forget_runs() {
-    pipeline->clear_overflow();
-    pipeline->forget_found();
-    committed = pipeline->control().committed;
-  }
-
-  StepGraph& graph(bool with_events) {
-    std::unique_ptr<StepGraph>& wanted = with_events ? instrumented : plain;
-    if (!wanted) wanted = std::make_unique<StepGraph>(executor, with_events, [this] { pipeline->run(); });
-    return *wanted;
-  }
 
   void keep_impulses() {
-    if (impulses_new) pipeline->keep_impulses();
+    if (impulses_new) pipeline().keep_impulses();
     impulses_new = false;
   }
 
   /// Of the boxes of the last step or detect(); arranged when somebody asks.
-  const TreeView& arranged_tree() {
-    if (!arranged) tree.arrange(pipeline->broad_phase(), static_cast<std::int64_t>(initial.size()));
-    arranged = true;
-    return tree.view();
-  }
-
-  /// Runs until `target` pipeline runs are committed; false where an overflow stopped it before.
-  bool run_plain(std::uint32_t target);
-  bool run_instrumented(std::uint32_t target);
-  /// From the first work to the end of the last, on the device's clock where there is one.
-  double milliseconds_of(const std::function<void()>& work);
+  const TreeView& arranged_tree() { return tree.arranged(pipeline().broad_phase()); }
 
   Scene scene;
   RunOptions options;  // as asked for
@@ -196,84 +103,23 @@ struct World::Impl {
   Executor executor;  // before everything that lives on it
   Effects effects;
   int substeps;  // as the pipeline takes them
-  std::unique_ptr<Pipeline> pipeline;
-  std::unique_ptr<StepGraph> plain, instrumented;
+  StepRunner runner;
   std::int64_t steps = 0;
-  bool watched = false;  // guards look
-  bool paused = false;   // at `finding`
+  bool watched;         // guards look
+  bool paused = false;  // at `finding`
   std::optional<Finding> finding;
   std::vector<std::uint32_t> frozen;
   Rewind rewind;
-  std::uint32_t committed = 0;  // pipeline runs, modulo 2^32
-  Tree tree{executor};
-  bool arranged = false;  // `tree` is that of the broad phase now
-  TreeMeter meter{executor};
-  TreeQuality quality;
-  bool metered = false;              // `quality` is that of `tree` now
-  std::vector<std::int64_t> leaves;  // at each level
-  bool leaves_known = false;         // of `tree` now
-  bool detected = false;             // pairs and contacts are those of the current state
-  bool recording = false;            // steps note the impulses of contacts
-  bool residuals = false;            // steps measure what sweeps leave
-  bool residuals_known = false;      // the last one did
-  bool lost = false;                 // no state to go on from, or no memory for what was already there
-  bool impulses_new = false;         // they belong to the contacts in the list, and are not kept yet
+  CurrentTree tree;
+  bool detected = false;         // pairs and contacts are those of the current state
+  bool recording = false;        // steps note the impulses of contacts
+  bool residuals = false;        // steps measure what sweeps leave
+  bool residuals_known = false;  // the last one did
+  bool impulses_new = false;     // they belong to the contacts in the list, and are not kept yet
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
   std::vector<float> errors;                    // of bodies, m
   std::unique_ptr<Buffer<float>> drawn_errors;  // made when they are first drawn
 };
-
-bool World::Impl::run_instrumented(std::uint32_t target) {
-  while (committed != target) {
-    StepGraph& g = graph(true);
-    launch(g);
-    executor.synchronize();
-    const StepControl control = pipeline->control();
-    if (control.overflow) {
-      executor.clock().discard_step();
-      return false;
-    }
-    committed = control.committed;
-    g.collect();
-  }
-  executor.clock().commit_step();
-  return true;
-}
-
-double World::Impl::milliseconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-#if SIM_CUDA
-  if (executor.on_device()) {
-    cudaEvent_t begin = nullptr, end = nullptr;
-    check(cudaEventCreate(&begin), "create an event");
-    check(cudaEventCreate(&end), "create an event");
-    check(cudaEventRecord(begin, executor.stream()), "record an event");
-    work();
-    check(cudaEventRecord(end, executor.stream()), "record an event");
-    executor.synchronize();
-    float elapsed = 0;
-    check(cudaEventElapsedTime(&elapsed, begin, end), "read the time of a step");
-    cudaEventDestroy(begin);
-    cudaEventDestroy(end);
-    return static_cast<double>(elapsed);
-  }
-#endif
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-bool World::Impl::run_plain(std::uint32_t target) {
-  StepGraph& g = graph(false);
-  const bool whole = target - committed == static_cast<std::uint32_t>(pipeline->runs_per_step());
-  const double milliseconds = milliseconds_of([&] {
-    for (std::uint32_t run = committed; run != target; ++run) launch(g);
-  });
-  const StepControl control = pipeline->control();
-  committed = control.committed;
-  if (control.overflow) return false;
-  if (whole) executor.clock().add_plain_step(milliseconds);
-  return true;
-}
 
 World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids) {
   while_doing("making a world", [&] {
@@ -307,7 +153,7 @@ void World::step(int count) {
   Impl& w = *impl_;
   for (int done = 0; done < count && !w.paused;) {
     if (w.watched) w.rewind.before_step(*this);
-    const std::uint32_t first_run = w.committed;
+    const std::uint32_t first_run = w.runner.committed();
     if (const std::optional<FirstFound> found = w.advance())
       resolve(*found, first_run);
     else
@@ -317,30 +163,22 @@ void World::step(int count) {
 
 std::optional<FirstFound> World::Impl::advance() {
   const bool with_events = steps % 2 == 1;
-  const std::uint32_t target = committed + static_cast<std::uint32_t>(pipeline->runs_per_step());
   detected = false;
   struct AtItsEnd {  // even where the clock then finds no memory to note its time in
     Impl& world;
     std::uint32_t target;
     bool found = false;
     ~AtItsEnd() {
-      if (found || world.committed != target) return;
+      if (found || world.runner.committed() != target) return;
       ++world.steps;
       world.impulses_new = world.recording;
       world.residuals_known = world.residuals;
     }
-  } count_it{*this, target};
-  return while_doing("making a step", [&]() -> std::optional<FirstFound> {
-    expect_memory();
-    for (bool done = false; !done;) {
-      done = with_events ? run_instrumented(target) : run_plain(target);
-      if (auto found = pipeline->found()) {
-        count_it.found = true;
-        return found;
-      }
-      if (!done) grow();
-    }
-    return std::nullopt;
+  } count_it{*this, runner.next()};
+  return while_doing("making a step", [&] {
+    const std::optional<FirstFound> found = runner.step(with_events);
+    count_it.found = found.has_value();
+    return found;
   });
 }
 
@@ -350,11 +188,11 @@ void World::resolve(const FirstFound& found, std::uint32_t first_run) {
   Impl& w = *impl_;
   const Guards guards = w.scene.physics.guards.value_or(Guards{});
   const int run = static_cast<int>(found.run - first_run);
-  w.forget_runs();
+  w.runner.forget_runs();
   w.rewind.to(*this, w.steps);
   RunState before = state();
-  Finding finding = w.pipeline->read_found(found, run);
-  w.forget_runs();
+  Finding finding = w.pipeline().read_found(found, run);
+  w.runner.forget_runs();
   finding.step = before.steps + 1;
   finding.substep += run;
   finding.before = !is_sane(before.bodies, finding.body, guards);
@@ -373,10 +211,8 @@ const std::vector<std::uint32_t>& World::frozen() const { return impl_->frozen; 
 
 void World::dismiss() {
   Impl& w = *impl_;
-  w.plain.reset();
-  w.instrumented.reset();
-  w.executor.synchronize();
-  w.pipeline->dismiss_guards();
+  w.runner.forget_recorded();
+  w.pipeline().dismiss_guards();
   w.rewind.forget();
   w.finding.reset();
   w.watched = w.paused = false;
@@ -385,40 +221,35 @@ void World::dismiss() {
 void World::record_impulses(bool on) {
   Impl& w = *impl_;
   if (on == w.recording) return;
-  w.plain.reset();
-  w.instrumented.reset();
-  w.executor.synchronize();
-  w.pipeline->record_impulses(on);
+  w.runner.forget_recorded();
+  w.pipeline().record_impulses(on);
   w.recording = on;
   w.impulses_new = false;
 }
 
 std::vector<ContactImpulse> World::impulses() {
   impl_->keep_impulses();
-  return impl_->pipeline->impulses();
+  return impl_->pipeline().impulses();
 }
 
 void World::record_residuals(bool on) {
   Impl& w = *impl_;
   if (on == w.residuals) return;
-  w.plain.reset();
-  w.instrumented.reset();
-  w.executor.synchronize();
-  w.pipeline->record_residuals(on);
+  w.runner.forget_recorded();
+  w.pipeline().record_residuals(on);
   w.residuals = on;
   w.residuals_known = false;
 }
 
 std::vector<Residual> World::residuals() {
-  return impl_->residuals_known ? impl_->pipeline->residuals() : std::vector<Residual>{};
+  return impl_->residuals_known ? impl_->pipeline().residuals() : std::vector<Residual>{};
 }
 
 void World::set_launch_shape(LaunchShape shape) {
   Impl& w = *impl_;
   w.executor.set_shape(shape);
   w.options.shape = shape;
-  w.plain.reset();  // a recorded step has the old shape in it
-  w.instrumented.reset();
+  w.runner.forget_recorded();  // a recorded step has the old shape in it
 }
 
 namespace {
@@ -443,25 +274,25 @@ std::uint64_t settings_hash(Scene scene) {
 
 RunState World::state() {
   Impl& w = *impl_;
-  return {w.steps, w.pipeline->bodies(), w.pipeline->ledgers(), w.pipeline->memory(), settings_hash(w.scene),
-          w.frozen};
+  return {
+      w.steps, w.pipeline().bodies(), w.pipeline().ledgers(), w.pipeline().memory(), settings_hash(w.scene),
+      w.frozen};
 }
 
 void World::adopt(World& other) { adopt(other.state()); }
 
 void World::adopt(const RunState& other, const BodyIds& ids) {
   Impl& w = *impl_;
-  RunState state = renumbered(other, ids, w.pipeline->bodies());
-  w.plain.reset();  // what the solver remembers may move
-  w.instrumented.reset();
+  RunState state = renumbered(other, ids, w.pipeline().bodies());
+  w.runner.forget_recorded();  // what the solver remembers may move
   w.set_frozen(state.frozen);
   for (const std::uint32_t body : state.frozen) {
     state.bodies.velocity[body].setZero();
     state.bodies.angular_velocity[body].setZero();
   }
-  w.pipeline->set_bodies(state.bodies, state.ledgers);
+  w.pipeline().set_bodies(state.bodies, state.ledgers);
   if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
-  w.pipeline->remember(state.memory);
+  w.pipeline().remember(state.memory);
   w.steps = other.steps;
   w.detected = w.residuals_known = false;
   w.paused = false;
@@ -472,7 +303,7 @@ void World::adopt(const RunState& other, const BodyIds& ids) {
 BodyReport World::inspect(std::uint32_t id) {
   if (id >= impl_->initial.size()) throw std::out_of_range("inspect: there is no body " + std::to_string(id));
   detect();
-  return impl_->pipeline->inspect(id, impl_->arranged_tree());
+  return impl_->pipeline().inspect(id, impl_->arranged_tree());
 }
 
 namespace {
@@ -490,32 +321,28 @@ RunTimes of_step(RunTimes times, int runs) {
 }  // namespace
 
 RunTimes World::times() const {
-  return of_step(impl_->executor.clock().times(), impl_->pipeline->runs_per_step());
+  return of_step(impl_->executor.clock().times(), impl_->pipeline().runs_per_step());
 }
 
 RunTimes World::latest_times() const {
-  return of_step(impl_->executor.clock().latest(), impl_->pipeline->runs_per_step());
+  return of_step(impl_->executor.clock().latest(), impl_->pipeline().runs_per_step());
 }
 
 void World::detect() {
   Impl& w = *impl_;
-  w.expect_memory();
-  if (w.detected) return;
+  if (w.detected) return w.runner.expect_memory();
   w.keep_impulses();
-  while_doing("finding pairs", [&] {
-    do w.pipeline->detect();
-    while (w.grow());
-  });
+  while_doing("finding pairs", [&] { w.runner.detect(); });
   w.detected = true;
-  w.arranged = w.metered = w.leaves_known = false;
+  w.tree.forget();
 }
 
 StepStats World::measure() {
   Impl& w = *impl_;
-  StepControl last = w.pipeline->control();
+  StepControl last = w.pipeline().control();
   detect();
   if (w.steps == 0) {
-    last = w.pipeline->control();
+    last = w.pipeline().control();
     last.pairs_committed = last.pairs;
     last.contacts_committed = last.contacts;
     last.split_committed = 0;
@@ -526,15 +353,15 @@ StepStats World::measure() {
   stats.pairs = last.pairs_committed;
   stats.contacts = last.contacts_committed;
   stats.split_contacts = last.split_committed;
-  w.pipeline->measure(stats);
+  w.pipeline().measure(stats);
   return stats;
 }
 
-std::uint64_t World::state_hash() { return impl_->pipeline->state_hash(); }
-BodyStates World::bodies() { return impl_->pipeline->bodies(); }
-std::vector<std::pair<std::uint32_t, std::uint32_t>> World::pairs() { return impl_->pipeline->pairs(); }
+std::uint64_t World::state_hash() { return impl_->pipeline().state_hash(); }
+BodyStates World::bodies() { return impl_->pipeline().bodies(); }
+std::vector<std::pair<std::uint32_t, std::uint32_t>> World::pairs() { return impl_->pipeline().pairs(); }
 
-std::int64_t World::tree_nodes() const { return impl_->pipeline->broad_phase().tree_nodes(); }
+std::int64_t World::tree_nodes() const { return impl_->pipeline().broad_phase().tree_nodes(); }
 
 std::vector<std::int64_t> World::tree_level_sizes() {
   detect();
@@ -559,18 +386,15 @@ TreeLevels World::tree_levels() {
 }
 
 const TreeQuality& World::tree_quality() {
-  Impl& w = *impl_;
   detect();
-  if (!w.metered) w.quality = w.meter.measure(w.arranged_tree(), static_cast<std::int64_t>(w.initial.size()));
-  w.quality.bytes = w.pipeline->broad_phase_bytes();
-  w.metered = true;
-  return w.quality;
+  Pipeline& pipeline = impl_->pipeline();
+  return impl_->tree.quality(pipeline.broad_phase(), pipeline.broad_phase_bytes());
 }
 
 std::vector<NodeReport> World::ranked_nodes(NodeMetric metric, std::int64_t first, std::int64_t count,
                                             int from, int to) {
   tree_quality();
-  return impl_->meter.ranked(impl_->arranged_tree(), metric, first, count, from, to);
+  return impl_->tree.meter().ranked(impl_->arranged_tree(), metric, first, count, from, to);
 }
 
 std::vector<NodeReport> World::tree_nodes_at(const std::vector<std::uint32_t>& places) {
@@ -578,82 +402,46 @@ std::vector<NodeReport> World::tree_nodes_at(const std::vector<std::uint32_t>& p
   for (const std::uint32_t place : places)
     if (place >= tree_nodes())
       throw std::out_of_range("tree_node: there is no node " + std::to_string(place));
-  return impl_->meter.nodes(impl_->arranged_tree(), places);
+  return impl_->tree.meter().nodes(impl_->arranged_tree(), places);
 }
 
 NodeReport World::tree_node(std::uint32_t place) { return tree_nodes_at({place}).front(); }
 
 NodeSpread World::node_spread(NodeMetric metric, const NodeSelection& selection) {
   tree_quality();
-  return impl_->meter.spread(impl_->arranged_tree(), metric, selection);
+  return impl_->tree.meter().spread(impl_->arranged_tree(), metric, selection);
 }
 
 const std::vector<std::int64_t>& World::tree_leaves() {
-  Impl& w = *impl_;
   detect();
-  if (!w.leaves_known) w.leaves = w.meter.leaves(w.arranged_tree());
-  w.leaves_known = true;
-  return w.leaves;
+  return impl_->tree.leaves(impl_->pipeline().broad_phase());
 }
 
 std::vector<std::uint32_t> World::visited_nodes(std::uint32_t id, std::int64_t most) {
   tree_quality();
   if (id >= impl_->initial.size())
     throw std::out_of_range("visited_nodes: there is no body " + std::to_string(id));
-  return impl_->meter.visited(impl_->arranged_tree(), id, most);
+  return impl_->tree.meter().visited(impl_->arranged_tree(), id, most);
 }
 
 std::int64_t World::visits_of(std::uint32_t id) {
   if (id >= impl_->initial.size())
     throw std::out_of_range("visits_of: there is no body " + std::to_string(id));
-  return tree_quality().nodes > 0 ? impl_->meter.visits_of(id) : 0;
+  return tree_quality().nodes > 0 ? impl_->tree.meter().visits_of(id) : 0;
 }
 
 BroadPhaseTimes World::time_broad_phase(int repeats) {
-  Impl& w = *impl_;
   detect();  // grows what is too small
-  BroadPhaseTimes times;
-  const auto find = [&] { w.pipeline->find_pairs(); };
-  constexpr int warm_up = 3;
-  {
-    StepGraph plain(w.executor, false, find);
-    for (int k = -warm_up; k < repeats; ++k) {
-      const double ms = w.milliseconds_of([&] { plain.launch(); });
-      if (k >= 0) times.whole.push_back(static_cast<float>(ms));
-    }
-  }
-  StepGraph instrumented(w.executor, true, find);
-  StageClock& clock = w.executor.clock();
-  for (int k = -warm_up; k < repeats; ++k) {
-    instrumented.launch();
-    w.executor.synchronize();
-    instrumented.collect();
-    if (k >= 0)
-      for (const StageTime& stage : clock.step_in_progress()) {
-        auto known = std::ranges::find(times.stages, stage.name, &BroadPhaseTimes::Stage::name);
-        if (known == times.stages.end())
-          known = times.stages.insert(times.stages.end(), {stage.name, {}, stage.launches, stage.own_shape});
-        known->ms.push_back(static_cast<float>(stage.last_ms));
-      }
-    clock.discard_step();
-  }
-  return times;
+  return collidoscope::time_broad_phase(impl_->executor, impl_->pipeline(), repeats);
 }
 
 std::vector<float> World::time_tree_queries(int repeats) {
-  Impl& w = *impl_;
-  std::vector<float> times;
-  if (tree_quality().nodes == 0) return times;
-  const TreeView& tree = w.arranged_tree();
-  constexpr int warm_up = 3;
-  for (int k = -warm_up; k < repeats; ++k) {
-    const double ms = w.milliseconds_of([&] { w.meter.enqueue_queries(tree); });
-    if (k >= 0) times.push_back(static_cast<float>(ms));
-  }
-  return times;
+  if (tree_quality().nodes == 0) return {};
+  return collidoscope::time_tree_queries(impl_->executor, impl_->arranged_tree(), impl_->tree.meter(),
+                                         repeats);
 }
 
-std::int64_t World::broad_phase_bytes() const { return impl_->pipeline->broad_phase_bytes(); }
+std::int64_t World::broad_phase_bytes() const { return impl_->pipeline().broad_phase_bytes(); }
 
 PublishCounts World::publish_counts(int first_level, int last_level) {
   Impl& w = *impl_;
@@ -664,8 +452,8 @@ PublishCounts World::publish_counts(int first_level, int last_level) {
     for (int level = std::max(0, first_level); level <= last_level && level < std::ssize(sizes); ++level)
       counts.boxes += sizes[static_cast<std::size_t>(level)];
   }
-  counts.contacts = w.pipeline->control().contacts;
-  counts.joints = w.pipeline->joints();
+  counts.contacts = w.pipeline().control().contacts;
+  counts.joints = w.pipeline().joints();
   return counts;
 }
 
@@ -684,15 +472,15 @@ void World::publish(const PublishTarget& target) {
                                                                   target.body_color == BodyColor::depth));
   TreeValues values;
   if (boxes && target.box_metric != NodeMetric::level && tree_quality().nodes > 0)
-    values.of_node = w.meter.values(target.box_metric);
-  if (by_visits && tree_quality().nodes > 0) values.of_body = w.meter.body_visits();
+    values.of_node = w.tree.meter().values(target.box_metric);
+  if (by_visits && tree_quality().nodes > 0) values.of_body = w.tree.meter().body_visits();
   if (by_tree) detect();
   const bool by_error = target.body_color == BodyColor::error && w.errors.size() == w.initial.size();
   if (by_error && !w.drawn_errors)
     w.drawn_errors = std::make_unique<Buffer<float>>(w.executor, "errors of bodies to draw");
   if (by_error) w.drawn_errors->upload(w.errors);
-  w.pipeline->publish(target, boxes || by_tree ? w.arranged_tree() : TreeView{}, values,
-                      by_error ? w.drawn_errors->data() : nullptr);
+  w.pipeline().publish(target, boxes || by_tree ? w.arranged_tree() : TreeView{}, values,
+                       by_error ? w.drawn_errors->data() : nullptr);
   w.executor.synchronize();
 }
 

@@ -552,8 +552,8 @@ TEST_P(Jointed, LoopsAndRedundantJointsStayFinite) {
   EXPECT_LT(stats.max_speed, 0.01) << "and hang still";
 }
 
-/// Metres apart, and held by bodies that next to nothing turns: impulses of the substep before, carried over to
-/// arms that have turned since, brought more energy each time.
+/// Metres apart, and held by bodies that next to nothing turns: impulses of the substep before, carried over
+/// to arms that have turned since, brought more energy each time.
 TEST_P(Jointed, ContradictionsStayBoundedHoweverLightlyBodiesTurn) {
   for (const double inertia : {1.0, 100.0, 650.0}) {
     Scene scene = space(g, Precision::f64);
