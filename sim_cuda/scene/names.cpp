@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "sim_cuda/scene/limits.h"
+
 namespace collidoscope {
 namespace {
 
@@ -23,13 +25,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// One that stands in a file may be of anything, and as long as it likes.
+std::string shown(std::string_view name) { return printable(name, limits::max_name_length); }
+
 }  // namespace
 
 std::string either_of(std::span<const std::string_view> names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
-    text += names[i];
+    text += shown(names[i]);
   }
   return text;
 }
@@ -53,8 +58,8 @@ std::string unknown_name(std::string_view what, std::string_view word,
   std::string text = fmt::format("unknown {} \"{}\"; ", what, printable(word));
   const std::string_view nearest = nearest_name(word, names);
   if (names.empty()) return text + "there is none";
-  if (names.size() == 1) return text + fmt::format("\"{}\" is the only one", names[0]);
-  if (!nearest.empty()) text += fmt::format("did you mean \"{}\"? ", nearest);
+  if (names.size() == 1) return text + fmt::format("\"{}\" is the only one", shown(names[0]));
+  if (!nearest.empty()) text += fmt::format("did you mean \"{}\"? ", shown(nearest));
   if (names.size() > 24) return text + fmt::format("(there are {})", names.size());
   return text + (nearest.empty() ? "it is " + either_of(names) : "(" + either_of(names) + ")");
 }
