@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "sim_cuda/core/error.h"
+#include "tests/executors.h"
 #include "tests/gl_fixture.h"
 #include "tests/test_files.h"
 #include "viewer/render/image.h"
@@ -20,12 +21,6 @@ Scene small_scene() {
   scene.generators.push_back({.count = 200});
   scene.box = Box{};
   return scene;
-}
-
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  return options;
 }
 
 std::string bytes_of(const std::filesystem::path& file) {

@@ -17,6 +17,14 @@ inline std::vector<ExecutorKind> executors() {
   return kinds;
 }
 
+/// `threads`: 0 for as many as the machine has.
+inline RunOptions on_cpu(int threads = 0) {
+  RunOptions options;
+  options.executor = ExecutorKind::cpu;
+  options.cpu_threads = threads;
+  return options;
+}
+
 inline std::string executor_name(const testing::TestParamInfo<ExecutorKind>& info) {
   return info.param == ExecutorKind::cuda ? "cuda" : "cpu";
 }

@@ -7,18 +7,12 @@
 
 #include <algorithm>
 
+#include "tests/executors.h"
 #include "tests/scenes.h"
 #include "viewer/live/live_world.h"
 
 namespace collidoscope {
 namespace {
-
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  options.cpu_threads = 1;
-  return options;
-}
 
 Scene one_ball() {
   Scene scene = hard_space(Vector3d(0, 0, -10));
@@ -28,7 +22,7 @@ Scene one_ball() {
 }
 
 struct Studied {
-  explicit Studied(const Scene& scene) : live(scene, on_cpu()) {}
+  explicit Studied(const Scene& scene) : live(scene, on_cpu(1)) {}
   const AccuracyFacts& frame(double milliseconds = 5) {
     study.follow(live.world(), live.generation(), wishes);
     study.go_on(milliseconds);

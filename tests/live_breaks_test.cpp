@@ -7,21 +7,15 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "tests/executors.h"
 #include "tests/falling_scene.h"
 
 namespace collidoscope {
 namespace {
 
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  options.cpu_threads = 1;
-  return options;
-}
-
 struct Watched {
   explicit Watched(const std::string& guards = "")
-      : live(parse_scene(falling_scene(guards), "falling"), on_cpu()) {}
+      : live(parse_scene(falling_scene(guards), "falling"), on_cpu(1)) {}
   bool step() {
     breaks.before_step(live, conditions);
     live.step(true);
@@ -54,7 +48,7 @@ TEST(LiveBreaks, StopsWhereAConditionIsMet) {
   EXPECT_EQ(before.state.steps, 4);
   EXPECT_EQ(run.live.world().steps(), 5);
   EXPECT_EQ(run.live.world().state_hash(), hash);
-  World again = world_from(before, before.scene, on_cpu());
+  World again = world_from(before, before.scene, on_cpu(1));
   again.step();
   EXPECT_EQ(again.state_hash(), hash);
 

@@ -8,6 +8,7 @@
 
 #include <limits>
 
+#include "tests/executors.h"
 #include "tests/scenes.h"
 #include "viewer/live/live_world.h"
 
@@ -17,12 +18,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
-
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  return options;
-}
 
 /// A run with a reference beside it.
 struct Beside {

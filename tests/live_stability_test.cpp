@@ -6,18 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "sim_cuda/core/error.h"
+#include "tests/executors.h"
 #include "tests/hard_case_folder.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
-
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  options.cpu_threads = 1;
-  return options;
-}
 
 struct Listed {
   void frame(double milliseconds = 5) {
@@ -49,8 +43,8 @@ struct Listed {
   }
 
   HardCaseFolder folder;
-  LiveWorld live{empty_space(), on_cpu()};
-  LiveStability cases{folder.path(), on_cpu()};
+  LiveWorld live{empty_space(), on_cpu(1)};
+  LiveStability cases{folder.path(), on_cpu(1)};
   HardCasesWishes wishes;
   int frames = 0;
 };
@@ -155,8 +149,8 @@ TEST(LiveStability, AnOpenedCaseMakesItsChangesAndBeginsAgainWithThem) {
 
 TEST(LiveStability, SaysWhatIsWrongWithAFolder) {
   TemporaryFolder empty;
-  LiveWorld live(empty_space(), on_cpu());
-  LiveStability cases(empty.path().string(), on_cpu());
+  LiveWorld live(empty_space(), on_cpu(1));
+  LiveStability cases(empty.path().string(), on_cpu(1));
   HardCasesWishes wishes;
   wishes.run_all = true;
   cases.follow(live.world(), wishes);

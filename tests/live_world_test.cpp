@@ -10,6 +10,7 @@
 #include "headless/replay.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/limits.h"
+#include "tests/executors.h"
 #include "tests/random.h"
 #include "tests/test_files.h"
 
@@ -24,12 +25,6 @@ Scene box_of(std::int64_t bodies, Variant variant = Variant::paper) {
   generator.variant = variant;
   scene.generators.push_back(generator);
   return scene;
-}
-
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  return options;
 }
 
 template <class Edit>

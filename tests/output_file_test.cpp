@@ -12,22 +12,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::size_t files_in(const TemporaryFolder& folder) {
-  return static_cast<std::size_t>(
-      std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
-}
-
 TEST(OutputFile, AppearsWholeAtCommit) {
   const TemporaryFolder folder;
   std::ofstream(folder / "x") << "old";
   OutputFile file("--x", folder / "x");
-  EXPECT_EQ(files_in(folder), 1u);  // the trial left nothing
+  EXPECT_EQ(folder.files(), 1u);  // the trial left nothing
   file.write("new ");
   file.write("text");
   EXPECT_EQ(text_of(folder / "x"), "old");
   file.commit();
   EXPECT_EQ(text_of(folder / "x"), "new text");
-  EXPECT_EQ(files_in(folder), 1u);
+  EXPECT_EQ(folder.files(), 1u);
 }
 
 TEST(OutputFile, LeavesNothingWhereItWasNotCommitted) {
@@ -36,7 +31,7 @@ TEST(OutputFile, LeavesNothingWhereItWasNotCommitted) {
     OutputFile file("--x", folder / "x");
     file.write("half");
   }
-  EXPECT_EQ(files_in(folder), 0u);
+  EXPECT_EQ(folder.files(), 0u);
 }
 
 TEST(OutputFile, RefusesBeforeAnythingIsWritten) {

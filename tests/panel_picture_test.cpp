@@ -13,6 +13,7 @@
 #include <set>
 
 #include "sim_cuda/accuracy/record.h"
+#include "tests/executors.h"
 #include "tests/gl_fixture.h"
 #include "tests/golden.h"
 #include "tests/test_files.h"
@@ -37,19 +38,12 @@ Scene small_box(std::int64_t bodies) {
   return scene;
 }
 
-RunOptions on_cpu() {
-  RunOptions options;
-  options.executor = ExecutorKind::cpu;
-  options.cpu_threads = 2;  // the panels say it
-  return options;
-}
-
 /// A world at state 40, and its panels.
 struct Desk {
   explicit Desk(
       const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4},
       const Scene& scene = small_box(300))
-      : layers(shown), world(scene, on_cpu()), panels(world, shown, width, height, false) {
+      : layers(shown), world(scene, on_cpu(/*threads=*/2)), panels(world, shown, width, height, false) {
     world.record_impulses(shown.contacts);
     for (int k = 0; k < 40; ++k) {
       world.step();

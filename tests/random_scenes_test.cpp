@@ -100,9 +100,8 @@ class RandomScenes : public OnEachExecutor {
         << static_cast<int>(other.lane_order);
     ASSERT_EQ(again.hash_from_file, straight.hash) << other.broad_phase;
     if (GetParam() != ExecutorKind::cpu) {
-      RunOptions on_cpu = options();
-      on_cpu.executor = ExecutorKind::cpu;
-      ASSERT_EQ(run(scene, on_cpu, folder_ / "half-way").hash, straight.hash) << "the CPU has another answer";
+      ASSERT_EQ(run(scene, on_cpu(), folder_ / "half-way").hash, straight.hash)
+          << "the CPU has another answer";
     }
     if (values == Values::extreme) return;
     ASSERT_EQ(straight.end.non_finite, 0);

@@ -33,6 +33,11 @@ class TemporaryFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
+  /// How many files and folders lie in it.
+  std::size_t files() const {
+    using Entries = std::filesystem::directory_iterator;
+    return static_cast<std::size_t>(std::distance(Entries(path_), Entries()));
+  }
 
  private:
   std::filesystem::path path_;

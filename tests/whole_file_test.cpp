@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::size_t files_in(const TemporaryFolder& folder) {
-  return static_cast<std::size_t>(
-      std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
-}
-
 TEST(WholeFile, IsAsItWasUntilCommit) {
   const TemporaryFolder folder;
   std::ofstream(folder / "x") << "old";
@@ -30,14 +25,14 @@ TEST(WholeFile, IsAsItWasUntilCommit) {
     WholeFile given_up(folder / "x");
     given_up.write("half");
   }
-  EXPECT_EQ(files_in(folder), 1u);
+  EXPECT_EQ(folder.files(), 1u);
   WholeFile file(folder / "x");
   file.write("new ");
   file.write("text");
   EXPECT_EQ(text_of(folder / "x"), "old");
   file.commit();
   EXPECT_EQ(text_of(folder / "x"), "new text");
-  EXPECT_EQ(files_in(folder), 1u);
+  EXPECT_EQ(folder.files(), 1u);
 }
 
 TEST(WholeFile, TwoWritersOfOneTargetDoNotMeet) {
@@ -53,7 +48,7 @@ TEST(WholeFile, TwoWritersOfOneTargetDoNotMeet) {
   third.write("third");
   third.commit();
   EXPECT_EQ(text_of(folder / "x"), "third");
-  EXPECT_EQ(files_in(folder), 1u);
+  EXPECT_EQ(folder.files(), 1u);
 }
 
 TEST(WholeFile, ALinkStaysOne) {
@@ -120,13 +115,13 @@ TEST(WholeFile, IsOldOrNewWheneverItsWriterIsKilled) {
     ASSERT_TRUE(now == texts[0] || now == texts[1]) << "after " << k << " kills";
     const Image drawn = read_png(picture);
     ASSERT_TRUE(drawn == images[0] || drawn == images[1]) << "after " << k << " kills";
-    left = std::max(left, files_in(folder) - 2);
+    left = std::max(left, folder.files() - 2);
   }
   EXPECT_GT(left, 0u) << "no kill came while a file was being written";
   EXPECT_LE(left, 2u) << "what killed writers leave piles up";
   write_whole_file(text, "whole");
   write_png(images[0], picture);
-  EXPECT_EQ(files_in(folder), 2u);
+  EXPECT_EQ(folder.files(), 2u);
 }
 
 /// The program rewrites what a run of one more step left.
@@ -144,7 +139,7 @@ TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
   for (const std::string steps : {"1", "2"})
     ASSERT_EQ(run_headless(arguments(steps, "of" + steps)).status, 0);
   ASSERT_EQ(run_headless(arguments("1", "")).status, 0);
-  const std::size_t files = files_in(folder);
+  const std::size_t files = folder.files();
   // Times are in the report and differ from run to run; its end tells that it is whole.
   const auto is_whole = [&](const std::string& name) {
     const std::string now = text_of(folder / name);
@@ -168,7 +163,7 @@ TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
     }
     // From the moment that it begins to write; or it is done.
     int status = 0;
-    const auto writes = [&] { return files_in(folder) > files; };
+    const auto writes = [&] { return folder.files() > files; };
     pid_t done = 0;
     const bool left_before = writes();
     while (done == 0 && (left_before || !writes())) {
@@ -182,11 +177,11 @@ TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
       ASSERT_EQ(waitpid(child, &status, 0), child);
     }
     for (const std::string& name : names) ASSERT_TRUE(is_whole(name)) << name << " after " << k << " kills";
-    ASSERT_LE(files_in(folder), files + names.size()) << "what killed programs leave piles up";
+    ASSERT_LE(folder.files(), files + names.size()) << "what killed programs leave piles up";
   }
   EXPECT_GT(killed, 0);
   EXPECT_EQ(run_headless(arguments("1", "")).status, 0);
-  EXPECT_EQ(files_in(folder), files);
+  EXPECT_EQ(folder.files(), files);
 }
 
 }  // namespace
