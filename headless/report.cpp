@@ -188,7 +188,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
 
 nlohmann::ordered_json json_of(const RunReport& report) {
   const StepStats& last = report.final;
-  Json json;
+  Json json = Json::object();  // from nothing, nlohmann 3.11 ends the program where it is refused memory
   json["scene"] = report.scene;
   json["variant"] = report.variant.empty() ? Json(nullptr) : Json(report.variant);
   json["seed"] = report.seed ? Json(*report.seed) : Json(nullptr);
@@ -208,6 +208,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["rotation_update"] = report.rotation_update;
   json["precision"] = report.precision;
   json["effects"] = report.effects;
+  json["effect_reasons"] = Json::object();
   for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
   json["state_hash"] = fmt::format("{:016x}", report.state_hash);
   json["pairs"] = {

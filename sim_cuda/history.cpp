@@ -116,7 +116,7 @@ Json summary(const TimeSummary& times) {
 }  // namespace
 
 std::string history_json(const History& history, std::size_t window) {
-  Json document;
+  Json document = Json::object();
   document["step"] = summary(history.summarize_plain(window));
   document["stage_sum"] = summary(history.summarize_sum(window));
   document["stages"] = Json::array();

@@ -194,7 +194,7 @@ TEST(FailingAllocations, OfTheProgram) {
 
   for (const Refusal refusal : both) {
     int failures = 0;
-    for (std::int64_t granted = 0;; granted += 3) {
+    for (std::int64_t granted = 0;; ++granted) {
       const pid_t child = fork();  // where a library ends the program, it is this one
       ASSERT_GE(child, 0);
       if (child == 0) {

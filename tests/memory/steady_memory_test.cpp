@@ -1,5 +1,5 @@
-// A run may last for days: its memory does not grow with its steps. COLLIDOSCOPE_SMALL_STEPS says how many
-// (100,000).
+// A run may last for days: its memory does not grow with its steps, of which COLLIDOSCOPE_SMALL_STEPS says
+// how many (100,000), nor with the worlds that come and go.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "sim_cuda/core/parallel_for.h"
 #include "sim_cuda/world.h"
 #include "tests/memory/counted_new.h"
 #include "tests/scenes.h"
@@ -47,6 +48,20 @@ TEST(SteadyMemory, OfSmallSteps) {
     EXPECT_EQ(counted_new().live_bytes, taken);
     EXPECT_LE(resident_bytes(), resident + (std::int64_t{1} << 20));
   }
+}
+
+TEST(SteadyMemory, OfTeamsOfThreadsThatComeAndGo) {
+  std::vector<ThreadTeam::KeyedIndex> records(2000);
+  const auto sort_by_new_teams = [&](int times) {
+    for (int k = 0; k < times; ++k) {
+      for (std::uint32_t i = 0; i < records.size(); ++i) records[i] = {i * 7919u % 1009u, i};
+      ThreadTeam(2).sort(records.data(), std::ssize(records));
+    }
+  };
+  sort_by_new_teams(100);
+  const std::int64_t resident = resident_bytes();
+  sort_by_new_teams(4000);
+  EXPECT_LE(resident_bytes(), resident + (std::int64_t{1} << 20));
 }
 
 }  // namespace
