@@ -199,7 +199,7 @@ int run_capture(const CaptureRequest& request, World& world) {
       progress.update(world.steps());
     }
     const StepStats stats = world.measure();
-    if (asked) renderer.set_ghosts(reference.ghosts(world));
+    if (asked) renderer.set_ghosts(reference.ghosts(world, 0));
     if (panels) panels->refresh(world, renderer, reference.facts());
     link.publish(world, request.layers, renderer.instances());
     const ValueRange values = value_range(world, renderer.scene(), request.layers, stats);

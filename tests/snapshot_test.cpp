@@ -37,6 +37,15 @@ Snapshot by_way_of_a_file(const Snapshot& snapshot) {
   return read_snapshot(folder / "s");
 }
 
+/// One step of `world`, and of what its snapshot leads to: the same.
+void step_also_from_a_file(World& world) {
+  const Snapshot snapshot = by_way_of_a_file(snapshot_of(world));
+  World again = world_from(snapshot, snapshot.scene, world.options());
+  world.step(1);
+  again.step(1);
+  EXPECT_EQ(again.state_hash(), world.state_hash()) << "step " << world.steps();
+}
+
 Scene rubbing_box(std::int64_t bodies) {
   Scene scene = box_collider(bodies);
   scene.generators[0].radius_max = 7;
@@ -94,14 +103,9 @@ TEST_P(Snapshots, OfBallsInsideABoxGoOnBitForBit) {
                     sphere(0.6, Vector3d(1, 0.1, 0.4), Vector3d(0, -3, 0))};
     scene.bodies[1].angular_velocity = Vector3d(0, 17, 18);
     scene.boxes.emplace_back().size = Vector3d(4, 4, 2);
+    SCOPED_TRACE(coulomb);
     World whole(scene, options());
-    for (int step = 1; step <= 8; ++step) {
-      const Snapshot snapshot = by_way_of_a_file(snapshot_of(whole));
-      World again = world_from(snapshot, snapshot.scene, options());
-      whole.step(1);
-      again.step(1);
-      EXPECT_EQ(again.state_hash(), whole.state_hash()) << "step " << step << ", friction " << coulomb;
-    }
+    for (int step = 1; step <= 8; ++step) step_also_from_a_file(whole);
   }
 }
 
@@ -120,13 +124,7 @@ TEST_P(Snapshots, BesideBodiesThatFailedGoOnBitForBit) {
     "joints": [{"kind": "hinge", "a": 0, "b": 3, "limits": [-61.2, 2.48]}]})",
                   "s");
   World whole(scene, options());
-  for (int step = 1; step <= 4; ++step) {
-    const Snapshot snapshot = by_way_of_a_file(snapshot_of(whole));
-    World again = world_from(snapshot, snapshot.scene, options());
-    whole.step(1);
-    again.step(1);
-    EXPECT_EQ(again.state_hash(), whole.state_hash()) << "step " << step;
-  }
+  for (int step = 1; step <= 4; ++step) step_also_from_a_file(whole);
   EXPECT_FALSE(whole.bodies().position[3].allFinite());
   EXPECT_TRUE(whole.bodies().position[2].allFinite());
 }

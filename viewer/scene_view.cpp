@@ -98,9 +98,12 @@ void SceneView::mark(const Workspace& workspace, const TreeInspector& tree) {
 }
 
 void SceneView::publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference) {
-  const Published wanted{live.generation(), live.world().steps(), workspace.layers, reference.version()};
+  Published wanted{live.generation(), live.world().steps(), workspace.layers, reference.version()};
   if (wanted == published_) return;
-  if (workspace.layers.ask_a_reference()) renderer_->set_ghosts(reference.ghosts(live.world()));
+  if (workspace.layers.ask_a_reference()) {
+    renderer_->set_ghosts(reference.ghosts(live.world(), live.generation()));
+    wanted.reference = reference.version();
+  }
   const FrameLayers layers = frame_layers(workspace.layers);
   const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
   link_->publish(live.world(), layers, renderer_->instances());

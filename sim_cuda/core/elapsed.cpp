@@ -3,22 +3,40 @@
 #include <chrono>
 
 namespace collidoscope {
+#if SIM_CUDA
+namespace {
+
+/// A moment in the work of a stream, on the device's clock.
+class Moment {
+ public:
+  Moment() { check(cudaEventCreate(&event_), "create an event"); }
+  ~Moment() { cudaEventDestroy(event_); }
+  Moment(const Moment&) = delete;
+  Moment& operator=(const Moment&) = delete;
+
+  void record(cudaStream_t stream) { check(cudaEventRecord(event_, stream), "record an event"); }
+  double milliseconds_since(const Moment& before) const {
+    float elapsed = 0;
+    check(cudaEventElapsedTime(&elapsed, before.event_, event_), "read the time between two events");
+    return static_cast<double>(elapsed);
+  }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+}  // namespace
+#endif
 
 double milliseconds_of([[maybe_unused]] Executor& executor, const std::function<void()>& work) {
 #if SIM_CUDA
   if (executor.on_device()) {
-    cudaEvent_t begin = nullptr, end = nullptr;
-    check(cudaEventCreate(&begin), "create an event");
-    check(cudaEventCreate(&end), "create an event");
-    check(cudaEventRecord(begin, executor.stream()), "record an event");
+    Moment begin, end;
+    begin.record(executor.stream());
     work();
-    check(cudaEventRecord(end, executor.stream()), "record an event");
+    end.record(executor.stream());
     executor.synchronize();
-    float elapsed = 0;
-    check(cudaEventElapsedTime(&elapsed, begin, end), "read the time of a step");
-    cudaEventDestroy(begin);
-    cudaEventDestroy(end);
-    return static_cast<double>(elapsed);
+    return end.milliseconds_since(begin);
   }
 #endif
   const auto start = std::chrono::steady_clock::now();

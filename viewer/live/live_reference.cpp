@@ -107,7 +107,7 @@ void LiveReference::begin(World& world) {
       runs_.push_back({std::make_unique<World>(scene, world.options(), &state), parts});
     }
     facts_.name = "the same in double, in steps of 1/8";
-  } catch (const MachineError& error) {  // no memory for two more worlds
+  } catch (const std::exception& error) {  // no memory for two more worlds
     runs_.clear();
     facts_.lack = error.what();
   }
@@ -175,7 +175,8 @@ void LiveReference::compare() {
   }
 }
 
-std::vector<GhostInstance> LiveReference::ghosts(World& world) {
+std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
+  follow(world, generation);
   std::vector<GhostInstance> ghosts;
   std::vector<float> errors;
   if (facts_.known() && !looked_) compare();

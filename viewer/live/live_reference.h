@@ -42,9 +42,9 @@ class LiveReference {
   void stepped(double dt);
   void forget();
 
-  /// Of the state of the last follow(), in the order of ids; none where the reference knows nothing. Tells
-  /// the world its errors (World::set_errors).
-  std::vector<GhostInstance> ghosts(World& world);
+  /// Of the state that `world` is in, which it follows first: a step may have made it another World. In the
+  /// order of ids; none where the reference knows nothing. Tells the world its errors (World::set_errors).
+  std::vector<GhostInstance> ghosts(World& world, int generation);
   const ReferenceFacts& facts() const { return facts_; }
   /// Another one says that ghosts() are others for the same state, too.
   int version() const { return version_; }
