@@ -3,7 +3,16 @@
 
 namespace collidoscope {
 
-std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options) {
+std::optional<Scene> next_run(const World& world, const Change& change) {
+  Scene scene = world.scene();
+  RunOptions options = world.options();
+  make_change(change, scene, options);
+  const bool anew = (world.steps() == 0 && change.physical()) || begins_another_run(world.scene(), scene);
+  return anew ? std::optional(std::move(scene)) : std::nullopt;
+}
+
+std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options,
+                                     const RunState* rest) {
   if (change.shape_alone() && options.executor == world.options().executor) {
     options.shape.blocks = change.blocks.value_or(options.shape.blocks);
     options.shape.threads = change.threads.value_or(options.shape.threads);
@@ -12,8 +21,7 @@ std::unique_ptr<World> changed_world(World& world, const Change& change, RunOpti
   }
   Scene scene = world.scene();
   const BodyIds ids = make_change(change, scene, options);
-  if ((world.steps() == 0 && change.physical()) || begins_another_run(world.scene(), scene))
-    return std::make_unique<World>(scene, options);
+  if (next_run(world, change)) return std::make_unique<World>(scene, options, rest);
   const RunState state = world.state();
   return std::make_unique<World>(scene, options, &state, ids);
 }

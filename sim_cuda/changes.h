@@ -63,9 +63,15 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options);
 /// 0: another box, seed, radius or variant, or another N where each place depends on all others.
 bool begins_another_run(const Scene& before, const Scene& after);
 
+/// The scene that the run after a change begins with at state 0, if it does. Throws as World does.
+std::optional<Scene> next_run(const World& world, const Change& change);
+
 /// The run after a change: another World, or null where `world` itself could change, its launch shape.
-/// `options` are world's own, or such with another executor. Throws as World does, and changes nothing then.
-std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options);
+/// `options` are world's own, or such with another executor. `rest`: where it begins at state 0, the state to
+/// begin in, of a scene that settles (settle.h); else it is made here. Throws as World does, and changes
+/// nothing then.
+std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options,
+                                     const RunState* rest = nullptr);
 
 /// Adds a change to those that a run has been through.
 void record_change(std::vector<Change>& changes, Change change);

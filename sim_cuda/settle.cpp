@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -122,33 +124,6 @@ void slow_down(World& world, double share) {
   world.adopt(state);
 }
 
-void fall_to_rest(World& world) {
-  const InitialBodies& bodies = world.initial();
-  const Physics& physics = world.scene().physics;
-  const double g = physics.gravity.norm();
-  const double mass = std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0);
-  const double at_rest = energy_at_rest(mass, g, largest(bodies.radius));
-  const double side = (bodies.box->max - bodies.box->min).maxCoeff();
-  const double fall = std::sqrt(2 * side / g), step = physics.time_step;  // s
-  const auto most = static_cast<std::int64_t>(std::clamp(std::ceil(longest_falls * fall / step), 1.0, 1e9));
-  const double share = 1 / (1 + stride * step * slower_in_a_fall / fall);
-  for (double energy = 0;;) {
-    world.step(static_cast<int>(std::min<std::int64_t>(stride, most - world.steps())));
-    energy = world.measure().kinetic_energy;
-    if (news().progress) news().progress(world.steps(), most);
-    const bool fallen = static_cast<double>(world.steps()) * step > fall;  // else it has hardly begun
-    if (fallen && energy <= at_rest) break;
-    if (world.steps() == most) {
-      say(fmt::format(
-          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest", most,
-          energy, at_rest));
-      break;
-    }
-    if (fallen) slow_down(world, share);
-  }
-  if (news().progress) news().progress(most, most);
-}
-
 }  // namespace
 
 bool settles(const Scene& scene) {
@@ -158,20 +133,93 @@ bool settles(const Scene& scene) {
 
 double energy_at_rest(double mass, double g, double radius) { return mass * g * lift * radius; }
 
-RunState settled_state(const Scene& scene, const RunOptions& options) {
-  const Scene inner = falling(scene);
-  const std::filesystem::path file = cache_file(inner);
-  std::optional<RunState> state = cached(file, inner);
-  if (!state) {
-    World world(inner, options);
-    fall_to_rest(world);
-    Snapshot snapshot = snapshot_of(world);
+struct Settling::Impl {
+  Impl(const Scene& scene, const RunOptions& options) : inner(falling(scene)), file(cache_file(inner)) {
+    state = cached(file, inner);
+    if (!state) fall(options);
+  }
+  /// Begins to.
+  void fall(const RunOptions& options) {
+    world = std::make_unique<World>(inner, options);
+    const InitialBodies& bodies = world->initial();
+    const double g = inner.physics.gravity.norm(), step = inner.physics.time_step;
+    at_rest = energy_at_rest(std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0), g,
+                             largest(bodies.radius));
+    const double side = (bodies.box->max - bodies.box->min).maxCoeff();
+    fall_time = std::sqrt(2 * side / g);
+    most = static_cast<std::int64_t>(std::clamp(std::ceil(longest_falls * fall_time / step), 1.0, 1e9));
+    share = 1 / (1 + stride * step * slower_in_a_fall / fall_time);
+  }
+  std::int64_t next_look() const { return std::min((world->steps() / stride + 1) * stride, most); }
+
+  /// Whether it lies, and if not, slower.
+  void look() {
+    const double energy = world->measure().kinetic_energy;
+    if (news().progress) news().progress(world->steps(), most);
+    const double time = static_cast<double>(world->steps()) * inner.physics.time_step;
+    const bool fallen = time > fall_time;  // else it has hardly begun
+    const bool rests = fallen && energy <= at_rest;
+    if (!rests && world->steps() < most) {
+      if (fallen) slow_down(*world, share);
+      return;
+    }
+    if (!rests)
+      say(fmt::format(
+          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest", most,
+          energy, at_rest));
+    if (news().progress) news().progress(most, most);
+    Snapshot snapshot = snapshot_of(*world);
     keep(file, snapshot);
     state = std::move(snapshot.state);
+    world.reset();
   }
-  state->steps = 0;
-  state->ledgers.assign(state->ledgers.size(), WallLedger{});
-  return std::move(*state);
+
+  Scene inner;
+  std::filesystem::path file;
+  std::optional<RunState> state;  // once it lies
+  std::unique_ptr<World> world;   // while it falls
+  double at_rest = 0;             // J
+  double fall_time = 0;           // s, from the top of the box
+  double share = 1;               // of the velocities, that a look leaves
+  std::int64_t most = 0;
+};
+
+Settling::Settling(const Scene& scene, const RunOptions& options)
+    : impl_(std::make_unique<Impl>(scene, options)) {}
+Settling::~Settling() = default;
+Settling::Settling(Settling&&) noexcept = default;
+Settling& Settling::operator=(Settling&&) noexcept = default;
+
+bool Settling::done() const { return impl_->state.has_value(); }
+std::int64_t Settling::steps() const { return impl_->world ? impl_->world->steps() : impl_->most; }
+std::int64_t Settling::most() const { return impl_->most; }
+
+void Settling::go_on(double milliseconds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  const auto late = [&] {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count() > milliseconds;
+  };
+  while (!done()) {
+    World& world = *impl_->world;
+    const std::int64_t look = impl_->next_look();
+    world.step(std::isfinite(milliseconds) ? 1 : static_cast<int>(look - world.steps()));
+    if (world.steps() == look) impl_->look();
+    if (late()) break;
+  }
+}
+
+RunState Settling::take() {
+  RunState& state = *impl_->state;
+  state.steps = 0;
+  state.ledgers.assign(state.ledgers.size(), WallLedger{});
+  return std::move(state);
+}
+
+RunState settled_state(const Scene& scene, const RunOptions& options) {
+  Settling settling(scene, options);
+  settling.go_on(std::numeric_limits<double>::infinity());
+  return settling.take();
 }
 
 void set_settle_news(SettleNews told) { news() = std::move(told); }

@@ -17,6 +17,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "sim_cuda/run_options.h"
@@ -30,6 +31,28 @@ bool settles(const Scene& scene);
 
 /// The state at rest, as step 0; from the cache, or made and kept. The scene is valid. Throws as World does.
 RunState settled_state(const Scene& scene, const RunOptions& options);
+
+/// The same in slices, for whoever has something else to do meanwhile.
+class Settling {
+ public:
+  /// Done at once where the cache has it.
+  Settling(const Scene& scene, const RunOptions& options);
+  ~Settling();
+  Settling(Settling&&) noexcept;
+  Settling& operator=(Settling&&) noexcept;
+
+  bool done() const;
+  /// Steps for about so many milliseconds, and one at least, until it is done. Throws as World does.
+  void go_on(double milliseconds);
+  std::int64_t steps() const;  ///< so far
+  std::int64_t most() const;   ///< steps after which it ends, at rest or not
+  /// The state at rest, once it is done.
+  RunState take();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// The kinetic energy in J at which bodies of `mass` kg in all are at rest; g in m/s^2, `radius` the largest.
 double energy_at_rest(double mass, double g, double radius);

@@ -25,13 +25,6 @@ namespace collidoscope {
 
 namespace {
 
-const Scene& valid(const Scene& scene) {
-  std::vector<std::string> lines;
-  for (const Fault& fault : validate(scene)) lines.push_back(scene.name + ": " + line_of(fault));
-  if (!lines.empty()) throw InputError(lines);
-  return scene;
-}
-
 RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies) {
   if (options.key_bits == 0) options.key_bits = key_bits_called_for(bodies);
   return options;

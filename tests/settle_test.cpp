@@ -132,6 +132,29 @@ TEST_P(Settled, IsMadeOnceForAllThatRunsIt) {
   EXPECT_THAT(lines_, testing::IsEmpty());
 }
 
+TEST_P(Settled, InSlicesItComesToTheSameState) {
+  const Scene scene = pile(200, 0.3);
+  ASSERT_TRUE(was_made(scene, options()));
+  const std::uint64_t made = hash_;
+  for (const bool known : {true, false}) {
+    if (!known) fs::remove(*kept().begin());
+    Settling settling(scene, options());
+    std::int64_t slices = 0;
+    while (!settling.done()) {
+      EXPECT_EQ(settling.steps(), slices);
+      EXPECT_LT(settling.steps(), settling.most());
+      settling.go_on(0);
+      ++slices;
+    }
+    EXPECT_EQ(slices > 0, !known);
+    const RunState rest = settling.take();
+    World world(scene, options(), &rest);
+    EXPECT_EQ(world.steps(), 0);
+    EXPECT_EQ(world.state_hash(), made);
+    EXPECT_EQ(kept().size(), 1u);
+  }
+}
+
 TEST_P(Settled, ASceneOfImpulsesSettlesBySoftSteps) {
   Scene scene = pile(200);
   EXPECT_TRUE(was_made(scene, options()));

@@ -56,6 +56,7 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
   redirect(err, O_WRONLY | O_CREAT | O_APPEND, STDERR_FILENO);
   setenv("DISPLAY", display_.c_str(), 1);
   setenv("XDG_CONFIG_HOME", file("config").c_str(), 1);
+  setenv("XDG_CACHE_HOME", file("cache").c_str(), 1);
   setenv("XDG_SESSION_TYPE", "x11", 1);
   unsetenv("WAYLAND_DISPLAY");
   if (chdir(file(".").c_str()) != 0) _exit(126);

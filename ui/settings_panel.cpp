@@ -224,7 +224,8 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
     choice_row(workspace, "settings.variant", "variant", variants, s.variant,
                "paper: the box stays 100 m wide, pairs grow as N². scaled: the box grows, 30 % full, pairs "
                "grow as N. "
-               "settled: as scaled, at rest; made once for each N, which takes a while. "
+               "settled: as scaled, at rest; made once for each N, which takes a while: this run goes on "
+               "meanwhile, and Escape keeps it. "
                "equal: as scaled, with one radius");
     row_label("radius ≤", "Of the generated spheres");
     ImGui::InputDouble("##radius", &s.radius_max, 0, 0, "%.4g m",

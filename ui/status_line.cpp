@@ -75,7 +75,7 @@ void draw_help(Workspace& workspace) {
       {"1  3  7", "from the front, side, top"},
       {"5", "with or without perspective"},
       {"click", "select a body, or, with the tree unfolded, a box; nothing: deselect"},
-      {"Escape", "deselect"},
+      {"Escape", "deselect; or leave what comes to rest"},
       {"B", "throw a ball from where you look"},
       {"Delete", "take the selected body away"},
       {"C", "how the solver converges, sweep by sweep"},

@@ -63,6 +63,7 @@ void App::run(const std::function<bool()>& ended) {
     bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
     busy |= shows_hard_cases() && !stability_.done();
+    busy |= settling_.has_value();
     const bool idle =
         !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "headless/command_line.h"
+#include "sim_cuda/settle.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"
@@ -52,6 +53,8 @@ class App {
   // What panels wish for (app_wishes.cpp).
   void meet_wishes(double seconds);
   void apply_settings();
+  bool comes_to_rest(const Scene& scene, std::optional<RunState>& rest);
+  void restart();
   void advance(double seconds);
   void say(const std::string& notice);
   void export_history(bool csv);
@@ -97,6 +100,9 @@ class App {
     RunOptions options;
   };
   std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
+  std::optional<Settling> settling_;  ///< what is to begin next
+  std::string settling_scene_;        ///< its scene, as text
+  bool settles_ = false;              ///< somebody waited for it in this frame
   EffectCosts costs_;
   int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;

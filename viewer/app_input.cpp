@@ -100,6 +100,12 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // closes that
+      if (settling_) {
+        workspace_.settings = live_.settings();
+        workspace_.restart_wish = false;
+        say("left as it is");
+        break;
+      }
       workspace_.help = false;
       workspace_.selection.reset();
       workspace_.tree.node.reset();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/scene_file.h"
 #include "viewer/app_guard.h"
 #include "viewer/free_name.h"
 #include "viewer/live/thrown_ball.h"
@@ -30,11 +31,9 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.changes_wish, false)) guarded([&] { export_changes(); });
   if (std::exchange(workspace_.throw_wish, false)) guarded([&] { throw_ball(); });
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
-  if (std::exchange(workspace_.restart_wish, false))
-    guarded([&] {
-      live_.restart();
-      due_ = 0;
-    });
+  if (workspace_.restart_wish) guarded([&] { restart(); });
+  if (!settles_) settling_.reset();  // nobody waits for it any more
+  settles_ = false;
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
@@ -69,6 +68,42 @@ void App::follow_reference() {
   if (workspace_.layers.ask_a_reference()) reference_.follow(live_.world(), live_.generation());
 }
 
+/// Whether a run can begin with this scene, in `rest` if it is one that settles. Goes on with settling else:
+/// the run that there is stays until then.
+bool App::comes_to_rest(const Scene& scene, std::optional<RunState>& rest) {
+  if (!settles(scene)) return true;
+  std::string text = write_scene(scene);
+  if (!settling_ || settling_scene_ != text) {
+    settling_.emplace(scene, live_.world().options());
+    settling_scene_ = std::move(text);
+  }
+  settles_ = true;
+  constexpr double slice = 40;  // ms of a frame
+  settling_->go_on(slice);
+  if (!settling_->done()) {
+    say(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
+                    settling_->steps(), settling_->most()));
+    return false;
+  }
+  rest = settling_->take();
+  settling_.reset();
+  workspace_.notice.clear();
+  return true;
+}
+
+void App::restart() {
+  std::optional<RunState> rest;
+  try {
+    if (!live_.scripted() && !comes_to_rest(live_.world().scene(), rest)) return;
+    live_.restart(rest ? &*rest : nullptr);
+  } catch (...) {
+    workspace_.restart_wish = false;
+    throw;
+  }
+  workspace_.restart_wish = false;
+  due_ = 0;
+}
+
 void App::apply_settings() {
   const Settings now = live_.settings();
   if (workspace_.settings == now) return;
@@ -80,7 +115,10 @@ void App::apply_settings() {
                                                             workspace_.settings.variant != Variant::settled);
   if (workspace_.adjusting && !cheap) return;
   try {
-    const std::string said = live_.apply(workspace_.settings);
+    std::optional<RunState> rest;
+    const std::optional<Scene> next = live_.next_run(workspace_.settings);
+    if (next && !comes_to_rest(*next, rest)) return;
+    const std::string said = live_.apply(workspace_.settings, rest ? &*rest : nullptr);
     if (!said.empty()) say(said);
     follow_selection();
   } catch (...) {

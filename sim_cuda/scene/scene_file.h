@@ -23,6 +23,8 @@ std::string line_of(const Fault& fault);
 /// are those of the file format. What needs the bodies themselves (mesh files, masses that follow from
 /// densities, room for `apart`) is checked by initial_bodies().
 std::vector<Fault> validate(const Scene& scene);
+/// The scene itself. Throws InputError with a line for each fault.
+const Scene& valid(const Scene& scene);
 
 /// Reads (at most 64 MiB, 2^23 values, 2^20 in a list of bodies or joints), and validates. Throws InputError
 /// with one line per fault, `file:line:column: what, and what would be right`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/json_syntax.h"
@@ -484,6 +485,13 @@ std::string line_of(const Fault& fault) {
 }
 
 std::vector<Fault> validate(const Scene& scene) { return Validator(scene).run(); }
+
+const Scene& valid(const Scene& scene) {
+  std::vector<std::string> lines;
+  for (const Fault& fault : validate(scene)) lines.push_back(scene.name + ": " + line_of(fault));
+  if (!lines.empty()) throw InputError(lines);
+  return scene;
+}
 
 bool is_unit(double squared_length) {
   const double error = squared_length - 1;

@@ -6,6 +6,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/guard/frozen.h"
+#include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_run.h"
 
 namespace collidoscope {
@@ -91,15 +92,33 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
   level_sizes_step_ = -1;
 }
 
-std::string LiveWorld::apply(const Settings& wish) {
+namespace {
+
+/// Guards decide no state, so they are no change of it.
+Settings without_guards(Settings wish) {
+  if (wish.effects) wish.effects->guards = wish.guards.has_value();
+  return wish;
+}
+
+}  // namespace
+
+std::string LiveWorld::apply(const Settings& wish, const RunState* rest) {
   if (wish.guards != settings().guards) set_guards(wish.guards);
-  Settings others = wish;
-  if (others.effects) others.effects->guards = others.guards.has_value();
+  const Settings others = without_guards(wish);
   const Settings now = settings();
   if (others == now) return "";
   RunOptions options = world_->options();
   options.executor = others.executor;
-  return apply(change_between(now, others), options);
+  return apply(change_between(now, others), options, rest);
+}
+
+std::optional<Scene> LiveWorld::next_run(const Settings& wish) const {
+  Settings now = settings();
+  now.guards = wish.guards;
+  Change change = change_between(without_guards(now), without_guards(wish));
+  change.step = world_->steps();
+  std::optional<Scene> next = collidoscope::next_run(*world_, change);
+  return next ? std::optional(valid(*next)) : std::nullopt;
 }
 
 /// They decide no state, so nobody need be told that they were turned.
@@ -125,9 +144,9 @@ void LiveWorld::freeze(std::uint32_t body) {
   edited_ = true;
 }
 
-std::string LiveWorld::apply(Change change) { return apply(std::move(change), world_->options()); }
+std::string LiveWorld::apply(Change change) { return apply(std::move(change), world_->options(), nullptr); }
 
-std::string LiveWorld::apply(Change change, const RunOptions& options) {
+std::string LiveWorld::apply(Change change, const RunOptions& options, const RunState* rest) {
   const auto start = std::chrono::steady_clock::now();
   change.step = world_->steps();
   Scene after = world_->scene();
@@ -136,7 +155,7 @@ std::string LiveWorld::apply(Change change, const RunOptions& options) {
   const bool again = begins_another_run(world_->scene(), after);
   const bool new_bodies = change.radius_max || change.seed || change.variant;
   const std::optional<Box> old_box = world_->initial().box;
-  std::unique_ptr<World> next = changed_world(*world_, change, options);
+  std::unique_ptr<World> next = changed_world(*world_, change, options, rest);
   std::string said;
   if (again) {
     const std::optional<Box>& box = next->initial().box;
@@ -184,12 +203,12 @@ void LiveWorld::play_script() {
     apply(script_.changes[next_in_script_]);
 }
 
-void LiveWorld::restart() {
+void LiveWorld::restart(const RunState* rest) {
   if (scripted()) {
     HardRun again(script_.scene, script_.options, script_.changes);
     return open(std::move(again.world()), Script(script_));
   }
-  replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options())));
+  replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), rest));
   record_restart(changes_);
   if (began_ > 0 && changes_.empty()) changes_.emplace_back();  // a change of state 0 begins anew
   history_.clear();

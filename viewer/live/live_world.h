@@ -44,7 +44,10 @@ class LiveWorld {
   /// restitution, precision and N go to a new World that adopts this one; what changes the box, the radii or
   /// the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
   /// MachineError, and changes nothing then.
-  std::string apply(const Settings& wish);
+  /// `rest`: the state that a scene which settles begins in, where next_run() says so.
+  std::string apply(const Settings& wish, const RunState* rest = nullptr);
+  /// The scene that the same would begin anew with, if it does; valid. Throws InputError.
+  std::optional<Scene> next_run(const Settings& wish) const;
   /// The same of any change; its step is the current one.
   std::string apply(Change change);
   /// What became of the bodies at the last change; empty: their ids are what they were.
@@ -60,7 +63,7 @@ class LiveWorld {
   void open(World world, Script script = {});
   bool scripted() const { return !script_.changes.empty(); }
   /// Back to state 0, with the settings in effect.
-  void restart();
+  void restart(const RunState* rest = nullptr);
 
   /// Fixes a body where it is, as guards do.
   void freeze(std::uint32_t body);
@@ -78,7 +81,7 @@ class LiveWorld {
   double last_change_seconds() const { return change_seconds_; }
 
  private:
-  std::string apply(Change change, const RunOptions& options);
+  std::string apply(Change change, const RunOptions& options, const RunState* rest);
   void replace(std::unique_ptr<World> world);
   void play_script();
   void set_guards(std::optional<OnFailure> wish);

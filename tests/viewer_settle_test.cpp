@@ -1,0 +1,77 @@
+// A scene that settles first, in the window, by real events: the run that there is goes on meanwhile, can be
+// kept after all, and the next start is instant.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/viewer_fixture.h"
+
+namespace collidoscope {
+namespace {
+
+class ViewerSettles : public Viewer {
+ protected:
+  static void choose(WindowDriver& window, const std::string& list, const std::string& choice) {
+    window.click(list);
+    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["list_open"] == true; }));
+    window.click(list + "." + choice);
+    window.move(550, 300);  // off the list, where keys are the run's
+  }
+  static bool waits(const Json& frame) {
+    return frame["notice"].get<std::string>().starts_with("bodies come to rest first, step ");
+  }
+};
+
+TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
+  WindowDriver window({"box_collider", "--variant", "scaled", "--bodies", "300", "--size", "1100x1000"});
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 3; }));
+
+  choose(window, "settings.variant", "settled");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["variant"] == "settled"; }, 120));
+  EXPECT_EQ(window.frame()["bodies"], 300);
+  EXPECT_FALSE(waits(window.frame()));
+
+  // So many that nobody waits for them: the run goes on, and is kept.
+  window.type_into("settings.bodies", "30000");
+  window.move(550, 300);
+  ASSERT_TRUE(window.wait_for(waits));
+  EXPECT_EQ(window.frame()["bodies"], 300);
+  const int step = window.frame()["step"];
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > step + 2 && waits(f); }));
+  window.key("Escape");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["notice"] == "left as it is"; }));
+  window.next_frame();
+  EXPECT_EQ(window.frame()["bodies"], 300);
+  EXPECT_FALSE(waits(window.next_frame()));
+
+  // Back and forth: it is known now, and starts in the frame that asks for it.
+  choose(window, "settings.variant", "scaled");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["variant"] == "scaled"; }));
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
+  bool waited = false;
+  choose(window, "settings.variant", "settled");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) {
+    waited |= waits(f);
+    return f["variant"] == "settled";
+  }));
+  EXPECT_FALSE(waited);
+  EXPECT_EQ(window.frame()["step"], 0);
+  const std::string at_rest = window.frame()["state_hash"];
+
+  // Physics that settle otherwise: the restart waits for them.
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 1; }));
+  choose(window, "settings.solver", "jacobi_split");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["solver"] == "jacobi_split"; }));
+  window.key("r");
+  ASSERT_TRUE(window.wait_for(waits));
+  EXPECT_GE(window.frame()["step"], 1);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 0; }, 120));
+  EXPECT_NE(window.next_frame()["state_hash"], at_rest);
+  EXPECT_TRUE(window.frame()["error"].is_null());
+  EXPECT_EQ(close(window), "");
+}
+
+}  // namespace
+}  // namespace collidoscope
