@@ -52,9 +52,9 @@ class App {
 
   // What panels wish for (app_wishes.cpp).
   void meet_wishes(double seconds);
-  void apply_settings();
-  bool comes_to_rest(const Scene& scene, std::optional<RunState>& rest);
-  void restart();
+  void apply_settings(double seconds);
+  bool comes_to_rest(const Scene& scene, double seconds, std::optional<RunState>& rest);
+  void restart(double seconds);
   void advance(double seconds);
   void say(const std::string& notice);
   void export_history(bool csv);

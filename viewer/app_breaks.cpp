@@ -21,7 +21,7 @@ void App::meet_stop_wish() {
       breaks_.go_on();
       if (stop->found) {
         workspace_.settings.guards.reset();
-        apply_settings();
+        apply_settings(0);
         say("guards are off now");
       }
       workspace_.playing = true;

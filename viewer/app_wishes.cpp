@@ -27,11 +27,11 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.csv_wish, false)) guarded([&] { export_history(true); });
   if (std::exchange(workspace_.json_wish, false)) guarded([&] { export_history(false); });
   guarded([&] { scene_.meet_wish(std::exchange(workspace_.camera_wish, CameraWish::none)); });
-  guarded([&] { apply_settings(); });
+  guarded([&] { apply_settings(seconds); });
   if (std::exchange(workspace_.changes_wish, false)) guarded([&] { export_changes(); });
   if (std::exchange(workspace_.throw_wish, false)) guarded([&] { throw_ball(); });
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
-  if (workspace_.restart_wish) guarded([&] { restart(); });
+  if (workspace_.restart_wish) guarded([&] { restart(seconds); });
   if (!settles_) settling_.reset();  // nobody waits for it any more
   settles_ = false;
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
@@ -70,7 +70,7 @@ void App::follow_reference() {
 
 /// Whether a run can begin with this scene, in `rest` if it is one that settles. Goes on with settling else:
 /// the run that there is stays until then.
-bool App::comes_to_rest(const Scene& scene, std::optional<RunState>& rest) {
+bool App::comes_to_rest(const Scene& scene, double seconds, std::optional<RunState>& rest) {
   if (!settles(scene)) return true;
   std::string text = write_scene(scene);
   if (!settling_ || settling_scene_ != text) {
@@ -78,8 +78,8 @@ bool App::comes_to_rest(const Scene& scene, std::optional<RunState>& rest) {
     settling_scene_ = std::move(text);
   }
   settles_ = true;
-  constexpr double slice = 40;  // ms of a frame
-  settling_->go_on(slice);
+  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  settling_->go_on(std::clamp(500 * seconds, 30.0, 250.0));
   if (!settling_->done()) {
     say(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
                     settling_->steps(), settling_->most()));
@@ -91,10 +91,10 @@ bool App::comes_to_rest(const Scene& scene, std::optional<RunState>& rest) {
   return true;
 }
 
-void App::restart() {
+void App::restart(double seconds) {
   std::optional<RunState> rest;
   try {
-    if (!live_.scripted() && !comes_to_rest(live_.world().scene(), rest)) return;
+    if (!live_.scripted() && !comes_to_rest(live_.world().scene(), seconds, rest)) return;
     live_.restart(rest ? &*rest : nullptr);
   } catch (...) {
     workspace_.restart_wish = false;
@@ -104,7 +104,7 @@ void App::restart() {
   due_ = 0;
 }
 
-void App::apply_settings() {
+void App::apply_settings(double seconds) {
   const Settings now = live_.settings();
   if (workspace_.settings == now) return;
   // Where a new World takes long, it waits until the slider is let go.
@@ -117,7 +117,7 @@ void App::apply_settings() {
   try {
     std::optional<RunState> rest;
     const std::optional<Scene> next = live_.next_run(workspace_.settings);
-    if (next && !comes_to_rest(*next, rest)) return;
+    if (next && !comes_to_rest(*next, seconds, rest)) return;
     const std::string said = live_.apply(workspace_.settings, rest ? &*rest : nullptr);
     if (!said.empty()) say(said);
     follow_selection();
