@@ -70,7 +70,7 @@ std::vector<std::string> named_widgets() {
   list("settings.precision", {"f32", "f64"});
   list("settings.solver", {"impulse", "soft_step"});
   list("settings.integrator", {"velocity_verlet", "rk4", "semi_implicit_euler"});
-  list("settings.variant", {"paper", "scaled", "equal"});
+  list("settings.variant", {"paper", "scaled", "settled", "equal"});
   for (const char* methods : {"settings.broad_phase", "tree.method"}) list(methods, broad_phase_names());
   list("layers.color", {"speed", "radius", "id", "contacts", "order in the tree", "depth in the tree",
                         "visits of the query"});
