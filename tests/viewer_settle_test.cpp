@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "tests/viewer_fixture.h"
 
 namespace collidoscope {
@@ -17,9 +19,13 @@ class ViewerSettles : public Viewer {
     window.click(list + "." + choice);
     window.move(550, 300);  // off the list, where keys are the run's
   }
-  static bool waits(const Json& frame) {
-    return frame["notice"].get<std::string>().starts_with("bodies come to rest first, step ");
+  /// The step that a scene has come to on its way to rest; -1 where none is.
+  static int settling_step(const Json& frame) {
+    int step = -1;
+    std::sscanf(frame["notice"].get<std::string>().c_str(), "bodies come to rest first, step %d of", &step);
+    return step;
   }
+  static bool waits(const Json& frame) { return settling_step(frame) >= 0; }
 };
 
 TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
@@ -38,6 +44,10 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   EXPECT_EQ(window.frame()["bodies"], 300);
   const int step = window.frame()["step"];
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > step + 2 && waits(f); }));
+  const int come_to = settling_step(window.frame());
+  window.key("r");  // waits its turn
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return settling_step(f) > come_to + 2; }));
+  EXPECT_GT(window.frame()["step"], step);
   window.key("Escape");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["notice"] == "left as it is"; }));
   window.next_frame();

@@ -31,7 +31,7 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.changes_wish, false)) guarded([&] { export_changes(); });
   if (std::exchange(workspace_.throw_wish, false)) guarded([&] { throw_ball(); });
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
-  if (workspace_.restart_wish) guarded([&] { restart(seconds); });
+  if (workspace_.restart_wish && !settles_) guarded([&] { restart(seconds); });  // one at a time
   if (!settles_) settling_.reset();  // nobody waits for it any more
   settles_ = false;
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
