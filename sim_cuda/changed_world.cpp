@@ -3,12 +3,20 @@
 
 namespace collidoscope {
 
+namespace {
+
+/// Whether the change, which makes `after` of the scene, leads to state 0.
+bool begins_anew(const World& world, const Change& change, const Scene& after) {
+  return (world.steps() == 0 && change.physical()) || begins_another_run(world.scene(), after);
+}
+
+}  // namespace
+
 std::optional<Scene> next_run(const World& world, const Change& change) {
   Scene scene = world.scene();
   RunOptions options = world.options();
   make_change(change, scene, options);
-  const bool anew = (world.steps() == 0 && change.physical()) || begins_another_run(world.scene(), scene);
-  return anew ? std::optional(std::move(scene)) : std::nullopt;
+  return begins_anew(world, change, scene) ? std::optional(std::move(scene)) : std::nullopt;
 }
 
 std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options,
@@ -21,7 +29,7 @@ std::unique_ptr<World> changed_world(World& world, const Change& change, RunOpti
   }
   Scene scene = world.scene();
   const BodyIds ids = make_change(change, scene, options);
-  if (next_run(world, change)) return std::make_unique<World>(scene, options, rest);
+  if (begins_anew(world, change, scene)) return std::make_unique<World>(scene, options, rest);
   const RunState state = world.state();
   return std::make_unique<World>(scene, options, &state, ids);
 }

@@ -63,7 +63,7 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options);
 /// 0: another box, seed, radius or variant, or another N where each place depends on all others.
 bool begins_another_run(const Scene& before, const Scene& after);
 
-/// The scene that the run after a change begins with at state 0, if it does. Throws as World does.
+/// The scene that the run after a change begins with at state 0, if it does. Throws InputError.
 std::optional<Scene> next_run(const World& world, const Change& change);
 
 /// The run after a change: another World, or null where `world` itself could change, its launch shape.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/whole_file.h"
@@ -195,17 +195,13 @@ std::int64_t Settling::steps() const { return impl_->world ? impl_->world->steps
 std::int64_t Settling::most() const { return impl_->most; }
 
 void Settling::go_on(double milliseconds) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start = Clock::now();
-  const auto late = [&] {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count() > milliseconds;
-  };
+  const Deadline slice(milliseconds);
   while (!done()) {
     World& world = *impl_->world;
     const std::int64_t look = impl_->next_look();
     world.step(std::isfinite(milliseconds) ? 1 : static_cast<int>(look - world.steps()));
     if (world.steps() == look) impl_->look();
-    if (late()) break;
+    if (slice.passed()) break;
   }
 }
 

@@ -102,7 +102,6 @@ class App {
   std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
   std::optional<Settling> settling_;  ///< what is to begin next
   std::string settling_scene_;        ///< its scene, as text
-  bool settles_ = false;              ///< somebody waited for it in this frame
   EffectCosts costs_;
   int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;

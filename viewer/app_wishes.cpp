@@ -31,9 +31,9 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.changes_wish, false)) guarded([&] { export_changes(); });
   if (std::exchange(workspace_.throw_wish, false)) guarded([&] { throw_ball(); });
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
-  if (workspace_.restart_wish && !settles_) guarded([&] { restart(seconds); });  // one at a time
-  if (!settles_) settling_.reset();  // nobody waits for it any more
-  settles_ = false;
+  const bool pending = workspace_.settings != live_.settings();
+  if (workspace_.restart_wish && !pending) guarded([&] { restart(seconds); });
+  if (!workspace_.restart_wish && !pending) settling_.reset();  // nobody waits for it any more
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
@@ -77,7 +77,6 @@ bool App::comes_to_rest(const Scene& scene, double seconds, std::optional<RunSta
     settling_.emplace(scene, live_.world().options());
     settling_scene_ = std::move(text);
   }
-  settles_ = true;
   // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
   settling_->go_on(std::clamp(500 * seconds, 30.0, 250.0));
   if (!settling_->done()) {

@@ -2,10 +2,10 @@
 // What an accuracy study is of: a scene, where its runs start, and the times at which they are looked at,
 // which are whole numbers of steps for every setting. Plain data; the runs of it, in slices.
 
-#include <chrono>
 #include <optional>
 
 #include "sim_cuda/accuracy/point.h"
+#include "sim_cuda/core/deadline.h"
 #include "sim_cuda/run_state.h"
 #include "sim_cuda/world.h"
 
@@ -34,19 +34,6 @@ struct AccuracySubject {
 /// Throws as World does.
 AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, double seconds,
                                  const RunState* start = nullptr);
-
-/// When a slice of work is over.
-class Deadline {
- public:
-  explicit Deadline(double milliseconds)
-      : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double, std::milli>(milliseconds))) {}
-  bool passed() const { return Clock::now() >= end_; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point end_;
-};
 
 /// A world that goes from sample to sample; `subject` outlives it. Throws as World does.
 class SampledRun {

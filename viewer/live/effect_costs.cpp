@@ -1,11 +1,11 @@
 #include "viewer/live/effect_costs.h"
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <limits>
 #include <stdexcept>
 
+#include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/stage_clock.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -92,9 +92,8 @@ void EffectCosts::finish() {
 }
 
 void EffectCosts::go_on(World& world, double milliseconds) {
-  using Clock = std::chrono::steady_clock;
   if (!begun_) take_stock(world);
-  const Clock::time_point start = Clock::now();
+  const Deadline slice(milliseconds);
   while (!trials_.empty()) {
     if (with_ == nullptr && !make_worlds()) {
       finish();
@@ -115,7 +114,7 @@ void EffectCosts::go_on(World& world, double milliseconds) {
     cost.without_ms = quantile(without_ms_, 0.5);
     const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->paused() && !without_->paused();
     if (cost.pairs >= pairs || !moving) finish();
-    if (std::chrono::duration<double, std::milli>(Clock::now() - start).count() > milliseconds) break;
+    if (slice.passed()) break;
   }
 }
 

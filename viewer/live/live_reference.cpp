@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 
 #include "sim_cuda/accuracy/point.h"
 #include "sim_cuda/changes.h"
+#include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/stage_clock.h"
 #include "sim_cuda/run_state.h"
@@ -16,8 +16,6 @@
 
 namespace collidoscope {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// The scene with its bodies listed, as they are in the world.
 Scene scene_of_now(World& world) {
@@ -107,7 +105,7 @@ void LiveReference::begin(World& world) {
       runs_.push_back({std::make_unique<World>(scene, world.options(), &state), parts});
     }
     facts_.name = "the same in double, in steps of 1/8";
-  } catch (const std::exception& error) {  // no memory for two more worlds
+  } catch (const std::exception& error) {  // most likely no memory for two more worlds
     runs_.clear();
     facts_.lack = error.what();
   }
@@ -126,17 +124,14 @@ void LiveReference::fit(Run& run, double dt) {
 
 bool LiveReference::go_ahead(double dt, double milliseconds) {
   if (!facts_.known()) return true;
-  const Clock::time_point start = Clock::now();
-  const auto late = [&] {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count() > milliseconds;
-  };
+  const Deadline slice(milliseconds);
   if (!looked_) compare();
   if (exact_) {
     constexpr int parts = 16;
     const double target = time_ + dt;
     while (exact_->time() < target && !exact_->zeno_point()) {
       exact_->advance_to(std::min(target, exact_->time() + dt / parts));
-      if (late()) break;
+      if (slice.passed()) break;
     }
     return exact_->time() >= target || exact_->zeno_point().has_value();
   }
@@ -146,7 +141,7 @@ bool LiveReference::go_ahead(double dt, double milliseconds) {
       while (run.done < run.parts) {
         run.world->step();
         ++run.done;
-        if (late()) return &run == &runs_.back() && run.done == run.parts;
+        if (slice.passed()) return &run == &runs_.back() && run.done == run.parts;
       }
     }
   } catch (const std::exception& error) {  // no memory for what they grew to

@@ -10,6 +10,15 @@
 #include "sim_cuda/stability/hard_run.h"
 
 namespace collidoscope {
+namespace {
+
+/// Guards decide no state, so they are no change of it.
+Settings without_guards(Settings wish) {
+  if (wish.effects) wish.effects->guards = wish.guards.has_value();
+  return wish;
+}
+
+}  // namespace
 
 Settings settings_of(const World& world) {
   const Scene& scene = world.scene();
@@ -91,16 +100,6 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
   stats_known_ = hash_known_ = false;
   level_sizes_step_ = -1;
 }
-
-namespace {
-
-/// Guards decide no state, so they are no change of it.
-Settings without_guards(Settings wish) {
-  if (wish.effects) wish.effects->guards = wish.guards.has_value();
-  return wish;
-}
-
-}  // namespace
 
 std::string LiveWorld::apply(const Settings& wish, const RunState* rest) {
   if (wish.guards != settings().guards) set_guards(wish.guards);

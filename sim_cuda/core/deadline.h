@@ -1,0 +1,23 @@
+#pragma once
+// Work in slices, so that a picture keeps moving.
+
+#include <chrono>
+
+namespace collidoscope {
+
+/// When a slice of work is over.
+class Deadline {
+ public:
+  /// From now; infinity: never.
+  explicit Deadline(double milliseconds)
+      : end_(milliseconds < 1e12 ? Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                      std::chrono::duration<double, std::milli>(milliseconds))
+                                 : Clock::time_point::max()) {}
+  bool passed() const { return Clock::now() >= end_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point end_;
+};
+
+}  // namespace collidoscope
