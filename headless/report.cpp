@@ -91,8 +91,8 @@ std::string numbers_text(const RunReport& report) {
   text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
   text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
                                last.potential_energy + 0.0));
-  text += line(
-      "", fmt::format("{:.6g} J of it came in by pushing overlaps apart", last.push_work - first.push_work));
+  text += line("", fmt::format("{:.6g} J of it potential, from putting bodies back inside walls",
+                               last.push_work - first.push_work));
   text += line("momentum", vector(last.momentum, "kg m/s"));
   text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
   if (last.joints > 0) {

@@ -20,7 +20,7 @@ class PackedTree : public OnEachExecutor {
   }
   std::vector<std::string> methods_with_trees() {
     std::vector<std::string> methods;
-    for (const std::string& name : broad_phase_names())
+    for (const std::string& name : broad_phase_names(GetParam()))
       if (world_of(name, 10).tree_nodes() > 0) methods.push_back(name);
     return methods;
   }

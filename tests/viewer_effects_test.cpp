@@ -19,8 +19,13 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   EXPECT_EQ(effect("gravity")["on"], true);
   EXPECT_EQ(effect("drag")["called_for"], false);
 
-  // What the scene does not call for is greyed: a click does nothing.
-  window.click("effects.drag");
+  // What the scene does not call for is greyed: nothing to click, and a click does nothing.
+  const Json seen = window.frame()["widgets"];
+  EXPECT_FALSE(seen.contains("effects.drag"));
+  const Json gravity = seen["effects.gravity"], guards = seen["effects.guards"];
+  const int row = gravity[3].get<int>();
+  for (int y = gravity[1].get<int>() + 2 * row; y < guards[1].get<int>(); y += row)
+    window.click_at(gravity[0].get<int>() + row / 2, y);
   window.next_frame();
   EXPECT_EQ(effect("drag")["on"], false);
   EXPECT_EQ(window.frame()["changes"], 0);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +15,8 @@ void track(Workspace& workspace, const char* name, const ScreenRect& rect) {
 }
 
 void track(Workspace& workspace, const char* name) {
-  if (!ImGui::IsItemVisible()) return;
-  // What scrolled out of its window cannot be clicked.
+  // Neither what is grey nor what scrolled out of its window can be clicked.
+  if (!ImGui::IsItemVisible() || (ImGui::GetItemFlags() & ImGuiItemFlags_Disabled) != 0) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 low = list->GetClipRectMin(), high = list->GetClipRectMax();
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();

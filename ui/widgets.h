@@ -9,7 +9,7 @@
 
 namespace collidoscope {
 
-/// Records where the last widget is, if it can be seen.
+/// Records where the last widget is, if it can be seen and is not grey.
 void track(Workspace& workspace, const char* name);
 void track(Workspace& workspace, const char* name, const ScreenRect& rect);
 

@@ -121,7 +121,7 @@ struct Workspace {
   std::vector<std::string> errors;  ///< each until it is dismissed
   std::string notice;               ///< said once, of the last change
 
-  /// Of the last draw: where the 3D view is, and each widget by its name, if it can be seen.
+  /// Of the last draw: where the 3D view is, and each widget by its name, if it can be seen and used.
   ScreenRect scene_view;
   std::vector<std::pair<std::string, ScreenRect>> widgets;
   std::string
