@@ -116,6 +116,50 @@ TEST_P(OneAnswer, WithEverySortAtEveryLaunchShape) {
     }
 }
 
+// On a GPU, the threads of a block share what it has to do.
+TEST_P(OneAnswer, OfOneWhoTouchesThousands) {
+  Scene scene;
+  scene.physics.gravity = Vector3d::Zero();
+  scene.materials[0].friction = 0.5;
+  const double radius = 50;
+  const auto ball = [](double r, const Vector3d& at, const Vector3d& velocity) {
+    Body body;
+    body.radius = r;
+    body.position = at;
+    body.velocity = velocity;
+    return body;
+  };
+  for (int i = -30; i < 30; ++i)
+    for (int j = -30; j < 30; ++j) {
+      const double r = 0.3 + 0.01 * ((7 * i + 13 * j) % 10), away = radius + 0.99 * r;
+      scene.bodies.push_back(ball(r, {1.0 * i, 1.0 * j, std::sqrt(away * away - i * i - j * j)},
+                                  {0.1 * (i % 3), 0.1 * (j % 4), -1}));
+    }
+  RunOptions on_cpu;
+  on_cpu.executor = ExecutorKind::cpu;
+  for (const bool first : {false, true}) {
+    scene.bodies.insert(first ? scene.bodies.begin() : scene.bodies.end(),
+                        ball(radius, Vector3d::Zero(), Vector3d::Zero()));
+    for (const Solver solver : {Solver::impulse, Solver::soft_step, Solver::jacobi_split})
+      for (const Precision precision : {Precision::f32, Precision::f64}) {
+        scene.physics.solver = solver;
+        scene.physics.precision = precision;
+        scene.materials[0].friction = solver == Solver::impulse ? 0 : 0.5;
+        World expected(scene, on_cpu);
+        expected.step();
+        EXPECT_GT(expected.measure().split_contacts, 3000);
+        expected.step(5);
+        for (const LaunchShape shape : {LaunchShape{0, 0}, {3, 37}, {40, 16}}) {
+          RunOptions o = options();
+          o.shape = shape;
+          EXPECT_EQ(hash_after(scene, o, 6), hex(expected.state_hash()))
+              << name_of(solver_names, solver) << ' ' << shape.blocks << ' ' << shape.threads;
+        }
+      }
+    if (!first) scene.bodies.pop_back();
+  }
+}
+
 class OneAnswerOfASolver : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>> {
  protected:
   RunOptions options() const {

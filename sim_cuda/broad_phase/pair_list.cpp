@@ -1,5 +1,6 @@
 #include "sim_cuda/broad_phase/pair_list.h"
 
+#include "sim_cuda/core/block.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/segment_sort.h"
 
@@ -40,6 +41,15 @@ struct SortPairs {
       sort_segment(second + offset[body], offset[body + 1] - offset[body]);
     }
   }
+
+  SIM_HD bool is_long(int body) const {
+    return body < bodies && *total <= capacity && offset[body + 1] - offset[body] > long_list;
+  }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const {
+    sort_segment_together(second + offset[body], offset[body + 1] - offset[body]);
+  }
+#endif
 };
 
 /// In how many parts of the bodies pairs are placed: as many as leave each about half of a large cache.

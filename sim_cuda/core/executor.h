@@ -49,6 +49,16 @@ struct Count {
   }
 };
 
+/// A stage of which an item may take as long as thousands of others, that body's who touches thousands: on a
+/// GPU all threads of a block do such an item together, when each has done its own.
+///
+///   SIM_HD bool is_long(int item) const;
+///   __device__ void together(int item) const;  // the same to the bit as operator()(item)
+template <class Stage>
+concept LongItems = requires(const Stage& stage) {
+  stage.is_long(0);
+};
+
 class Executor {
  public:
   /// Throws MachineError where the device asked for is not there, InputError where an option makes no sense.
@@ -127,6 +137,8 @@ class Executor {
   ///   SIM_HD std::int64_t items(int round) const;  // asked when the rounds before are done
   ///   SIM_HD void operator()(int round, int item) const;
   ///   static constexpr bool planned = true;  // where no round changes the items of a later one
+  ///   static constexpr int long_round;  // of planned rounds: one with long items (LongItems), done without
+  ///                                     // its number: operator()(item)
   ///
   /// The first of planned rounds may part what an item reads from what it does:
   ///
@@ -340,9 +352,14 @@ template <class Rounds>
 concept ChainedRounds = FetchingRounds<Rounds> &&(Rounds::chained > 0);
 
 template <class Rounds>
+concept RoundsOfLongItems = PlannedRounds<Rounds> && LongItems<Rounds> &&(Rounds::long_round >= 0);
+
+template <class Rounds>
 SIM_HD void run_item(const Rounds& rounds, int round, int item) {
   if constexpr (FetchingRounds<Rounds>)
     if (round < Rounds::fetched) return rounds(rounds.fetch(round, item));
+  if constexpr (RoundsOfLongItems<Rounds>)
+    if (round == Rounds::long_round) return rounds(item);
   rounds(round, item);
 }
 
@@ -369,15 +386,41 @@ void Executor::run_rounds(const char* name, int rounds, std::int64_t most, const
 
 #if defined(__CUDACC__)
 
+/// A thread's own items: `first` and every `stride`-th from there on.
+template <class Stage>
+__device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
+  for (std::int64_t i = first; i < items; i += stride) stage(static_cast<int>(i));
+}
+template <LongItems Stage>
+__device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
+  constexpr std::uint32_t room = 64;  // who finds it full does the item alone
+  __shared__ int waiting[room];
+  __shared__ std::uint32_t waits;
+  if (threadIdx.x == 0) waits = 0;
+  __syncthreads();
+  for (std::int64_t i = first; i < items; i += stride) {
+    const int item = static_cast<int>(i);
+    if (stage.is_long(item))
+      if (const std::uint32_t place = atomicAdd(&waits, 1); place < room) {
+        waiting[place] = item;
+        continue;
+      }
+    stage(item);
+  }
+  __syncthreads();
+  const std::uint32_t all = waits < room ? waits : room;
+  for (std::uint32_t k = 0; k < all; ++k) {
+    stage.together(waiting[k]);
+    __syncthreads();
+  }
+}
+
 /// B x T threads stride over the items, as in the paper. At most 64 registers, so that every T up to 1024 can
 /// be launched.
 template <class Stage>
 __global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const Stage stage) {
-  const std::int64_t items = count.value();
-  const std::int64_t stride = static_cast<std::int64_t>(gridDim.x) * blockDim.x;
-  for (std::int64_t i = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < items;
-       i += stride)
-    stage(static_cast<int>(i));
+  run_items(static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x, count.value(),
+            static_cast<std::int64_t>(gridDim.x) * blockDim.x, stage);
 }
 
 template <class Stage>
@@ -403,6 +446,14 @@ __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const 
   }
 }
 
+template <class Rounds>
+__device__ void run_items_of(const Rounds& stage, int round, std::int64_t first, std::int64_t items,
+                             std::int64_t stride) {
+  if constexpr (RoundsOfLongItems<Rounds>)
+    if (round == Rounds::long_round) return run_items(first, items, stride, stage);
+  for (std::int64_t i = first; i < items; i += stride) run_item(stage, round, static_cast<int>(i));
+}
+
 /// Of rounds whose items are known from the start, those that one block does sooner than it could wait for
 /// the others are its alone.
 template <class Rounds>
@@ -420,8 +471,7 @@ requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_g
     first = false;
     was_alone = alone;
     if (alone && rank >= blockDim.x) continue;
-    for (std::int64_t i = rank; i < items; i += alone ? std::int64_t{blockDim.x} : lanes)
-      run_item(stage, round, static_cast<int>(i));
+    run_items_of(stage, round, rank, items, alone ? std::int64_t{blockDim.x} : lanes);
   }
 }
 
@@ -449,15 +499,14 @@ __global__ void __launch_bounds__(1024, 1) run_chain(const int rounds, const Rou
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
     grid.sync();
-    for (std::int64_t i = rank; i < items; i += lanes) run_item(stage, round, static_cast<int>(i));
+    run_items_of(stage, round, rank, items, lanes);
   }
 }
 
 template <class Rounds>
 __global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const Rounds stage) {
-  const std::int64_t items = stage.items(round), stride = std::int64_t{gridDim.x} * blockDim.x;
-  for (std::int64_t i = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < items; i += stride)
-    run_item(stage, round, static_cast<int>(i));
+  run_items_of(stage, round, std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x, stage.items(round),
+               std::int64_t{gridDim.x} * blockDim.x);
 }
 
 template <class Rounds>

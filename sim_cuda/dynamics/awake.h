@@ -17,6 +17,13 @@ struct OfAwakeBodies {
   SIM_HD void operator()(int body) const {
     if (!asleep[body]) stage(body);
   }
+
+  SIM_HD bool is_long(int body) const requires LongItems<Stage> {
+    return !asleep[body] && stage.is_long(body);
+  }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const requires LongItems<Stage> { stage.together(body); }
+#endif
 };
 
 /// The two bodies of a contact sleep together, or neither does, but for one that no force moves.

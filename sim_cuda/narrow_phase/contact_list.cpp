@@ -1,5 +1,6 @@
 #include "sim_cuda/narrow_phase/contact_list.h"
 
+#include "sim_cuda/core/block.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/scene/effects.h"
 
@@ -40,25 +41,48 @@ struct Apart {
   }
 };
 
+/// The pairs of a body, the smaller of their ids, and which of them are contacts.
 template <class Real, Course course, class Parted>
-struct CountContacts {
+struct TestedPairs {
   PairView pairs;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
   [[no_unique_address]] Parted parted;
   const StepControl* control;
+
+  SIM_HD TouchTest<Real, course> of(int body) const { return {spheres, foresight, body}; }
+  SIM_HD std::uint32_t begin(int body) const { return pairs.offset[body]; }
+  SIM_HD std::uint32_t end(int body) const { return pairs.offset[body + 1]; }
+  SIM_HD bool is_contact(const TouchTest<Real, course>& touch, int body, std::uint32_t k) const {
+    const std::uint32_t other = pairs.second[k];
+    return touch.with(other) && !parted.hold(static_cast<std::uint32_t>(body), other);
+  }
+  SIM_HD bool is_long(int body) const { return !control->overflow && end(body) - begin(body) > long_list; }
+};
+
+template <class Tested>
+struct CountContacts {
+  Tested tested;
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
-    if (control->overflow) return;
-    const TouchTest<Real, course> touch(spheres, foresight, body);
-    const auto id = static_cast<std::uint32_t>(body);
+    if (tested.control->overflow) return;
+    const auto touch = tested.of(body);
     std::uint32_t touching = 0;
-    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
-      const std::uint32_t other = pairs.second[k];
-      touching += touch.with(other) && !parted.hold(id, other);
-    }
+    for (std::uint32_t k = tested.begin(body); k < tested.end(body); ++k)
+      touching += tested.is_contact(touch, body, k);
     count[body] = touching;
   }
+
+  SIM_HD bool is_long(int body) const { return tested.is_long(body); }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const {
+    const auto touch = tested.of(body);
+    BlockRanks ranks;
+    for (std::uint32_t from = tested.begin(body), end = tested.end(body); from < end; from += blockDim.x)
+      ranks.take(from + threadIdx.x < end && tested.is_contact(touch, body, from + threadIdx.x));
+    if (threadIdx.x == 0) count[body] = ranks.total();
+  }
+#endif
 };
 
 struct AcceptContacts {
@@ -76,27 +100,44 @@ struct AcceptContacts {
   }
 };
 
-template <class Real, Course course, class Parted>
+template <class Real, class Tested>
 struct WriteContacts {
-  PairView pairs;
-  SphereView<Real> spheres;
-  Foresight<Real> foresight;
-  [[no_unique_address]] Parted parted;
+  Tested tested;
   const std::uint32_t* offset;
-  const StepControl* control;
   Pair* bodies_of;
   Vector3<Real>* normal;
   SIM_HD void operator()(int body) const {
-    if (control->overflow || offset[body] == offset[body + 1]) return;
-    const TouchTest<Real, course> touch(spheres, foresight, body);
+    if (has_none(body)) return;
+    const auto touch = tested.of(body);
     std::uint32_t at = offset[body];
-    for (std::uint32_t k = pairs.offset[body]; k < pairs.offset[body + 1]; ++k) {
-      const std::uint32_t other = pairs.second[k];
-      if (!touch.with(other) || parted.hold(static_cast<std::uint32_t>(body), other)) continue;
-      bodies_of[at] = {static_cast<std::uint32_t>(body), other};
-      normal[at] = separate<Real>(touch.x, touch.r, spheres.position[other], spheres.radius[other]).normal;
-      ++at;
+    for (std::uint32_t k = tested.begin(body); k < tested.end(body); ++k)
+      if (tested.is_contact(touch, body, k)) write(touch, body, k, at++);
+  }
+
+  SIM_HD bool is_long(int body) const { return tested.is_long(body) && !has_none(body); }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const {
+    const auto touch = tested.of(body);
+    BlockRanks ranks;
+    for (std::uint32_t from = tested.begin(body), end = tested.end(body); from < end; from += blockDim.x) {
+      const std::uint32_t k = from + threadIdx.x;
+      const bool found = k < end && tested.is_contact(touch, body, k);
+      const std::uint32_t rank = ranks.take(found);
+      if (found) write(touch, body, k, offset[body] + rank);
     }
+  }
+#endif
+
+ private:
+  SIM_HD bool has_none(int body) const {
+    return tested.control->overflow || offset[body] == offset[body + 1];
+  }
+  template <class Touch>
+  SIM_HD void write(const Touch& touch, int body, std::uint32_t k, std::uint32_t at) const {
+    const std::uint32_t other = tested.pairs.second[k];
+    bodies_of[at] = {static_cast<std::uint32_t>(body), other};
+    normal[at] =
+        separate<Real>(touch.x, touch.r, tested.spheres.position[other], tested.spheres.radius[other]).normal;
   }
 };
 
@@ -127,15 +168,14 @@ void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& sphe
                              const Foresight<Real>& foresight, const PartedPairs& parted,
                              StepControl* control) {
   const auto list = [&]<Course course, class Parted>(const Parted& apart) {
-    executor_.run(
-        "contacts", bodies_,
-        CountContacts<Real, course, Parted>{pairs, spheres, foresight, apart, control, count_.data()});
+    using Tested = TestedPairs<Real, course, Parted>;
+    const Tested tested{pairs, spheres, foresight, apart, control};
+    executor_.run("contacts", bodies_, CountContacts<Tested>{tested, count_.data()});
     exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
                    temporary_.bytes());
     executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
     executor_.run("contacts", bodies_,
-                  WriteContacts<Real, course, Parted>{pairs, spheres, foresight, apart, offset_.data(),
-                                                      control, bodies_of_.data(), normal_.data()});
+                  WriteContacts<Real, Tested>{tested, offset_.data(), bodies_of_.data(), normal_.data()});
   };
   const auto with = [&]<Course course>() {
     parted.count > 0 || spheres.inverse_mass != nullptr

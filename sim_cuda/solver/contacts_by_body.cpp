@@ -1,6 +1,7 @@
 #include "sim_cuda/solver/contacts_by_body.h"
 
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/block.h"
 #include "sim_cuda/core/segment_sort.h"
 
 namespace collidoscope {
@@ -35,8 +36,20 @@ struct SortLists {
     std::uint32_t* mine = entry + degrees.begin[body];
     if (count > 1) sort_segment(mine, count);
     if (place == nullptr) return;
-    for (std::uint32_t k = 0; k < count; ++k) mine[k] = 2 * place[mine[k] / 2] + mine[k] % 2;
+    for (std::uint32_t k = 0; k < count; ++k) mine[k] = placed(mine[k]);
   }
+  SIM_HD std::uint32_t placed(std::uint32_t end) const { return 2 * place[end / 2] + end % 2; }
+
+  SIM_HD bool is_long(int body) const { return degrees.count[body] > long_list; }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const {
+    const std::uint32_t count = degrees.count[body];
+    std::uint32_t* mine = entry + degrees.begin[body];
+    sort_segment_together(mine, count);
+    if (place == nullptr) return;
+    for (std::uint32_t k = threadIdx.x; k < count; k += blockDim.x) mine[k] = placed(mine[k]);
+  }
+#endif
 };
 
 }  // namespace

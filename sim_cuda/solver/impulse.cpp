@@ -1,5 +1,9 @@
 #include "sim_cuda/solver/impulse.h"
 
+#include <type_traits>
+
+#include "sim_cuda/core/block.h"
+#include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
@@ -89,17 +93,32 @@ struct ApplySplit {
 
   SIM_HD void operator()(int body) const {
     const std::uint32_t n = split.count[body];
-    if (n == 0) return;
-    Vector3<Real> momentum = Vector3<Real>::Zero(), moved = Vector3<Real>::Zero();
-    for (std::uint32_t k = 0; k < n; ++k) {
+    if (n > 0) apply(body, Given::over(n, entry(body)));
+  }
+  SIM_HD bool is_long(int body) const { return split.count[body] > long_list; }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const {
+    const Given given = Given::over_together(split.count[body], entry(body));
+    if (threadIdx.x == 0) apply(body, given);
+  }
+#endif
+
+ private:
+  /// Momentum and, where overlaps are pushed, mass times way.
+  using Given = std::conditional_t<push, OrderedSums<Real, 0, 1>, OrderedSums<Real, 0>>;
+
+  SIM_HD auto entry(int body) const {
+    return [this, body](std::uint32_t k, Vector3<Real>* given) {
       const ContactEnd end = split.end(body, k);
       const Real sign = end.sign<Real>();
       const Vector3<Real> normal = contacts.normal[end.contact];
-      momentum += sign * impulse[end.contact] * normal;
-      if constexpr (push) moved += sign * shift[end.contact] * normal;
-    }
-    bodies.velocity[body] += bodies.inverse_mass[body] * momentum;
-    if constexpr (push) bodies.position[body] += bodies.inverse_mass[body] * moved;
+      given[0] = sign * impulse[end.contact] * normal;
+      if constexpr (push) given[1] = sign * shift[end.contact] * normal;
+    };
+  }
+  SIM_HD void apply(int body, const Given& given) const {
+    bodies.velocity[body] += bodies.inverse_mass[body] * given.sum[0];
+    if constexpr (push) bodies.position[body] += bodies.inverse_mass[body] * given.sum[1];
   }
 };
 

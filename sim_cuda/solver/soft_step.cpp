@@ -1,7 +1,10 @@
 #include "sim_cuda/solver/soft_step.h"
 
 #include <algorithm>
+#include <type_traits>
 
+#include "sim_cuda/core/block.h"
+#include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/solver/soft_residual.h"
@@ -108,6 +111,36 @@ struct BeginSubstep {
 
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
+    begin(id, Given::over(contacts_of(id), entry(id)));
+  }
+
+  SIM_HD bool is_long(int id) const { return !control->overflow && contacts_of(id) > long_list; }
+#if defined(__CUDACC__)
+  __device__ void together(int id) const {
+    const Given given = Given::over_together(contacts_of(id), entry(id));
+    if (threadIdx.x == 0) begin(id, given);
+  }
+#endif
+
+ private:
+  /// The impulses of its contacts: momentum, with friction also across the normal, and moment.
+  using Given = std::conditional_t<rubbed, OrderedSums<Real, 0, 0, 1>, OrderedSums<Real, 0>>;
+
+  SIM_HD std::uint32_t contacts_of(int id) const { return control->contacts > 0 ? by_body.count[id] : 0; }
+  SIM_HD auto entry(int id) const {
+    return [this, id, radius = walls.bodies.radius[id]](std::uint32_t k, Vector3<Real>* given) {
+      const ContactEnd end = by_body.end(id, k);
+      const Real sign = end.sign<Real>();
+      const StoredContact<Real> contact = load_whole(&soft[end.contact]);
+      given[0] = sign * contact.impulse * contact.normal;
+      if constexpr (rubbed) {
+        given[1] = sign * contact.rubbed;
+        given[2] = -((radius + contact.gap / 2) * contact.normal.cross(contact.rubbed));
+      }
+    };
+  }
+
+  SIM_HD void begin(int id, const Given& given) const {
     typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
     const Vector3<Real> before = body.v;
     SoftWalls<Real, rubbed, boxed> own = walls;
@@ -115,29 +148,13 @@ struct BeginSubstep {
     if constexpr (pull != Pull::none) body.v += h * own.gravity;
     if constexpr (boxed) own.face_boxes(id, body);
     if constexpr (walled) own.warm_start(id, body);
-    if (control->contacts > 0) warm_start(id, body);
+    if (contacts_of(id) > 0) {
+      body.v += body.inverse_mass * given.sum[0];
+      if constexpr (rubbed) body.spin.turn(given.sum[1]);
+    }
     if constexpr (walled) own.solve(id, body, false, &before);
     body.given = true;
     walls.store(id, body);
-  }
-
-  SIM_HD void warm_start(int id, typename SoftWalls<Real, rubbed, boxed>::Body& body) const {
-    const std::uint32_t n = by_body.count[id];
-    if (n == 0) return;
-    Vector3<Real> momentum = Vector3<Real>::Zero();
-    [[maybe_unused]] Vector3<Real> moment = Vector3<Real>::Zero();
-    for (std::uint32_t k = 0; k < n; ++k) {
-      const ContactEnd end = by_body.end(id, k);
-      const Real sign = end.sign<Real>();
-      const StoredContact<Real> contact = load_whole(&soft[end.contact]);
-      momentum += sign * contact.impulse * contact.normal;
-      if constexpr (rubbed) {
-        momentum += sign * contact.rubbed;
-        moment -= (body.radius + contact.gap / 2) * contact.normal.cross(contact.rubbed);
-      }
-    }
-    body.v += body.inverse_mass * momentum;
-    if constexpr (rubbed) body.spin.turn(moment);
   }
 };
 

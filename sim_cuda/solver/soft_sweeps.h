@@ -13,7 +13,9 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/block.h"
 #include "sim_cuda/core/only.h"
+#include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contacts_by_body.h"
@@ -197,10 +199,7 @@ struct Sweep {
   }
   SIM_HD Fetched fetch(std::uint32_t place) const { return contacts.load(place); }
   SIM_HD void operator()(int round, int item) const {
-    if (round == Colouring::colours)
-      resolve_split(read_only(contacts.begin + round) + static_cast<std::uint32_t>(item));
-    else
-      apply_split(item);
+    resolve_split(read_only(contacts.begin + round) + static_cast<std::uint32_t>(item));
   }
   SIM_HD void operator()(Fetched k) const {
     Motion a = load(k.ids.a), b = load(k.ids.b);
@@ -304,28 +303,44 @@ struct Sweep {
     contacts.template store<Act::sums>(k, true);
   }
 
-  /// A body's share of all its contacts in the set, added in increasing id of the other body.
-  SIM_HD void apply_split(int body) const {
+  // ---- the last round: a body's share of all its contacts in the set, in increasing id of the other ----
+
+  static constexpr int long_round = Colouring::colours + 1;
+  SIM_HD void operator()(int body) const {
     const std::uint32_t n = contacts.split.count[body];
-    if (n == 0) return;
-    Vector3<Real> momentum = Vector3<Real>::Zero();
-    [[maybe_unused]] Vector3<Real> moment = Vector3<Real>::Zero();
-    for (std::uint32_t k = 0; k < n; ++k) {
+    if (n > 0) apply_split(body, Given::over(n, entry(body)));
+  }
+  SIM_HD bool is_long(int body) const { return contacts.split.count[body] > long_list; }
+#if defined(__CUDACC__)
+  __device__ void together(int body) const {
+    const Given given = Given::over_together(contacts.split.count[body], entry(body));
+    if (threadIdx.x == 0) apply_split(body, given);
+  }
+#endif
+
+ private:
+  /// Momentum, with friction also across the normal, and moment.
+  using Given = std::conditional_t<Act::rubs, OrderedSums<Real, 0, 0, 1>, OrderedSums<Real, 0>>;
+
+  SIM_HD auto entry(int body) const {
+    return [this, body](std::uint32_t k, Vector3<Real>* given) {
       const ContactEnd end = contacts.split.end(body, k);
       const std::uint32_t place = end.contact;
       const Real sign = end.sign<Real>();
       const Vector3<Real> normal = contacts.soft[place].normal;
-      momentum += sign * contacts.split_change[place] * normal;
+      given[0] = sign * contacts.split_change[place] * normal;
       if constexpr (Act::rubs) {
         const Vector3<Real> rubbed = contacts.split_rubbed[place];
-        momentum += sign * rubbed;
-        moment -= (bodies.radius[body] + contacts.soft[place].gap / 2) * normal.cross(rubbed);
+        given[1] = sign * rubbed;
+        given[2] = -((bodies.radius[body] + contacts.soft[place].gap / 2) * normal.cross(rubbed));
       }
-    }
-    bodies.velocity[body] += bodies.inverse_mass[body] * momentum;
+    };
+  }
+  SIM_HD void apply_split(int body, const Given& given) const {
+    bodies.velocity[body] += bodies.inverse_mass[body] * given.sum[0];
     if constexpr (Act::rubs) {
       Spin<Real> spin = Spin<Real>::of(bodies, static_cast<std::uint32_t>(body));
-      spin.turn(moment);
+      spin.turn(given.sum[1]);
       bodies.angular_velocity[body] = spin.rate;
     }
   }

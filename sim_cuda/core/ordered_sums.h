@@ -1,0 +1,71 @@
+#pragma once
+// Sums of vectors over a list, each added one after the other: by one thread, or, with the same bits, by a
+// block, whose threads fetch side by side what a few of them then add.
+
+#include <cstdint>
+
+#include "sim_cuda/core/host_device.h"
+#include "sim_cuda/core/linear_algebra.h"
+
+namespace collidoscope {
+
+/// Each entry of the list has as many vectors as there are `sum_of`; the k-th is added to that sum, in order.
+template <class Real, int... sum_of>
+struct OrderedSums {
+  static constexpr int vectors = sizeof...(sum_of);
+  SIM_HD static constexpr int sum_of_vector(int k) {
+    const int sums[] = {sum_of...};
+    return sums[k];
+  }
+  static constexpr int count = sum_of_vector(vectors - 1) + 1;  // sums are named in ascending order
+
+  Vector3<Real> sum[count];
+
+  /// `entry(k, vectors)` sets the vectors of entry k.
+  template <class Entry>
+  SIM_HD static OrderedSums over(std::uint32_t entries, const Entry& entry) {
+    OrderedSums sums;
+    for (Vector3<Real>& each : sums.sum) each = Vector3<Real>::Zero();
+    for (std::uint32_t k = 0; k < entries; ++k) {
+      Vector3<Real> vector[vectors];
+      entry(k, vector);
+      for (int v = 0; v < vectors; ++v) sums.sum[sum_of_vector(v)] += vector[v];
+    }
+    return sums;
+  }
+
+#if defined(__CUDACC__)
+  /// By all threads of a block, each of which gets the sums.
+  template <class Entry>
+  __device__ static OrderedSums over_together(std::uint32_t entries, const Entry& entry) {
+    constexpr std::uint32_t tile = 128, banks_apart = 1;
+    __shared__ Real fetched[3 * vectors][tile + banks_apart];
+    __shared__ Real total[3 * count];
+    for (std::uint32_t c = threadIdx.x; c < 3 * count; c += blockDim.x) total[c] = 0;
+    for (std::uint32_t from = 0; from < entries; from += tile) {
+      const std::uint32_t here = min(tile, entries - from);
+      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) {
+        Vector3<Real> vector[vectors];
+        entry(from + k, vector);
+        for (int v = 0; v < vectors; ++v)
+          for (int axis = 0; axis < 3; ++axis) fetched[3 * v + axis][k] = vector[v][axis];
+      }
+      __syncthreads();
+      for (std::uint32_t c = threadIdx.x; c < 3 * count; c += blockDim.x) {
+        Real sum = total[c];
+        for (std::uint32_t k = 0; k < here; ++k)
+          for (int v = 0; v < vectors; ++v)
+            if (sum_of_vector(v) == static_cast<int>(c / 3)) sum += fetched[3 * v + c % 3][k];
+        total[c] = sum;
+      }
+      __syncthreads();
+    }
+    OrderedSums sums;
+    for (int c = 0; c < 3 * count; ++c) sums.sum[c / 3][c % 3] = total[c];
+    __syncthreads();  // total is free again
+    return sums;
+  }
+#endif
+};
+
+}  // namespace collidoscope
