@@ -174,8 +174,8 @@ constexpr Reader readers[] = {
     {{"--guards", "NAME", "pause, freeze or off: what happens where a step goes wrong", guarding},
      [](Reading& in) { read_guards(in.value, in.options.overrides); }},
     {{"--break", "LIST",
-      "such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped: where it ends",
-      running},
+      "such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped: where it stops",
+      running | viewing},
      [](Reading& in) {
        collect(in.faults, [&] { in.options.breaks = parse_break_conditions(std::string(in.value.text())); });
      }},

@@ -84,7 +84,7 @@ struct Options {
   std::string save, load;             ///< snapshots, or empty
   std::string changes;                ///< of `run`: what is changed on the way, or empty
   bool residuals = false;             ///< of the last step
-  BreakConditions breaks;             ///< of `run`
+  BreakConditions breaks;             ///< of `run` and the window
   CaptureRequest capture;
   ViewRequest view;
   std::int64_t frames = 300;  ///< of `bench frames`

@@ -30,6 +30,8 @@ TEST(SettingsFile, ComesBackAsItWas) {
   before.layers.box_color = NodeMetric::empty_space;
   before.folds.right = false;
   before.folds.camera = false;
+  before.breaks.limit(Condition::speed) = 12.5;
+  before.breaks.on.fill(true);
   Workspace after;
   EXPECT_EQ(read_settings(settings_text(before), after), "");
   EXPECT_EQ(after.layers, before.layers);
@@ -37,6 +39,8 @@ TEST(SettingsFile, ComesBackAsItWas) {
   EXPECT_EQ(after.theme, before.theme);
   EXPECT_EQ(after.font_scale, before.font_scale);
   EXPECT_EQ(after.speed, before.speed);
+  EXPECT_EQ(after.breaks.limits, before.breaks.limits);
+  EXPECT_FALSE(after.breaks.conditions().any()) << "nobody stops where nobody asked this time";
 }
 
 TEST(SettingsFile, NonsenseIsLeftOut) {
@@ -48,7 +52,8 @@ TEST(SettingsFile, NonsenseIsLeftOut) {
   Workspace workspace;
   EXPECT_EQ(
       read_settings(R"({"format": "collidoscope-settings", "font_scale": 1e9, "speed": "fast", "color": 77,
-      "first_level": -3, "last_level": 9.5, "shown": {"spheres": 1, "grid": false, "none": true}})",
+      "first_level": -3, "last_level": 9.5, "shown": {"spheres": 1, "grid": false, "none": true},
+      "break_limits": {"speed": -1, "penetration": "deep", "stage-ms": 1e99, "escaped": 3, "energy-rise": 7}})",
                     workspace),
       "");
   EXPECT_EQ(workspace.font_scale, 1);
@@ -57,6 +62,9 @@ TEST(SettingsFile, NonsenseIsLeftOut) {
   EXPECT_EQ(workspace.layers.first_level, 0);
   EXPECT_EQ(workspace.layers.last_level, 9);
   EXPECT_TRUE(workspace.layers.spheres);
+  BreakWishes limits;
+  limits.limit(Condition::energy_rise) = 7;
+  EXPECT_EQ(workspace.breaks.limits, limits.limits);
   EXPECT_FALSE(workspace.layers.grid);
 }
 

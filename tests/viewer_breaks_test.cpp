@@ -27,6 +27,18 @@ int pale_blue(const Image& picture) {
   return count;
 }
 
+TEST_F(Viewer, StopsWhereTheCommandLineSays) {
+  TemporaryFolder folder;
+  WindowDriver window(
+      {write_scene_file(folder, ""), "--break", "escaped,speed=5.5", "--size", "1280x900", "--reset-ui"});
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["stop"].is_object(); }));
+  EXPECT_EQ(window.frame()["step"], 5);
+  EXPECT_EQ(window.frame()["selection"], 1);
+  window.next_frame();
+  EXPECT_TRUE(window.frame()["widgets"].contains("breaks.escaped")) << "the panel is open";
+  EXPECT_EQ(close(window), "");
+}
+
 TEST_F(Viewer, StopsWhereAConditionIsMet) {
   TemporaryFolder folder;
   WindowDriver window({write_scene_file(folder, ""), "--steps", "1", "--size", "1280x900"});

@@ -21,6 +21,16 @@ struct BreakWishes {
                                                     100, 20, 0};  ///< in their units, kept while off
   StopWish stop = StopWish::none;                                 ///< cleared by the owner
 
+  double& limit(Condition condition) { return limits[static_cast<std::size_t>(condition)]; }
+  double limit(Condition condition) const { return limits[static_cast<std::size_t>(condition)]; }
+
+  /// For these, and no others.
+  void ask(const BreakConditions& conditions) {
+    for (std::size_t k = 0; k < on.size(); ++k) {
+      on[k] = conditions.limits[k].has_value();
+      limits[k] = conditions.limits[k].value_or(limits[k]);
+    }
+  }
   BreakConditions conditions() const {
     BreakConditions conditions;
     for (std::size_t k = 0; k < on.size(); ++k)

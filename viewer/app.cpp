@@ -33,6 +33,10 @@ Workspace first_workspace(const Options& options) {
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
+  if (options.breaks.any()) {
+    workspace.breaks.ask(options.breaks);
+    workspace.folds.right = workspace.folds.breaks = true;
+  }
   return workspace;
 }
 

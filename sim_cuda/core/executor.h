@@ -49,8 +49,8 @@ struct Count {
   }
 };
 
-/// A stage of which an item may take as long as thousands of others, that body's who touches thousands: on a
-/// GPU all threads of a block do such an item together, when each has done its own.
+/// A stage of which one item may take as long as thousands of others, such as the item of a body that touches
+/// thousands. On a GPU the threads of a block do it together, when each has done its own.
 ///
 ///   SIM_HD bool is_long(int item) const;
 ///   __device__ void together(int item) const;  // the same to the bit as operator()(item)

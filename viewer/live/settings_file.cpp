@@ -49,6 +49,8 @@ std::string settings_text(const Workspace& workspace) {
                    {"box_color", static_cast<int>(layers.box_color)},
                    {"show_path", workspace.show_path}};
   for (const Switch& one : switches(layers, folds)) document["shown"][one.name] = one.value;
+  for (const ConditionName& each : condition_names)
+    if (each.has_limit) document["break_limits"][each.name] = workspace.breaks.limit(each.condition);
   return document.dump(2) + '\n';
 }
 
@@ -80,6 +82,13 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
   if (shown.is_object())
     for (const Switch& one : switches(workspace.layers, workspace.folds))
       if (shown.contains(one.name) && shown[one.name].is_boolean()) one.value = shown[one.name].get<bool>();
+  const Json limits = document.value("break_limits", Json::object());
+  for (const ConditionName& each : condition_names) {
+    if (!each.has_limit || !limits.is_object() || !limits.contains(each.name)) continue;
+    const Json& limit = limits[std::string(each.name)];
+    if (limit.is_number() && limit >= 0 && limit <= each.max_limit)
+      workspace.breaks.limit(each.condition) = limit.get<double>();
+  }
   return "";
 }
 
