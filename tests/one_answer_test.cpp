@@ -120,7 +120,6 @@ TEST_P(OneAnswer, WithEverySortAtEveryLaunchShape) {
 TEST_P(OneAnswer, OfOneWhoTouchesThousands) {
   Scene scene;
   scene.physics.gravity = Vector3d::Zero();
-  scene.materials[0].friction = 0.5;
   const double radius = 50;
   const auto ball = [](double r, const Vector3d& at, const Vector3d& velocity) {
     Body body;

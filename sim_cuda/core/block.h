@@ -1,6 +1,6 @@
 #pragma once
-// What the threads of a block on a GPU do together with one long list, whatever T is. All of them call each
-// of these.
+// What the threads of a block on a GPU do together with one long list, whatever T is (CUB's collectives want
+// it at compile time). All of them call each of these.
 
 #include <cstdint>
 

@@ -84,8 +84,8 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
       if (shown.contains(one.name) && shown[one.name].is_boolean()) one.value = shown[one.name].get<bool>();
   const Json limits = document.value("break_limits", Json::object());
   for (const ConditionName& each : condition_names) {
-    if (!each.has_limit || !limits.is_object() || !limits.contains(each.name)) continue;
-    const Json& limit = limits[std::string(each.name)];
+    if (!each.has_limit || !limits.contains(each.name)) continue;
+    const Json& limit = limits[each.name];
     if (limit.is_number() && limit >= 0 && limit <= each.max_limit)
       workspace.breaks.limit(each.condition) = limit.get<double>();
   }
