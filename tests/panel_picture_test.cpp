@@ -74,14 +74,14 @@ struct Desk {
 
 TEST(PanelPicture, Dark) {
   test_context();
-  EXPECT_EQ(check_golden("workspace_dark", Desk().draw()), "");
+  EXPECT_EQ(check_golden<"workspace_dark">(Desk().draw()), "");
 }
 
 TEST(PanelPicture, Light) {
   test_context();
   Desk desk({.spheres = true, .contacts = true, .color = BodyColor::radius});
   desk.panels.workspace().theme = Theme::light;
-  EXPECT_EQ(check_golden("workspace_light", desk.draw()), "");
+  EXPECT_EQ(check_golden<"workspace_light">(desk.draw()), "");
 }
 
 // Switches that are on, one that was switched off, greyed ones with the reason; bytes as they are, no times.
@@ -96,7 +96,7 @@ TEST(PanelPicture, Effects) {
   EffectCosts& costs = desk.panels.costs();
   costs.begin(desk.world);
   while (!costs.done()) costs.go_on(desk.world, 1e9);
-  EXPECT_EQ(check_golden("workspace_effects", desk.draw()), "");
+  EXPECT_EQ(check_golden<"workspace_effects">(desk.draw()), "");
 }
 
 FrameLayers tree_layers(NodeMetric metric) {
@@ -116,7 +116,7 @@ TEST(PanelPicture, TreeWithItsWorstNode) {
   workspace.tree.rank = 0;
   const Image picture = desk.draw();
   EXPECT_TRUE(workspace.tree.node.has_value());
-  EXPECT_EQ(check_golden("workspace_tree", picture), "");
+  EXPECT_EQ(check_golden<"workspace_tree">(picture), "");
 }
 
 // The query of a body, halfway: met and apart in two colours, the current box bright.
@@ -129,7 +129,7 @@ TEST(PanelPicture, TreeWithAQuery) {
   workspace.selection = 17;
   workspace.tree.query = true;
   workspace.tree.visit = 20;
-  EXPECT_EQ(check_golden("workspace_query", desk.draw()), "");
+  EXPECT_EQ(check_golden<"workspace_query">(desk.draw()), "");
 }
 
 /// Of a pile at rest: two substeps of soft_step, three sweeps each, written down. Solvers that get better
@@ -193,13 +193,13 @@ Image picture_of_convergence(Theme theme, ImVec2 pointer) {
 // Of each sweep the error, by decades; one that leaves none lies on the floor.
 TEST(PanelPicture, Convergence) {
   test_context();
-  EXPECT_EQ(check_golden("convergence_dark", picture_of_convergence(Theme::dark, {-1, -1})), "");
-  EXPECT_EQ(check_golden("convergence_light", picture_of_convergence(Theme::light, {262, 60})), "");
+  EXPECT_EQ(check_golden<"convergence_dark">(picture_of_convergence(Theme::dark, {-1, -1})), "");
+  EXPECT_EQ(check_golden<"convergence_light">(picture_of_convergence(Theme::light, {262, 60})), "");
 }
 
 /// A study that was measured once: a hundred spheres of the Box Collider.
 AccuracyFacts stored_study() {
-  const std::string file = project_file("tests/golden/accuracy_study.json").string();
+  const std::string file = golden_file<"accuracy_study.json">().string();
   std::ifstream stream(file);
   const AccuracyRecord record = parse_record({std::istreambuf_iterator<char>(stream), {}}, file);
   AccuracyFacts facts;
@@ -242,13 +242,13 @@ TEST(PanelPicture, Accuracy) {
   test_context();
   {
     AccuracyPanel dark;
-    EXPECT_EQ(check_golden("accuracy_dark", dark.picture()), "");
+    EXPECT_EQ(check_golden<"accuracy_dark">(dark.picture()), "");
   }
   AccuracyPanel light;
   light.workspace.theme = Theme::light;
   light.picture();
   light.pointer = light.place_of(*light.facts.cheapest);
-  EXPECT_EQ(check_golden("accuracy_light", light.picture()), "");
+  EXPECT_EQ(check_golden<"accuracy_light">(light.picture()), "");
 }
 
 TEST(PanelPicture, APointOfTheDiagramIsASetting) {
@@ -380,12 +380,12 @@ TEST(PanelPicture, HardCases) {
   test_context();
   {
     HardCasesPanel dark(Theme::dark);
-    EXPECT_EQ(check_golden("hard_cases_dark", dark.picture()), "");
+    EXPECT_EQ(check_golden<"hard_cases_dark">(dark.picture()), "");
   }
   HardCasesPanel light(Theme::light);
   light.picture();
   light.pointer = light.middle("hard_cases.mark.heavy_on_light_1e3.impulse f32");
-  EXPECT_EQ(check_golden("hard_cases_light", light.picture()), "");
+  EXPECT_EQ(check_golden<"hard_cases_light">(light.picture()), "");
 }
 
 TEST(PanelPicture, ACaseAndEachOfItsMarksCanBeOpened) {
