@@ -38,7 +38,7 @@ TEST(Frames, PartsAddUpToTheFrame) {
   EXPECT_THAT(names, testing::ElementsAre("simulate", "publish", "draw", "fill", "ui", "rasterise"));
   EXPECT_NEAR(share, 1, 1e-3);
   const double fps = result.at("frames_per_second");
-  EXPECT_GT(fps, 0.01);
+  EXPECT_GT(fps, 0);
   EXPECT_GT(result.at("frame").at("p95_ms").get<double>() * fps, 999) << "no frame is longer than the 95th";
   EXPECT_FALSE(result.at("draw_passes").empty());
 }

@@ -6,7 +6,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <ranges>
@@ -486,64 +485,6 @@ TEST(PanelPicture, TheLayoutFitsAnyWindow) {
     EXPECT_LE(rect.height, static_cast<float>(h));
     EXPECT_TRUE(w < 1280 || rect.width > 0.4f * static_cast<float>(w));
   }
-}
-
-// The panels' own cost: what they hand to OpenGL, not its rasterising. The fastest of many is what the code
-// takes; the rest is other programs.
-TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
-  GTEST_SKIP() << "of an optimised build";
-#endif
-  test_context();
-  GuiPass gui(14);
-  WorkspaceView view;
-  Workspace workspace;
-  History history;
-  std::vector<StageTime> stages;
-  for (const char* name :
-       {"bounds", "keys", "sort", "build", "pairs", "contacts", "colour", "solve", "walls", "move"}) {
-    stages.emplace_back();
-    stages.back().name = name;
-    stages.back().last_ms = 0.5;
-  }
-  for (int k = 0; k < 3600; ++k) {
-    HistoryStep step;
-    step.step = k;
-    step.measured = true;
-    step.plain_ms = k % 2 == 0 ? 3.0 : -1.0;
-    history.add(step, k % 2 == 1 ? stages : std::vector<StageTime>{});
-  }
-  view.history = &history;
-  view.tree_nodes = 18'000;
-  view.level_sizes.assign(18, 1000);
-  view.level_colors.assign(8, 0xff00ff00u);
-  view.body_colors.colors.assign(256, 0xff00ffffu);
-  workspace.folds.tree = true;
-  workspace.layers.box_color = NodeMetric::visits;
-  workspace.selection = 3;
-  workspace.tree.query = true;
-  TreeFacts facts;  // of a tree of 100,000 bodies
-  facts.quality.nodes = facts.ranked = facts.spread.count = 199'999;
-  facts.quality.leaves.assign(18, 5000);
-  facts.spread.greatest = 100'000;
-  for (std::size_t i = 0; i <= NodeSpread::bins; ++i) facts.spread.edge[i] = static_cast<float>(i) * 2000;
-  facts.spread.nodes.fill(4000);
-  facts.rows.resize(TreeFacts::page);
-  facts.queried = 3;
-  facts.visits = 30'000;
-  facts.visited.resize(TreeFacts::most_visited);
-  view.tree = &facts;
-  double fastest = 1e9;
-  for (int round = 0; round < 40; ++round) {
-    gui.begin(width, height);
-    const auto start = std::chrono::steady_clock::now();
-    draw_workspace(workspace, view);
-    ImGui::Render();
-    fastest = std::min(
-        fastest, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  }
-  EXPECT_LT(fastest, 2.0);
-  RecordProperty("ui_ms", std::to_string(fastest));
 }
 
 }  // namespace
