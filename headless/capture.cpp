@@ -62,7 +62,8 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.executor = world.on_gpu() ? "CUDA" : "CPU";
   text.device = world.device_name();
   text.pairs = stats.pairs;
-  text.contacts = stats.contacts;
+  text.touching = stats.touching;
+  text.speculative = stats.speculative;
   const RunTimes times = world.times();
   text.stages = times.stages;
   text.step_ms = times.step_median_ms;
@@ -218,7 +219,7 @@ int run_capture(const CaptureRequest& request, World& world) {
                               fmt::format("{}_{:04}.png", file_stem(world.scene().name), state))
                                  .string();
     write_png(panels ? picture : renderer.read_picture(), file);
-    fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  contacts {}\n", file, request.width, request.height,
+    fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  touching {}\n", file, request.width, request.height,
                state, drawn.bodies,
                request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes, drawn.contacts);
     if (const ReferenceFacts& facts = reference.facts(); facts.known())

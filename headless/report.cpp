@@ -85,9 +85,10 @@ std::string numbers_text(const RunReport& report) {
   const auto vector = [](const double(&v)[3], const char* unit) {
     return fmt::format("{:.6g}, {:.6g}, {:.6g} {}", v[0], v[1], v[2], unit);
   };
-  std::string text =
-      line("pairs", fmt::format("{} of boxes that overlap; contacts {}, mass-split {}", grouped(last.pairs),
-                                grouped(last.contacts), grouped(last.split_contacts)));
+  std::string text = line("pairs", fmt::format("{} of boxes that overlap; {} touching", grouped(last.pairs),
+                                               grouped(last.touching)));
+  text += line("contacts", fmt::format("{} speculative, of the last step; {} mass-split",
+                                       grouped(last.speculative), grouped(last.split_contacts)));
   text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
   text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
                                last.potential_energy + 0.0));
@@ -211,8 +212,11 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["effect_reasons"] = Json::object();
   for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
   json["state_hash"] = fmt::format("{:016x}", report.state_hash);
-  json["pairs"] = {
-      {"aabb", last.pairs}, {"contacts", last.contacts}, {"split_contacts", last.split_contacts}};
+  json["pairs"] = {{"aabb", last.pairs},
+                   {"contacts", last.touching},  // its name before there were two counts
+                   {"touching", last.touching},
+                   {"speculative", last.speculative},
+                   {"split_contacts", last.split_contacts}};
   json["energy"] = {{"initial", report.initial.energy()},
                     {"final", last.energy()},
                     {"kinetic", last.kinetic_energy},

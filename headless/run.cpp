@@ -59,9 +59,9 @@ World make_world(const Start& start, const RunOptions& options) {
 }
 
 std::string trace_row(const StepStats& s) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{}\n", s.step, s.kinetic_energy, s.potential_energy,
-                     s.push_work, s.energy(), s.pairs, s.contacts, s.split_contacts, s.max_penetration,
-                     s.escaped);
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", s.step, s.kinetic_energy, s.potential_energy,
+                     s.push_work, s.energy(), s.pairs, s.touching, s.speculative, s.split_contacts,
+                     s.max_penetration, s.escaped);
 }
 
 /// Seconds of the clock that stepping took, and of the time that was simulated; and what ended it early.
@@ -172,7 +172,8 @@ int run_command(const CommandLine& line) {
 
   const StepStats initial = world.measure();
   std::string trace =
-      "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped\n" +
+      "step,kinetic,potential,push_work,total,pairs,touching,speculative,split_contacts,max_penetration,"
+      "escaped\n" +
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
   Breaks breaks(options.breaks, initial);

@@ -33,7 +33,7 @@ struct BodyReport {
     double penetration;  ///< m
     double impulse;      ///< N s, normal, of the last step; 0 where it is not recorded
   };
-  std::vector<Contact> contacts;   ///< of the last step or detect(), by the other's id; the first 1,024
+  std::vector<Contact> contacts;   ///< that touch now, by the other's id; the first 1,024
   std::int64_t contact_count = 0;  ///< all of them
   std::vector<TreeLevels::Box>
       path;                ///< the boxes that hold it, from its leaf to the root; empty without a tree

@@ -78,7 +78,8 @@ TimeSummary History::summarize_sum(std::size_t window) const {
 
 std::string history_csv(const History& history, std::size_t window) {
   std::string text =
-      "step,step_ms,stage_sum_ms,bodies,pairs,contacts,nodes,allocated_bytes,kinetic,potential,push_work,"
+      "step,step_ms,stage_sum_ms,bodies,pairs,touching,speculative,nodes,allocated_bytes,kinetic,potential,"
+      "push_work,"
       "momentum_x,momentum_y,momentum_z,max_penetration,escaped,asleep,islands";
   for (const History::Stage& stage : history.stages()) text += "," + stage.name + "_ms";
   text += '\n';
@@ -87,13 +88,14 @@ std::string history_csv(const History& history, std::size_t window) {
     const HistoryStep& s = history[i];
     text += fmt::format("{},{},{},", s.step, time(s.plain_ms), time(s.stage_sum()));
     if (s.measured)
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.stats.bodies, s.stats.pairs,
-                          s.stats.contacts, s.nodes, s.allocated_bytes, s.stats.kinetic_energy,
-                          s.stats.potential_energy, s.stats.push_work, s.stats.momentum[0],
-                          s.stats.momentum[1], s.stats.momentum[2], s.stats.max_penetration, s.stats.escaped,
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", s.stats.bodies, s.stats.pairs,
+                          s.stats.touching, s.stats.speculative, s.nodes, s.allocated_bytes,
+                          s.stats.kinetic_energy, s.stats.potential_energy, s.stats.push_work,
+                          s.stats.momentum[0], s.stats.momentum[1], s.stats.momentum[2],
+                          s.stats.max_penetration, s.stats.escaped,
                           s.stats.can_sleep ? fmt::format("{},{}", s.stats.asleep, s.stats.islands) : ",");
     else
-      text += fmt::format(",,,{},{},,,,,,,,,,", s.nodes, s.allocated_bytes);
+      text += fmt::format(",,,,{},{},,,,,,,,,,", s.nodes, s.allocated_bytes);
     for (std::size_t k = 0; k < history.stages().size(); ++k)
       text += "," + (k < s.stage_ms.size() ? time(static_cast<double>(s.stage_ms[k])) : std::string());
     text += '\n';
@@ -143,7 +145,8 @@ std::string history_json(const History& history, std::size_t window) {
     if (s.measured) {
       entry["bodies"] = s.stats.bodies;
       entry["pairs"] = s.stats.pairs;
-      entry["contacts"] = s.stats.contacts;
+      entry["touching"] = s.stats.touching;
+      entry["speculative"] = s.stats.speculative;
       entry["kinetic"] = number(s.stats.kinetic_energy);
       entry["potential"] = number(s.stats.potential_energy);
       entry["push_work"] = number(s.stats.push_work);

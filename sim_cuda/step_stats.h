@@ -13,8 +13,11 @@ namespace collidoscope {
 struct StepStats {
   std::int64_t step = 0;  ///< states are numbered by the steps that led to them
   std::int64_t bodies = 0;
-  std::int64_t pairs = 0;           ///< boxes that overlap, last step (at state 0: as found there)
-  std::int64_t contacts = 0;        ///< pairs whose shapes touch
+  std::int64_t pairs = 0;     ///< boxes that overlap, last step (before the first step: as found there)
+  std::int64_t touching = 0;  ///< pairs whose shapes touch (gap <= 0) at this state
+  /// Contacts of the last step: pairs that touched at its start, or that its motion could bring together.
+  /// Before the first step: as touching. With the solver impulse: of the last substep, without a margin.
+  std::int64_t speculative = 0;
   std::int64_t split_contacts = 0;  ///< contacts that the colours left over, solved by mass splitting
   double kinetic_energy = 0;        ///< J, translation and rotation
   double potential_energy = 0;      ///< J, zero at z = box.min.z (or z = 0 without a box)

@@ -332,20 +332,16 @@ void World::detect() {
 
 StepStats World::measure() {
   Impl& w = *impl_;
-  StepControl last = w.pipeline().control();
-  detect();
-  if (w.steps == 0) {
-    last = w.pipeline().control();
-    last.pairs_committed = last.pairs;
-    last.contacts_committed = last.contacts;
-    last.split_committed = 0;
-  }
+  detect();  // from here on the lists are those of the current state, without a margin
+  const StepControl now = w.pipeline().control();
+  const bool stepped = w.steps > 0;
   StepStats stats;
   stats.step = w.steps;
   stats.bodies = static_cast<std::int64_t>(w.initial.size());
-  stats.pairs = last.pairs_committed;
-  stats.contacts = last.contacts_committed;
-  stats.split_contacts = last.split_committed;
+  stats.pairs = stepped ? now.pairs_committed : now.pairs;
+  stats.touching = now.contacts;
+  stats.speculative = stepped ? now.contacts_committed : now.contacts;
+  stats.split_contacts = stepped ? now.split_committed : 0;
   w.pipeline().measure(stats);
   return stats;
 }
@@ -438,6 +434,7 @@ std::int64_t World::broad_phase_bytes() const { return impl_->pipeline().broad_p
 
 PublishCounts World::publish_counts(int first_level, int last_level) {
   Impl& w = *impl_;
+  detect();
   PublishCounts counts;
   counts.bodies = static_cast<std::int64_t>(w.initial.size());
   if (first_level <= last_level) {

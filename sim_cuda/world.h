@@ -151,8 +151,9 @@ class World {
   /// `repeats` times in ms. What is left of a method's own time is its layout and its traversal. No tree:
   /// none.
   std::vector<float> time_tree_queries(int repeats);
-  std::int64_t broad_phase_bytes() const;                         ///< of the method alone
-  PublishCounts publish_counts(int first_level, int last_level);  ///< an empty range: no boxes
+  std::int64_t broad_phase_bytes() const;  ///< of the method alone
+  /// Of the current state, which it detects; contacts are the pairs that touch. An empty range: no boxes.
+  PublishCounts publish_counts(int first_level, int last_level);
   /// Packs what is drawn into the target's memory; returns when the device has written it.
   void publish(const PublishTarget& target);
   /// How far each body is from where it should be, m, by id, as somebody who knows found out: what

@@ -383,11 +383,14 @@ TEST(Cli, TheFilesOfARunAgreeWithItsReport) {
 
   const auto energy = numbers_of_csv(folder / "energy.csv", header);
   EXPECT_EQ(header,
-            "step,kinetic,potential,push_work,total,pairs,contacts,split_contacts,max_penetration,escaped");
+            "step,kinetic,potential,push_work,total,pairs,touching,speculative,split_contacts,max_"
+            "penetration,escaped");
   ASSERT_EQ(energy.size(), 10u);  // states 0 to 9
   EXPECT_EQ(energy.front()[4], report["energy"]["initial"].get<double>());
   EXPECT_EQ(energy.back()[4], report["energy"]["final"].get<double>());
   EXPECT_EQ(energy.back()[5], report["pairs"]["aabb"].get<double>());
+  EXPECT_EQ(energy.back()[6], report["pairs"]["touching"].get<double>());
+  EXPECT_EQ(energy.back()[7], report["pairs"]["speculative"].get<double>());
 }
 
 TEST(Cli, ASpinningBodysDynamicsFollowBaraff) {

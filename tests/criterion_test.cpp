@@ -151,7 +151,7 @@ TEST(Criterion, OfWhatGuardsMustFind) {
 
 TEST(Criterion, NamesEveryFaultByLineAndColumn) {
   EXPECT_EQ(fault_of(R"("steps": 10, "holds": [{"quantity": "penetraton", "at_most": 1}])"),
-            "c:2:37: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 25)");
+            "c:2:37: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 26)");
   const std::pair<const char*, const char*> faults[] = {
       {R"("holds": [])", "\"steps\" is missing"},
       {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
@@ -199,7 +199,7 @@ TEST(Criterion, EachQuantityHasAName) {
   for (std::size_t k = 0; k < quantity_names.size(); ++k)
     EXPECT_EQ(static_cast<std::size_t>(quantity_names[k].value), k);
   EXPECT_EQ(text_of(Quantity::speed, 0.012345), "0.0123 m/s");
-  EXPECT_EQ(text_of(Quantity::contacts, 9), "9");
+  EXPECT_EQ(text_of(Quantity::touching, 9), "9");
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(Frames, PartsAddUpToTheFrame) {
   EXPECT_THAT(names, testing::ElementsAre("simulate", "publish", "draw", "fill", "ui", "rasterise"));
   EXPECT_NEAR(share, 1, 1e-3);
   const double fps = result.at("frames_per_second");
-  EXPECT_GT(fps, 0.01);
+  EXPECT_GT(fps, 0);
   EXPECT_GT(result.at("frame").at("p95_ms").get<double>() * fps, 999) << "no frame is longer than the 95th";
   EXPECT_FALSE(result.at("draw_passes").empty());
 }
@@ -57,7 +57,8 @@ TEST(Frames, ResultsSayWhatWasMeasured) {
   EXPECT_EQ(result.at("frames"), 5);
   EXPECT_EQ(result.at("steps"), 5 + result.at("warm_up_frames").get<int>());
   EXPECT_EQ(result.at("drawn").at("bodies"), 300);
-  EXPECT_EQ(result.at("drawn").at("contacts").get<int>() > 0, true);
+  EXPECT_GT(result.at("drawn").at("contacts").get<int>(), 0);
+  EXPECT_EQ(result.at("drawn").at("contacts"), result.at("pairs").at("touching"));
   EXPECT_GT(result.at("drawn").at("boxes"), 8);
   EXPECT_EQ(result.at("display_path"), "CPU + upload");
   for (const char* text : {"device", "renderer", "opengl", "state_hash"})

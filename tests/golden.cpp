@@ -8,7 +8,6 @@
 #include <fstream>
 
 #include "headless/compare.h"
-#include "tests/test_files.h"
 #include "viewer/render/gl/errors.h"
 
 namespace collidoscope {
@@ -66,9 +65,8 @@ std::string judge(const Image& picture, const Image& golden, bool same_renderer)
   return "";
 }
 
-std::string check_golden(const std::string& name, const Image& picture) {
-  const fs::path png = project_file("tests/golden/" + name + ".png"),
-                 key = project_file("tests/golden/" + name + ".txt");
+std::string check_golden(const GoldenFile& file, const Image& picture) {
+  const fs::path png = file.path(), key = fs::path(png).replace_extension(".txt");
   if (const char* update = std::getenv("UPDATE_GOLDENS"); update && std::string(update) == "1") {
     fs::create_directories(png.parent_path());
     write_png(picture, png.string());
@@ -78,7 +76,8 @@ std::string check_golden(const std::string& name, const Image& picture) {
   if (!fs::exists(png)) return "golden " + png.string() + " is missing; UPDATE_GOLDENS=1 makes it";
   const Image golden = read_png(png.string());
   const std::string wrong = judge(picture, golden, read_line(key) == renderer_key());
-  return wrong.empty() ? "" : wrong + "; see " + write_page(name, picture, golden, wrong).string();
+  return wrong.empty() ? ""
+                       : wrong + "; see " + write_page(png.stem().string(), picture, golden, wrong).string();
 }
 
 }  // namespace collidoscope

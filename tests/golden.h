@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "tests/golden_files.h"
 #include "viewer/render/image.h"
 
 namespace collidoscope {
@@ -12,9 +13,13 @@ namespace collidoscope {
 /// Greatest FLIP-like mean that passes where the golden was drawn by another renderer.
 constexpr double loose_bound = 0.02;
 
-/// "" if the picture passes, else what is wrong and where the page lies. `name`: of the golden, without
-/// folder or ending.
-std::string check_golden(const std::string& name, const Image& picture);
+/// "" if the picture passes, else what is wrong and where the page lies.
+std::string check_golden(const GoldenFile& png, const Image& picture);
+/// The same. `name`: of the golden, without folder or ending.
+template <GoldenName name>
+std::string check_golden(const Image& picture) {
+  return check_golden(golden_picture_entry<name>, picture);
+}
 
 /// The test of check_golden() without files: "" or what is wrong.
 std::string judge(const Image& picture, const Image& golden, bool same_renderer);

@@ -96,6 +96,7 @@ TEST(History, CsvHasAFieldForEachColumn) {
   ASSERT_EQ(lines.size(), 5u);
   const auto commas = [](const std::string& row) { return std::count(row.begin(), row.end(), ','); };
   for (const std::string& row : lines) EXPECT_EQ(commas(row), commas(lines[0])) << row;
+  EXPECT_THAT(lines[0], testing::HasSubstr(",pairs,touching,speculative,nodes,"));
   EXPECT_TRUE(lines[0].ends_with(",a_ms,b_ms"));
   EXPECT_TRUE(lines[1].starts_with("6,,7,")) << lines[1];
   EXPECT_TRUE(lines[1].ends_with(",6,1")) << lines[1];
@@ -108,6 +109,8 @@ TEST(History, JsonSaysTheSame) {
   broken.step = 10;
   broken.measured = true;
   broken.stats.kinetic_energy = std::nan("");
+  broken.stats.touching = 3;
+  broken.stats.speculative = 8;
   history.add(broken, {});
   const auto document = nlohmann::json::parse(history_json(history, 5));
   ASSERT_EQ(document["steps"].size(), 5u);
@@ -116,6 +119,8 @@ TEST(History, JsonSaysTheSame) {
   EXPECT_EQ(document["steps"][0]["kinetic"], 3.0);
   EXPECT_TRUE(document["steps"][1]["stage_ms"].is_null());
   EXPECT_TRUE(document["steps"][4]["kinetic"].is_null());
+  EXPECT_EQ(document["steps"][4]["touching"], 3);
+  EXPECT_EQ(document["steps"][4]["speculative"], 8);
   EXPECT_EQ(document["stages"][0]["name"], "a");
   EXPECT_EQ(document["stages"][0]["median_ms"], 7.0);
 }

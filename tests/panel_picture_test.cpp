@@ -6,7 +6,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <ranges>
@@ -74,14 +73,14 @@ struct Desk {
 
 TEST(PanelPicture, Dark) {
   test_context();
-  EXPECT_EQ(check_golden("workspace_dark", Desk().draw()), "");
+  EXPECT_EQ(check_golden<"workspace_dark">(Desk().draw()), "");
 }
 
 TEST(PanelPicture, Light) {
   test_context();
   Desk desk({.spheres = true, .contacts = true, .color = BodyColor::radius});
   desk.panels.workspace().theme = Theme::light;
-  EXPECT_EQ(check_golden("workspace_light", desk.draw()), "");
+  EXPECT_EQ(check_golden<"workspace_light">(desk.draw()), "");
 }
 
 // Switches that are on, one that was switched off, greyed ones with the reason; bytes as they are, no times.
@@ -96,7 +95,7 @@ TEST(PanelPicture, Effects) {
   EffectCosts& costs = desk.panels.costs();
   costs.begin(desk.world);
   while (!costs.done()) costs.go_on(desk.world, 1e9);
-  EXPECT_EQ(check_golden("workspace_effects", desk.draw()), "");
+  EXPECT_EQ(check_golden<"workspace_effects">(desk.draw()), "");
 }
 
 FrameLayers tree_layers(NodeMetric metric) {
@@ -116,7 +115,7 @@ TEST(PanelPicture, TreeWithItsWorstNode) {
   workspace.tree.rank = 0;
   const Image picture = desk.draw();
   EXPECT_TRUE(workspace.tree.node.has_value());
-  EXPECT_EQ(check_golden("workspace_tree", picture), "");
+  EXPECT_EQ(check_golden<"workspace_tree">(picture), "");
 }
 
 // The query of a body, halfway: met and apart in two colours, the current box bright.
@@ -129,7 +128,7 @@ TEST(PanelPicture, TreeWithAQuery) {
   workspace.selection = 17;
   workspace.tree.query = true;
   workspace.tree.visit = 20;
-  EXPECT_EQ(check_golden("workspace_query", desk.draw()), "");
+  EXPECT_EQ(check_golden<"workspace_query">(desk.draw()), "");
 }
 
 /// Of a pile at rest: two substeps of soft_step, three sweeps each, written down. Solvers that get better
@@ -193,13 +192,13 @@ Image picture_of_convergence(Theme theme, ImVec2 pointer) {
 // Of each sweep the error, by decades; one that leaves none lies on the floor.
 TEST(PanelPicture, Convergence) {
   test_context();
-  EXPECT_EQ(check_golden("convergence_dark", picture_of_convergence(Theme::dark, {-1, -1})), "");
-  EXPECT_EQ(check_golden("convergence_light", picture_of_convergence(Theme::light, {262, 60})), "");
+  EXPECT_EQ(check_golden<"convergence_dark">(picture_of_convergence(Theme::dark, {-1, -1})), "");
+  EXPECT_EQ(check_golden<"convergence_light">(picture_of_convergence(Theme::light, {262, 60})), "");
 }
 
 /// A study that was measured once: a hundred spheres of the Box Collider.
 AccuracyFacts stored_study() {
-  const std::string file = project_file("tests/golden/accuracy_study.json").string();
+  const std::string file = golden_file<"accuracy_study.json">().string();
   std::ifstream stream(file);
   const AccuracyRecord record = parse_record({std::istreambuf_iterator<char>(stream), {}}, file);
   AccuracyFacts facts;
@@ -242,13 +241,13 @@ TEST(PanelPicture, Accuracy) {
   test_context();
   {
     AccuracyPanel dark;
-    EXPECT_EQ(check_golden("accuracy_dark", dark.picture()), "");
+    EXPECT_EQ(check_golden<"accuracy_dark">(dark.picture()), "");
   }
   AccuracyPanel light;
   light.workspace.theme = Theme::light;
   light.picture();
   light.pointer = light.place_of(*light.facts.cheapest);
-  EXPECT_EQ(check_golden("accuracy_light", light.picture()), "");
+  EXPECT_EQ(check_golden<"accuracy_light">(light.picture()), "");
 }
 
 TEST(PanelPicture, APointOfTheDiagramIsASetting) {
@@ -380,12 +379,12 @@ TEST(PanelPicture, HardCases) {
   test_context();
   {
     HardCasesPanel dark(Theme::dark);
-    EXPECT_EQ(check_golden("hard_cases_dark", dark.picture()), "");
+    EXPECT_EQ(check_golden<"hard_cases_dark">(dark.picture()), "");
   }
   HardCasesPanel light(Theme::light);
   light.picture();
   light.pointer = light.middle("hard_cases.mark.heavy_on_light_1e3.impulse f32");
-  EXPECT_EQ(check_golden("hard_cases_light", light.picture()), "");
+  EXPECT_EQ(check_golden<"hard_cases_light">(light.picture()), "");
 }
 
 TEST(PanelPicture, ACaseAndEachOfItsMarksCanBeOpened) {
@@ -486,64 +485,6 @@ TEST(PanelPicture, TheLayoutFitsAnyWindow) {
     EXPECT_LE(rect.height, static_cast<float>(h));
     EXPECT_TRUE(w < 1280 || rect.width > 0.4f * static_cast<float>(w));
   }
-}
-
-// The panels' own cost: what they hand to OpenGL, not its rasterising. The fastest of many is what the code
-// takes; the rest is other programs.
-TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
-  GTEST_SKIP() << "of an optimised build";
-#endif
-  test_context();
-  GuiPass gui(14);
-  WorkspaceView view;
-  Workspace workspace;
-  History history;
-  std::vector<StageTime> stages;
-  for (const char* name :
-       {"bounds", "keys", "sort", "build", "pairs", "contacts", "colour", "solve", "walls", "move"}) {
-    stages.emplace_back();
-    stages.back().name = name;
-    stages.back().last_ms = 0.5;
-  }
-  for (int k = 0; k < 3600; ++k) {
-    HistoryStep step;
-    step.step = k;
-    step.measured = true;
-    step.plain_ms = k % 2 == 0 ? 3.0 : -1.0;
-    history.add(step, k % 2 == 1 ? stages : std::vector<StageTime>{});
-  }
-  view.history = &history;
-  view.tree_nodes = 18'000;
-  view.level_sizes.assign(18, 1000);
-  view.level_colors.assign(8, 0xff00ff00u);
-  view.body_colors.colors.assign(256, 0xff00ffffu);
-  workspace.folds.tree = true;
-  workspace.layers.box_color = NodeMetric::visits;
-  workspace.selection = 3;
-  workspace.tree.query = true;
-  TreeFacts facts;  // of a tree of 100,000 bodies
-  facts.quality.nodes = facts.ranked = facts.spread.count = 199'999;
-  facts.quality.leaves.assign(18, 5000);
-  facts.spread.greatest = 100'000;
-  for (std::size_t i = 0; i <= NodeSpread::bins; ++i) facts.spread.edge[i] = static_cast<float>(i) * 2000;
-  facts.spread.nodes.fill(4000);
-  facts.rows.resize(TreeFacts::page);
-  facts.queried = 3;
-  facts.visits = 30'000;
-  facts.visited.resize(TreeFacts::most_visited);
-  view.tree = &facts;
-  double fastest = 1e9;
-  for (int round = 0; round < 40; ++round) {
-    gui.begin(width, height);
-    const auto start = std::chrono::steady_clock::now();
-    draw_workspace(workspace, view);
-    ImGui::Render();
-    fastest = std::min(
-        fastest, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  }
-  EXPECT_LT(fastest, 2.0);
-  RecordProperty("ui_ms", std::to_string(fastest));
 }
 
 }  // namespace

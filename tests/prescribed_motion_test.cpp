@@ -126,7 +126,7 @@ TEST_P(Prescribed, TwoOfThemHaveNoContact) {
   World world(scene, options());
   for (int k = 0; k < 120; ++k) {
     world.step();
-    EXPECT_LE(world.measure().contacts, 3);
+    EXPECT_LE(world.measure().speculative, 3);
     EXPECT_EQ(world.measure().non_finite, 0);
   }
   EXPECT_GT(world.pairs().size(), 1u) << "boxes overlap all the same";

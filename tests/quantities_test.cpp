@@ -70,7 +70,8 @@ TEST_P(Quantities, AreWhatTheyAreByHand) {
   EXPECT_EQ(most(Quantity::displacement), 0);
   EXPECT_EQ(most(Quantity::quaternion_norm), 0);
   EXPECT_EQ(most(Quantity::pairs), 1);
-  EXPECT_EQ(most(Quantity::contacts), 1);
+  EXPECT_EQ(most(Quantity::touching), 1);
+  EXPECT_EQ(most(Quantity::speculative), 1);
   EXPECT_EQ(most(Quantity::asleep), 0);
   EXPECT_EQ(most(Quantity::joint_error), 0);
   EXPECT_EQ(most(Quantity::tree_depth), 3);

@@ -75,12 +75,12 @@ struct Example {
   }
 };
 
-TEST(Screenshot, AllLayers) { EXPECT_EQ(check_golden("all_layers", Example().draw()), ""); }
+TEST(Screenshot, AllLayers) { EXPECT_EQ(check_golden<"all_layers">(Example().draw()), ""); }
 
 TEST(Screenshot, SpheresInOrthographicView) {
   Example example;
   example.layers = {.spheres = true, .overlay = false, .color = BodyColor::id};
-  EXPECT_EQ(check_golden("orthographic", example.draw(true)), "");
+  EXPECT_EQ(check_golden<"orthographic">(example.draw(true)), "");
 }
 
 /// Ghosts beside every third sphere, as far away as its id says; every ninth is not known.
@@ -101,7 +101,7 @@ Example with_ghosts() {
   return example;
 }
 
-TEST(Screenshot, GhostsAndErrors) { EXPECT_EQ(check_golden("ghosts", with_ghosts().draw()), ""); }
+TEST(Screenshot, GhostsAndErrors) { EXPECT_EQ(check_golden<"ghosts">(with_ghosts().draw()), ""); }
 
 TEST(Screenshot, GhostsAndErrorsLeaveTheirMarks) {
   const Example both = with_ghosts();
@@ -156,7 +156,7 @@ TEST(Screenshot, AFailureLeavesAPage) {
   if (std::getenv("UPDATE_GOLDENS")) GTEST_SKIP() << "goldens are being made";
   Example wrong;
   wrong.layers.spheres = false;
-  const std::string said = check_golden("all_layers", wrong.draw());
+  const std::string said = check_golden<"all_layers">(wrong.draw());
   const std::size_t at = said.find("; see ");
   ASSERT_NE(at, said.npos) << said;
   const std::filesystem::path page = said.substr(at + 6);

@@ -72,8 +72,10 @@ void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view) {
   std::vector<PlotLine> lines{
       {"pairs", stage_color(1, light),
        over_time(history, first, [](const HistoryStep& s) { return s.stats.pairs; })},
-      {"contacts", stage_color(3, light),
-       over_time(history, first, [](const HistoryStep& s) { return s.stats.contacts; })},
+      {"touching", stage_color(3, light),
+       over_time(history, first, [](const HistoryStep& s) { return s.stats.touching; })},
+      {"speculative", stage_color(4, light),
+       over_time(history, first, [](const HistoryStep& s) { return s.stats.speculative; })},
       {"boxes", stage_color(2, light),
        over_time(history, first, [](const HistoryStep& s) { return s.nodes; })}};
   if (view.stats.can_sleep)

@@ -92,6 +92,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   layer_switch(workspace, "spheres", "spheres", layers.spheres);
   ImGui::SameLine(column);
   layer_switch(workspace, "contacts", "contacts", layers.contacts);
+  explain("The pairs that touch in this state. Speculative contacts are not drawn");
   ImGui::SameLine(2 * column - ImGui::GetStyle().WindowPadding.x);
   layer_switch(workspace, "boxes", "boxes", layers.boxes);
   layer_switch(workspace, "grid", "grid", layers.grid);

@@ -16,7 +16,9 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
   row("N", grouped_number(s.bodies));
   row("memory", bytes_text(view.allocated_bytes), "Of the executor: what the simulation has allocated");
   row("pairs", grouped_number(s.pairs), "Boxes that overlap, found by the last step");
-  row("contacts", grouped_number(s.contacts), "Pairs whose shapes touch");
+  row("touching", grouped_number(s.touching), "Pairs whose shapes touch in this state");
+  row("speculative", grouped_number(s.speculative),
+      "Contacts of the last step: pairs that touched at its start, or that its motion could bring together");
   row("tree", fmt::format("{} levels", view.level_sizes.size()));
   row("boxes", grouped_number(view.tree_nodes), "Of all levels of the tree");
   row("kinetic", with_prefix(s.kinetic_energy, "J"), "Energy of translation and rotation");

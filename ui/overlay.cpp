@@ -95,9 +95,10 @@ float draw_facts(const Writer& write, const OverlayText& text, float x, float y,
   if (!text.variant.empty()) rows.emplace_back("variant", text.variant);
   rows.emplace_back("B × T", shape_number(text.shape.blocks) + " × " + shape_number(text.shape.threads));
   rows.emplace_back("pairs", grouped(text.pairs));
-  rows.emplace_back("contacts", grouped(text.contacts));
+  rows.emplace_back("touching", grouped(text.touching));
+  rows.emplace_back("speculative", grouped(text.speculative));
   rows.emplace_back("on", text.executor);
-  const float column = write.width("contacts  ");
+  const float column = write.width("speculative  ");
   for (const auto& [name, value] : rows) {
     if (y + line > end) return y;
     write.at(x, y, name, dim);
@@ -172,9 +173,9 @@ void draw_keys(const Writer& write, const OverlayText& text, float right, float 
   if (text.grid_spacing > 0) key(fmt::format("grid {:g} m", text.grid_spacing), {});
   for (std::size_t i = text.keys.size(); i-- > 0;) key(text.keys[i].name, {text.keys[i].color});
   if (text.contacts_shown && text.max_impulse > 0)
-    key("contacts, impulse to " + with_prefix(text.max_impulse, "N s"), text.contact_colors);
+    key("touching contacts, impulse to " + with_prefix(text.max_impulse, "N s"), text.contact_colors);
   else if (text.contacts_shown)
-    key("contacts", {contact_color});
+    key("touching contacts", {contact_color});
   for (std::size_t i = text.levels.size(); i-- > 0;)
     key(std::to_string(text.levels[i].level), {text.levels[i].color});
   const std::string boxes = grouped(text.boxes_drawn) + (text.boxes_drawn == 1 ? " box" : " boxes");

@@ -24,7 +24,7 @@ struct OverlayText {
   std::string variant;   ///< empty: not drawn
   std::string executor;  ///< "CPU" or "CUDA"
   std::string device;    ///< its name
-  std::int64_t pairs = 0, contacts = 0;
+  std::int64_t pairs = 0, touching = 0, speculative = 0;
   std::vector<StageTime> stages;
   double step_ms = 0;    ///< median of whole steps
   bool timings = false;  ///< false: times are drawn as a dash, so that pictures repeat

@@ -60,7 +60,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted("sum of stages");
-    explain("Of steps with a clock around every stage: more than a whole step takes");
+    explain("Of steps that are timed stage by stage. Whole steps are timed on the steps between them");
     time_cells(sum, view.with_times);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();

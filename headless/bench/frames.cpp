@@ -216,7 +216,7 @@ std::string result_text(const Setting& setting, const Measured& measured) {
                       setting.renderer, setting.software ? " (a software renderer)" : "",
                       setting.display_path, setting.width, setting.height, setting.supersampling,
                       setting.supersampling, setting.quality, setting.compute ? "compute" : "quads");
-  text += fmt::format("layers {}: {} bodies, {} boxes, {} contacts; {} pairs\n\n", setting.layers,
+  text += fmt::format("layers {}: {} bodies, {} boxes, {} touching contacts; {} pairs\n\n", setting.layers,
                       grouped(measured.drawn.bodies), grouped(measured.drawn.boxes),
                       grouped(measured.drawn.contacts), grouped(setting.run.final.pairs));
   text += fmt::format(row, "part", "median ms", "p5 ms", "p95 ms", "share");

@@ -157,7 +157,7 @@ std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
             {"steps", setting.steps},
             {"start",
              {{"pairs", setting.start.pairs},
-              {"contacts", setting.start.contacts},
+              {"touching", setting.start.touching},
               {"kinetic_energy", setting.start.kinetic_energy},
               {"potential_energy", setting.start.potential_energy},
               {"max_penetration", setting.start.max_penetration}}},
@@ -189,12 +189,12 @@ std::string results_csv(const std::vector<Row>& rows) {
 
 std::string results_markdown(const Setting& setting, const std::vector<Row>& rows) {
   std::string text = fmt::format(
-      "{}, N = {}, {} contacts, steps of {:.4g} s, {} of them; {}, {} thread{}.\n\n"
+      "{}, N = {}, {} touching pairs, steps of {:.4g} s, {} of them; {}, {} thread{}.\n\n"
       "| solver | settings | a step, ms (p5 to p95) | over soft_step (p5 to p95) | overlap, r.m.s. | "
       "deepest, m | "
       "kinetic energy, J | speed, r.m.s., m/s | energy since the start, J |\n"
       "|---|---|---:|---:|---:|---:|---:|---:|---:|\n",
-      setting.scene, grouped(setting.start.bodies), grouped(setting.start.contacts), setting.time_step,
+      setting.scene, grouped(setting.start.bodies), grouped(setting.start.touching), setting.time_step,
       setting.steps, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
   for (const Row& r : rows)
     text += fmt::format(
@@ -208,8 +208,8 @@ std::string results_markdown(const Setting& setting, const std::vector<Row>& row
 
 std::string results_text(const Setting& setting, const std::vector<Row>& rows) {
   std::string text =
-      fmt::format("{}, N = {}, {} contacts; {} steps of {:.4g} s on {}, {} thread{}\n\n", setting.scene,
-                  grouped(setting.start.bodies), grouped(setting.start.contacts), setting.steps,
+      fmt::format("{}, N = {}, {} touching pairs; {} steps of {:.4g} s on {}, {} thread{}\n\n", setting.scene,
+                  grouped(setting.start.bodies), grouped(setting.start.touching), setting.steps,
                   setting.time_step, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
   text += fmt::format("{:<10}{:<40}{:>9}{:>20}{:>11}{:>9}{:>10}{:>10}\n", "solver", "", "ms",
                       "over soft_step", "overlap", "deepest", "J", "m/s");

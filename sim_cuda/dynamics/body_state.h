@@ -2,8 +2,8 @@
 // The state of all bodies, one array per quantity, by id, in the executor's memory. Arrays that no effect
 // calls for are empty and their pointers null.
 //
-// The paper keeps momenta (Baraff 1997); here velocities are kept, as contacts need them, and momenta are
-// derived (dynamics/baraff.h).
+// The paper stores momenta (Baraff 1997). Here velocities are stored, as contacts need them; momenta are
+// derived from them where they are reported (dynamics/measure.h, inspect.h).
 
 #include <cstdint>
 

@@ -157,8 +157,10 @@ Extremes measured(const Term& term, Observation& seen) {
       return one(seen.stats().max_joint_angle);
     case Quantity::pairs:
       return one(seen.stats().pairs);
-    case Quantity::contacts:
-      return one(seen.stats().contacts);
+    case Quantity::touching:
+      return one(seen.stats().touching);
+    case Quantity::speculative:
+      return one(seen.stats().speculative);
     case Quantity::asleep:
       return one(seen.stats().asleep);
     case Quantity::tree_depth:

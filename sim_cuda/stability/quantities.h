@@ -19,7 +19,7 @@
 //                            the farthest that a body reaches from the middle of all
 //   quaternion_norm          | |q| - 1 |, of each body
 //   joint_error, joint_angle m, rad, the largest (StepStats)
-//   pairs, contacts, asleep  counts (StepStats)
+//   pairs, touching, speculative, asleep  counts (StepStats)
 //   tree_depth               levels of the tree that the broad phase has; 0 without one
 //   separation_speed         m/s, at which two bodies part that overlapped at the first state; along z where
 //                            their centres coincide

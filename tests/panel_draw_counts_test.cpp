@@ -1,0 +1,90 @@
+// How much a frame of panels draws. It depends on the space on the screen, not on the length of the run or
+// the size of the tree. `bench frames` measures the time of the same work: its part "ui".
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "tests/gl_fixture.h"
+#include "ui/panels.h"
+#include "viewer/render/gui_pass.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int width = 1280, height = 720;
+
+/// What ImGui hands to OpenGL.
+struct Drawn {
+  int vertices, indices, commands;
+};
+
+/// Of one frame of panels: a run of `steps` steps, and a tree of about 2 `leaves` nodes in the tree's panel,
+/// with a query.
+Drawn drawn_panels(int steps, std::int64_t leaves) {
+  GuiPass gui(14);
+  WorkspaceView view;
+  Workspace workspace;
+  History history(static_cast<std::size_t>(steps));
+  std::vector<StageTime> stages;
+  for (const char* name :
+       {"bounds", "keys", "sort", "build", "pairs", "contacts", "colour", "solve", "walls", "move"}) {
+    stages.emplace_back();
+    stages.back().name = name;
+    stages.back().last_ms = 0.5;
+  }
+  for (int k = 0; k < steps; ++k) {
+    HistoryStep step;
+    step.step = k;
+    step.measured = true;
+    step.plain_ms = k % 2 == 0 ? 3.0 : -1.0;
+    history.add(step, k % 2 == 1 ? stages : std::vector<StageTime>{});
+  }
+  view.history = &history;
+  view.tree_nodes = 2 * leaves;
+  view.level_sizes.assign(18, leaves / 9);
+  view.level_colors.assign(8, 0xff00ff00u);
+  view.body_colors.colors.assign(256, 0xff00ffffu);
+  workspace.folds.tree = true;
+  workspace.layers.box_color = NodeMetric::visits;
+  workspace.selection = 3;
+  workspace.tree.query = true;
+  TreeFacts facts;
+  facts.quality.nodes = facts.ranked = facts.spread.count = 2 * leaves;
+  facts.quality.leaves.assign(18, leaves / 18);
+  facts.spread.greatest = static_cast<float>(leaves);
+  for (std::size_t i = 0; i <= NodeSpread::bins; ++i)
+    facts.spread.edge[i] = static_cast<float>(i) / NodeSpread::bins * static_cast<float>(leaves);
+  facts.spread.nodes.fill(2 * leaves / NodeSpread::bins);
+  facts.rows.resize(TreeFacts::page);
+  facts.queried = 3;
+  facts.visits = leaves / 3;
+  facts.visited.resize(
+      static_cast<std::size_t>(std::min<std::int64_t>(facts.visits, TreeFacts::most_visited)));
+  view.tree = &facts;
+  for (int frame = 0; frame < 3; ++frame) {  // a window that fits its contents draws them in its second
+    gui.begin(width, height);
+    draw_workspace(workspace, view);
+    gui.build();
+  }
+  const ImDrawData& data = *ImGui::GetDrawData();
+  Drawn drawn{data.TotalVtxCount, data.TotalIdxCount, 0};
+  for (int k = 0; k < data.CmdListsCount; ++k) drawn.commands += data.CmdLists[k]->CmdBuffer.Size;
+  return drawn;
+}
+
+TEST(PanelDrawCounts, DoNotGrowWithTheRunOrTheTree) {
+  test_context();
+  const Drawn few = drawn_panels(400, 9'000), many = drawn_panels(36'000, 900'000);
+  EXPECT_LT(few.vertices, 32'000);
+  EXPECT_LT(few.indices, 100'000);
+  EXPECT_LT(few.commands, 30);
+  // Only digits of larger numbers are added.
+  EXPECT_LT(many.vertices, few.vertices + 400);
+  EXPECT_LT(many.indices, few.indices + 600);
+  EXPECT_EQ(many.commands, few.commands);
+}
+
+}  // namespace
+}  // namespace collidoscope
