@@ -2,16 +2,15 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <exception>
-#include <iostream>
 #include <string>
 #include <vector>
 
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/core/whole_file.h"
 
 namespace collidoscope {
 namespace {
@@ -33,6 +32,7 @@ void tell_of_memory(const char* doing) {
 void end_with_a_line_where_memory_ends() {
   static const std::terminate_handler usual = std::get_terminate();
   std::set_terminate([] {
+    remove_temporary_files();
     try {
       if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
     } catch (const OutOfMemory& error) {
@@ -50,8 +50,7 @@ void end_with_a_line_where_memory_ends() {
 int exit_status_of(const std::function<int()>& work) noexcept {
   try {
     const int status = work();
-    if (!std::cout.flush() || std::fflush(stdout) != 0)  // a full disk behind a redirection
-      throw MachineError(std::string("stdout: writing failed: ") + std::strerror(errno));
+    flush_stdout();
     return status;
   } catch (const InputError& error) {
     print_faults(error.lines());
