@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "headless/standard_output.h"
@@ -15,9 +17,22 @@
 namespace collidoscope {
 namespace {
 
+/// Without its control characters, which a file's name may hold. Takes no memory.
+void print_line(std::string_view line) {
+  char block[1024];
+  while (!line.empty()) {
+    const std::size_t size = std::min(line.size(), sizeof block);
+    for (std::size_t k = 0; k < size; ++k)
+      block[k] = static_cast<unsigned char>(line[k]) < 0x20 || line[k] == 0x7f ? '?' : line[k];
+    std::fwrite(block, 1, size, stderr);
+    line.remove_prefix(size);
+  }
+  std::fputc('\n', stderr);
+}
+
 void print_faults(const std::vector<std::string>& faults) {
   constexpr std::size_t most = 20;  // a broken file has thousands
-  for (std::size_t i = 0; i < faults.size() && i < most; ++i) std::fprintf(stderr, "%s\n", faults[i].c_str());
+  for (std::size_t i = 0; i < faults.size() && i < most; ++i) print_line(faults[i]);
   if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
 }
 

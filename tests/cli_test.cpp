@@ -237,6 +237,13 @@ TEST(Cli, ControlCharactersOfAnArgumentDoNotReachTheTerminal) {
   EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos);
 }
 
+TEST(Cli, ControlCharactersOfAFilesNameDoNotReachTheTerminal) {
+  const Outcome outcome = run_headless({"run", "/nowhere\n\x1b[2J/s.json"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, testing::StartsWith("/nowhere??[2J/s.json: "));
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u);
+}
+
 TEST(Cli, TwentyFaultsArePrintedAndTheRestCounted) {
   const TemporaryFolder folder;
   std::ofstream scene(folder / "scene.json");

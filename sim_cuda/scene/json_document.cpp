@@ -263,12 +263,11 @@ JsonDocument::JsonDocument(std::string text, std::string name)
 
 void JsonDocument::read_all(const std::function<std::vector<JsonFault>(bool first)>& read) {
   std::vector<JsonFault> all = read(true);
-  if (!repeated_.empty()) {
-    std::sort(repeated_.begin(), repeated_.end());
+  if (!repeated_.empty() && repeated_.size() <= max_repeated) {
     std::set<std::pair<std::uint32_t, std::string>> known;
     for (const JsonFault& fault : all) known.emplace(fault.offset, fault.message);
-    for (std::size_t k = 0; k < std::min(repeated_.size(), max_repeated); ++k) {
-      chosen_ = repeated_[k];
+    for (const std::uint32_t value : repeated_) {
+      chosen_ = value;
       for (JsonFault& fault : read(false))
         if (known.emplace(fault.offset, fault.message).second) all.push_back(std::move(fault));
     }
