@@ -10,6 +10,7 @@
 #include "headless/output_file.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/world.h"
 
@@ -115,12 +116,14 @@ int bvh_command(const CommandLine& line) {
 
   std::vector<Measured> trees;
   std::optional<World> first;  // makes the steps; the others take its state
-  std::string device, title;
+  std::string device;
+  std::size_t bodies = 0;
   Progress progress("methods", std::ssize(methods));
   for (std::int64_t k = 0; k < std::ssize(methods); ++k) {
     RunOptions run = options.run;
     run.broad_phase = methods[static_cast<std::size_t>(k)];
     World world(scene, run);
+    bodies = world.initial().size();
     if (world.tree_nodes() > 0) {
       if (!first) {
         first.emplace(scene, run);
@@ -132,9 +135,11 @@ int bvh_command(const CommandLine& line) {
     }
     progress.update(k + 1);
   }
+  if (trees.empty() && bodies == 0)
+    throw InputError(scene.name + ": the scene has no bodies, so no method has a tree; give one with bodies");
   if (trees.empty())
-    throw InputError(scene.name + ": there is no tree to measure: no bodies, or methods without one (" +
-                     fmt::format("{}", fmt::join(methods, ", ")) + ")");
+    throw InputError(
+        fmt::format("{}: none of these methods has a tree: {}", scene.name, fmt::join(methods, ", ")));
   Json json{{"scene", scene.name},
             {"device", device},
             {"state", first->steps()},
@@ -147,11 +152,11 @@ int bvh_command(const CommandLine& line) {
     file->commit();
   }
   if (options.json == "-")
-    fmt::print("{}", json_text(json));
+    print(json_text(json));
   else
-    fmt::print("{}: {} bodies, {} pairs of boxes, state {}, on {}\n\n{}", scene.name,
-               grouped(trees[0].quality.bodies), grouped(trees[0].quality.pairs), first->steps(), device,
-               text_of(trees));
+    print(fmt::format("{}: {} bodies, {} pairs of boxes, state {}, on {}\n\n{}", scene.name,
+                      grouped(trees[0].quality.bodies), grouped(trees[0].quality.pairs), first->steps(),
+                      device, text_of(trees)));
   return 0;
 }
 

@@ -8,12 +8,13 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 
 #include "headless/egl_context.h"
+#include "headless/output_file.h"
 #include "headless/panel_picture.h"
 #include "headless/progress.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "ui/chart.h"
 #include "ui/overlay.h"
@@ -132,22 +133,8 @@ void parse_size(const std::string& text, CaptureRequest& request, const std::str
   request.height = static_cast<int>(height);
 }
 
-void ensure_writable_folder(const std::string& folder) {
-  namespace fs = std::filesystem;
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed || !fs::is_directory(folder))
-    throw InputError("--out: '" + folder + "': cannot be made: " +
-                     (failed ? failed.message() : "a file of this name is in the way") +
-                     "; a folder that can be written is needed");
-  const fs::path probe = fs::path(folder) / ".collidoscope-can-write";
-  const bool open = static_cast<bool>(std::ofstream(probe));
-  fs::remove(probe, failed);
-  if (!open) throw InputError("--out: '" + folder + "': cannot be written; a folder that can be is needed");
-}
-
 int run_capture(const CaptureRequest& request, World& world) {
-  ensure_writable_folder(request.out);
+  ensure_writable_folder("--out", request.out);
   std::vector<std::int64_t> states = request.states;
   if (states.empty()) states = {world.steps(), world.steps() + 30, world.steps() + 60};
   if (states.front() < world.steps())
@@ -219,16 +206,17 @@ int run_capture(const CaptureRequest& request, World& world) {
                               fmt::format("{}_{:04}.png", file_stem(world.scene().name), state))
                                  .string();
     write_png(panels ? picture : renderer.read_picture(), file);
-    fmt::print("{}  {}x{}  state {}  bodies {}  boxes {}  touching {}\n", file, request.width, request.height,
-               state, drawn.bodies,
-               request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes, drawn.contacts);
+    print(fmt::format("{}  {}x{}  state {}  bodies {}  boxes {}  touching {}\n", file, request.width,
+                      request.height, state, drawn.bodies,
+                      request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes,
+                      drawn.contacts));
     if (const ReferenceFacts& facts = reference.facts(); facts.known())
-      fmt::print("{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n", "",
-                 file.size(), facts.rms, facts.max, facts.name, facts.since,
-                 facts.doubt > 0 ? fmt::format("itself off by {:.2g} m", facts.doubt) : "exact");
+      print(fmt::format("{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n",
+                        "", file.size(), facts.rms, facts.max, facts.name, facts.since,
+                        facts.doubt > 0 ? fmt::format("itself off by {:.2g} m", facts.doubt) : "exact"));
     else if (asked)
       say(fmt::format("state {}: no reference: {}", state, reference.facts().lack));
-    std::fflush(stdout);
+    flush_stdout();
   }
   return 0;
 }

@@ -31,10 +31,6 @@ void parse_size(const std::string& text, CaptureRequest& request, const std::str
 /// A scene's name as part of a file's: letters in lower case, digits, '-' and '_'; never empty.
 std::string file_stem(const std::string& scene);
 
-/// Where pictures go: makes the folder and tries a file in it. Throws InputError if it cannot be written.
-/// Call it before anything is simulated; run_capture() does.
-void ensure_writable_folder(const std::string& folder);
-
 /// Writes OUT/<scene>_<state>.png for each state, whole or not at all, and prints one line per picture on
 /// stdout; says on stderr which renderer and display path drew them. Returns 0; 1 where a guard paused the
 /// run, after a line on stderr. Throws InputError and MachineError.

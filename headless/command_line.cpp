@@ -129,13 +129,21 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
         faults.push_back(fmt::format("{}: {} is the file of {} too", flag, shown(file), other));
     seen.emplace_back(flag, path);
   };
-  if (!line.operands.empty() && line.command != Command::stability) add("the scene", line.operands[0]);
+  if (!line.operands.empty() && line.command != Command::stability) {
+    try {
+      add("the scene", scene_file(line.operands[0]));
+    } catch (const InputError& error) {
+      faults.insert(faults.end(), error.lines().begin(), error.lines().end());
+    }
+  }
   add("--json", options.json == "-" ? "" : options.json);
   add("--dump-bodies", options.dump_bodies);
   add("--dump-dynamics", options.dump_dynamics);
   add("--energy-trace", options.energy_trace);
   add("--csv", options.bench.csv);
   add("--markdown", options.bench.markdown);
+  add("--plot", options.bench.plot);
+  add("--automation", options.view.automation);
   if (options.save != options.load) add("--load", options.load);  // going on in one file is no loss
   add("--changes", options.changes);
   add("--save", options.save);
@@ -218,8 +226,12 @@ Scene load_scene(const CommandLine& line) {
 }
 
 Start load_start(const CommandLine& line) {
-  if (line.options.load.empty()) return {load_scene(line), {}};
-  Start start{{}, read_snapshot(line.options.load)};
+  Start start;
+  if (line.options.load.empty()) {
+    start.scene = load_scene(line);
+    return start;
+  }
+  start.snapshot = read_snapshot(line.options.load);
   start.scene = start.snapshot->scene;
   apply(line.options.overrides, line.options.load, start.scene);
   return start;

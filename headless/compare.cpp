@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 
 // The perceptual measure follows FLIP (Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom and Fairchild
@@ -234,13 +235,13 @@ int run_compare(const std::string& a, const std::string& b, bool json) {
   const Image first = read_png(a), second = read_png(b);
   const ImageDifference d = compare_images(first, second);
   if (json)
-    fmt::print("{{\"max_channel\": {}, \"share_over_5\": {}, \"perceptual_mean\": {}}}\n", d.max_channel,
-               d.share_over_5, d.perceptual_mean);
+    print(fmt::format("{{\"max_channel\": {}, \"share_over_5\": {}, \"perceptual_mean\": {}}}\n",
+                      d.max_channel, d.share_over_5, d.perceptual_mean));
   else
-    fmt::print(
-        "largest channel difference  {} of 255\npixels over 5 of 255        {:.4f} %\nperceptual mean "
-        "(FLIP-like) {:.6f}\n",
-        d.max_channel, 100 * d.share_over_5, d.perceptual_mean);
+    print(
+        fmt::format("largest channel difference  {} of 255\npixels over 5 of 255        {:.4f} %\nperceptual "
+                    "mean (FLIP-like) {:.6f}\n",
+                    d.max_channel, 100 * d.share_over_5, d.perceptual_mean));
   return d.max_channel == 0 ? 0 : 1;
 }
 

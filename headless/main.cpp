@@ -2,8 +2,6 @@
 // status is 0 where the work was done, 1 where a check failed, 2 for bad input, 3 where the machine lacks
 // something.
 
-#include <csignal>
-#include <cstdio>
 #include <string>
 
 #include "headless/accuracy/accuracy.h"
@@ -12,16 +10,18 @@
 #include "headless/command_line.h"
 #include "headless/compare.h"
 #include "headless/exit_status.h"
+#include "headless/process.h"
 #include "headless/progress.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
+#include "headless/standard_output.h"
 
 namespace collidoscope {
 namespace {
 
 int perform(const CommandLine& line) {
   if (!line.text.empty()) {
-    std::puts(line.text.c_str());
+    print(line.text + '\n');
     return done;
   }
   switch (line.command) {
@@ -49,8 +49,7 @@ int perform(const CommandLine& line) {
 }  // namespace collidoscope
 
 int main(int argc, char** argv) {
-  // A reader that left (| head) ends the program without a word, even where a parent ignores the signal.
-  std::signal(SIGPIPE, SIG_DFL);
+  collidoscope::prepare_process();
   collidoscope::end_with_a_line_where_memory_ends();
   return collidoscope::exit_status_of([&] {
     collidoscope::announce_settling();

@@ -6,6 +6,7 @@
 
 #include "headless/flag_value.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/fault_lines.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -81,11 +82,15 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
     physics.time_step = 1.0 / *overrides.steps_per_second;
   }
 
+  std::vector<Fault> of_file;
   for (const Fault& fault : validate(scene)) {
     const std::string_view flag = flag_of(fault.path, overrides);
-    faults.push_back(flag.empty() ? fmt::format("{}: {}", shown(file), line_of(fault))
-                                  : fmt::format("{}: {}", flag, fault.message));
+    if (flag.empty())
+      of_file.push_back(fault);
+    else
+      faults.push_back(fmt::format("{}: {}", flag, fault.message));
   }
+  for (const std::string& line : fault_lines(scene, of_file)) faults.push_back(line);
   if (!faults.empty()) throw InputError(faults);
 }
 

@@ -56,4 +56,20 @@ void OutputFile::commit() {
   file_.reset();
 }
 
+void ensure_writable_folder(const std::string& flag, const std::string& folder) {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(fmt::format("{}: {}; give a folder that can be written", flag, why));
+  };
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed || !fs::is_directory(folder, failed))
+    refuse(fmt::format("{} cannot be made: {}", shown(folder),
+                       failed ? failed.message() : "a file of this name is in the way"));
+  try {
+    WholeFile trial((fs::path(folder) / "trial").string());
+  } catch (const NotWritten& error) {
+    refuse(fmt::format("{} cannot be written: {}", shown(folder), error.why));
+  }
+}
+
 }  // namespace collidoscope

@@ -30,4 +30,8 @@ class OutputFile {
   std::optional<WholeFile> file_;
 };
 
+/// A folder that a flag names: makes it and tries a file in it. Call it before anything is simulated. Throws
+/// InputError, a line that begins with `flag`.
+void ensure_writable_folder(const std::string& flag, const std::string& folder);
+
 }  // namespace collidoscope

@@ -20,7 +20,6 @@ PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int wi
   }
   workspace_.folds.convergence = layers.convergence;
   view_.with_times = timings;
-  view_.cuda = world.on_gpu();
 }
 
 ScreenRect PanelPicture::scene_rect(int width, int height) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <optional>
 
@@ -14,6 +15,7 @@
 #include "headless/progress.h"
 #include "headless/replay.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/guard/rewind.h"
@@ -157,8 +159,6 @@ bool as_recorded(World& world, const Replay& replay, const std::string& file) {
   return false;
 }
 
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
-
 }  // namespace
 
 int run_command(const CommandLine& line) {
@@ -197,21 +197,28 @@ int run_command(const CommandLine& line) {
     for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
       if (*file) (*file)->commit();
   });
-  print(options.json == "-" ? to_json(report) : to_text(report));
+  std::exception_ptr not_printed;  // what went wrong in the run is reported all the same
+  try {
+    print(options.json == "-" ? to_json(report) : to_text(report));
+    flush_stdout();
+  } catch (const MachineError&) {
+    not_printed = std::current_exception();
+  }
   if (stepped.failure) {
     std::fputs(
         fmt::format("{}; state {} before it is in {}\n", *stepped.failure, world.steps(), failed_at).c_str(),
         stderr);
-    return 1;
   }
-  return as_recorded(world, replay, options.changes) ? 0 : 1;
+  const bool good = !stepped.failure && as_recorded(world, replay, options.changes);
+  if (not_printed) std::rethrow_exception(not_printed);
+  return good ? 0 : 1;
 }
 
 int capture_command(const CommandLine& line) {
   const Options& options = line.options;
   const Start start = load_start(line);
   const Outputs checked(options);
-  ensure_writable_folder(options.capture.out);
+  ensure_writable_folder("--out", options.capture.out);
   World world = make_world(start, options.run);
 
   const StepStats initial = world.measure();

@@ -22,15 +22,15 @@ class ChangesReader {
   ChangesReader(const JsonDocument& document, const Scene& scene, const RunOptions& options,
                 std::int64_t start)
       : document_(document),
-        reading_{document, document.duplicates()},
+        reading_{document, document.faults()},
         scene_(scene),
         options_(options),
         materials_(scene.materials),
         start_(start) {}
 
-  ChangeList read() {
+  /// All faults.
+  std::vector<JsonFault> read(ChangeList& list) {
     ObjectReader root(reading_, document_.root(), "a list of changes");
-    ChangeList list;
     if (root.is_object()) {
       read_header(root);
       if (const JsonNode* changes = root.member("changes", JsonKind::array))
@@ -38,8 +38,7 @@ class ChangesReader {
       if (const JsonNode* node = root.member("end")) read_end(*node, list);
     }
     root.finish();
-    if (!reading_.faults.empty()) throw InputError(document_.lines(std::move(reading_.faults)));
-    return list;
+    return std::move(reading_.faults);
   }
 
  private:
@@ -272,8 +271,13 @@ std::string text_of(const Change& change, const Scene& scene) {
 ChangeList parse_changes(std::string text, const std::string& name, const Scene& scene,
                          const RunOptions& options, std::int64_t start) {
   return while_doing("reading a list of changes", [&] {
-    const JsonDocument document(std::move(text), name);
-    return ChangesReader(document, scene, options, start).read();
+    JsonDocument document(std::move(text), name);
+    ChangeList list;
+    document.read_all([&](bool first) {
+      ChangeList other;
+      return ChangesReader(document, scene, options, start).read(first ? list : other);
+    });
+    return list;
   });
 }
 

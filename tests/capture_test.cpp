@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "headless/output_file.h"
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/gl_fixture.h"
@@ -153,14 +154,14 @@ TEST(Capture, APathThatTheMachineLacksStepsDownWithOneLine) {
 TEST(Capture, AFolderThatCannotBeIsRefusedBeforeAnythingRuns) {
   const TemporaryFolder folder;
   std::ofstream(folder / "file") << "in the way";
-  EXPECT_THROW(ensure_writable_folder((folder / "file").string()), InputError);
-  EXPECT_THROW(ensure_writable_folder((folder / "file/below").string()), InputError);
+  EXPECT_THROW(ensure_writable_folder("--out", (folder / "file").string()), InputError);
+  EXPECT_THROW(ensure_writable_folder("--out", (folder / "file/below").string()), InputError);
   World world(small_scene(), on_cpu());
   CaptureRequest request;
   request.out = (folder / "file").string();
   EXPECT_THROW(run_capture(request, world), InputError);
   EXPECT_EQ(world.steps(), 0);
-  ensure_writable_folder((folder / "a/b").string());
+  ensure_writable_folder("--out", (folder / "a/b").string());
   EXPECT_TRUE(std::filesystem::is_empty(folder / "a/b"));
 }
 

@@ -149,8 +149,9 @@ INSTANTIATE_TEST_SUITE_P(
                  "--threads: 1025 is not a whole number from 1 to 1024, or auto"},
         BadInput{"BlocksBeyondAnyDevice", "", run_with({"--blocks", "2147483648"}), 2,
                  "--blocks: 2147483648 is not a whole number from 1 to 2147483647, or auto"},
-        BadInput{"NoSuchDevice", "", run_with({"--executor", "cuda", "--gpu", "1023"}), 3,
-                 "--executor cuda: .*CUDA.*|--gpu 1023: this machine has GPUs .*"},
+        BadInput{
+            "NoSuchDevice", "", run_with({"--executor", "cuda", "--gpu", "1023"}), 3,
+            "the executor cuda cannot be used: .*CUDA.*|GPU 1023 is not there: this machine has GPUs .*"},
         BadInput{"NoSuite", "", {"bench"}, 2, "bench: a suite is missing; there are .*frames.*"},
         BadInput{"UnknownSuite", "", {"bench", "fames"}, 2, "bench: fames is no suite; there are .*frames.*"},
         BadInput{"NoFrames",
@@ -234,6 +235,13 @@ TEST(Cli, ControlCharactersOfAnArgumentDoNotReachTheTerminal) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(lines_of(outcome.err).size(), 1u);
   EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos);
+}
+
+TEST(Cli, ControlCharactersOfAFilesNameDoNotReachTheTerminal) {
+  const Outcome outcome = run_headless({"run", "/nowhere\n\x1b[2J/s.json"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, testing::StartsWith("/nowhere??[2J/s.json: "));
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u);
 }
 
 TEST(Cli, TwentyFaultsArePrintedAndTheRestCounted) {

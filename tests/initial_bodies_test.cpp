@@ -155,13 +155,13 @@ TEST(InitialBodies, RefusesWhatCannotBe) {
   scene.bodies[0].radius = 1e9;
   scene.file = "a.json";
   EXPECT_THAT(fault_of(scene),
-              testing::StartsWith("a.json: body 0: its mass would be 4.19e+30 kg (density times"));
+              testing::StartsWith("a.json: bodies[0]: its mass would be 4.19e+30 kg (density times"));
 
   scene.bodies[0].radius = 1e-8;
   EXPECT_EQ(fault_of(scene), "none");
   scene.bodies[0].angular_velocity = {1, 0, 0};
   EXPECT_THAT(fault_of(scene),
-              testing::StartsWith("a.json: body 0: its moment of inertia would be 1.68e-37 kg m^2"));
+              testing::StartsWith("a.json: bodies[0]: its moment of inertia would be 1.68e-37 kg m^2"));
 
   scene.bodies[0] = Body{};
   scene.bodies[0].shape = Shape::mesh;
@@ -173,7 +173,7 @@ TEST(InitialBodies, RefusesWhatCannotBe) {
   scene.bodies[0].mesh = "l_block.obj";
   scene.box = Box{{0, 0, 0}, {3, 3, 3}};
   EXPECT_THAT(fault_of(scene),
-              testing::StartsWith("a.json: body 0: its bounding sphere of 1.97 m radius does not fit"));
+              testing::StartsWith("a.json: bodies[0]: its bounding sphere of 1.97 m radius does not fit"));
 }
 
 TEST(InitialBodies, EffectsThatTheSceneCallsFor) {

@@ -23,9 +23,9 @@ std::string position(const JsonDocument& document, std::uint32_t offset) {
 std::string fault_of(std::string text) {
   try {
     const JsonDocument document(std::move(text), "f");
+    if (!document.faults().empty()) return document.lines(document.faults()).front();
   } catch (const InputError& error) {
-    EXPECT_EQ(error.lines().size(), 1u);
-    return error.what();
+    return error.lines().front();
   }
   return "none";
 }
@@ -82,9 +82,45 @@ TEST(JsonDocument, EscapesAreDecoded) {
 
 TEST(JsonDocument, DuplicateKeysWait) {
   const JsonDocument document("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2},\n \"\\u0061\": 3}", "f");
-  EXPECT_THAT(document.lines(document.duplicates()),
+  EXPECT_THAT(document.lines(document.faults()),
               ElementsAre("f:2:16: the key \"c\" stands twice in this object; keep one of them",
                           "f:3:2: the key \"a\" stands twice in this object; keep one of them"));
+}
+
+TEST(JsonDocument, WordsThatAreNoValuesWait) {
+  const JsonDocument document("{\"a\": NaN, \"b\": [1, 1e999,\n 0x1], \"c\": 2, \"t\": \"NaN\" /* inf */}",
+                              "f");
+  EXPECT_THAT(document.lines(document.faults()),
+              ElementsAre(StartsWith("f:1:7: NaN is not a number"), StartsWith("f:1:21: 1e999 is beyond"),
+                          StartsWith("f:2:2: \"0x1\" is not a number as JSON writes it")));
+  const JsonNode& root = document.root();
+  ASSERT_EQ(root.child_count, 4u);
+  EXPECT_EQ(document.find(root, "a")->kind, JsonKind::invalid);
+  EXPECT_EQ(document.token(*document.find(root, "a")), "NaN");
+  const auto list = document.children(*document.find(root, "b"));
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(document.number(list[0]), 1.0);
+  EXPECT_EQ(list[1].kind, JsonKind::invalid);
+  EXPECT_EQ(document.token(list[2]), "0x1");
+  EXPECT_EQ(document.number(*document.find(root, "c")), 2.0);
+  EXPECT_EQ(document.text(*document.find(root, "t")), "NaN");
+}
+
+TEST(JsonDocument, EachOccurrenceOfAKeyIsRead) {
+  JsonDocument document("{\"a\": 1, \"a\": 2, \"a\": 3, \"b\": 4}", "f");
+  std::vector<std::string_view> seen;
+  try {
+    document.read_all([&](bool first) {
+      EXPECT_EQ(first, seen.empty());
+      seen.push_back(document.token(*document.find(document.root(), "a")));
+      EXPECT_EQ(document.token(*document.find(document.root(), "b")), "4");
+      return document.faults();
+    });
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.lines().size(), 2u);
+  }
+  EXPECT_THAT(seen, ElementsAre("1", "2", "3"));
 }
 
 TEST(JsonDocument, NestingIsBounded) {

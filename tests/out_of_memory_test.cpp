@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "sim_cuda/changes.h"
+#include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
@@ -47,6 +48,27 @@ Scene implosion(Solver solver) {
     scene.bodies.push_back(sphere(2, place, place * -1.5));
   }
   return scene;
+}
+
+TEST_P(OutOfMemoryOn, ARefusedBufferIsNamedWithWhatAllTake) {
+  RunOptions scarce = options();
+  scarce.memory_limit = 1 << 20;
+  Executor executor(scarce);
+  Buffer<char> a(executor, "a"), b(executor, "b"), c(executor, "c");
+  a.resize_discarding(600'000);
+  b.resize_discarding(300'000);
+  EXPECT_THAT(refusal_of([&] { c.resize_discarding(500'000); }),
+              testing::HasSubstr(" for 500000 bytes for 'c', which makes 1400000 bytes in all (largest: 'a' "
+                                 "600000, 'c' 500000, 'b' 300000); it answered: 148576 bytes are free"));
+}
+
+/// While a world is set up: not one buffer alone, but the total so far.
+TEST_P(OutOfMemoryOn, AWorldThatDoesNotFitIsRefusedWithATotal) {
+  RunOptions scarce = options();
+  scarce.memory_limit = 1 << 20;
+  const std::string line = refusal_of([&] { World(box_collider(20'000), scarce); });
+  EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
+  EXPECT_GT(largest_number(line), scarce.memory_limit) << line;
 }
 
 TEST_P(OutOfMemoryOn, GrowthThatDoesNotFitLeavesTheState) {

@@ -3,9 +3,14 @@
 // files, so it sees no terminal.
 
 #include <fcntl.h>
+#include <linux/capability.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -27,36 +32,80 @@ inline std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// `stdout_to`: a file that takes the program's stdout in place of Outcome::out.
+/// How a program is started, where it is not as usual.
+struct Launch {
+  std::string stdout_to = "";  ///< a file that takes stdout in place of Outcome::out
+  bool close_stdout = false;   ///< the program starts without one
+  bool close_stderr = false;
+  bool break_pipe = false;           ///< stdout is a pipe that nothing reads
+  bool obey_permissions = false;     ///< also as root: a file without permissions cannot be opened
+  std::int64_t max_file_bytes = -1;  ///< beyond it a write fails; -1: no limit
+};
+
+/// Ends in the program, or with _exit(126) or _exit(127). In a child process.
+[[noreturn]] inline void become_program(const std::filesystem::path& program,
+                                        const std::vector<std::string>& arguments, const Launch& launch,
+                                        const std::string& out, const std::string& err) {
+  const auto redirect = [](const char* file, int flags, int to) {
+    const int from = open(file, flags, 0600);
+    if (from < 0 || dup2(from, to) < 0) _exit(126);
+    close(from);
+  };
+  redirect("/dev/null", O_RDONLY, STDIN_FILENO);
+  redirect(out.c_str(), O_WRONLY | O_CREAT, STDOUT_FILENO);
+  redirect(err.c_str(), O_WRONLY | O_CREAT, STDERR_FILENO);
+  if (int ends[2]; launch.break_pipe) {
+    if (pipe(ends) != 0 || dup2(ends[1], STDOUT_FILENO) < 0) _exit(126);
+    close(ends[0]);
+    close(ends[1]);
+  }
+  if (launch.close_stdout) close(STDOUT_FILENO);
+  if (launch.close_stderr) close(STDERR_FILENO);
+  if (launch.obey_permissions && geteuid() == 0)
+    for (const unsigned long right : {CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH})
+      if (prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0) _exit(126);  // what exec keeps is within this set
+  if (launch.max_file_bytes >= 0) {
+    const auto bytes = static_cast<rlim_t>(launch.max_file_bytes);
+    const rlimit limit{bytes, bytes};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(126);
+  }
+  alarm(120);  // what hangs is ended by SIGALRM
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  _exit(127);
+}
+
 inline Outcome run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           const std::string& stdout_to = "") {
+                           const Launch& launch) {
   const TemporaryFolder folder;
-  const std::string out = stdout_to.empty() ? folder / "out" : std::filesystem::path(stdout_to);
+  const std::string out = launch.stdout_to.empty() ? (folder / "out").string() : launch.stdout_to;
   const std::string err = folder / "err";
   const pid_t child = fork();
-  if (child == 0) {
-    const auto redirect = [](const char* file, int flags, int to) {
-      const int from = open(file, flags, 0600);
-      if (from < 0 || dup2(from, to) < 0) _exit(126);
-      close(from);
-    };
-    redirect("/dev/null", O_RDONLY, STDIN_FILENO);
-    redirect(out.c_str(), O_WRONLY | O_CREAT, STDOUT_FILENO);
-    redirect(err.c_str(), O_WRONLY | O_CREAT, STDERR_FILENO);
-    std::vector<char*> argv{const_cast<char*>(program.c_str())};
-    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-    argv.push_back(nullptr);
-    execv(program.c_str(), argv.data());
-    _exit(127);
-  }
+  if (child == 0) become_program(program, arguments, launch, out, err);
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) != child) return {};
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          stdout_to.empty() ? text_of(out) : "", text_of(err)};
+          launch.stdout_to.empty() ? text_of(out) : "", text_of(err)};
+}
+inline Outcome run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           const std::string& stdout_to = "") {
+  return run_program(program, arguments, Launch{.stdout_to = stdout_to});
 }
 
+inline std::filesystem::path headless_program() { return program_folder() / "collidoscope-headless"; }
+inline Outcome run_headless(const std::vector<std::string>& arguments, const Launch& launch) {
+  return run_program(headless_program(), arguments, launch);
+}
 inline Outcome run_headless(const std::vector<std::string>& arguments, const std::string& stdout_to = "") {
-  return run_program(program_folder() / "collidoscope-headless", arguments, stdout_to);
+  return run_program(headless_program(), arguments, stdout_to);
+}
+/// The window's program, where there is no display.
+inline Outcome run_viewer(const std::vector<std::string>& arguments, const Launch& launch = {}) {
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  return run_program(program_folder() / "collidoscope", arguments, launch);
 }
 
 }  // namespace collidoscope

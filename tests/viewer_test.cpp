@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "tests/run_program.h"
 #include "tests/viewer_fixture.h"
@@ -144,16 +145,33 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 1; }));
   EXPECT_EQ(value("max_impulse"), 0);
 
-  // An error shows, and the program lives on with what it had.
+  // What this machine or build lacks is grey in its list: a click on it does nothing.
   if (!cuda_available()) {
     window.click("settings.executor");
-    window.click("settings.executor.cuda");
-    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_string(); }));
-    window.click("error.dismiss");
-    EXPECT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_null(); }));
-    window.key("s");
-    EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 2; }));
+    const auto [left, cpu] = window.place("settings.executor.cpu");
+    const int row = cpu - window.place("settings.executor.auto").second;
+    EXPECT_FALSE(window.sees("settings.executor.cuda"));
+    window.click_at(left, cpu + row);
+    EXPECT_TRUE(window.frame()["error"].is_null()) << window.frame()["error"];
+    EXPECT_TRUE(window.frame()["list_open"]);
+    window.key("Escape");
+    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["list_open"] == false; }));
   }
+
+  // An error shows, without flags of the command line, and the program lives on with what it had.
+  const std::filesystem::path pictures = window.file("captures"), aside = window.file("aside");
+  std::filesystem::rename(pictures, aside);
+  std::ofstream(pictures) << "in the way";
+  window.click("timing.csv");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_string(); }));
+  EXPECT_THAT(window.frame()["error"].get<std::string>(), testing::HasSubstr("captures"));
+  EXPECT_THAT(window.frame()["error"].get<std::string>(), testing::Not(testing::HasSubstr("--")));
+  window.click("error.dismiss");
+  EXPECT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_null(); }));
+  std::filesystem::remove(pictures);
+  std::filesystem::rename(aside, pictures);
+  window.key("s");
+  EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 2; }));
 
   // Another size, and panels folded away.
   window.resize(1000, 760);

@@ -55,7 +55,7 @@ void draw_stop(Workspace& workspace, const StopFacts& stop, const std::string& w
   ImGui::SameLine();
   if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.before)).c_str())) wish = StopWish::save;
   track(workspace, (where + ".save").c_str());
-  explain("A snapshot of the state before that step, from which run --load comes to the same");
+  explain("A snapshot of the state before that step, from which a run comes to the same");
 }
 
 }  // namespace

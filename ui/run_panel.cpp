@@ -26,8 +26,8 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
       if (ImGui::SmallButton(text.c_str())) workspace.changes_wish = true;
       track(workspace, "run.changes");
       explain(
-          "Writes what was changed, and at which states, to captures/: collidoscope-headless run SCENE "
-          "--changes FILE makes the same run again, to the same hash");
+          "Writes what was changed, and at which states, to captures/: from this file, collidoscope-headless "
+          "makes the same run again, to the same hash");
     }
     const float gap = ImGui::GetStyle().ItemSpacing.x;
     const float third = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;

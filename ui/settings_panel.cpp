@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
@@ -64,10 +65,17 @@ void log_row(Workspace& workspace, ImGuiDataType type, Number& value, const LogR
   ImGui::PopID();
 }
 
+/// A choice that cannot be made is grey, with the reason beside it.
+template <class Choice>
+struct Lack {
+  Choice choice;
+  std::string why;  ///< empty: it can be made
+};
+
 template <class Choice, std::size_t count>
 void choice_row(Workspace& workspace, const char* name, const char* label,
                 const std::array<std::pair<Choice, const char*>, count>& choices, Choice& value,
-                const char* help) {
+                const char* help, const Lack<Choice>& lack = {}) {
   row_label(label, help);
   const char* chosen = "?";
   for (const auto& [choice, text] : choices)
@@ -75,7 +83,11 @@ void choice_row(Workspace& workspace, const char* name, const char* label,
   ImGui::PushID(name);
   if (begin_choice("##choice", chosen)) {
     for (const auto& [choice, text] : choices) {
-      if (ImGui::Selectable(text, choice == value)) value = choice;
+      const bool lacks = choice == lack.choice && !lack.why.empty();
+      ImGui::BeginDisabled(lacks);
+      const std::string shown = lacks ? fmt::format("{}: {}", text, lack.why) : text;
+      if (ImGui::Selectable(shown.c_str(), choice == value)) value = choice;
+      ImGui::EndDisabled();
       track(workspace, (std::string(name) + "." + text).c_str());
     }
     ImGui::EndCombo();
@@ -178,8 +190,7 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   std::array<std::pair<ExecutorKind, const char*>, 3> executors{
       {{ExecutorKind::automatic, "auto"}, {ExecutorKind::cpu, "cpu"}, {ExecutorKind::cuda, "cuda"}}};
   choice_row(workspace, "settings.executor", "executor", executors, s.executor,
-             view.cuda ? "What runs the stages; never changes the result"
-                       : "What runs the stages; CUDA is not available here");
+             "What runs the stages; never changes the result", {ExecutorKind::cuda, view.cuda_lack});
   row_label("broad phase", "How pairs are found; never changes the result");
   choose_broad_phase(workspace, view, "settings.broad_phase");
 

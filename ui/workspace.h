@@ -139,7 +139,7 @@ struct WorkspaceView {
   std::string renderer, display_path;     ///< what draws, and how the data get there
   bool software = false;                  ///< the renderer draws on the CPU
   double view_scale = 1;                  ///< of the 3D view: pixels drawn for each one seen, along an axis
-  bool cuda = false;                      ///< can be chosen
+  std::string cuda_lack;                  ///< why CUDA cannot be chosen; empty: it can
   std::vector<std::string> broad_phases;  ///< names, the default first
   std::vector<std::string> effects;       ///< that are on
   int substeps = 1;                       ///< of a step, also where they are "auto"

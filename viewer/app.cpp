@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/text_file.h"
 #include "ui/shown_layers.h"
 #include "viewer/app_guard.h"
 #include "viewer/live/fill_view.h"
@@ -25,11 +25,15 @@ void say_on_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.
 Workspace first_workspace(const Options& options) {
   Workspace workspace;
   const std::string file = settings_path();
-  if (!options.view.reset_ui && !file.empty()) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    const std::string fault = text.empty() ? "" : read_settings(text, workspace);
-    if (!fault.empty()) say_on_stderr(file + ": " + fault);
+  std::error_code failed;
+  if (!options.view.reset_ui && !file.empty() && std::filesystem::exists(file, failed)) {
+    try {
+      const std::string fault =
+          read_settings(read_text_file(file, std::size_t{1} << 20, "a settings file"), workspace);
+      if (!fault.empty()) say_on_stderr(file + ": " + fault);
+    } catch (const InputError& error) {
+      say_on_stderr(error.what());
+    }
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
@@ -40,10 +44,20 @@ Workspace first_workspace(const Options& options) {
   return workspace;
 }
 
+std::optional<Automation> automation_of(const Options& options) {
+  if (options.view.automation.empty()) return std::nullopt;
+  try {
+    return Automation(options.view.automation);
+  } catch (const InputError& error) {
+    throw InputError(std::string("--automation: ") + error.what());
+  }
+}
+
 }  // namespace
 
 App::App(const Start& start, const Options& options)
     : options_(options),
+      automation_(automation_of(options)),
       live_(start.world(options.run)),
       window_(options.capture.width, options.capture.height, "Collidoscope · " + start.scene.name),
       gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
@@ -53,16 +67,15 @@ App::App(const Start& start, const Options& options)
       stability_(options.stability.cases, options.run),
       workspace_(first_workspace(options)),
       renderer_name_(gl::renderer_name()),
-      software_(gl::is_software_renderer()),
-      cuda_(cuda_available()) {
+      software_(gl::is_software_renderer()) {
+  cuda_available(&cuda_lack_);
   workspace_.settings = live_.settings();
-  if (!options.view.automation.empty()) automation_.emplace(options.view.automation);
   if (!live_.world().initial().meshes.empty()) say("mesh bodies collide as their bounding spheres for now");
 }
 
 void App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
-  while (!window_.closing() && !ended()) {
+  while (!window_.closing() && !ended() && automation_failure_.empty()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
     bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
@@ -80,13 +93,13 @@ void App::run(const std::function<bool()>& ended) {
     }
     frame(std::min(seconds, 0.25));
   }
-  const std::string file = settings_path();
-  if (file.empty()) return;
   try {
-    write_whole_file(file, settings_text(workspace_));
+    if (const std::string file = settings_path(); !file.empty())
+      write_whole_file(file, settings_text(workspace_));
   } catch (const MachineError& error) {
     say_on_stderr(error.what());
   }
+  if (!automation_failure_.empty()) throw MachineError("--automation: " + automation_failure_);
 }
 
 void App::frame(double seconds) {
@@ -145,7 +158,7 @@ void App::fill(WorkspaceView& view) {
   view.software = software_;
   view.view_scale = scene_.scale();
   view.display_path = scene_.display_path();
-  view.cuda = cuda_;
+  view.cuda_lack = cuda_lack_;
   view.body_colors = color_key(scene_.body_legend());
   view.box_colors = color_key(scene_.box_legend());
   view.boxes_drawn = scene_.range().boxes;
@@ -200,7 +213,11 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.spheres = drawn.bodies;
   frame.boxes = drawn.boxes;
   frame.contacts = drawn.contacts;
-  automation_->write(frame, workspace_, view);
+  try {
+    automation_->write(frame, workspace_, view);
+  } catch (const MachineError& error) {
+    automation_failure_ = error.what();
+  }
 }
 
 void App::report_error(const std::string& line) {

@@ -84,6 +84,8 @@ class App {
   void write_automation(const WorkspaceView& view, double ui_ms);
 
   Options options_;
+  std::optional<Automation> automation_;  ///< opened first: a wrong file is reported before a window opens
+  std::string automation_failure_;        ///< why its file could not be written; ends the program
   LiveWorld live_;
   Window window_;
   GuiPass gui_;
@@ -105,9 +107,9 @@ class App {
   EffectCosts costs_;
   int costs_generation_ = -1;  ///< of the World that costs_ speaks of
   Workspace workspace_;
-  std::optional<Automation> automation_;
   std::string renderer_name_, picture_file_;
-  bool software_ = false, cuda_ = false;
+  std::string cuda_lack_;  ///< why CUDA cannot be used; empty: it can
+  bool software_ = false;
 
   std::int64_t frame_ = 0;
   double due_ = 0;  ///< steps that the speed asks for

@@ -37,7 +37,7 @@ void App::meet_stop_wish() {
       write_snapshot(breaks_.before(live_), [&](std::string_view more) { bytes += more; });
       const std::string file = free_name(fmt::format("before_{:06}", stop->before + 1), "snapshot");
       write_whole_file(file, bytes);
-      say(fmt::format("wrote {}: run --load goes on from there", file));
+      say(fmt::format("wrote {}, a snapshot of state {}", file, stop->before));
       break;
     }
   }

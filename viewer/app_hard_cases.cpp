@@ -19,7 +19,7 @@ void App::follow_hard_cases(double seconds) {
 
 void App::show_case(LiveStability::Opened opened) {
   if (!before_cases_)
-    before_cases_ = Left{{live_.world().scene(), snapshot_of(live_.world())}, live_.world().options()};
+    before_cases_ = Left{Start{live_.world().scene(), snapshot_of(live_.world())}, live_.world().options()};
   live_.open(std::move(opened.world), std::move(opened.script));
   stability_.shows_case(before_cases_->start.scene.name);
   show_another_scene();

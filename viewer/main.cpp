@@ -1,14 +1,15 @@
 // collidoscope: the window. The exit status is 0, 2 for bad input, 3 where the machine lacks something.
 
 #include <csignal>
-#include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "headless/command_line.h"
+#include "headless/exit_status.h"
+#include "headless/process.h"
 #include "headless/progress.h"
-#include "sim_cuda/core/error.h"
+#include "headless/standard_output.h"
+#include "sim_cuda/stability/hard_case.h"
 #include "viewer/app.h"
 
 namespace collidoscope {
@@ -16,34 +17,28 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-int guarded_main(const std::vector<std::string>& arguments) {
-  try {
-    const CommandLine line = parse_viewer_line(arguments);
-    if (!line.text.empty()) {
-      std::puts(line.text.c_str());
-      return 0;
-    }
-    announce_settling();
-    App(load_start(line), line.options).run([] { return interrupted != 0; });
-    return 0;
-  } catch (const InputError& error) {
-    constexpr std::size_t most = 20;
-    const std::vector<std::string>& faults = error.lines();
-    for (std::size_t i = 0; i < faults.size() && i < most; ++i)
-      std::fprintf(stderr, "%s\n", faults[i].c_str());
-    if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+int show(const CommandLine& line) {
+  if (!line.text.empty()) {
+    print(line.text + '\n');
+    return done;
   }
-  return 3;
+  announce_settling();
+  const Start start = load_start(line);
+  // A wrong folder is reported now, not when the panel opens.
+  if (const std::string& cases = line.options.stability.cases; !cases.empty()) read_hard_cases(cases);
+  App(start, line.options).run([] { return interrupted != 0; });
+  return done;
 }
 
 }  // namespace
 }  // namespace collidoscope
 
 int main(int argc, char** argv) {
+  collidoscope::prepare_process();
+  collidoscope::end_with_a_line_where_memory_ends();
   // Ctrl+C closes the window as its button does: what is remembered is written.
   for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { collidoscope::interrupted = 1; });
-  return collidoscope::guarded_main(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
+  return collidoscope::exit_status_of([&] {
+    return collidoscope::show(collidoscope::parse_viewer_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
+  });
 }

@@ -6,9 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <optional>
 
 #include "headless/accuracy/analytic_suite.h"
@@ -16,8 +14,10 @@
 #include "headless/accuracy/study_report.h"
 #include "headless/bench/result_files.h"
 #include "headless/progress.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/accuracy/study.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/text_file.h"
 
 namespace collidoscope {
 namespace {
@@ -46,9 +46,8 @@ void start_apart(const CommandLine& line, Scene& scene) {
 /// What the file of --json holds of this study, which was cut short. Any other file will be replaced.
 void go_on(const std::string& file, AccuracyStudy& study) {
   if (file.empty() || file == "-" || !std::filesystem::is_regular_file(file)) return;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
   try {
+    const std::string text = read_text_file(file, std::size_t{64} << 20, "what accuracy --json wrote");
     const AccuracyRecord record = parse_record(text, file);
     if (record.complete || !study.restore(record)) return;
     const auto known = std::ranges::count_if(record.points, &AccuracyPoint::has_error);
@@ -83,8 +82,8 @@ int accuracy_command(const CommandLine& line) {
   const Options& options = line.options;
   const std::optional<double> tolerance = options.accuracy.tolerance;
   Scene scene = load_scene(line);
-  start_apart(line, scene);
   const ResultFiles files(options);
+  start_apart(line, scene);
   AccuracyStudy study(
       scene, options.run,
       {.seconds = options.accuracy.seconds, .rounds = static_cast<int>(options.bench.repeats)});
@@ -101,9 +100,9 @@ int accuracy_command(const CommandLine& line) {
   }
   save();
   const AccuracyRecord record = study.record();
-  fmt::print("{}", options.json == "-" ? write_record(record) : study_text(record, tolerance));
-  std::fflush(stdout);
   files.plot(study_chart(record, tolerance));
+  print(options.json == "-" ? write_record(record) : study_text(record, tolerance));
+  flush_stdout();
   if (!record.complete) {
     const bool kept = !options.json.empty() && options.json != "-";
     std::fputs(kept ? fmt::format("stopped; the same command goes on from {}\n", options.json).c_str()

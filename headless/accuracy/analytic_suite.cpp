@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "headless/bench/result_files.h"
 #include "headless/chart_picture.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/scene/names.h"
@@ -283,8 +283,7 @@ int analytic_suite(const CommandLine& line) {
   const std::string json = analytic_json(results, device);
   files.write(json, analytic_csv(results), analytic_markdown(results, device));
   files.plot(analytic_chart(results, "orbit"));
-  const std::string text = line.options.json == "-" ? json : analytic_text(results, device);
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  print(line.options.json == "-" ? json : analytic_text(results, device));
   return std::ranges::all_of(results, &AnalyticResult::passed) ? 0 : 1;
 }
 

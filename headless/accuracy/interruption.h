@@ -1,6 +1,7 @@
 #pragma once
-// Ctrl-C (SIGINT) and SIGTERM as something to look at between two pieces of work. One at a time; from its
-// making to its end the first signal is only noted, a second one ends the program as ever.
+// Ctrl-C (SIGINT) and SIGTERM as something to look at between two pieces of work. One object at a time. While
+// it lives, the first signal is only noted; a second one does what it did before. A signal that the parent
+// ignores stays ignored.
 
 namespace collidoscope {
 

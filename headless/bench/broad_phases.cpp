@@ -9,6 +9,7 @@
 #include "headless/bench/peer_cubql.h"
 #include "headless/bench/result_files.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/bounds.h"
 #include "sim_cuda/scene/initial_bodies.h"
@@ -70,9 +71,10 @@ MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
 }
 
 void print_row(const MethodRow& r) {
-  fmt::print("{:>12} {:<8}{:<20}{:>12.1f}{:>12.1f}{:>12.1f}{:>14}{:>5}  {}\n", grouped(r.bodies), r.variant,
-             r.method, r.whole.median, r.whole.p5, r.whole.p95, grouped(r.pairs), r.launches, stages_text(r));
-  std::fflush(stdout);
+  print(fmt::format("{:>12} {:<8}{:<20}{:>12.1f}{:>12.1f}{:>12.1f}{:>14}{:>5}  {}\n", grouped(r.bodies),
+                    r.variant, r.method, r.whole.median, r.whole.p5, r.whole.p95, grouped(r.pairs),
+                    r.launches, stages_text(r)));
+  flush_stdout();
 }
 
 }  // namespace
@@ -87,20 +89,20 @@ int bench_broad_phases(const CommandLine& line) {
     if (rows.empty()) {
       machine = machine_of(World(at.scene, at.run));
       if (table)
-        fmt::print("{}\n{:>12} {:<8}{:<20}{:>12}{:>12}{:>12}{:>14}{:>5}  stages, µs (timed apart)\n",
-                   machine.device, "N", "variant", "method", "median µs", "p5", "p95", "pairs", "runs");
+        print(fmt::format("{}\n{:>12} {:<8}{:<20}{:>12}{:>12}{:>12}{:>14}{:>5}  stages, µs (timed apart)\n",
+                          machine.device, "N", "variant", "method", "median µs", "p5", "p95", "pairs",
+                          "runs"));
     }
-    const auto add = [&](MethodRow row) {
-      rows.push_back(std::move(row));
-      if (table) print_row(rows.back());
-    };
+    const std::size_t known = rows.size();
+    const auto add = [&](MethodRow row) { rows.push_back(std::move(row)); };
     add(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
     if (has_cubql() && machine.executor == "cuda" && at.run.broad_phase == methods.front())
       add(measure_cubql(at.scene, rows.back()));
     files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
+    for (std::size_t k = known; table && k < rows.size(); ++k) print_row(rows[k]);
   });
-  if (!table) fmt::print("{}", results_json(machine, rows));
   files.plot(chart_of_methods("Broad phases: from positions to the ordered list of pairs", machine, rows));
+  if (!table) print(results_json(machine, rows));
   return 0;
 }
 

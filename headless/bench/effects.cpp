@@ -13,6 +13,7 @@
 #include "headless/bench/spread.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/names.h"
 
@@ -55,7 +56,7 @@ constexpr Trial trials[] = {
     {"rolling_resistance", rub, [](Scene& s) { s.materials[0].rolling_resistance = 0.02; }},
     {"joints", nothing,
      [](Scene& s) {
-       for (int k = 1; k < 200; k += 2) {
+       for (int k = 1; k < std::min<std::int64_t>(200, s.generators[0].count); k += 2) {
          Joint rod;
          rod.a = k;
          rod.b = k + 1;
@@ -356,6 +357,9 @@ std::string results_text(const Setting& setting, const std::vector<Row>& rows) {
 
 int bench_effects(const CommandLine& line) {
   const ResultFiles files(line.options);
+  std::vector<CodeRow> codes;  // first: a wrong folder is reported before anything is measured
+  if (const std::string& folder = line.options.bench.effects_code; !folder.empty())
+    for (const Trial& trial : trials) codes.push_back(compare_code(folder, std::string(trial.effect)));
   const Scene base = base_of(line);
   const std::int64_t turns = line.options.bench.repeats;
   World probe(base, line.options.run);
@@ -368,12 +372,11 @@ int bench_effects(const CommandLine& line) {
     std::int64_t done = 0;
     for (const Trial& trial : trials) {
       rows.push_back(measure(trial, base, line.options.run, turns, [&] { progress.update(++done); }));
-      if (!line.options.bench.effects_code.empty())
-        rows.back().code = compare_code(line.options.bench.effects_code, rows.back().effect);
+      if (!codes.empty()) rows.back().code = codes[rows.size() - 1];
       files.write(results_json(setting, rows), results_csv(rows), results_markdown(rows));
     }
   }
-  fmt::print("{}", line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
+  print(line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
   for (const Row& row : rows)
     if (!row.off_is_free() || !row.on_is_seen()) return 1;
   return 0;

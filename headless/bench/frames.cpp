@@ -15,6 +15,7 @@
 #include "headless/panel_picture.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "viewer/live/live_world.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
@@ -281,8 +282,7 @@ int bench_frames(const CommandLine& line) {
     file->write(json);
     file->commit();
   }
-  const std::string text = options.json == "-" ? json : result_text(setting, measured);
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  print(options.json == "-" ? json : result_text(setting, measured));
   return 0;
 }
 

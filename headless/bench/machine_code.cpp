@@ -3,12 +3,11 @@
 #include <elf.h>
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 #include <vector>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/text_file.h"
 
 namespace collidoscope {
 namespace {
@@ -111,9 +110,7 @@ void add_kernels(std::string_view elf, std::map<std::string, KernelCode>& kernel
 }  // namespace
 
 std::map<std::string, KernelCode> kernels_of(const std::filesystem::path& object) {
-  std::ifstream file(object, std::ios::binary);
-  if (!file) throw InputError(object.string() + ": cannot be read");
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = read_text_file(object.string(), std::size_t{1} << 30, "an object file of nvcc");
   std::map<std::string, KernelCode> kernels;
   try {
     for (std::size_t at = bytes.find(ELFMAG); at != bytes.npos; at = bytes.find(ELFMAG, at + 1)) {

@@ -13,6 +13,7 @@
 #include "headless/chart_picture.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/world.h"
 
@@ -403,8 +404,8 @@ int bench_paper(const CommandLine& line) {
     write();
   }
   files.plot(chart_of(rows, device));
-  fmt::print("{}", options.json == "-" ? rows_json(rows, recursions, device)
-                                       : whole_text(rows, recursions, device, false));
+  print(options.json == "-" ? rows_json(rows, recursions, device)
+                            : whole_text(rows, recursions, device, false));
   return 0;
 }
 

@@ -12,6 +12,7 @@
 #include "headless/bench/result_files.h"
 #include "headless/chart_picture.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
@@ -199,9 +200,8 @@ int bench_predictors(const CommandLine& line) {
   });
   if (rows.empty())
     throw InputError("bench predictors: none of these methods has a tree, or there are no bodies");
-  fmt::print("{}",
-             line.options.json == "-" ? results_json(machine, rows) : results_text(machine, rows, false));
   files.plot(chart_of(machine, rows));
+  print(line.options.json == "-" ? results_json(machine, rows) : results_text(machine, rows, false));
   return 0;
 }
 

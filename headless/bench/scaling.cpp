@@ -9,6 +9,7 @@
 #include "headless/bench/method_row.h"
 #include "headless/bench/result_files.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -112,11 +113,11 @@ int bench_scaling(const CommandLine& line) {
     rows.push_back(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
     files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
   });
-  if (line.options.json == "-")
-    fmt::print("{}", results_json(machine, rows));
-  else
-    fmt::print("{}\n{}", text_of(machine), growth_text(rows));
   files.plot(chart_of(machine, rows));
+  if (line.options.json == "-")
+    print(results_json(machine, rows));
+  else
+    print(fmt::format("{}\n{}", text_of(machine), growth_text(rows)));
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "headless/bench/spread.h"
 #include "headless/progress.h"
 #include "headless/report.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/run_state.h"
 #include "sim_cuda/scene/names.h"
@@ -247,7 +248,7 @@ int bench_solvers(const CommandLine& line) {
   }
   const std::vector<Row> rows = rows_of(all, scene, options, mass);
   files.write(results_json(setting, rows), results_csv(rows), results_markdown(setting, rows));
-  fmt::print("{}", line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
+  print(line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
   return 0;
 }
 

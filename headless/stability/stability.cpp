@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "headless/stability/stability_readme.h"
 #include "headless/stability/stability_report.h"
 #include "headless/stability/trial_pool.h"
+#include "headless/standard_output.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
@@ -43,7 +45,7 @@ ExecutorKind executor_of(const RunOptions& options) {
   std::string why;
   const bool cuda = options.executor != ExecutorKind::cpu && cuda_available(&why);
   if (options.executor == ExecutorKind::cuda && !cuda)
-    throw MachineError("--executor cuda: no CUDA device can be used: " + why);
+    throw MachineError("the executor cuda cannot be used: " + why);
   return cuda ? ExecutorKind::cuda : ExecutorKind::cpu;
 }
 
@@ -72,9 +74,8 @@ void report(const Options& options, const std::string& json, const std::string& 
     file.write(json);
     file.commit();
   }
-  const std::string& shown = options.json == "-" ? json : text;
-  std::fwrite(shown.data(), 1, shown.size(), stdout);
-  std::fflush(stdout);
+  print(options.json == "-" ? json : text);
+  flush_stdout();
 }
 
 void save_failures(const StabilityRun& run, const RunOptions& options, const std::string& folder) {
@@ -116,8 +117,14 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
   run.seconds = run_all(trials, asked.jobs, "trials", interruption);
   for (std::size_t k = 0; k < trials.size(); ++k)
     if (trials[k].done()) run.rows.push_back({of[k], trials[k].setting(), trials[k].result()});
+  std::exception_ptr not_saved;  // the results are reported all the same
+  try {
+    if (!asked.save_failures.empty()) save_failures(run, options, asked.save_failures);
+  } catch (const MachineError&) {
+    not_saved = std::current_exception();
+  }
   report(line.options, stability_json(run), stability_text(run));
-  if (!asked.save_failures.empty()) save_failures(run, options, asked.save_failures);
+  if (not_saved) std::rethrow_exception(not_saved);
   if (interruption.wished()) Interruption::obey();
   return run.count(Verdict::failed) == 0 ? 0 : 1;
 }
@@ -159,6 +166,7 @@ int stability_command(const CommandLine& line) {
   const std::string folder = asked.cases.empty() ? asset("scenes/hard").string() : asked.cases;
   const std::vector<HardCase> cases = read_hard_cases(folder, line.operands);
   if (!line.options.json.empty() && line.options.json != "-") OutputFile("--json", line.options.json);
+  if (!asked.save_failures.empty()) ensure_writable_folder("--save-failures", asked.save_failures);
   return asked.plant ? plant(line, cases, options) : run_suite(line, cases, options);
 }
 

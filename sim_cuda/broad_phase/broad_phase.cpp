@@ -55,12 +55,12 @@ std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& 
   for (std::size_t k = 0; k < std::size(factories); ++k) {
     if (name == factories[k].name) {
       if (broad_phase_methods[k].cpu_only && executor.on_device())
-        throw MachineError("--broad-phase " + name + " runs on the CPU alone: --executor cpu");
+        throw MachineError("the broad phase " + name + " runs on the CPU alone: choose the executor cpu");
       return factories[k].make(executor);
     }
     known += (known.empty() ? "" : ", ") + std::string(factories[k].name);
   }
-  throw InputError("--broad-phase: '" + name + "' is unknown; one of " + known);
+  throw InputError("the broad phase '" + name + "' is unknown; one of " + known);
 }
 
 }  // namespace collidoscope

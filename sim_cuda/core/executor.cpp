@@ -45,6 +45,20 @@ void pop_range() {
 #endif
 }
 
+/// The largest buffers with their bytes, one that is asked for counted.
+std::string largest_of(std::map<std::string, std::int64_t> bytes_by_name, const char* name,
+                       std::size_t bytes) {
+  bytes_by_name[name] += static_cast<std::int64_t>(bytes);
+  std::vector<std::pair<std::int64_t, std::string>> by_size;
+  for (const auto& [each, sum] : bytes_by_name) by_size.emplace_back(sum, each);
+  std::sort(by_size.rbegin(), by_size.rend());
+  constexpr std::size_t most_shown = 4;
+  std::string text;
+  for (std::size_t k = 0; k < by_size.size() && k < most_shown; ++k)
+    text += (k > 0 ? ", '" : "'") + by_size[k].second + "' " + std::to_string(by_size[k].first);
+  return text;
+}
+
 void give_back(void* memory, [[maybe_unused]] bool on_device) {
 #if SIM_CUDA
   // Waits for the device; an error here was, or will be, reported by the next checked call.
@@ -68,7 +82,7 @@ bool cuda_available(std::string* why) {
     *why = status == cudaSuccess ? "CUDA sees no device"
                                  : std::string("CUDA says: ") + cudaGetErrorString(status);
 #else
-  if (why != nullptr) *why = "this build has no CUDA executor";
+  if (why != nullptr) *why = "this build has no CUDA";
 #endif
   return false;
 }
@@ -77,7 +91,7 @@ Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_thr
   std::string why;
   on_device_ = options.executor != ExecutorKind::cpu && cuda_available(&why);
   if (options.executor == ExecutorKind::cuda && !on_device_)
-    throw MachineError("--executor cuda: no CUDA device can be used: " + why);
+    throw MachineError("the executor cuda cannot be used: " + why);
   if (!on_device_) {
     device_name_ = cpu_name();
     set_shape(options.shape);
@@ -87,7 +101,7 @@ Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_thr
   int devices = 0;
   check(cudaGetDeviceCount(&devices), "count devices");
   if (options.gpu < 0 || options.gpu >= devices)
-    throw MachineError("--gpu " + std::to_string(options.gpu) + ": this machine has GPUs 0 to " +
+    throw MachineError("GPU " + std::to_string(options.gpu) + " is not there: this machine has GPUs 0 to " +
                        std::to_string(devices - 1));
   check(cudaSetDevice(options.gpu), "use GPU " + std::to_string(options.gpu));
   cudaDeviceProp properties{};
@@ -165,9 +179,10 @@ void* Executor::allocate(const char* name, std::size_t bytes) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;
   const auto refuse = [&](const std::string& answer) {
-    throw MachineError("asked " + device_name_ + " for " + std::to_string(bytes) + " bytes for '" + name +
-                       "', beside " + std::to_string(allocated_bytes_) +
-                       " already taken; it answered: " + answer);
+    throw MachineError(
+        "asked " + device_name_ + " for " + std::to_string(bytes) + " bytes for '" + name +
+        "', which makes " + std::to_string(allocated_bytes_ + static_cast<std::int64_t>(bytes)) +
+        " bytes in all (largest: " + largest_of(bytes_by_name(), name, bytes) + "); it answered: " + answer);
   };
   // A host hands out more than it has and then ends whoever uses it, so that large requests are asked about.
   constexpr std::size_t large = std::size_t{64} << 20;

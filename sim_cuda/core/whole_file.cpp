@@ -1,10 +1,14 @@
 #include "sim_cuda/core/whole_file.h"
 
 #include <fcntl.h>
+#include <sched.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -22,7 +26,49 @@ bool is_named(int handle, const fs::path& name) {
          of_handle.st_ino == of_name.st_ino && of_handle.st_dev == of_name.st_dev;
 }
 
+std::atomic_flag list_taken = ATOMIC_FLAG_INIT;
+WholeFile* open_files = nullptr;  ///< those that have a temporary file; of who holds list_taken
+
+bool try_take_list() { return !list_taken.test_and_set(std::memory_order_acquire); }
+
+/// Holds the list of open files. No signal handler runs in this thread meanwhile, so that a handler which
+/// waits for the list waits for another thread.
+class ListHeld {
+ public:
+  ListHeld() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &signals_before_);
+    while (!try_take_list()) ::sched_yield();
+  }
+  ~ListHeld() {
+    list_taken.clear(std::memory_order_release);
+    ::pthread_sigmask(SIG_SETMASK, &signals_before_, nullptr);
+  }
+  ListHeld(const ListHeld&) = delete;
+  ListHeld& operator=(const ListHeld&) = delete;
+
+ private:
+  sigset_t signals_before_;
+};
+
+void remove_from_list(const WholeFile* file, WholeFile* WholeFile::*next) {
+  WholeFile** link = &open_files;
+  while (*link != nullptr && *link != file) link = &((*link)->*next);
+  if (*link != nullptr) *link = file->*next;
+}
+
 }  // namespace
+
+void remove_temporary_files() noexcept {
+  for (int waited_ms = 0; !try_take_list(); ++waited_ms) {  // and keeps it
+    if (waited_ms == 1000) return;  // std::terminate() can be called by whoever holds it
+    constexpr timespec millisecond{0, 1'000'000};
+    ::nanosleep(&millisecond, nullptr);
+  }
+  for (const WholeFile* file = open_files; file != nullptr; file = file->next_)
+    ::unlink(file->temporary_.c_str());
+}
 
 WholeFile::WholeFile(const std::string& target) : name_(target), target_(target) {
   std::error_code failed;
@@ -41,6 +87,7 @@ WholeFile::WholeFile(const std::string& target) : name_(target), target_(target)
 
 /// The first that nobody else has locked: a new one, or one that a killed program left.
 void WholeFile::open_temporary() {
+  const ListHeld list;
   for (int k = 0; stream_ == nullptr;) {
     temporary_ = target_;
     temporary_ += ".collidoscope-" + std::to_string(k) + ".part";
@@ -57,7 +104,10 @@ void WholeFile::open_temporary() {
       continue;
     }
     if (::ftruncate(handle, 0) == 0) stream_ = ::fdopen(handle, "w");
-    if (stream_ != nullptr) return;
+    if (stream_ != nullptr) {
+      next_ = std::exchange(open_files, this);
+      return;
+    }
     const std::string why = std::strerror(errno);
     ::unlink(temporary_.c_str());
     ::close(handle);
@@ -67,7 +117,11 @@ void WholeFile::open_temporary() {
 
 WholeFile::~WholeFile() {
   if (stream_ == nullptr) return;
-  if (!in_place()) ::unlink(temporary_.c_str());
+  if (!in_place()) {
+    const ListHeld list;
+    ::unlink(temporary_.c_str());
+    remove_from_list(this, &WholeFile::next_);
+  }
   std::fclose(stream_);
 }
 
@@ -81,7 +135,9 @@ void WholeFile::commit() {
   if (!in_place()) {
     // A file system may otherwise rename first, and write when the machine has long lost its power.
     if (::fsync(fileno(stream_)) != 0 && errno != EINVAL) fail();
+    const ListHeld list;
     if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+    remove_from_list(this, &WholeFile::next_);
     temporary_.clear();
   }
   std::FILE* const closed = std::exchange(stream_, nullptr);

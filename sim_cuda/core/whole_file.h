@@ -20,7 +20,7 @@ struct NotWritten : MachineError {
 
 /// For as long as one file is written. Owns the temporary file and a lock on it (flock), by which a program
 /// that writes the same target sees that it must take another; one that a killed program left has no lock,
-/// and is taken over.
+/// and is taken over. remove_temporary_files() knows it.
 class WholeFile {
  public:
   /// Opens the temporary file, `target` with ".collidoscope-0.part" behind it. Links are followed: a link
@@ -44,10 +44,17 @@ class WholeFile {
   void open_temporary();
   bool in_place() const { return temporary_.empty(); }
 
+  friend void remove_temporary_files() noexcept;
+
   std::string name_;  ///< as it was given
   std::filesystem::path target_, temporary_;
   std::FILE* stream_ = nullptr;
+  WholeFile* next_ = nullptr;  ///< in the list of the files that have a temporary one
 };
+
+/// Deletes the temporary files of this process. For signal handlers: async-signal-safe. The process must end
+/// afterwards: the next call that opens or commits a file does not return.
+void remove_temporary_files() noexcept;
 
 /// Writes `text` so; makes the folder. Throws NotWritten.
 void write_whole_file(const std::string& file, const std::string& text);

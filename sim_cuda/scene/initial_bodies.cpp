@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <numbers>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/fault_lines.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/mass_properties.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -18,15 +19,10 @@
 namespace collidoscope {
 namespace {
 
-double sphere_volume(double radius) { return 4.0 / 3 * std::numbers::pi * (radius * radius * radius); }
-
 Vector3d sphere_inertia(double mass, double radius) {
   const double moment = 0.4 * mass * radius * radius;
   return {moment, moment, moment};
 }
-
-/// How a fault names the scene.
-const std::string& scene_name(const Scene& scene) { return scene.file.empty() ? scene.name : scene.file; }
 
 bool is_identity(const Quaterniond& q) { return q.w() == 1 && q.x() == 0 && q.y() == 0 && q.z() == 0; }
 
@@ -146,12 +142,32 @@ bool crosses_radii(const Scene& scene, const InitialBodies& bodies) {
   return fastest * scene.physics.time_step > smallest * substeps_of(scene, bodies);
 }
 
+/// What says in the scene that there is such a body; `which`: of a generator's, which of its bodies.
+std::string path_of(const Scene& scene, std::size_t body, std::size_t size, std::string& which) {
+  if (body < scene.bodies.size()) return fmt::format("bodies[{}]", body);
+  const std::size_t first_added = size - scene.added.size();
+  if (body >= first_added) return fmt::format("added[{}]", body - first_added);
+  std::size_t first = scene.bodies.size();
+  for (std::size_t g = 0; g < scene.generators.size(); ++g) {
+    const BoxCollider& generator = scene.generators[g];
+    const std::size_t count = static_cast<std::size_t>(generator.count) - generator.without.size();
+    if (body < first + count) {
+      which = fmt::format("body {}: ", body);
+      return fmt::format("generators[{}]", g);
+    }
+    first += count;
+  }
+  return "";
+}
+
 /// Ranges that only hold for the numbers worked out here. Spin makes every body's inertia matter.
 void check_ranges(const Scene& scene, const InitialBodies& all) {
   const bool rotation = scene.physics.effects.value_or(effects_called_for(scene, all)).rotation;
-  std::vector<std::string> faults;
+  std::vector<Fault> faults;
   const auto fault = [&](std::size_t body, const std::string& what) {
-    faults.push_back(fmt::format("{}: body {}: {}", scene_name(scene), body, what));
+    std::string which;
+    const std::string path = path_of(scene, body, all.size(), which);
+    faults.push_back({path, which + what});
   };
   for (std::size_t i = 0; i < all.size() && faults.size() < 100; ++i) {
     if (!(all.mass[i] >= limits::min_mass && all.mass[i] <= limits::max_mass)) {
@@ -175,19 +191,14 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
                            all.radius[i]));
     }
   }
-  if (!faults.empty()) throw InputError(std::move(faults));
+  if (!faults.empty()) throw InputError(fault_lines(scene, faults));
 }
 
 }  // namespace
 
 InitialBodies initial_bodies(const Scene& scene) {
-  if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
-    std::vector<std::string> lines;
-    for (const Fault& fault : faults) {
-      lines.push_back(fmt::format("{}: {}", scene_name(scene), line_of(fault)));
-    }
-    throw InputError(std::move(lines));
-  }
+  if (const std::vector<Fault> faults = validate(scene); !faults.empty())
+    throw InputError(fault_lines(scene, faults));
   InitialBodies all;
   all.box = box_in_effect(scene);
   std::size_t total = scene.bodies.size() + scene.added.size();

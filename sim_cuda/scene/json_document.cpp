@@ -6,6 +6,8 @@
 #include <charconv>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/json_syntax.h"
@@ -47,21 +49,33 @@ class CountingIterator {
 /// side by side into the document.
 class JsonTreeBuilder {
  public:
-  explicit JsonTreeBuilder(JsonDocument& document) : document_(document), text_(document.text_) {}
+  JsonTreeBuilder(JsonDocument& document, std::string_view text, const std::vector<JsonWord>& invalid)
+      : document_(document), text_(text), invalid_(invalid) {}
 
-  void build() {
-    const char* const begin = text_.data();
-    const char* const end = begin + text_.size();
-    read_ = begin;
-    const bool complete =
-        nlohmann::json::sax_parse(CountingIterator(begin, &read_), CountingIterator(end, &read_), this,
-                                  nlohmann::json::input_format_t::json, true, true);
-    if (!complete && !fault_) fault_ = explain_syntax(text_, end_, last_, open_);
-    // The parser takes a zero byte for the end of the text.
-    if (!fault_ && skip_blanks(text_, end_) != text_.size())
-      fault_ = explain_syntax(text_, end_, last_, open_);
-    if (fault_) throw InputError(document_.lines({*fault_}));
-    document_.nodes_.push_back(pending_.back());
+  static void build(JsonDocument& document) {
+    const std::vector<JsonWord> none;
+    JsonTreeBuilder builder(document, document.text_, none);
+    if (builder.parse()) return;
+    if (!builder.is_word_ || builder.open_.empty()) throw InputError(document.lines({*builder.fault_}));
+    // Beside words that are no values the rest can be read: once more, with a number in the place of each.
+    const std::vector<JsonWord> words = bad_words(document.text_, JsonDocument::max_faults);
+    std::string repaired = document.text_;
+    document.nodes_.clear();
+    document.unescaped_.clear();
+    document.faults_.clear();
+    document.repeated_.clear();
+    for (const JsonWord& word : words) {
+      repaired.replace(word.begin, word.size, word.size, ' ');
+      repaired[word.begin] = '0';
+      document.faults_.push_back(
+          {word.begin, explain_word(std::string_view(document.text_).substr(word.begin, word.size))});
+    }
+    JsonTreeBuilder again(document, repaired, words);
+    if (again.parse()) return;
+    std::vector<JsonFault> faults = document.faults_;
+    std::erase_if(faults, [&](const JsonFault& fault) { return fault.offset >= again.fault_->offset; });
+    faults.push_back(*again.fault_);
+    throw InputError(document.lines(std::move(faults)));
   }
 
   bool null() { return scalar(JsonKind::null, 4); }
@@ -96,6 +110,22 @@ class JsonTreeBuilder {
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) { return false; }
 
  private:
+  /// Whether the text is JSON; if not, fault_ says why.
+  bool parse() {
+    const char* const begin = text_.data();
+    const char* const end = begin + text_.size();
+    read_ = begin;
+    const bool complete =
+        nlohmann::json::sax_parse(CountingIterator(begin, &read_), CountingIterator(end, &read_), this,
+                                  nlohmann::json::input_format_t::json, true, true);
+    // The parser takes a zero byte for the end of the text.
+    if (!fault_ && (!complete || skip_blanks(text_, end_) != text_.size()))
+      fault_ = explain_syntax(document_.text_, end_, last_, open_, &is_word_);
+    if (fault_) return false;
+    document_.nodes_.push_back(pending_.back());
+    return true;
+  }
+
   std::uint32_t offset_read() const { return static_cast<std::uint32_t>(read_ - text_.data()); }
 
   /// Where the token that follows the last one starts: between them stand blanks, comments, "," and ":".
@@ -113,6 +143,9 @@ class JsonTreeBuilder {
   bool scalar(JsonKind kind, std::uint32_t size) { return add(kind, token_begin(), size); }
   bool number() {
     const std::uint32_t begin = token_begin();
+    while (next_invalid_ < invalid_.size() && invalid_[next_invalid_].begin < begin) ++next_invalid_;
+    if (next_invalid_ < invalid_.size() && invalid_[next_invalid_].begin == begin)
+      return add(JsonKind::invalid, begin, invalid_[next_invalid_].size);
     return add(JsonKind::number, begin, number_length(text_, begin));
   }
 
@@ -174,15 +207,18 @@ class JsonTreeBuilder {
     });
     for (std::size_t i = 1; i < members.size(); ++i) {
       if (document_.key(*members[i]) != document_.key(*members[i - 1])) continue;
-      if (document_.duplicates_.size() > JsonDocument::max_faults) return;
-      document_.duplicates_.push_back(
+      if (document_.faults_.size() > JsonDocument::max_faults) return;
+      document_.faults_.push_back(
           {members[i]->key_begin, fmt::format("the key \"{}\" stands twice in this object; keep one of them",
                                               printable(document_.key(*members[i])))});
+      document_.repeated_.push_back(members[i]->begin);
     }
   }
 
   JsonDocument& document_;
-  std::string_view text_;
+  std::string_view text_;                 ///< that is parsed: the document's, or as long
+  const std::vector<JsonWord>& invalid_;  ///< words of the document's text that are numbers in this one
+  std::size_t next_invalid_ = 0;
   const char* read_ = nullptr;
   std::uint32_t end_ = 0;  ///< of the last token that was reported
   std::uint32_t key_begin_ = 0, key_size_ = 0;
@@ -191,6 +227,7 @@ class JsonTreeBuilder {
   std::vector<std::size_t> containers_;  ///< places in pending_ of what is open
   std::vector<JsonOpen> open_;
   std::optional<JsonFault> fault_;
+  bool is_word_ = false;  ///< fault_ is one of bad_words()
 };
 
 std::string_view described(JsonKind kind) {
@@ -207,6 +244,8 @@ std::string_view described(JsonKind kind) {
       return "a list";
     case JsonKind::object:
       return "an object";
+    case JsonKind::invalid:
+      return "no value";
   }
   return "?";
 }
@@ -219,14 +258,32 @@ JsonDocument::JsonDocument(std::string text, std::string name)
                     "bodies",
                     name_, max_bytes >> 20));
   }
-  JsonTreeBuilder(*this).build();
+  JsonTreeBuilder::build(*this);
+}
+
+void JsonDocument::read_all(const std::function<std::vector<JsonFault>(bool first)>& read) {
+  std::vector<JsonFault> all = read(true);
+  if (!repeated_.empty() && repeated_.size() <= max_repeated) {
+    std::set<std::pair<std::uint32_t, std::string>> known;
+    for (const JsonFault& fault : all) known.emplace(fault.offset, fault.message);
+    for (const std::uint32_t value : repeated_) {
+      chosen_ = value;
+      for (JsonFault& fault : read(false))
+        if (known.emplace(fault.offset, fault.message).second) all.push_back(std::move(fault));
+    }
+    chosen_ = 0;
+  }
+  if (!all.empty()) throw InputError(lines(std::move(all)));
 }
 
 const JsonNode* JsonDocument::find(const JsonNode& object, std::string_view wanted) const {
+  const JsonNode* found = nullptr;
   for (const JsonNode& child : children(object)) {
-    if (key(child) == wanted) return &child;
+    if (key(child) != wanted) continue;
+    if (found == nullptr || child.begin <= chosen_) found = &child;
+    if (chosen_ == 0) break;
   }
-  return nullptr;
+  return found;
 }
 
 std::string_view JsonDocument::unquoted(std::uint32_t begin, std::uint32_t size) const {

@@ -4,6 +4,7 @@
 // DOM has no positions. Lives while a file is read. Memory is bounded: see the limits below.
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +14,8 @@
 
 namespace collidoscope {
 
-enum class JsonKind : std::uint8_t { null, boolean, number, text, array, object };
+/// `invalid`: a word such as NaN, which is a fault of the document; it has no value, and no other fault.
+enum class JsonKind : std::uint8_t { null, boolean, number, text, array, object, invalid };
 
 /// "a number", "an object"...: for messages.
 std::string_view described(JsonKind kind);
@@ -37,16 +39,17 @@ class JsonDocument {
   static constexpr std::size_t max_nodes = std::size_t{1} << 23;   ///< values in all; 28 bytes each
   static constexpr std::size_t max_depth = 64;                     ///< arrays and objects within each other
   static constexpr std::size_t max_faults = 10'000;                ///< listed; more are counted as one
+  static constexpr std::size_t max_repeated = 20;                  ///< values of duplicate keys; of more none is read
 
-  /// Throws InputError, one line, where the text is no JSON or beyond a limit. `name` stands before the
-  /// positions in all messages. Duplicate keys are no syntax fault: they wait in duplicates().
+  /// Throws InputError where the text is no JSON or beyond a limit. `name` stands before the positions in all
+  /// messages. Faults beside which the rest can be read wait in faults().
   JsonDocument(std::string text, std::string name);
 
   const JsonNode& root() const { return nodes_.back(); }
   std::span<const JsonNode> children(const JsonNode& node) const {
     return {nodes_.data() + node.first_child, node.child_count};
   }
-  /// The member of an object, or null.
+  /// The member of an object, or null. Of members with one key it is the first, but see read_all().
   const JsonNode* find(const JsonNode& object, std::string_view key) const;
 
   std::string_view key(const JsonNode& node) const { return unquoted(node.key_begin, node.key_size); }
@@ -58,7 +61,12 @@ class JsonDocument {
   /// The nearest double; none where it is too near to zero to be one (1e-999).
   std::optional<double> number(const JsonNode& node) const;
 
-  const std::vector<JsonFault>& duplicates() const { return duplicates_; }
+  /// Duplicate keys, and words that are no values.
+  const std::vector<JsonFault>& faults() const { return faults_; }
+
+  /// Calls `read(true)`, which returns all faults that it finds; then `read(false)` for each further value of
+  /// a duplicate key, while find() returns the members that lead to it. Throws InputError with all faults.
+  void read_all(const std::function<std::vector<JsonFault>(bool first)>& read);
 
   /// `name:line:column: message` for each fault, in the order of the text; columns count characters.
   std::vector<std::string> lines(std::vector<JsonFault> faults) const;
@@ -70,7 +78,9 @@ class JsonDocument {
   std::string text_, name_;
   std::vector<JsonNode> nodes_;                               ///< children side by side; the root is last
   std::unordered_map<std::uint32_t, std::string> unescaped_;  ///< by offset: texts that hold a backslash
-  std::vector<JsonFault> duplicates_;
+  std::vector<JsonFault> faults_;
+  std::vector<std::uint32_t> repeated_;  ///< offsets of the values of duplicate keys, but the first of each
+  std::uint32_t chosen_ = 0;             ///< find() returns what leads to the value at this offset
 };
 
 }  // namespace collidoscope

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstdlib>
 
 #include "sim_cuda/scene/names.h"
 
@@ -97,9 +99,28 @@ bool is_non_finite(std::string_view word) {
   return lower == "nan" || lower == "inf" || lower == "infinity";
 }
 
+bool begins_number(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '+' || c == '.';
+}
+
+bool is_value(const std::string& word) {
+  if (word == "true" || word == "false" || word == "null") return true;
+  const std::size_t first = word.starts_with('-') ? 1 : 0;
+  const auto digit_at = [&](std::size_t at) {
+    return at < word.size() && std::isdigit(static_cast<unsigned char>(word[at])) != 0;
+  };
+  // Where number_length() ends: it also takes a point or an "e" that no digit follows.
+  if (!digit_at(first) || !digit_at(word.size() - 1) || number_length(word, 0) != word.size()) return false;
+  const std::size_t point = word.find('.');
+  return (point == std::string::npos || digit_at(point + 1)) &&
+         std::isfinite(std::strtod(word.c_str(), nullptr));
+}
+
 class Explainer {
  public:
   Explainer(std::string_view text, const std::vector<JsonOpen>& open) : text_(text), open_(open) {}
+
+  bool is_word() const { return is_word_; }
 
   JsonFault explain(const std::uint32_t end, JsonProgress last) {
     std::uint32_t at = skip_blanks(text_, end);
@@ -132,6 +153,7 @@ class Explainer {
         std::isdigit(static_cast<unsigned char>(text_[at - 1])) != 0) {
       // A number that goes on as none can: 01, 0x10, 5m.
       while (at > 0 && is_word_part(text_[at - 1])) --at;
+      is_word_ = true;
       return {at, explain_number(word_at(text_, at))};
     }
     return {at, fmt::format("a \",\" or \"{}\" is missing before this", in_array ? ']' : '}')};
@@ -166,7 +188,7 @@ class Explainer {
                             printable(word_at(text_, at)))};
   }
 
-  JsonFault value(std::uint32_t at, bool after_comma) const {
+  JsonFault value(std::uint32_t at, bool after_comma) {
     if (stopped(at)) return stop(at);
     const char c = text_[at];
     if (c == '"') return explain_text(text_, at);
@@ -177,21 +199,13 @@ class Explainer {
       return {at, fmt::format("a value is missing before this \"{}\"", c)};
     }
     if (c == '\'') return {at, "text goes in double quotes: \"...\""};
-    const std::string_view word = word_at(text_, at);
-    if (is_non_finite(word)) {
-      return {at,
-              fmt::format("{} is not a number that can be simulated; write a finite one", printable(word))};
-    }
-    if (std::isdigit(static_cast<unsigned char>(c)) || c == '-' || c == '+' || c == '.') {
-      return {at, explain_number(word)};
-    }
-    return {at,
-            fmt::format("{} is no JSON value; write a number, \"text\", true, false, [ ... ] or {{ ... }}",
-                        printable(word))};
+    is_word_ = is_word_part(c);
+    return {at, explain_word(word_at(text_, at))};
   }
 
   std::string_view text_;
   const std::vector<JsonOpen>& open_;
+  bool is_word_ = false;
 };
 
 }  // namespace
@@ -271,9 +285,39 @@ bool is_utf8(std::string_view text, std::size_t* bad) {
   return true;
 }
 
+std::string explain_word(std::string_view word) {
+  if (is_non_finite(word))
+    return fmt::format("{} is not a number that can be simulated; write a finite one", printable(word));
+  if (begins_number(word[0])) return explain_number(word);
+  return fmt::format("{} is no JSON value; write a number, \"text\", true, false, [ ... ] or {{ ... }}",
+                     printable(word));
+}
+
+std::vector<JsonWord> bad_words(std::string_view text, std::size_t most) {
+  std::vector<JsonWord> bad;
+  const auto size = static_cast<std::uint32_t>(text.size());
+  for (std::uint32_t at = skip_blanks(text, 0); at < size && bad.size() < most; at = skip_blanks(text, at)) {
+    if (text[at] == '"') {
+      for (++at; at < size && text[at] != '"'; ++at)
+        if (text[at] == '\\') ++at;
+      ++at;
+    } else if (is_word_part(text[at])) {
+      const std::string_view word = word_at(text, at);
+      if (!is_value(std::string(word))) bad.push_back({at, static_cast<std::uint32_t>(word.size())});
+      at += static_cast<std::uint32_t>(word.size());
+    } else {
+      ++at;
+    }
+  }
+  return bad;
+}
+
 JsonFault explain_syntax(std::string_view text, std::uint32_t end, JsonProgress last,
-                         const std::vector<JsonOpen>& open) {
-  return Explainer(text, open).explain(end, last);
+                         const std::vector<JsonOpen>& open, bool* is_word) {
+  Explainer explainer(text, open);
+  JsonFault fault = explainer.explain(end, last);
+  if (is_word != nullptr) *is_word = explainer.is_word();
+  return fault;
 }
 
 }  // namespace collidoscope

@@ -29,7 +29,17 @@ std::uint32_t number_length(std::string_view text, std::uint32_t at);
 bool is_utf8(std::string_view text, std::size_t* bad = nullptr);
 
 /// The fault of a text that the parser understood up to byte `end`, where `last` had just been read.
+/// `*is_word`: whether it is one of bad_words(), beside which the rest can be read.
 JsonFault explain_syntax(std::string_view text, std::uint32_t end, JsonProgress last,
-                         const std::vector<JsonOpen>& open);
+                         const std::vector<JsonOpen>& open, bool* is_word = nullptr);
+
+/// Letters, digits and signs that stand together and are no value: NaN, 1e999, 01, True.
+struct JsonWord {
+  std::uint32_t begin, size;
+};
+/// All of them outside of texts and comments, at most `most`, in their order.
+std::vector<JsonWord> bad_words(std::string_view text, std::size_t most);
+/// What is wrong with one of them.
+std::string explain_word(std::string_view word);
 
 }  // namespace collidoscope

@@ -2,6 +2,7 @@
 
 #include <Eigen/Jacobi>
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 namespace collidoscope {
@@ -107,5 +108,7 @@ PrincipalAxes principal_axes(const Matrix3d& inertia) {
   if (result.axes.w() < 0) result.axes.coeffs() = -result.axes.coeffs();
   return result;
 }
+
+double sphere_volume(double radius) { return 4.0 / 3 * std::numbers::pi * (radius * radius * radius); }
 
 }  // namespace collidoscope

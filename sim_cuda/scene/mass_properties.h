@@ -23,6 +23,9 @@ struct MassProperties {
 MassProperties mass_properties(std::span<const Vector3d> vertices,
                                std::span<const std::array<std::uint32_t, 3>> faces);
 
+/// m^3.
+double sphere_volume(double radius);
+
 struct PrincipalAxes {
   Vector3d moments;  ///< smallest first; moments equal to 1e-9 keep the order of the axes they belong to
   Quaterniond axes;  ///< turns the principal axes (right-handed) into the axes of the tensor; w >= 0

@@ -20,8 +20,9 @@ struct Reading {
 
   /// More are not listed, and need not be put into words.
   bool full() const { return faults.size() > JsonDocument::max_faults; }
+  /// A node that is no value has its fault already.
   void fault(const JsonNode& node, std::string message) {
-    if (!full()) faults.push_back({node.begin, std::move(message)});
+    if (!full() && node.kind != JsonKind::invalid) faults.push_back({node.begin, std::move(message)});
   }
   void fault_at_key(const JsonNode& node, std::string message) {
     if (!full()) faults.push_back({node.key_begin, std::move(message)});

@@ -22,11 +22,12 @@ class SceneReader {
  public:
   SceneReader(const JsonDocument& document, Scene& scene)
       : document_(document),
-        reading_{document, document.duplicates()},
+        reading_{document, document.faults()},
         scene_(scene),
         materials_(scene.materials) {}
 
-  void read() {
+  /// All faults.
+  std::vector<JsonFault> read() {
     ObjectReader root(reading_, document_.root(), "a scene");
     if (root.is_object()) {
       read_header(root);
@@ -43,7 +44,7 @@ class SceneReader {
     }
     root.finish();
     locate_faults();
-    if (!reading_.faults.empty()) throw InputError(document_.lines(std::move(reading_.faults)));
+    return std::move(reading_.faults);
   }
 
  private:
@@ -351,8 +352,11 @@ Scene parse_scene(std::string text, const std::string& name, const std::string& 
     Scene scene;
     scene.directory = directory;
     scene.file = name;
-    const JsonDocument document(std::move(text), name);
-    SceneReader(document, scene).read();
+    JsonDocument document(std::move(text), name);
+    document.read_all([&](bool first) {
+      Scene other;
+      return SceneReader(document, first ? scene : other).read();
+    });
     return scene;
   });
 }

@@ -10,6 +10,7 @@
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/json_syntax.h"
 #include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/mass_properties.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -259,6 +260,7 @@ class Validator {
     if (body.shape == Shape::sphere) {
       if (number(path.at("radius"), body.radius, limits::min_radius, limits::max_radius, "m")) {
         must_fit(path.at("radius"), body.radius);
+        if (!body.mass) check_mass_of_sphere(body, path);
       }
     } else if (body.mesh.empty()) {
       fault(path.at("mesh"), "must name an OBJ file, relative to the scene file");
@@ -278,6 +280,16 @@ class Validator {
     if (body.motion == Motion::fixed && !(body.velocity.isZero(0) && body.angular_velocity.isZero(0)))
       fault(path.at("motion"),
             "must be kinematic or dynamic where a velocity is given; static bodies have none");
+  }
+
+  void check_mass_of_sphere(const Body& body, const Path& path) {
+    if (body.material < 0 || static_cast<std::size_t>(body.material) >= scene_.materials.size()) return;
+    const double density = scene_.materials[static_cast<std::size_t>(body.material)].density;
+    if (!(density >= limits::min_density && density <= limits::max_density)) return;  // has its own fault
+    const double mass = density * sphere_volume(body.radius);
+    if (!(mass >= limits::min_mass && mass <= limits::max_mass))
+      fault(path, fmt::format("its mass would be {:.3g} kg (density times volume); it lies in [{}, {}] kg",
+                              mass, limits::min_mass, limits::max_mass));
   }
 
   void check_inertia(const Vector3d& inertia, const Path& path) {

@@ -30,11 +30,12 @@ class CriterionReader {
  public:
   CriterionReader(const JsonDocument& document, const Scene* scene)
       : document_(document),
-        reading_{document, document.duplicates()},
+        reading_{document, document.faults()},
         scene_(scene),
         bodies_(scene != nullptr ? bodies_of(*scene) : 0) {}
 
-  Criterion read() {
+  /// All faults.
+  std::vector<JsonFault> read(Criterion& criterion) {
     ObjectReader root(reading_, document_.root(), "a criterion");
     if (root.is_object()) {
       read_header(root);
@@ -45,8 +46,8 @@ class CriterionReader {
         read_run(root);
     }
     root.finish();
-    if (!reading_.faults.empty()) throw InputError(document_.lines(std::move(reading_.faults)));
-    return std::move(criterion_);
+    criterion = std::move(criterion_);
+    return std::move(reading_.faults);
   }
 
  private:
@@ -400,6 +401,7 @@ class CriterionReader {
     bool good = node->kind == JsonKind::array && children.size() == count;
     for (std::size_t k = 0; good && k < count; ++k) {
       const JsonNode& child = children[k];
+      if (child.kind == JsonKind::invalid) return false;  // has its fault already
       const std::string_view word = child.kind == JsonKind::text ? document_.text(child) : "";
       const std::optional<double> number =
           child.kind == JsonKind::number ? document_.number(child)
@@ -426,8 +428,12 @@ class CriterionReader {
 }  // namespace
 
 Criterion parse_criterion(const std::string& text, const std::string& name, const Scene* scene) {
-  const JsonDocument document(text, name);
-  Criterion criterion = CriterionReader(document, scene).read();
+  JsonDocument document(text, name);
+  Criterion criterion;
+  document.read_all([&](bool first) {
+    Criterion other;
+    return CriterionReader(document, scene).read(first ? criterion : other);
+  });
   criterion.file = name;
   return criterion;
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/core/error.h"
@@ -99,8 +101,10 @@ nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const Workspa
 
 }  // namespace
 
-Automation::Automation(const std::string& file) : stream_(file, std::ios::trunc) {
-  if (!stream_) throw InputError("--automation: '" + file + "' cannot be written");
+Automation::Automation(const std::string& file) : file_(file) {
+  errno = 0;
+  stream_.open(file, std::ios::trunc);
+  if (!stream_) throw InputError(fmt::format("{} cannot be written: {}", file, std::strerror(errno)));
 }
 
 void Automation::write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view) {
@@ -177,7 +181,9 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   for (const auto& [name, rect] : workspace.widgets)
     widgets[name] = {rect.x, rect.y, rect.width, rect.height};
   line["widgets"] = widgets;
+  errno = 0;
   stream_ << line.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
+  if (!stream_) throw MachineError(fmt::format("{} cannot be written: {}", file_, std::strerror(errno)));
 }
 
 }  // namespace collidoscope

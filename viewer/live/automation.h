@@ -13,7 +13,7 @@ namespace collidoscope {
 
 class Automation {
  public:
-  /// Throws InputError where the file cannot be written.
+  /// Throws InputError where the file cannot be opened.
   explicit Automation(const std::string& file);
 
   struct Frame {
@@ -27,9 +27,11 @@ class Automation {
     bool wants_mouse = false;                           ///< the pointer is over a panel
     bool list_open = false;                             ///< a list to choose from is unfolded
   };
+  /// Throws MachineError where the line cannot be written (a full disk).
   void write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view);
 
  private:
+  std::string file_;
   std::ofstream stream_;
 };
 

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 
 #include "sim_cuda/core/error.h"
@@ -20,7 +21,10 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 
 // libpng leaves through longjmp, so nothing with a destructor may be made between setjmp and the last call.
 bool write_rows(std::FILE* file, const Image& image, const std::uint8_t* rgb) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  // Without these libpng prints lines of its own.
+  const auto fail = [](png_structp writer, png_const_charp) { png_longjmp(writer, 1); };
+  const auto ignore = [](png_structp, png_const_charp) {};
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, ignore);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   if (!info || setjmp(png_jmpbuf(png))) {
     png_destroy_write_struct(&png, &info);
@@ -59,6 +63,15 @@ Image read_png(const std::string& file) {
   png.version = PNG_IMAGE_VERSION;
   if (!png_image_begin_read_from_stdio(&png, in.get()))
     throw InputError(file + ": " + png.message + "; a PNG picture is needed");
+  // Deflate makes at most 1032 bytes of one, and a byte holds at most 8 pixels: a larger picture is damaged.
+  std::error_code failed;
+  const double most_pixels = 8 * 1032 * static_cast<double>(std::filesystem::file_size(file, failed));
+  if (!failed && static_cast<double>(png.width) * png.height > most_pixels) {
+    const std::string size = std::to_string(png.width) + "x" + std::to_string(png.height);
+    png_image_free(&png);
+    throw InputError(file + ": is damaged: it is too short for " + size +
+                     " pixels; a whole PNG picture is needed");
+  }
   png.format = PNG_FORMAT_RGBA;
   Image image{static_cast<int>(png.width), static_cast<int>(png.height), {}};
   image.rgba.resize(PNG_IMAGE_SIZE(png));
