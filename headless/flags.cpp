@@ -203,9 +203,9 @@ constexpr Reader readers[] = {
      [](Reading& in) {
        if (const auto name = in.value.word(broad_phase_names())) in.options.run.broad_phase = *name;
      }},
-    {{"--key-bits", "K", "bits of a Morton key, 30 or 63, or auto: 63 where bodies could crowd", stepping},
+    {{"--key-bits", "K", "bits of a Morton key, 24, 30 or 63, or auto: more where bodies crowd", stepping},
      [](Reading& in) {
-       constexpr std::array<Named<int>, 3> widths{{{"auto", 0}, {"30", 30}, {"63", 63}}};
+       constexpr std::array<Named<int>, 4> widths{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
        if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
      }},
     {{"--sort", "NAME", "auto, library or radix: how keys are sorted; radix keeps to (B, T)", stepping},

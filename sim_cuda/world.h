@@ -49,7 +49,7 @@ class World {
   const Scene& scene() const;
   const InitialBodies& initial() const;  ///< bodies at state 0: radii, masses and meshes never change
   const RunOptions& options() const;     ///< as asked for
-  int key_bits() const;                  ///< of the broad phase's Morton keys: 30 or 63; 0: it has none
+  int key_bits() const;                  ///< of the broad phase's Morton keys: 24, 30 or 63; 0: it has none
   Effects effects() const;
   int substeps() const;  ///< of a step: as set, or what "auto" has come to
   bool on_gpu() const;

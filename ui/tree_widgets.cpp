@@ -115,8 +115,8 @@ void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const c
   }
   track(workspace, name);
   if (view.key_bits > 0)
-    explain(fmt::format("In the order of Morton keys of {} bits: 63 where bodies could crowd in the cells of "
-                        "30, unless --key-bits says otherwise",
+    explain(fmt::format("In the order of Morton keys of {} bits: more where bodies crowd in the cells of a "
+                        "short key, unless --key-bits says otherwise",
                         view.key_bits)
                 .c_str());
 }
