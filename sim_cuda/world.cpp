@@ -419,6 +419,11 @@ std::vector<std::uint32_t> World::visited_nodes(std::uint32_t id, std::int64_t m
   return impl_->tree.meter().visited(impl_->arranged_tree(), id, most);
 }
 
+double World::own_visits() {
+  detect();
+  return impl_->tree.own_visits(impl_->pipeline().broad_phase()).mean;
+}
+
 std::int64_t World::visits_of(std::uint32_t id) {
   if (id >= impl_->initial.size())
     throw std::out_of_range("visits_of: there is no body " + std::to_string(id));

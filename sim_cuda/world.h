@@ -141,6 +141,9 @@ class World {
   NodeSpread node_spread(NodeMetric metric, const NodeSelection& selection);
   /// Leaves at each level, without a measure of the tree.
   const std::vector<std::int64_t>& tree_leaves();
+  /// Nodes that the method's own traversal reads for a query, on average: TreeQuality::own, without the rest
+  /// of the measures. 0 where the method has no tree.
+  double own_visits();
   /// The places of the nodes that the query of a body tests, in its order; the first `most`.
   std::vector<std::uint32_t> visited_nodes(std::uint32_t id, std::int64_t most);
   std::int64_t visits_of(std::uint32_t id);  ///< how many they are; 0 without a tree
