@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 
+#include "headless/bench/crowded_scenes.h"
 #include "headless/flag_value.h"
 #include "headless/options.h"
 #include "sim_cuda/core/error.h"
@@ -331,11 +332,13 @@ constexpr Reader readers[] = {
          if (const auto name = part.word(known)) in.options.bench.methods.push_back(*name);
        });
      }},
-    {{"--variants", "LIST", "variants of the Box Collider to compare, comma-separated", benching},
+    {{"--variants", "LIST",
+      "variants of the Box Collider to compare, and mixed, log_normal, clusters; comma-separated", benching},
      [](Reading& in) {
        in.options.bench.variants.clear();
        for_each_part(in, [&](FlagValue& part) {
-         if (const auto variant = part.one_of(variant_names)) in.options.bench.variants.push_back(*variant);
+         static const std::vector<std::string> known = compared_scenes();
+         if (const auto variant = part.word(known)) in.options.bench.variants.push_back(*variant);
        });
      }},
     {{"--sizes", "LIST", "numbers of bodies to compare, comma-separated", benching},
