@@ -348,9 +348,13 @@ constexpr Reader readers[] = {
          if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
        });
      }},
-    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3]", benching | grading | studying},
+    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3; paper: 20, or what 2 s allow]",
+      benching | grading | studying},
      [](Reading& in) {
-       if (const auto n = in.value.whole(1, 1'000'000)) in.options.bench.repeats = *n;
+       if (const auto n = in.value.whole(1, 1'000'000)) {
+         in.options.bench.repeats = *n;
+         in.options.bench.repeats_given = true;
+       }
      }},
     {{"--csv", "FILE", "the rows of a suite as CSV", benching | studying},
      [](Reading& in) { read_path(in.value, in.options.bench.csv); }},
