@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 
+#include "headless/bench/crowded_scenes.h"
 #include "headless/flag_value.h"
 #include "headless/options.h"
 #include "sim_cuda/core/error.h"
@@ -203,9 +204,9 @@ constexpr Reader readers[] = {
      [](Reading& in) {
        if (const auto name = in.value.word(broad_phase_names())) in.options.run.broad_phase = *name;
      }},
-    {{"--key-bits", "K", "bits of a Morton key, 30 or 63, or auto: 63 where bodies could crowd", stepping},
+    {{"--key-bits", "K", "bits of a Morton key, 24, 30 or 63, or auto: more where bodies crowd", stepping},
      [](Reading& in) {
-       constexpr std::array<Named<int>, 3> widths{{{"auto", 0}, {"30", 30}, {"63", 63}}};
+       constexpr std::array<Named<int>, 4> widths{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
        if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
      }},
     {{"--sort", "NAME", "auto, library or radix: how keys are sorted; radix keeps to (B, T)", stepping},
@@ -331,11 +332,13 @@ constexpr Reader readers[] = {
          if (const auto name = part.word(known)) in.options.bench.methods.push_back(*name);
        });
      }},
-    {{"--variants", "LIST", "variants of the Box Collider to compare, comma-separated", benching},
+    {{"--variants", "LIST",
+      "variants of the Box Collider to compare, and mixed, log_normal, clusters; comma-separated", benching},
      [](Reading& in) {
        in.options.bench.variants.clear();
        for_each_part(in, [&](FlagValue& part) {
-         if (const auto variant = part.one_of(variant_names)) in.options.bench.variants.push_back(*variant);
+         static const std::vector<std::string> known = compared_scenes();
+         if (const auto variant = part.word(known)) in.options.bench.variants.push_back(*variant);
        });
      }},
     {{"--sizes", "LIST", "numbers of bodies to compare, comma-separated", benching},
@@ -345,9 +348,13 @@ constexpr Reader readers[] = {
          if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
        });
      }},
-    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3]", benching | grading | studying},
+    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3; paper: 20, or what 2 s allow]",
+      benching | grading | studying},
      [](Reading& in) {
-       if (const auto n = in.value.whole(1, 1'000'000)) in.options.bench.repeats = *n;
+       if (const auto n = in.value.whole(1, 1'000'000)) {
+         in.options.bench.repeats = *n;
+         in.options.bench.repeats_given = true;
+       }
      }},
     {{"--csv", "FILE", "the rows of a suite as CSV", benching | studying},
      [](Reading& in) { read_path(in.value, in.options.bench.csv); }},

@@ -28,12 +28,13 @@ struct ViewRequest {
 
 /// What only `bench` and `bvh` take; empty lists are the suite's own.
 struct BenchRequest {
-  std::vector<std::string> methods;  ///< broad phases
-  std::vector<Variant> variants;
-  std::vector<std::int64_t> sizes;  ///< numbers of bodies
-  std::int64_t repeats = 50;        ///< of what is timed
-  std::string csv, markdown, plot;  ///< files, or empty
-  std::string effects_code;         ///< folder of the objects of effects_code, or empty
+  std::vector<std::string> methods;   ///< broad phases
+  std::vector<std::string> variants;  ///< of the Box Collider, or crowded scenes (bench/crowded_scenes.h)
+  std::vector<std::int64_t> sizes;    ///< numbers of bodies
+  std::int64_t repeats = 50;          ///< of what is timed
+  bool repeats_given = false;         ///< --repeats was
+  std::string csv, markdown, plot;    ///< files, or empty
+  std::string effects_code;           ///< folder of the objects of effects_code, or empty
 };
 
 /// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows

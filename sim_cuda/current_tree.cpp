@@ -9,7 +9,10 @@ const TreeView& CurrentTree::arranged(const BroadPhase& method) {
 }
 
 const TreeQuality& CurrentTree::quality(const BroadPhase& method, std::int64_t bytes) {
-  if (!measured_) quality_ = meter_.measure(arranged(method), bodies_);
+  if (!measured_) {
+    quality_ = meter_.measure(arranged(method), bodies_);
+    quality_.own = meter_.own_visits(method, bodies_);
+  }
   quality_.bytes = bytes;
   measured_ = true;
   return quality_;

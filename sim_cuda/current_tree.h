@@ -20,6 +20,8 @@ class CurrentTree {
   const TreeView& arranged(const BroadPhase& method);
   /// All zero where the method has no tree, but for the bytes that the method takes.
   const TreeQuality& quality(const BroadPhase& method, std::int64_t bytes);
+  /// Of quality(), without the rest.
+  OwnVisits own_visits(const BroadPhase& method) { return meter_.own_visits(method, bodies_); }
   /// Leaves at each level, without a measure of the tree.
   const std::vector<std::int64_t>& leaves(const BroadPhase& method);
   /// After quality().

@@ -25,8 +25,11 @@ struct RunOptions {
   LaunchShape shape;
   LaneOrder lane_order = LaneOrder::contiguous;
   std::string broad_phase = "lbvh_ropes";  ///< a name from broad_phase_names()
-  int key_bits = 0;  ///< Morton keys: 30 or 63; 0: what the scene calls for (key_bits.h)
+  int key_bits = 0;  ///< Morton keys: 24, 30 or 63; 0: what the scene calls for (key_bits.h)
   SortMethod sort = SortMethod::automatic;
+  /// Each body's query looks for all that it overlaps, so that both bodies of a pair meet it, as in the
+  /// paper. Else each pair is met once, from one side. Of bvh_bottom_up, bvh_recursive and lbvh_top_down.
+  bool whole_queries = false;
   std::int64_t memory_limit = 0;           ///< bytes in the executor's memory space; 0: what there is
   std::int64_t initial_pair_capacity = 0;  ///< 0: a guess from N; tests start too small on purpose
 };

@@ -51,7 +51,20 @@ struct NodeReport {
   std::int64_t visits = 0;     ///< queries that test its box
 };
 
-/// Boxes are tested when a query, which starts at the root, has found their parent to overlap: `visits`.
+/// What a method's own traversal reads, which finds the pairs: nodes whose box or planes, or bodies whose box
+/// it fetches, for one query.
+struct OwnVisits {
+  double mean = 0;
+  /// Whether the rest is known: not where the traversal has no query of a single body (bullet_dbvt).
+  bool by_query = false;
+  double p99 = 0;
+  std::int64_t most = 0;
+  double warp_ratio = 0;  ///< mean over 32 queries that follow each other of their most visits, over the mean
+};
+
+/// `visits`: of a query that starts at the root of the tree, as it is drawn, and finds all that a body
+/// overlaps. It is the same for every method, and so compares trees; no method finds its pairs by it. A box
+/// is visited if its parent's overlaps the body's.
 struct TreeQuality {
   std::int64_t bodies = 0, nodes = 0, bytes = 0;  ///< bytes: of the method, tree and all
   int levels = 0;                                 ///< 64 at most: the last is of all nodes as deep or deeper
@@ -70,6 +83,7 @@ struct TreeQuality {
       0;  ///< mean over queries of the sum over nodes of prod(extent + 2 query) / root's volume
   std::int64_t pairs = 0;
   double tests_per_pair = 0;  ///< box tests of all queries over twice the pairs: each pair is met by both
+  OwnVisits own;
 };
 
 }  // namespace collidoscope

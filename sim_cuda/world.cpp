@@ -25,8 +25,10 @@ namespace collidoscope {
 
 namespace {
 
-RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies) {
-  if (options.key_bits == 0) options.key_bits = key_bits_called_for(bodies);
+RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies, const RunState* start) {
+  if (options.key_bits == 0)
+    options.key_bits = key_bits_called_for(
+        bodies, start != nullptr ? start->bodies.position : bodies.position, options.sort);
   return options;
 }
 
@@ -51,11 +53,11 @@ Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) 
 }  // namespace
 
 struct World::Impl {
-  Impl(const Scene& s, const RunOptions& asked)
+  Impl(const Scene& s, const RunOptions& asked, const RunState* start)
       : scene(valid(s)),
         options(asked),
         initial(initial_bodies(scene)),
-        executor(with_key_bits(asked, initial)),
+        executor(with_key_bits(asked, initial, start)),
         effects(built(scene.physics.effects.value_or(effects_called_for(scene, initial)))),
         substeps(substeps_of(scene, initial)),
         runner(executor, make_pipeline(executor, scene, initial, effects, substeps),
@@ -118,7 +120,7 @@ World::World(const Scene& scene, const RunOptions& options, const RunState* star
   while_doing("making a world", [&] {
     std::optional<RunState> rest;
     if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
-    impl_ = std::make_unique<Impl>(scene, options);
+    impl_ = std::make_unique<Impl>(scene, options, start);
     if (start != nullptr) adopt(*start, ids);
   });
 }
@@ -411,6 +413,11 @@ std::vector<std::uint32_t> World::visited_nodes(std::uint32_t id, std::int64_t m
   if (id >= impl_->initial.size())
     throw std::out_of_range("visited_nodes: there is no body " + std::to_string(id));
   return impl_->tree.meter().visited(impl_->arranged_tree(), id, most);
+}
+
+double World::own_visits() {
+  detect();
+  return impl_->tree.own_visits(impl_->pipeline().broad_phase()).mean;
 }
 
 std::int64_t World::visits_of(std::uint32_t id) {

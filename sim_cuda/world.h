@@ -49,7 +49,7 @@ class World {
   const Scene& scene() const;
   const InitialBodies& initial() const;  ///< bodies at state 0: radii, masses and meshes never change
   const RunOptions& options() const;     ///< as asked for
-  int key_bits() const;                  ///< of the broad phase's Morton keys: 30 or 63; 0: it has none
+  int key_bits() const;                  ///< of the broad phase's Morton keys: 24, 30 or 63; 0: it has none
   Effects effects() const;
   int substeps() const;  ///< of a step: as set, or what "auto" has come to
   bool on_gpu() const;
@@ -141,6 +141,9 @@ class World {
   NodeSpread node_spread(NodeMetric metric, const NodeSelection& selection);
   /// Leaves at each level, without a measure of the tree.
   const std::vector<std::int64_t>& tree_leaves();
+  /// Nodes that the method's own traversal reads for a query, on average: TreeQuality::own, without the rest
+  /// of the measures. 0 where the method has no tree.
+  double own_visits();
   /// The places of the nodes that the query of a body tests, in its order; the first `most`.
   std::vector<std::uint32_t> visited_nodes(std::uint32_t id, std::int64_t most);
   std::int64_t visits_of(std::uint32_t id);  ///< how many they are; 0 without a tree

@@ -37,7 +37,7 @@ class BroadPhases : public OnEachExecutor {
  protected:
   void expect_all_pairs(const Scene& scene) {
     for (const std::string& method : broad_phase_names(GetParam()))
-      for (const int bits : {30, 63}) {
+      for (const int bits : {24, 30, 63}) {
         RunOptions o = options();
         o.broad_phase = method;
         o.key_bits = bits;

@@ -184,7 +184,7 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
       {R"("steps": 10, "faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
        "a list of 3 numbers"},
       {R"("steps": 10, "faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
-      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 30 or 63"},
+      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 24, 30 or 63"},
       {R"("steps": 10, "hold": [])", "did you mean \"holds\"?"}};
   for (const auto& [members, words] : faults) {
     const std::string line = fault_of(members);

@@ -91,6 +91,127 @@ TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
   }
 }
 
+/// Counts by the definition of each traversal, from the nodes as they are reported.
+struct OwnTraversals {
+  struct Node {
+    NodeReport report;
+    std::uint32_t parent = 0, first = 0, last = 0;  ///< first and last place of its leaves
+  };
+  std::vector<Node> nodes;
+  std::vector<std::uint32_t> leaf;  ///< node, by place
+
+  explicit OwnTraversals(World& world) {
+    std::vector<std::uint32_t> places(static_cast<std::size_t>(world.tree_nodes()));
+    for (std::size_t k = 0; k < places.size(); ++k) places[k] = static_cast<std::uint32_t>(k);
+    world.tree_quality();
+    for (const NodeReport& report : world.tree_nodes_at(places)) nodes.push_back({report});
+    number(0);
+  }
+  void number(std::uint32_t at) {
+    const NodeReport& report = nodes[at].report;
+    nodes[at].first = static_cast<std::uint32_t>(leaf.size());
+    if (report.children == 0) leaf.push_back(at);
+    for (std::uint32_t k = 0; k < report.children; ++k) {
+      nodes[report.first_child + k].parent = at;
+      number(report.first_child + k);
+    }
+    nodes[at].last = static_cast<std::uint32_t>(leaf.size()) - 1;
+  }
+  bool meet(std::uint32_t a, std::uint32_t b) const {
+    const NodeReport &x = nodes[a].report, &y = nodes[b].report;
+    for (int k = 0; k < 3; ++k)
+      if (x.min[k] > y.max[k] || y.min[k] > x.max[k]) return false;
+    return true;
+  }
+  /// counts(node, place): whether the query of the leaf at `place` reads the node, whose parent overlaps it.
+  template <class Counts>
+  double mean(const Counts& counts) const {
+    double all = 0;
+    for (std::uint32_t place = 0; place < leaf.size(); ++place)
+      for (std::uint32_t at = 1; at < nodes.size(); ++at)
+        all += meet(nodes[at].parent, leaf[place]) && counts(nodes[at], place);
+    return all / static_cast<double>(leaf.size());
+  }
+};
+
+TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
+  const auto own = [&](const std::string& method, World& world) {
+    const OwnVisits& visits = world.tree_quality().own;
+    EXPECT_TRUE(visits.by_query) << method;
+    EXPECT_EQ(world.own_visits(), visits.mean) << method;
+    EXPECT_LE(visits.p99, static_cast<double>(visits.most)) << method;
+    EXPECT_GE(visits.warp_ratio, 1) << method;
+    EXPECT_LT(visits.mean, world.tree_quality().visits_mean) << "half of a query: " << method;
+    return visits.mean;
+  };
+  for (const char* method : {"lbvh_ropes", "refit", "ploc"}) {
+    World world = world_of(box_collider(400), method);
+    const OwnTraversals brute(world);
+    EXPECT_NEAR(own(method, world), brute.mean([](const auto& node, std::uint32_t place) {
+      return node.first > place;  // along ropes: what lies wholly to the right
+    }),
+                1e-9)
+        << method;
+  }
+  for (const char* method : {"bvh_bottom_up", "bvh_input_order", "bvh_recursive"}) {
+    World world = world_of(box_collider(512), method);
+    const OwnTraversals brute(world);
+    EXPECT_NEAR(own(method, world), brute.mean([](const auto& node, std::uint32_t place) {
+      return node.last > place;  // from the root: what ends to the right
+    }),
+                1e-9)
+        << method;
+  }
+  World world = world_of(box_collider(400), "lbvh_top_down");
+  const OwnTraversals brute(world);
+  EXPECT_NEAR(own("lbvh_top_down", world), brute.mean([&](const auto& node, std::uint32_t place) {
+    return node.parent == 0 || brute.nodes[node.parent].last > place;  // both children are read
+  }),
+              1e-9);
+}
+
+TEST_P(Quality, WholeQueriesReadAllThatOverlapsAndFindTheSamePairs) {
+  for (const char* method : {"bvh_bottom_up", "bvh_recursive", "lbvh_top_down"}) {
+    RunOptions o = options();
+    o.broad_phase = method;
+    World half(box_collider(400), o);
+    o.whole_queries = true;
+    World whole(box_collider(400), o);
+    const OwnTraversals brute(whole);
+    EXPECT_NEAR(whole.own_visits(), brute.mean([](const auto&, std::uint32_t) { return true; }), 1e-9)
+        << method;
+    EXPECT_GT(whole.own_visits(), half.own_visits()) << method;
+    half.detect();
+    whole.detect();
+    EXPECT_EQ(whole.pairs(), half.pairs()) << method;
+  }
+}
+
+// A plane of a BSP is no box, and Bullet's tree is deeper than what is drawn of it: both are counted as they
+// are traversed.
+TEST_P(Quality, OwnVisitsOfPlanesAndOfADeepTree) {
+  Scene apart = empty_space();  // on a line: each plane parts them cleanly
+  for (int i = 0; i < 64; ++i) apart.bodies.push_back(sphere(0.25, Vector3d(i, 0, 0)));
+  for (const char* method : {"bsp", "kd_tree"}) {
+    World world = world_of(apart, method);
+    // The query of place p reads the inner nodes over it, as far as they reach to the right, and no more: the
+    // sum over all of how many levels lie above the lowest bit that is 0; and the sibling of even places is
+    // not reached.
+    double all = 0;
+    for (int place = 0; place < 63; ++place)
+      for (int level = 0; level < 6; ++level) all += (place | ((1 << (6 - level)) - 1)) != place;
+    EXPECT_NEAR(world.own_visits(), all / 64, 1e-9) << method;
+  }
+  if (GetParam() == ExecutorKind::cuda) return;
+  constexpr int n = 300;
+  Scene coincident = empty_space();
+  for (int i = 0; i < n; ++i) coincident.bodies.push_back(sphere(1, Vector3d(0, 0, 0)));
+  World world = world_of(coincident, "bullet_dbvt");
+  EXPECT_FALSE(world.tree_quality().own.by_query);
+  EXPECT_GE(world.own_visits(), (n - 1) / 2.0) << "each pair of leaves is tested";
+  EXPECT_EQ(world.own_visits(), world.tree_quality().own.mean);
+}
+
 TEST_P(Quality, RanksNodesWorstFirst) {
   World world = world_of(box_collider(300));
   for (const NodeMetric metric :

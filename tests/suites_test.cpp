@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "headless/bench/paper_report.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 #include "tests/run_program.h"
@@ -79,31 +80,130 @@ TEST(Suites, PredictorsRankEveryMeasure) {
   // At each N the tree over the bodies as they come is visited most.
   std::map<int, std::pair<double, std::string>> worst;
   for (const json& row : report["rows"])
-    worst[row["bodies"]] =
-        std::max(worst[row["bodies"]], {row["visits, mean"].get<double>(), row["method"].get<std::string>()});
+    worst[row["bodies"]] = std::max(
+        worst[row["bodies"]], {row["root visits, mean"].get<double>(), row["method"].get<std::string>()});
   ASSERT_EQ(worst.size(), 2u);
   for (const auto& [bodies, of] : worst) EXPECT_EQ(of.second, "bvh_input_order") << bodies;
+}
+
+TEST(Suites, CrowdedScenesKeepDefaultKeysGood) {
+  const auto visits = [](const char* bits) {
+    const Outcome run =
+        run_headless({"bench", "broad-phases", box, "--executor", "cpu", "--sizes", "2000", "--methods",
+                      "lbvh_ropes,bvh_bottom_up", "--key-bits", bits, "--repeats", "1", "--json", "-"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    std::map<std::pair<std::string, std::string>, double> of;
+    const json report = json::parse(run.out);
+    for (const json& row : report["rows"]) {
+      of[{row["variant"], row["method"]}] = row["own_visits_mean"];
+      if (std::string(bits) != "auto") {
+        EXPECT_EQ(std::to_string(row["key_bits"].get<int>()), bits);
+      }
+    }
+    return of;
+  };
+  auto by_default = visits("auto"), best = visits("24");
+  for (const char* bits : {"30", "63"})
+    for (const auto& [row, mean] : visits(bits)) best[row] = std::min(best[row], mean);
+  std::set<std::string> scenes;
+  for (const auto& [row, mean] : by_default) {
+    scenes.insert(row.first);
+    EXPECT_LE(mean, 2 * best[row]) << row.first << ", " << row.second;
+  }
+  EXPECT_THAT(scenes, testing::ElementsAre("clusters", "log_normal", "mixed", "paper"));
+}
+
+// The tree has as many levels as its file says; no launch is made for a level that it does not have.
+TEST(Suites, TopDownBuildsNoEmptyLevel) {
+  const Outcome run =
+      run_headless({"bench", "broad-phases", box, "--executor", "cpu", "--sizes", "3000", "--methods",
+                    "lbvh_top_down", "--variants", "scaled", "--repeats", "1", "--json", "-"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Outcome tree =
+      run_headless({"bvh", box, "--executor", "cpu", "--bodies", "3000", "--variant", "scaled", "--methods",
+                    "lbvh_top_down", "--repeats", "1", "--json", "-"});
+  ASSERT_EQ(tree.status, 0) << tree.err;
+  const json levels = json::parse(tree.out)["trees"][0]["levels"];
+  int launches = 0;
+  const json report = json::parse(run.out);
+  for (const json& stage : report["rows"][0]["stages"])
+    if (stage["name"] == "build") launches = stage["launches"];
+  EXPECT_EQ(launches, levels.get<int>() + 2) << "the root, a launch a level, the boxes";
+}
+
+TEST(Suites, EveryThreadTakesPartInThePapersSort) {
+  for (const char* threads : {"4", "8", "16", "50"}) {
+    const Outcome run =
+        run_headless({"run", box, "--executor", "cpu", "--bodies", "1000", "--steps", "2", "--sort", "radix",
+                      "--blocks", "16", "--threads", threads, "--json", "-"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const json stages = json::parse(run.out)["stages"];
+    const auto sort = std::ranges::find(stages, "sort", [](const json& stage) { return stage["name"]; });
+    ASSERT_NE(sort, stages.end());
+    EXPECT_EQ((*sort)["launch"]["items"], 16 * std::stoi(threads));
+  }
 }
 
 TEST(Suites, ThePaperOwnsItsShapesAndSaysWhatItClaims) {
   const TemporaryFolder folder;
   const std::string at = folder.path().string() + "/";
-  const Outcome run = run_headless({"bench", "paper", box, "--executor", "cpu", "--sizes", "1000", "--json",
-                                    at + "r.json", "--plot", at + "r.png"});
+  const Outcome run =
+      run_headless({"bench", "paper", box, "--executor", "cpu", "--sizes", "1000", "--repeats", "3", "--json",
+                    at + "r.json", "--csv", at + "r.csv", "--markdown", at + "r.md", "--plot", at + "r.png"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json report = json::parse(text_of(at + "r.json"));
-  EXPECT_EQ(report["rows"].size(), 2u + 3 * 6);
+  EXPECT_EQ(report["rows"].size(), 2u + 6 + 2 * 6 + 2 * 6);
+  std::map<std::string, std::set<std::int64_t>> pairs;
+  std::map<std::string, int> queries;
   for (const json& row : report["rows"]) {
     EXPECT_GT(row["ms"], 0);
+    EXPECT_LE(row["p5_ms"], row["ms"]);
+    EXPECT_GE(row["p95_ms"], row["ms"]);
+    EXPECT_GT(row["allocated_bytes"], 0);
+    EXPECT_EQ(row["timed_steps"], 3) << "--repeats";
+    EXPECT_EQ(row["steps"], 6);
+    pairs["all"].insert(row["pairs"].get<std::int64_t>());
+    if (row["table"] < 3) {
+      EXPECT_TRUE(row["query"].is_null());
+      continue;
+    }
+    ++queries[row["query"]];
     if (row["table"] == 5) {
       EXPECT_GT(row["sort_ms"], 0);
       EXPECT_LT(row["sort_ms"], row["ms"]);
     }
   }
+  EXPECT_EQ(pairs["all"].size(), 1u) << "whole queries find the pairs of half queries";
+  EXPECT_EQ(queries["whole"], 12);
+  EXPECT_EQ(queries["half"], 12);
   EXPECT_EQ(report["recursion"].size(), 2u);
   EXPECT_THAT(run.out, HasSubstr("by calls"));
-  EXPECT_THAT(run.out, HasSubstr("eats up the speedup"));
+  EXPECT_THAT(run.out, HasSubstr("eats up the speedup\" (whole queries)"));
+  EXPECT_THAT(run.out, HasSubstr("eats up the speedup\" (half queries)"));
+  for (const char* column : {"p5", "p95", "bytes", "query"}) EXPECT_THAT(run.out, HasSubstr(column));
+  EXPECT_THAT(text_of(at + "r.csv"), HasSubstr("p5_ms,p95_ms"));
+  EXPECT_THAT(text_of(at + "r.md"), HasSubstr("(p5 to p95)"));
   EXPECT_GT(read_png(at + "r.png").width, 1000);
+  EXPECT_EQ(run_headless({"bench", "paper", box, "--executor", "cpu", "--sizes", "7"}).status, 2);
+}
+
+/// Table 5 of two shapes, the second of which has an efficiency of `share`.
+std::string claims_at(double share) {
+  PaperResults results;
+  for (const PaperCell& cell : paper_cells())
+    if (cell.table == 5 && cell.bodies == 1000 && cell.blocks * cell.threads <= 16) {
+      const double ms = cell.blocks * cell.threads == 8 ? 1 : 0.5 / share;
+      PaperRow row{cell, PaperQuery::whole, {ms, ms, ms}, {}};
+      row.timing.sort_stage = {0.1 * ms, 0.1 * ms, 0.1 * ms};
+      results.rows.push_back(row);
+    }
+  return paper_text(results, false);
+}
+
+TEST(Suites, EightyPercentAreConfirmedFromEightyPercentOn) {
+  EXPECT_THAT(claims_at(0.73), HasSubstr("73.0 % here: not confirmed"));
+  EXPECT_THAT(claims_at(0.79), HasSubstr("79.0 % here: not confirmed"));
+  EXPECT_THAT(claims_at(0.81), HasSubstr("81.0 % here: confirmed"));
 }
 
 TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {

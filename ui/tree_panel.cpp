@@ -55,9 +55,15 @@ void draw_quality(const WorkspaceView& view) {
   row("overlap", number(q.sibling_overlap),
       "Surface of what siblings have in common, over their parent's: mean of inner nodes");
   row("empty", number(q.empty_space), "Part of a box that no child fills: mean of inner nodes");
-  row("visits", number(q.visits_mean), "Boxes that the query of a body tests from the root: mean");
-  row("p99", number(q.visits_p99), "99 of 100 queries visit no more");
-  row("most", grouped_number(q.visits_max), "Visits of the longest query");
+  row("own visits", number(q.own.mean),
+      "Nodes that the method's own traversal reads for a body, which finds the pairs: mean");
+  row("own most", q.own.by_query ? grouped_number(q.own.most) : "-",
+      "Own visits of the longest query; not known of a method whose bodies have no query each");
+  row("root visits", number(q.visits_mean),
+      "Boxes that one and the same query tests for a body, from the root of each tree as it is drawn: mean. "
+      "The values below, and the colours, are of this query");
+  row("root p99", number(q.visits_p99), "99 of 100 queries visit no more");
+  row("root most", grouped_number(q.visits_max), "Visits of the longest query");
   row("per warp", fmt::format("× {:.3g}", q.warp_ratio),
       "Mean over 32 neighbours in the tree's order of their most visits, over the mean: a warp waits for its "
       "longest query");

@@ -115,8 +115,8 @@ void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const c
   }
   track(workspace, name);
   if (view.key_bits > 0)
-    explain(fmt::format("In the order of Morton keys of {} bits: 63 where bodies could crowd in the cells of "
-                        "30, unless another number was set at the start",
+    explain(fmt::format("Sorted by Morton keys of {} bits. Longer keys are chosen where bodies crowd in the "
+                        "cells of short keys, unless a number was set at the start",
                         view.key_bits)
                 .c_str());
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "headless/bench/crowded_scenes.h"
 #include "headless/bench/method_row.h"
 #include "headless/bench/peer_cubql.h"
 #include "headless/bench/result_files.h"
@@ -27,19 +28,24 @@ std::string results_json(const BenchMachine& machine, const std::vector<MethodRo
   return json_text(json);
 }
 
+std::string key_bits_text(const MethodRow& r) { return r.key_bits > 0 ? fmt::to_string(r.key_bits) : "-"; }
+std::string visits_text(const MethodRow& r) { return r.visits > 0 ? fmt::format("{:.1f}", r.visits) : "-"; }
+
 std::string results_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   std::string text = fmt::format(
       "{}; microseconds from positions to the ordered list of pairs, median (5th to 95th percentile).\n\n"
-      "| N | variant | method | µs | pairs | launches | bytes a body | stages, µs (timed apart; * in part "
-      "own shape) |\n"
-      "|---:|---|---|---:|---:|---:|---:|---|\n",
+      "| N | variant | method | key bits | µs | pairs | own visits a query | launches | bytes a body | "
+      "stages, "
+      "µs (timed apart; * in part own shape) |\n"
+      "|---:|---|---|---:|---:|---:|---:|---:|---:|---|\n",
       text_of(machine));
   for (const MethodRow& r : rows)
-    text += fmt::format(
-        "| {} | `{}` | `{}` | {:.1f} ({:.1f} to {:.1f}) | {} | {} | {:.0f} | {} |\n", grouped(r.bodies),
-        r.variant, r.method, r.whole.median, r.whole.p5, r.whole.p95, grouped(r.pairs), r.launches,
-        static_cast<double>(r.bytes) / static_cast<double>(std::max<std::int64_t>(r.bodies, 1)),
-        stages_text(r));
+    text +=
+        fmt::format("| {} | `{}` | `{}` | {} | {:.1f} ({:.1f} to {:.1f}) | {} | {} | {} | {:.0f} | {} |\n",
+                    grouped(r.bodies), r.variant, r.method, key_bits_text(r), r.whole.median, r.whole.p5,
+                    r.whole.p95, grouped(r.pairs), visits_text(r), r.launches,
+                    static_cast<double>(r.bytes) / static_cast<double>(std::max<std::int64_t>(r.bodies, 1)),
+                    stages_text(r));
   return text;
 }
 
@@ -71,9 +77,9 @@ MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
 }
 
 void print_row(const MethodRow& r) {
-  print(fmt::format("{:>12} {:<8}{:<20}{:>12.1f}{:>12.1f}{:>12.1f}{:>14}{:>5}  {}\n", grouped(r.bodies),
-                    r.variant, r.method, r.whole.median, r.whole.p5, r.whole.p95, grouped(r.pairs),
-                    r.launches, stages_text(r)));
+  print(fmt::format("{:>12} {:<11}{:<20}{:>4}{:>12.1f}{:>12.1f}{:>12.1f}{:>14}{:>9}{:>5}  {}\n",
+                    grouped(r.bodies), r.variant, r.method, key_bits_text(r), r.whole.median, r.whole.p5,
+                    r.whole.p95, grouped(r.pairs), visits_text(r), r.launches, stages_text(r)));
   flush_stdout();
 }
 
@@ -85,17 +91,22 @@ int bench_broad_phases(const CommandLine& line) {
   const bool table = line.options.json != "-";
   std::vector<MethodRow> rows;
   BenchMachine machine;
-  sweep(line, {1'000, 10'000, 100'000}, methods, [&](const SweepPoint& at) {
+  SweepDefaults defaults{{1'000, 10'000, 100'000}, methods, {own_variant(load_scene(line))}};
+  const auto crowded = crowded_scene_names();
+  defaults.variants.insert(defaults.variants.end(), crowded.begin(), crowded.end());
+  sweep(line, defaults, [&](const SweepPoint& at) {
     if (rows.empty()) {
       machine = machine_of(World(at.scene, at.run));
       if (table)
-        print(fmt::format("{}\n{:>12} {:<8}{:<20}{:>12}{:>12}{:>12}{:>14}{:>5}  stages, µs (timed apart)\n",
-                          machine.device, "N", "variant", "method", "median µs", "p5", "p95", "pairs",
-                          "runs"));
+        print(fmt::format(
+            "{}\nkeys: bits of a Morton key. visits: nodes that a query of the method's own reads, mean.\n"
+            "{:>12} {:<11}{:<20}{:>4}{:>12}{:>12}{:>12}{:>14}{:>9}{:>5}  stages, µs (timed apart)\n",
+            machine.device, "N", "variant", "method", "keys", "median µs", "p5", "p95", "pairs", "visits",
+            "runs"));
     }
     const std::size_t known = rows.size();
     const auto add = [&](MethodRow row) { rows.push_back(std::move(row)); };
-    add(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
+    add(measure_method(at, static_cast<int>(line.options.bench.repeats)));
     if (has_cubql() && machine.executor == "cuda" && at.run.broad_phase == methods.front())
       add(measure_cubql(at.scene, rows.back()));
     files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "headless/bench/crowded_scenes.h"
 #include "headless/chart_picture.h"
 #include "headless/progress.h"
 #include "sim_cuda/core/error.h"
@@ -16,22 +17,26 @@ namespace {
 
 /// What tests nearly every body against every other is left out beyond this: 5e9 tests, seconds on a CPU.
 constexpr std::int64_t most_for_all_pairs = 100'000;
-bool tests_all_pairs(const std::string& method) {
-  return method.starts_with("brute_force") || method == "bvh_input_order";
+bool tests_all_pairs(const std::string& method, const std::string& variant) {
+  const bool mixed_sizes = variant == "mixed" || variant == "log_normal";
+  return method.starts_with("brute_force") || method == "bvh_input_order" ||
+         (method == "uniform_grid" && mixed_sizes);
 }
 
 }  // namespace
 
-MethodRow measure_method(const Scene& scene, const RunOptions& options, int repeats) {
-  World world(scene, options);
+MethodRow measure_method(const SweepPoint& at, int repeats) {
+  World world(at.scene, at.run);
   const BroadPhaseTimes times = world.time_broad_phase(repeats);
   MethodRow row;
-  row.method = options.broad_phase;
-  row.variant = name_of(variant_names, scene.generators[0].variant);
+  row.method = at.run.broad_phase;
+  row.variant = at.variant;
   row.bodies = static_cast<std::int64_t>(world.initial().size());
   row.pairs = world.measure().pairs;
   row.bytes = world.broad_phase_bytes();
   row.repeats = repeats;
+  row.key_bits = world.key_bits();
+  row.visits = world.own_visits();
   const auto in_us = [](std::vector<float> samples) {
     for (float& ms : samples) ms *= 1000;
     return spread_of(samples);
@@ -50,6 +55,8 @@ nlohmann::ordered_json json_of(const MethodRow& row) {
       {"pairs", row.pairs},       {"bytes", row.bytes},      {"floor_bytes", row.floor_bytes()},
       {"launches", row.launches}, {"repeats", row.repeats},  {"median_us", row.whole.median},
       {"p5_us", row.whole.p5},    {"p95_us", row.whole.p95}, {"stages", nlohmann::ordered_json::array()}};
+  json["key_bits"] = row.key_bits > 0 ? nlohmann::ordered_json(row.key_bits) : nullptr;
+  json["own_visits_mean"] = row.visits > 0 ? nlohmann::ordered_json(row.visits) : nullptr;
   for (const MethodRow::Stage& stage : row.stages)
     json["stages"].push_back({{"name", stage.name},
                               {"median_us", stage.median_us},
@@ -60,11 +67,13 @@ nlohmann::ordered_json json_of(const MethodRow& row) {
 
 std::string csv_of(const std::vector<MethodRow>& rows) {
   std::string text =
-      "method,variant,bodies,pairs,bytes,floor_bytes,launches,repeats,median_us,p5_us,p95_us\n";
+      "method,variant,bodies,pairs,bytes,floor_bytes,launches,repeats,median_us,p5_us,p95_us,key_bits,"
+      "own_visits_mean\n";
   for (const MethodRow& r : rows)
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f}\n", r.method, r.variant, r.bodies, r.pairs,
-                    r.bytes, r.floor_bytes(), r.launches, r.repeats, r.whole.median, r.whole.p5, r.whole.p95);
+    text += fmt::format("{},{},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{},{}\n", r.method, r.variant, r.bodies,
+                        r.pairs, r.bytes, r.floor_bytes(), r.launches, r.repeats, r.whole.median, r.whole.p5,
+                        r.whole.p95, r.key_bits > 0 ? fmt::to_string(r.key_bits) : "",
+                        r.visits > 0 ? fmt::format("{:.2f}", r.visits) : "");
   return text;
 }
 
@@ -109,31 +118,41 @@ Chart chart_of_methods(const std::string& title, const BenchMachine& machine,
   return chart;
 }
 
-void sweep(const CommandLine& line, std::vector<std::int64_t> sizes, std::vector<std::string> methods,
+std::string own_variant(const Scene& scene) {
+  return scene.generators.size() == 1 ? std::string(name_of(variant_names, scene.generators[0].variant)) : "";
+}
+
+void sweep(const CommandLine& line, const SweepDefaults& defaults,
            const std::function<void(const SweepPoint&)>& visit) {
-  SweepPoint point{load_scene(line), line.options.run};
-  if (point.scene.generators.size() != 1)
-    throw InputError(point.scene.name + ": bench " + line.suite +
+  Scene scene = load_scene(line);
+  if (scene.generators.size() != 1)
+    throw InputError(scene.name + ": bench " + line.suite +
                      " varies the number of bodies: a scene with one generator is needed");
-  auto& generator = point.scene.generators[0];
   const BenchRequest& request = line.options.bench;
-  if (!request.methods.empty()) methods = request.methods;
-  if (!request.sizes.empty()) sizes = request.sizes;
-  const std::vector<Variant> variants =
-      request.variants.empty() ? std::vector{generator.variant} : request.variants;
+  const auto& methods = request.methods.empty() ? defaults.methods : request.methods;
+  const auto& sizes = request.sizes.empty() ? defaults.sizes : request.sizes;
+  std::vector<std::string> variants = request.variants.empty() ? defaults.variants : request.variants;
+  if (variants.empty()) variants = {own_variant(scene)};
 
   Progress progress("rows", std::ssize(sizes) * std::ssize(variants) * std::ssize(methods));
   std::int64_t done = 0;
   for (const std::int64_t bodies : sizes)
-    for (const Variant variant : variants)
+    for (const std::string& variant : variants) {
+      SweepPoint point{scene, variant, line.options.run};
+      BoxCollider& generator = point.scene.generators[0];
+      if (const auto known = value_of(variant_names, variant)) {
+        generator.count = bodies;
+        generator.variant = *known;
+      } else {
+        point.scene = crowded_scene(variant, bodies, generator.seed, scene);
+      }
       for (const std::string& method : methods) {
         progress.update(done++);
-        if (tests_all_pairs(method) && bodies > most_for_all_pairs) continue;
-        generator.count = bodies;
-        generator.variant = variant;
+        if (tests_all_pairs(method, variant) && bodies > most_for_all_pairs) continue;
         point.run.broad_phase = method;
         visit(point);
       }
+    }
 }
 
 }  // namespace collidoscope

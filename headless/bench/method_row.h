@@ -18,7 +18,9 @@ struct MethodRow {
   std::string method, variant;
   std::int64_t bodies = 0, pairs = 0, bytes = 0;  ///< bytes: of the method
   int launches = 0, repeats = 0;
-  Spread whole;  ///< us, from positions to the ordered list of pairs
+  int key_bits = 0;   ///< of Morton keys; 0: it has none
+  double visits = 0;  ///< nodes that a query of the method's own reads, on average; 0: it has no tree
+  Spread whole;       ///< us, from positions to the ordered list of pairs
   struct Stage {
     std::string name;
     double median_us;
@@ -31,7 +33,13 @@ struct MethodRow {
   std::int64_t floor_bytes() const { return bodies * (16 + 2 * 24) + pairs * 4; }
 };
 
-MethodRow measure_method(const Scene& scene, const RunOptions& options, int repeats);
+/// One row to measure.
+struct SweepPoint {
+  Scene scene;
+  std::string variant;  ///< of the scene
+  RunOptions run;
+};
+MethodRow measure_method(const SweepPoint& at, int repeats);
 nlohmann::ordered_json json_of(const MethodRow& row);
 std::string csv_of(const std::vector<MethodRow>& rows);
 /// `build 3.1, pairs 20.4`; a star marks what in part ignores (B, T).
@@ -50,14 +58,18 @@ std::string text_of(const BenchMachine& machine);
 Chart chart_of_methods(const std::string& title, const BenchMachine& machine,
                        const std::vector<MethodRow>& rows);
 
-/// Every size x variant x method that the line asks for, on the scene's one generator. `sizes`: where it
-/// names none; and `methods`: all. Leaves out what tests nearly all pairs where that takes minutes. Throws
-/// InputError for a scene without one generator.
-struct SweepPoint {
-  Scene scene;
-  RunOptions run;
+/// What a suite goes through where the line does not say.
+struct SweepDefaults {
+  std::vector<std::int64_t> sizes;
+  std::vector<std::string> methods;
+  std::vector<std::string> variants;  ///< none: the scene's own
 };
-void sweep(const CommandLine& line, std::vector<std::int64_t> sizes, std::vector<std::string> methods,
+/// Every size x variant x method that the line asks for. The scene has one generator, whose variant and
+/// number of bodies are set, or which a crowded scene replaces. Leaves out what tests nearly all pairs where
+/// that takes minutes. Throws InputError for a scene without one generator.
+void sweep(const CommandLine& line, const SweepDefaults& defaults,
            const std::function<void(const SweepPoint&)>& visit);
+/// The variant of a scene with one generator; "" of others.
+std::string own_variant(const Scene& scene);
 
 }  // namespace collidoscope

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,12 @@ struct Row {
   double own_ns = 0, same_ns = 0;  ///< of a query: the method's own, with the ordering of pairs; and the same
 };
 
-/// What may predict the time: larger should mean slower.
+/// A value of single queries, which not every method has: NaN.
+double by_query(const TreeQuality& q, double value) {
+  return q.own.by_query ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// What may predict the time: larger should mean slower. NaN: unknown of this tree.
 struct Measure {
   const char* name;
   double (*of)(const TreeQuality&);
@@ -41,13 +47,18 @@ constexpr Measure measures[] = {
     {"empty space, mean", [](const TreeQuality& q) { return q.empty_space; }},
     {"levels", [](const TreeQuality& q) { return static_cast<double>(q.levels); }},
     {"nodes", [](const TreeQuality& q) { return static_cast<double>(q.nodes); }},
-    {"expected visits", [](const TreeQuality& q) { return q.expected_visits; }},
-    {"visits, mean", [](const TreeQuality& q) { return q.visits_mean; }},
-    {"visits, 99th percentile", [](const TreeQuality& q) { return q.visits_p99; }},
-    {"visits, most", [](const TreeQuality& q) { return static_cast<double>(q.visits_max); }},
-    {"visits, warp's most, mean", [](const TreeQuality& q) { return q.warp_ratio * q.visits_mean; }},
-    {"warp's most / mean", [](const TreeQuality& q) { return q.warp_ratio; }},
-    {"box tests a true pair", [](const TreeQuality& q) { return q.tests_per_pair; }},
+    {"expected root visits", [](const TreeQuality& q) { return q.expected_visits; }},
+    {"root visits, mean", [](const TreeQuality& q) { return q.visits_mean; }},
+    {"root visits, 99th percentile", [](const TreeQuality& q) { return q.visits_p99; }},
+    {"root visits, most", [](const TreeQuality& q) { return static_cast<double>(q.visits_max); }},
+    {"root visits, warp's most", [](const TreeQuality& q) { return q.warp_ratio * q.visits_mean; }},
+    {"root visits, warp / mean", [](const TreeQuality& q) { return q.warp_ratio; }},
+    {"root visits a true pair", [](const TreeQuality& q) { return q.tests_per_pair; }},
+    {"own visits, mean", [](const TreeQuality& q) { return q.own.mean; }},
+    {"own visits, 99th percentile", [](const TreeQuality& q) { return by_query(q, q.own.p99); }},
+    {"own visits, most", [](const TreeQuality& q) { return by_query(q, static_cast<double>(q.own.most)); }},
+    {"own visits, warp's most",
+     [](const TreeQuality& q) { return by_query(q, q.own.warp_ratio * q.own.mean); }},
 };
 
 /// Correlation of one measure with the time of a query. Over all rows; and of the trees of one scene (one
@@ -60,7 +71,9 @@ struct Score {
 double correlation(const std::vector<const Row*>& rows, const Measure& measure, double Row::*time) {
   std::vector<double> x, y;
   for (const Row* r : rows) {
-    x.push_back(measure.of(r->quality));
+    const double value = measure.of(r->quality);
+    if (std::isnan(value)) continue;
+    x.push_back(value);
     y.push_back(r->*time);
   }
   return rank_correlation(x, y);
@@ -92,7 +105,7 @@ Row measure(const SweepPoint& at, int repeats) {
   World world(at.scene, at.run);
   Row row;
   row.method = at.run.broad_phase;
-  row.variant = name_of(variant_names, at.scene.generators[0].variant);
+  row.variant = at.variant;
   row.quality = world.tree_quality();
   if (row.quality.nodes == 0) return row;
   const double ns_a_body = 1e6 / static_cast<double>(row.quality.bodies);
@@ -116,7 +129,7 @@ std::string results_json(const BenchMachine& machine, const std::vector<Row>& ro
   for (const Row& r : rows) {
     Json row{{"method", r.method},       {"variant", r.variant},       {"bodies", r.quality.bodies},
              {"pairs", r.quality.pairs}, {"same_query_ns", r.same_ns}, {"own_query_ns", r.own_ns}};
-    for (const Measure& m : measures) row[m.name] = m.of(r.quality);
+    for (const Measure& m : measures) row[m.name] = m.of(r.quality);  // NaN becomes null
     json["rows"].push_back(row);
   }
   return json_text(json);
@@ -129,7 +142,10 @@ std::string results_csv(const std::vector<Row>& rows) {
   for (const Row& r : rows) {
     text += fmt::format("{},{},{},{},{:.3f},{:.3f}", r.method, r.variant, r.quality.bodies, r.quality.pairs,
                         r.same_ns, r.own_ns);
-    for (const Measure& m : measures) text += fmt::format(",{:.6g}", m.of(r.quality));
+    for (const Measure& m : measures) {
+      const double value = m.of(r.quality);
+      text += std::isnan(value) ? "," : fmt::format(",{:.6g}", value);
+    }
     text += '\n';
   }
   return text;
@@ -170,6 +186,7 @@ Chart chart_of(const BenchMachine& machine, const std::vector<Row>& rows) {
   chart.x = {best.name, short_number, true};
   chart.y = {"ns a query", short_number, true};
   for (const Row& r : rows) {
+    if (std::isnan(measure.of(r.quality))) continue;
     auto series = std::ranges::find(chart.series, r.method, &ChartSeries::name);
     if (series == chart.series.end()) {
       chart.series.push_back({r.method, chart_color(chart.series.size()), {}, false});
@@ -186,12 +203,10 @@ int bench_predictors(const CommandLine& line) {
   const ResultFiles files(line.options);
   std::vector<std::string> methods = broad_phase_names(line.options.run.executor);
   std::erase(methods, "bvh_recursive");  // the tree of bvh_bottom_up
-  CommandLine swept = line;
-  if (swept.options.bench.variants.empty())
-    swept.options.bench.variants = {Variant::paper, Variant::scaled, Variant::equal};
   std::vector<Row> rows;
   BenchMachine machine;
-  sweep(swept, {1'000, 5'000, 20'000, 50'000}, methods, [&](const SweepPoint& at) {
+  const SweepDefaults defaults{{1'000, 5'000, 20'000, 50'000}, methods, {"paper", "scaled", "equal"}};
+  sweep(line, defaults, [&](const SweepPoint& at) {
     if (machine.device.empty()) machine = machine_of(World(at.scene, at.run));
     Row row = measure(at, static_cast<int>(line.options.bench.repeats));
     if (row.quality.nodes == 0) return;

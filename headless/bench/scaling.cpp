@@ -108,9 +108,9 @@ int bench_scaling(const CommandLine& line) {
   // sooner.
   if (World(load_scene(line), line.options.run).on_gpu())
     sizes = {1'000, 3'000, 10'000, 30'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000};
-  sweep(line, sizes, methods, [&](const SweepPoint& at) {
+  sweep(line, {sizes, methods, {}}, [&](const SweepPoint& at) {
     if (rows.empty()) machine = machine_of(World(at.scene, at.run));
-    rows.push_back(measure_method(at.scene, at.run, static_cast<int>(line.options.bench.repeats)));
+    rows.push_back(measure_method(at, static_cast<int>(line.options.bench.repeats)));
     files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
   });
   files.plot(chart_of(machine, rows));

@@ -20,6 +20,7 @@ struct Pair {
 };
 
 struct PairSink;
+struct VisitSink;
 
 class BroadPhase {
  public:
@@ -32,6 +33,9 @@ class BroadPhase {
   virtual void update(const Aabb* boxes, const Aabb* extent) = 0;
   /// Gives every pair of bodies whose boxes overlap to the sink, each once, in any order.
   virtual void find_pairs(const PairSink& sink) = 0;
+  /// Counts what find_pairs() reads of the hierarchy of the last update, by the same traversal. Nothing where
+  /// the method has no hierarchy.
+  virtual void count_visits(const VisitSink&) const {}
   /// Leaves and inner nodes of its hierarchy; 0 where the method has none, or there are no bodies.
   virtual std::int64_t tree_nodes() const { return 0; }
   /// Writes the hierarchy over the boxes of the last update; called outside the step (tree.h).

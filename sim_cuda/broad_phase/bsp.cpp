@@ -253,7 +253,12 @@ class Bsp final : public BroadPhase {
   }
 
   void find_pairs(const PairSink& sink) override {
-    executor_.run("pairs", tree_.n, DescendHalves<BspNode>{nodes_.data(), leaves_.data(), tree_.n, sink});
+    executor_.run("pairs", tree_.n,
+                  DescendHalves<BspNode, PairSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
+  }
+  void count_visits(const VisitSink& sink) const override {
+    executor_.run("quality", tree_.n,
+                  DescendHalves<BspNode, VisitSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
   }
 
   std::int64_t tree_nodes() const override { return tree_.n > 0 ? 2 * std::int64_t{tree_.n} - 1 : 0; }

@@ -8,6 +8,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
+#include <utility>
 #include <vector>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
@@ -71,18 +72,16 @@ class BulletDbvt final : public BroadPhase {
   void find_pairs(const PairSink& sink) override {
     executor_.begin_stage("pairs", true);
     executor_.count_launches(1);
-    struct Meet final : btDbvt::ICollide {
-      using ICollide::Process;
-      void Process(const btDbvtNode* a, const btDbvtNode* b) override {
-        const std::uint32_t x = method->body_of(a), y = method->body_of(b);
-        if (overlap(method->boxes_[x], method->boxes_[y])) sink->add(x, y);
-      }
-      const BulletDbvt* method = nullptr;
-      const PairSink* sink = nullptr;
-    } meet;
-    meet.method = this;
-    meet.sink = &sink;
-    tree_.collideTT(tree_.m_root, tree_.m_root, meet);
+    collide([](std::int64_t) {},
+            [&](const btDbvtNode* a, const btDbvtNode* b) {
+              const std::uint32_t x = body_of(a), y = body_of(b);
+              if (overlap(boxes_[x], boxes_[y])) sink.add(x, y);
+            });
+  }
+  /// Of no single query: a test of two nodes serves all bodies under both.
+  void count_visits(const VisitSink& sink) const override {
+    collide([&](std::int64_t tests) { *sink.shared = static_cast<std::uint64_t>(tests); },
+            [](const btDbvtNode*, const btDbvtNode*) {});
   }
 
   std::int64_t tree_nodes() const override {
@@ -120,6 +119,38 @@ class BulletDbvt final : public BroadPhase {
   }
   std::uint32_t body_of(const btDbvtNode* node) const {
     return body_of(*static_cast<btDbvtNode**>(node->data));
+  }
+
+  /// btDbvt::collideTT of the tree with itself, which does not tell what it tests: the same pairs of nodes in
+  /// the same order. meet(a, b) for leaves whose volumes overlap; at the end count(tests of two volumes).
+  template <class Count, class Meet>
+  void collide(const Count& count, const Meet& meet) const {
+    using Two = std::pair<const btDbvtNode*, const btDbvtNode*>;
+    std::int64_t tests = 0;
+    std::vector<Two> waiting;
+    if (!tree_.empty()) waiting.emplace_back(tree_.m_root, tree_.m_root);
+    while (!waiting.empty()) {
+      const auto [a, b] = waiting.back();
+      waiting.pop_back();
+      if (a == b) {
+        if (a->isleaf()) continue;
+        waiting.emplace_back(a->childs[0], a->childs[0]);
+        waiting.emplace_back(a->childs[1], a->childs[1]);
+        waiting.emplace_back(a->childs[0], a->childs[1]);
+        continue;
+      }
+      ++tests;
+      if (!Intersect(a->volume, b->volume)) continue;
+      if (a->isleaf() && b->isleaf()) {
+        meet(a, b);
+        continue;
+      }
+      const bool parts_a = a->isinternal(), parts_b = b->isinternal();
+      for (int j = 0; j < (parts_b ? 2 : 1); ++j)
+        for (int i = 0; i < (parts_a ? 2 : 1); ++i)
+          waiting.emplace_back(parts_a ? a->childs[i] : a, parts_b ? b->childs[j] : b);
+    }
+    count(tests);
   }
 
   /// visit(node, number, parent's number), parents first, children from left to right, numbers as in

@@ -45,15 +45,17 @@ struct MergeLevel {
   }
 };
 
-/// One body's query. Only leaves to the right of its own are looked for, so that each pair is found once,
-/// from its left leaf.
+/// One body's query. Each pair is found once, from its left leaf: only leaves to the right of its own are
+/// looked for; or all are, and those to the left are passed over when they are met (whole).
+template <class Sink>
 struct Descend {
   LevelTree tree;
-  PairSink sink;
+  bool whole;
+  Sink sink;
   SIM_HD void operator()(int leaf) const {
-    const auto slot = static_cast<std::uint32_t>(leaf);
+    const auto slot = static_cast<std::uint32_t>(leaf), from = whole ? 0 : slot + 1;
     const Aabb box = tree.nodes[slot];
-    PairBatch batch(sink, tree.leaf_body[slot]);
+    auto batch = start_query(sink, leaf, tree.leaf_body[slot]);
     // An entry is (level, node in level), of a node that overlaps. A node pops before its two children push,
     // so the stack never holds more than one entry per level, plus one.
     constexpr int level_shift = 27;
@@ -67,11 +69,13 @@ struct Descend {
       const std::uint32_t left = 2 * (entry & node_mask);
       for (std::uint32_t child = left; child < left + 2 && child < tree.size[level]; ++child) {
         const std::uint32_t last_leaf = ((child + 1) << level) - 1;
-        if (last_leaf <= slot || !overlap(box, tree.nodes[tree.first[level] + child])) continue;
-        if (level == 0)
-          batch.add(tree.leaf_body[child]);
-        else
+        if (last_leaf < from) continue;
+        batch.visit();
+        if (!overlap(box, tree.nodes[tree.first[level] + child])) continue;
+        if (level > 0)
           stack[depth++] = level << level_shift | child;
+        else if (child > slot)
+          batch.add(tree.leaf_body[child]);
       }
     }
     batch.finish();
@@ -79,27 +83,29 @@ struct Descend {
 };
 
 /// The same query, child after child by calls.
+template <class Sink>
 struct DescendByCalls {
   LevelTree tree;
-  PairSink sink;
+  bool whole;
+  Sink sink;
 
-  /// Of one call on a GPU, in bytes: as compiled for compute capability 9.0 it is less.
-  static constexpr std::size_t call_frame = 160;
-
+  template <class Batch>
   SIM_HD void descend(const Aabb& box, std::uint32_t slot, std::uint32_t level, std::uint32_t node,
-                      PairBatch& batch) const {
+                      Batch& batch) const {
     for (std::uint32_t child = 2 * node; child < 2 * node + 2 && child < tree.size[level]; ++child) {
       const std::uint32_t last_leaf = ((child + 1) << level) - 1;
-      if (last_leaf <= slot || !overlap(box, tree.nodes[tree.first[level] + child])) continue;
-      if (level == 0)
-        batch.add(tree.leaf_body[child]);
-      else
+      if (last_leaf < (whole ? 0 : slot + 1)) continue;
+      batch.visit();
+      if (!overlap(box, tree.nodes[tree.first[level] + child])) continue;
+      if (level > 0)
         descend(box, slot, level - 1, child, batch);
+      else if (child > slot)
+        batch.add(tree.leaf_body[child]);
     }
   }
   SIM_HD void operator()(int leaf) const {
     const auto slot = static_cast<std::uint32_t>(leaf);
-    PairBatch batch(sink, tree.leaf_body[slot]);
+    auto batch = start_query(sink, leaf, tree.leaf_body[slot]);
     if (tree.levels > 1)
       descend(tree.nodes[slot], slot, static_cast<std::uint32_t>(tree.levels - 2), 0, batch);
     batch.finish();
@@ -143,7 +149,10 @@ class InputOrder {
   std::int64_t bodies_ = 0;
 };
 
-template <class Order, class Query = Descend>
+/// Of one call on a GPU, in bytes: as compiled for compute capability 9.0 it is less.
+constexpr std::size_t call_frame = 160;
+
+template <class Order, template <class Sink> class Query = Descend>
 class BvhBottomUp final : public BroadPhase {
  public:
   explicit BvhBottomUp(Executor& executor)
@@ -151,8 +160,8 @@ class BvhBottomUp final : public BroadPhase {
         order_(executor),
         leaf_body_(executor, "leaf bodies"),
         nodes_(executor, "tree nodes") {
-    if constexpr (std::is_same_v<Query, DescendByCalls>)
-      executor.reserve_call_stack(LevelTree::max_levels * DescendByCalls::call_frame);
+    if constexpr (std::is_same_v<Query<PairSink>, DescendByCalls<PairSink>>)
+      executor.reserve_call_stack(LevelTree::max_levels * call_frame);
   }
 
   void reserve(std::int64_t bodies) override {
@@ -180,7 +189,12 @@ class BvhBottomUp final : public BroadPhase {
                                nodes_.data() + tree_.first[level]});
   }
 
-  void find_pairs(const PairSink& sink) override { executor_.run("pairs", bodies_, Query{tree_, sink}); }
+  void find_pairs(const PairSink& sink) override {
+    executor_.run("pairs", bodies_, Query<PairSink>{tree_, executor_.options().whole_queries, sink});
+  }
+  void count_visits(const VisitSink& sink) const override {
+    executor_.run("quality", bodies_, Query<VisitSink>{tree_, executor_.options().whole_queries, sink});
+  }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     executor_.run("tree", tree_nodes(), WriteTree{tree_, sink});

@@ -113,17 +113,17 @@ struct Reach {
 
 /// One body's query, from the root with a stack. Only leaves to the right of its own are looked for, so that
 /// each pair is found once. Node: `Cut cut`, `Reach reached_by(const HalvedLeaf&) const`.
-template <class Node>
+template <class Node, class Sink>
 struct DescendHalves {
   const Node* nodes;
   const HalvedLeaf* leaves;
   std::uint32_t n;
-  PairSink sink;
+  Sink sink;
 
   SIM_HD void operator()(int item) const {
     const auto place = static_cast<std::uint32_t>(item);
     const HalvedLeaf query = load_whole(&leaves[place]);
-    PairBatch batch(sink, query.body);
+    auto batch = start_query(sink, item, query.body);
     // A node pops before its children push: at most one entry a level waits, plus one.
     std::uint32_t stack[Halving::max_levels + 1];
     int waiting = 0;
@@ -131,6 +131,7 @@ struct DescendHalves {
     while (waiting > 0) {
       const std::uint32_t at = stack[--waiting];
       const Node node = load_whole(&nodes[at]);
+      batch.visit();
       const Reach reach = node.reached_by(query);
       const std::uint32_t middle = node.cut.middle();
       if (reach.left && middle > place + 1) {
@@ -148,8 +149,10 @@ struct DescendHalves {
     }
     batch.finish();
   }
-  SIM_HD void meet(const HalvedLeaf& query, std::uint32_t place, PairBatch& batch) const {
+  template <class Batch>
+  SIM_HD void meet(const HalvedLeaf& query, std::uint32_t place, Batch& batch) const {
     const HalvedLeaf other = load_whole(&leaves[place]);
+    batch.visit();
     if (overlap(query, other)) batch.add(other.body);
   }
 };

@@ -1,24 +1,86 @@
 #include "sim_cuda/broad_phase/key_bits.h"
 
 #include <algorithm>
-#include <vector>
+#include <cstdint>
+
+#include "sim_cuda/broad_phase/counting_cells.h"
+#include "sim_cuda/broad_phase/morton.h"
 
 namespace collidoscope {
+namespace {
 
-int key_bits_called_for(const InitialBodies& bodies) {
+/// Whether more bodies than a cell of a counting sort should hold could come to lie in one.
+bool heap_crowds(const InitialBodies& bodies, const Box& box) {
   constexpr double packed = 0.64;  // of the space that spheres heaped up at random take, they fill
-  constexpr double crowded = 128;  // bodies: SettleCells, morton_order.h
-  if (static_cast<double>(bodies.size()) <= crowded) return 30;
-  if (!bodies.box) return 63;
   // Half of the bodies are no smaller.
   std::vector<double> radii = bodies.radius;
   const auto median = radii.begin() + std::ssize(radii) / 2;
   std::ranges::nth_element(radii, median);
   constexpr double pi = 3.141592653589793;
   const double ball = 4 * pi / 3 * *median * *median * *median;
-  const Vector3d sides = bodies.box->max - bodies.box->min;
+  const Vector3d sides = box.max - box.min;
   const double cell = sides.x() * sides.y() * sides.z() / static_cast<double>(bodies.size());
-  return packed * cell > crowded * ball ? 63 : 30;
+  return packed * cell > crowded_cell * ball;
+}
+
+/// How bodies share the cells that the leading bits of their keys number.
+struct Crowding {
+  double others = 0;  ///< in the cell of a body, on average
+  double most = 0;    ///< bodies in the fullest cell
+};
+
+/// The 63-bit keys of every k-th body, sorted; all of them where there are few.
+class KeySample {
+ public:
+  KeySample(const std::vector<Vector3d>& position, const Box& box) : bodies_(position.size()) {
+    const Aabb extent{box.min.cast<float>(), box.max.cast<float>()};
+    const std::size_t stride = bodies_ / most + 1;
+    for (std::size_t k = 0; k < bodies_; k += stride) {
+      const Vector3f center = position[k].cast<float>();
+      keys_.push_back(morton_key<std::uint64_t>({center, center}, extent));
+    }
+    std::ranges::sort(keys_);
+  }
+
+  Crowding in_cells(int bits) const {
+    const int shift = 63 - bits;
+    double pairs = 0;
+    std::size_t fullest = 0;
+    for (std::size_t first = 0, end = 0; first < keys_.size(); first = end) {
+      while (end < keys_.size() && keys_[end] >> shift == keys_[first] >> shift) ++end;
+      pairs += static_cast<double>(end - first) * static_cast<double>(end - first - 1);
+      fullest = std::max(fullest, end - first);
+    }
+    const auto n = static_cast<double>(bodies_), sampled = static_cast<double>(keys_.size());
+    return {(n - 1) * pairs / (sampled * std::max(sampled - 1, 1.0)),
+            static_cast<double>(fullest) * n / sampled};
+  }
+
+ private:
+  static constexpr std::size_t most = 1 << 16;
+  std::size_t bodies_;
+  std::vector<std::uint64_t> keys_;
+};
+
+}  // namespace
+
+int key_bits_called_for(const InitialBodies& bodies, const std::vector<Vector3d>& position, SortMethod sort) {
+  const auto n = static_cast<std::int64_t>(bodies.size());
+  const bool counting = sorts_by_counting(sort, n);
+  const int shortest = counting || n > 1 << 24 ? 30 : 24;
+  if (n <= crowded_cell) return shortest;
+  if (!bodies.box || heap_crowds(bodies, *bodies.box)) return 63;
+  const KeySample keys(position, *bodies.box);
+  if (counting) {
+    // Beyond this a block that sorts one cell takes longer than the library for all keys.
+    constexpr double largest_cell = 1024;
+    const Crowding cells = keys.in_cells(counting_cell_bits(n));
+    if (cells.others > crowded_cell || cells.most > largest_cell) return 63;
+  }
+  constexpr double bearable = 8;  // more visits a query; a good tree takes about 20 of its own
+  for (const int bits : {24, 30})
+    if (bits >= shortest && keys.in_cells(bits).others <= bearable) return bits;
+  return 63;
 }
 
 }  // namespace collidoscope

@@ -1,17 +1,27 @@
 #pragma once
-// How long Morton keys must be in a scene. Short ones are sorted by counting, in a third of the time; but
-// they tell only about as many cells apart as there are bodies, evenly over the extent, and within a crowded
-// cell neighbours in the order are no neighbours in space: queries then visit every body of the cell.
-// Decided once, on the host, by what is known before the first step; says how fast a tree is, never what it
-// finds.
+// How long Morton keys must be in a scene. Short keys take a third of the time to sort; but bodies with equal
+// keys are neighbours in the order without being neighbours in space, and queries then visit all of them.
+// Decided once, on the host, from the radii, the box and the positions at the start. It decides how fast a
+// tree is, never what it finds.
 
+#include <vector>
+
+#include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/initial_bodies.h"
 
 namespace collidoscope {
 
-/// 30, or 63 where more bodies than a sort by counting keeps in order could come to lie in one cell: where
-/// the box is so large that a heap of them would, packed as densely as spheres pack at random; or where there
-/// is no box, since one body that flies away stretches the cells of all others.
-int key_bits_called_for(const InitialBodies& bodies);
+/// 24, 30 or 63.
+/// - The shortest that tells as many cells apart as there are bodies: 30 where keys are sorted by counting,
+///   which takes the same time for 24; else 24 up to 2^24 bodies.
+/// - Longer where that many bits leave bodies at `position` (of all `bodies`, m) in crowds with equal keys.
+/// - 63 where crowds would make a counting sort slow: where they are now, or where the bodies would form one
+///   when heaped up, packed as densely as spheres pack at random. And 63 where there is no box, since one
+///   body that flies away stretches the cells of all others.
+int key_bits_called_for(const InitialBodies& bodies, const std::vector<Vector3d>& position,
+                        SortMethod sort = SortMethod::automatic);
+inline int key_bits_called_for(const InitialBodies& bodies) {
+  return key_bits_called_for(bodies, bodies.position);
+}
 
 }  // namespace collidoscope

@@ -194,6 +194,9 @@ class LbvhRopes final : public BroadPhase {
     executor_.run("build", n_, build);
   }
   void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
+  void count_visits(const VisitSink& sink) const override {
+    count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
+  }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     executor_.run("tree", tree_nodes(), WriteTree{nodes_.data(), n_, sink});

@@ -49,14 +49,17 @@ struct PutRoot {
   }
 };
 
+/// A round for each level (Executor::run_rounds). Those that the tree does not have are empty, and cost
+/// nothing.
 template <class Key>
 struct SplitNodes {
   const Key* keys;
   const std::uint32_t* order;
-  int level;
   Levels levels;
   std::uint32_t *first, *parent, *met, *leaf_of_place;
   QueueNode* nodes;
+
+  SIM_HD std::int64_t items(int level) const { return levels.size[level]; }
 
   /// The last place of the left part: the first where the highest differing bit is 1 follows it.
   SIM_HD std::uint32_t split(std::uint32_t low, std::uint32_t high) const {
@@ -70,7 +73,7 @@ struct SplitNodes {
     return low;
   }
 
-  SIM_HD void operator()(int item) const {
+  SIM_HD void operator()(int level, int item) const {
     const std::uint32_t begin = levels.begin[level], next = begin + levels.size[level];
     if (item == 0) levels.begin[level + 1] = next;
     const std::uint32_t node = begin + static_cast<std::uint32_t>(item);
@@ -123,16 +126,18 @@ struct Refit {
   }
 };
 
-/// Only leaves to the right of its own are looked for, so that each pair is found once.
-template <int depth>
-struct DescendRight {
+/// One body's query. Each pair is found once, from its left leaf: only leaves to the right of its own are
+/// looked for; or all are, and those to the left are passed over when they are met (whole).
+template <int depth, class Sink>
+struct DescendFromRoot {
   const QueueNode* nodes;
   const std::uint32_t* leaf_of_place;
-  PairSink sink;
+  bool whole;
+  Sink sink;
   SIM_HD void operator()(int item) const {
-    const auto place = static_cast<std::uint32_t>(item);
+    const auto place = static_cast<std::uint32_t>(item), from = whole ? 0 : place + 1;
     const QueueNode query = load_whole(&nodes[leaf_of_place[place]]);
-    PairBatch batch(sink, query.child & ~leaf_flag);
+    auto batch = start_query(sink, item, query.child & ~leaf_flag);
     // A node that overlaps pops before its children push: at most one entry a level waits, plus one.
     std::uint32_t stack[depth + 1];
     int waiting = 0;
@@ -142,11 +147,12 @@ struct DescendRight {
       const std::uint32_t child = stack[--waiting];
       for (std::uint32_t at = child; at < child + 2; ++at) {
         const QueueNode node = load_whole(&nodes[at]);
-        if (node.last <= place || !overlap(query, node)) continue;
-        if (node.child & leaf_flag)
-          batch.add(node.child & ~leaf_flag);
-        else
+        batch.visit();
+        if (node.last < from || !overlap(query, node)) continue;
+        if (!(node.child & leaf_flag))
           stack[waiting++] = node.child;
+        else if (node.last > place)
+          batch.add(node.child & ~leaf_flag);
       }
     }
     batch.finish();
@@ -212,17 +218,14 @@ class LbvhTopDown final : public BroadPhase {
     executor_.begin_stage("build");
     levels_.fill_zero();
     executor_.run("build", 1, PutRoot{n_, levels, first_.data(), parent_.data(), nodes_.data()});
-    // As many levels as the keys and the number of bodies allow; those that the tree does not have are empty.
-    for (int level = 0; level < levels_needed(); ++level)
-      executor_.run("build", Count(levels.size + level, widest(level)),
-                    SplitNodes<Key>{order_.keys(), order_.bodies(), level, levels, first_.data(),
-                                    parent_.data(), met_.data(), leaf_.data(), nodes_.data()});
+    executor_.run_rounds("build", levels_needed(), n_,
+                         SplitNodes<Key>{order_.keys(), order_.bodies(), levels, first_.data(),
+                                         parent_.data(), met_.data(), leaf_.data(), nodes_.data()});
     executor_.run("build", n_, Refit{boxes, parent_.data(), met_.data(), nodes_.data(), leaf_.data()});
   }
 
-  void find_pairs(const PairSink& sink) override {
-    executor_.run("pairs", n_, DescendRight<most_levels>{nodes_.data(), leaf_.data(), sink});
-  }
+  void find_pairs(const PairSink& sink) override { executor_.run("pairs", n_, query(sink)); }
+  void count_visits(const VisitSink& sink) const override { executor_.run("quality", n_, query(sink)); }
 
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
@@ -235,16 +238,15 @@ class LbvhTopDown final : public BroadPhase {
 
  private:
   // A split by a bit takes one level for each bit, then equal keys are halved.
-  static constexpr int key_bits = sizeof(Key) == 4 ? 30 : 63;
-  static constexpr int most_levels = key_bits + 28;
+  static constexpr int most_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
   int levels_needed() const {
     int halvings = 0;
     while ((std::uint64_t{1} << halvings) < n_) ++halvings;
-    return key_bits + halvings + 1;
+    return order_.key_bits() + halvings + 1;
   }
-  std::int64_t widest(int level) const {
-    const std::int64_t nodes = tree_nodes();
-    return level < 40 && (std::int64_t{1} << level) < nodes ? std::int64_t{1} << level : nodes;
+  template <class Sink>
+  DescendFromRoot<most_levels, Sink> query(const Sink& sink) const {
+    return {nodes_.data(), leaf_.data(), executor_.options().whole_queries, sink};
   }
 
   Executor& executor_;

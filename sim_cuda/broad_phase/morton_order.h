@@ -2,19 +2,24 @@
 // Bodies in the order of their Morton keys: where every tree over the z-order curve begins. Owns the keys;
 // belongs to a broad phase.
 //
-// Up to 2^21 bodies with 30-bit keys it is a counting sort: as many cells as bodies, one counter each, and
-// within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
-// place of a radix sort's eleven. Beyond, and for 63-bit keys, the library sorts; RunOptions::sort may say
-// otherwise.
+// Keys have 24, 30 or 63 bits (RunOptions::key_bits), and all of them are sorted; equal keys by id. So the
+// order depends on the boxes alone, whatever the sort, the launch shape and the order of lanes.
+//
+// Up to 2^21 bodies with 24- or 30-bit keys it is a counting sort: as many cells as bodies, one counter each,
+// and within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
+// place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LongItems). Beyond,
+// and for 63-bit keys, the library sorts; RunOptions::sort may say otherwise.
 
 #include <cstdint>
 #include <type_traits>
 
+#include "sim_cuda/broad_phase/counting_cells.h"
 #include "sim_cuda/broad_phase/morton.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/radix_sort.h"
 #include "sim_cuda/core/scan.h"
+#include "sim_cuda/core/segment_sort.h"
 #include "sim_cuda/core/sort.h"
 
 namespace collidoscope {
@@ -36,11 +41,11 @@ template <class Key>
 struct CountCells {
   const Aabb* boxes;
   const Aabb* extent;
-  int cell_shift;
+  int dropped_bits, cell_shift;
   Key* keys;
   std::uint32_t *count, *rank;
   SIM_HD void operator()(int body) const {
-    const Key key = morton_key<Key>(boxes[body], *extent);
+    const Key key = morton_key<Key>(boxes[body], *extent) >> dropped_bits;
     keys[body] = key;
     rank[body] = atomic_add(&count[key >> cell_shift], 1);
   }
@@ -57,35 +62,66 @@ struct ScatterToCells {
   }
 };
 
-/// A cell's bodies, which stand in order of arrival, by (key, id). In a crowded cell they stay as they are,
-/// and their keys are that of the cell: the tree is worse there and depends on the arrival, the pairs do not.
-template <class Key, class Emit>
+/// A cell's bodies, which stand in order of arrival, by (key, id). In a usual cell each body counts those
+/// before it. A crowded cell is sorted whole by the item of its first place: by a block where there is one.
+template <class Emit>
 struct SettleCells {
-  static constexpr std::uint32_t crowded = 128;
-  const Key* keys;
+  const std::uint32_t* keys;
   int cell_shift;
   const std::uint32_t *begin, *arrived;
-  Key* sorted_keys;
+  std::uint32_t *sorted_keys, *sorted;  ///< by place; `sorted` of crowded cells only, and scratch
   Emit emit;
+
+  struct Cell {
+    std::uint32_t first, size;
+    SIM_HD bool crowded() const { return size > crowded_cell; }
+  };
+  SIM_HD Cell cell_of(std::uint32_t key) const {
+    const std::uint32_t first = begin[key >> cell_shift];
+    return {first, begin[(key >> cell_shift) + 1] - first};
+  }
+
   SIM_HD void operator()(int k) const {
-    const std::uint32_t body = arrived[k];
-    Key key = keys[body];
-    const Key cell = key >> cell_shift;
-    const std::uint32_t first = begin[cell], last = begin[cell + 1];
-    std::uint32_t place = first;
-    if (last - first > crowded) {
-      place = static_cast<std::uint32_t>(k);
-      key = cell << cell_shift;
-    } else {
-      for (std::uint32_t j = first; j < last; ++j) {
-        const std::uint32_t other = arrived[j];
-        const Key its = keys[other];
-        place += its < key || (its == key && other < body);
-      }
+    const std::uint32_t body = arrived[k], key = keys[body];
+    const Cell cell = cell_of(key);
+    if (cell.crowded()) {
+      if (static_cast<std::uint32_t>(k) == cell.first) sort_alone(cell);
+      return;
+    }
+    std::uint32_t place = cell.first;
+    for (std::uint32_t j = cell.first; j < cell.first + cell.size; ++j) {
+      const std::uint32_t other = arrived[j];
+      const std::uint32_t its = keys[other];
+      place += its < key || (its == key && other < body);
     }
     sorted_keys[place] = key;
     emit(place, body);
   }
+  SIM_HD void take(std::uint32_t place) const {
+    sorted[place] = arrived[place];
+    sorted_keys[place] = keys[arrived[place]];
+  }
+  SIM_HD KeyedRun run(const Cell& cell) const { return {sorted_keys + cell.first, sorted + cell.first}; }
+  SIM_HD void sort_alone(const Cell& cell) const {
+    for (std::uint32_t i = 0; i < cell.size; ++i) take(cell.first + i);
+    sort_run(run(cell), cell.size);
+    for (std::uint32_t i = 0; i < cell.size; ++i) emit(cell.first + i, sorted[cell.first + i]);
+  }
+
+  SIM_HD bool is_long(int k) const {
+    const Cell cell = cell_of(keys[arrived[k]]);
+    return cell.crowded() && static_cast<std::uint32_t>(k) == cell.first;
+  }
+#if defined(__CUDACC__)
+  __device__ void together(int k) const {
+    const Cell cell = cell_of(keys[arrived[k]]);
+    for (std::uint32_t i = threadIdx.x; i < cell.size; i += blockDim.x) take(cell.first + i);
+    __syncthreads();
+    sort_run_together(run(cell), cell.size);
+    for (std::uint32_t i = threadIdx.x; i < cell.size; i += blockDim.x)
+      emit(cell.first + i, sorted[cell.first + i]);
+  }
+#endif
 };
 
 template <class Emit>
@@ -105,6 +141,9 @@ class MortonOrder {
  public:
   explicit MortonOrder(Executor& executor)
       : executor_(executor),
+        key_bits_(sizeof(Key) == 8                    ? 63
+                  : executor.options().key_bits == 24 ? 24
+                                                      : 30),
         keys_(executor, "Morton keys"),
         sorted_keys_(executor, "sorted Morton keys"),
         ids_(executor, "ids to sort"),
@@ -118,19 +157,15 @@ class MortonOrder {
     const auto n = static_cast<std::size_t>(bodies);
     for (Buffer<Key>* keys : {&keys_, &sorted_keys_}) keys->resize_discarding(n);
     for (Buffer<std::uint32_t>* ids : {&ids_, &order_}) ids->resize_discarding(n);
-    cell_bits_ = 0;
     const SortMethod method = executor_.options().sort;
-    if (method == SortMethod::automatic && sizeof(Key) == 4 && bodies <= most_cells)
-      for (cell_bits_ = 6; (std::int64_t{1} << cell_bits_) < bodies;) ++cell_bits_;
-    // More bits than cells that a body can call its own only cost passes of the sort.
-    sorted_bits_ = sizeof(Key) == 8 ? 63 : bodies <= 1 << 24 ? 24 : 30;
+    cell_bits_ = sizeof(Key) == 4 && sorts_by_counting(method, bodies) ? counting_cell_bits(bodies) : 0;
     const std::size_t cells = cell_bits_ > 0 ? (std::size_t{1} << cell_bits_) + 1 : 0;
     count_.resize_discarding(cells);
     begin_.resize_discarding(cells);
     temporary_.resize_discarding(
         cells > 0                     ? scan_temporary_bytes(executor_, static_cast<std::int64_t>(cells) - 1)
         : method == SortMethod::radix ? radix_sort_temporary_bytes(bodies)
-                                      : sort_temporary_bytes<Key>(executor_, bodies, sorted_bits_));
+                                      : sort_temporary_bytes<Key>(executor_, bodies, key_bits_));
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
@@ -144,53 +179,61 @@ class MortonOrder {
   /// If `items` is all bodies. If it is 0, nothing is emitted, and keys() stay those of the last sort.
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items) {
-    if (cell_bits_ == 0) {
-      const bool in_place = executor_.options().sort == SortMethod::radix;
-      Key* const keys = in_place ? sorted_keys_.data() : keys_.data();
-      std::uint32_t* const ids = in_place ? order_.data() : ids_.data();
-      executor_.run("keys", items, MakeKeys<Key>{boxes, extent, key_bits - sorted_bits_, keys, ids});
-      if (in_place)
-        radix_sort(executor_, "sort", bodies_, sorted_bits_, keys, ids, keys_.data(), ids_.data(),
-                   temporary_.data());
-      else
-        sort_by_key(executor_, "sort", bodies_, sorted_bits_, keys, sorted_keys_.data(), ids, order_.data(),
-                    temporary_.data(), temporary_.bytes());
-      if constexpr (!std::is_same_v<Emit, NoteBody>)  // that is what the sort has done
-        executor_.run("sort", items, EmitInOrder<Emit>{order_.data(), emit});
-      return;
+    constexpr int all_bits = sizeof(Key) == 4 ? 30 : 63;
+    const int dropped_bits = all_bits - key_bits_;
+    if constexpr (sizeof(Key) == 4) {
+      if (cell_bits_ > 0) return sort_by_counting(boxes, extent, emit, items, dropped_bits);
     }
-    const int shift = key_bits - cell_bits_;
-    executor_.begin_stage("keys");
-    count_.fill_zero();
-    executor_.run("keys", items,
-                  CountCells<Key>{boxes, extent, shift, keys_.data(), count_.data(), ids_.data()});
-    exclusive_scan(executor_, "sort", std::int64_t{1} << cell_bits_, count_.data(), begin_.data(),
-                   temporary_.data(), temporary_.bytes());
-    executor_.run("sort", items,
-                  ScatterToCells<Key>{keys_.data(), shift, begin_.data(), ids_.data(), order_.data()});
-    executor_.run(
-        "sort", items,
-        SettleCells<Key, Emit>{keys_.data(), shift, begin_.data(), order_.data(), sorted_keys_.data(), emit});
+    const bool in_place = executor_.options().sort == SortMethod::radix;
+    Key* const keys = in_place ? sorted_keys_.data() : keys_.data();
+    std::uint32_t* const ids = in_place ? order_.data() : ids_.data();
+    executor_.run("keys", items, MakeKeys<Key>{boxes, extent, dropped_bits, keys, ids});
+    if (in_place)
+      radix_sort(executor_, "sort", bodies_, key_bits_, keys, ids, keys_.data(), ids_.data(),
+                 temporary_.data());
+    else
+      sort_by_key(executor_, "sort", bodies_, key_bits_, keys, sorted_keys_.data(), ids, order_.data(),
+                  temporary_.data(), temporary_.bytes());
+    if constexpr (!std::is_same_v<Emit, NoteBody>)  // that is what the sort has done
+      executor_.run("sort", items, EmitInOrder<Emit>{order_.data(), emit});
   }
 #endif
 
+  int key_bits() const { return key_bits_; }
   /// By place, ascending; after sort().
   const Key* keys() const { return sorted_keys_.data(); }
   /// By place, after the sort() that emits nothing.
   const std::uint32_t* bodies() const { return cell_bits_ > 0 ? ids_.data() : order_.data(); }
 
  private:
+#if !SIM_CUDA || defined(__CUDACC__)
+  template <class Emit>
+  void sort_by_counting(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items,
+                        int dropped_bits) {
+    const int shift = key_bits_ - cell_bits_;
+    executor_.begin_stage("keys");
+    count_.fill_zero();
+    executor_.run(
+        "keys", items,
+        CountCells<Key>{boxes, extent, dropped_bits, shift, keys_.data(), count_.data(), ids_.data()});
+    exclusive_scan(executor_, "sort", std::int64_t{1} << cell_bits_, count_.data(), begin_.data(),
+                   temporary_.data(), temporary_.bytes());
+    executor_.run("sort", items,
+                  ScatterToCells<Key>{keys_.data(), shift, begin_.data(), ids_.data(), order_.data()});
+    // Ranks have done their work: their memory takes the bodies of crowded cells.
+    executor_.run("sort", items,
+                  SettleCells<Emit>{keys_.data(), shift, begin_.data(), order_.data(), sorted_keys_.data(),
+                                    ids_.data(), emit});
+  }
+#endif
   std::uint32_t* bodies_by_place() { return cell_bits_ > 0 ? ids_.data() : order_.data(); }
 
-  static constexpr int key_bits = sizeof(Key) == 4 ? 30 : 63;
-  static constexpr std::int64_t most_cells = 1 << 21;  // their counters stay in a GPU's cache
-
   Executor& executor_;
+  int key_bits_;
   std::int64_t bodies_ = 0;
-  int cell_bits_ = 0;  ///< 0: the library sorts
-  int sorted_bits_ = 0;
+  int cell_bits_ = 0;  ///< 0: no counting
   Buffer<Key> keys_, sorted_keys_;
-  Buffer<std::uint32_t> ids_;  ///< ids; or of each body its rank in its cell
+  Buffer<std::uint32_t> ids_;  ///< ids; or of each body its rank in its cell, then bodies by place
   Buffer<std::uint32_t> order_;
   Buffer<std::uint32_t> count_, begin_;
   Buffer<std::byte> temporary_;

@@ -43,6 +43,8 @@ class PairBatch {
       if (k == held_) other_[k] = other;
     ++held_;
   }
+  /// One more node of the hierarchy is read: VisitCount.
+  SIM_HD void visit() const {}
   SIM_HD void finish() { put_all(atomic_take(sink_.total, held_)); }
 
  private:
@@ -56,5 +58,30 @@ class PairBatch {
   PairSink sink_;                           // a copy: parameters of a kernel have no address
   std::uint32_t body_, held_ = 0, other_[room] = {};
 };
+
+/// In place of a PairSink: the same traversal counts what it reads.
+struct VisitSink {
+  std::uint32_t* of_query;  ///< by the item of the query in its stage; starts with zeros
+  std::uint64_t* shared;    ///< of no single query; starts at zero
+};
+
+/// In place of a PairBatch.
+class VisitCount {
+ public:
+  SIM_HD explicit VisitCount(std::uint32_t* visits) : visits_(visits) {}
+  SIM_HD void visit() { ++count_; }
+  SIM_HD void add(std::uint32_t) const {}
+  SIM_HD void finish() const { *visits_ = count_; }
+
+ private:
+  std::uint32_t* visits_;
+  std::uint32_t count_ = 0;
+};
+
+/// What the query of `body`, item `item` of its stage, reports to.
+SIM_HD inline PairBatch start_query(const PairSink& sink, int, std::uint32_t body) { return {sink, body}; }
+SIM_HD inline VisitCount start_query(const VisitSink& sink, int item, std::uint32_t) {
+  return VisitCount(sink.of_query + item);
+}
 
 }  // namespace collidoscope

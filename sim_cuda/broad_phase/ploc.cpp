@@ -208,6 +208,9 @@ class Ploc final : public BroadPhase {
   }
 
   void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
+  void count_visits(const VisitSink& sink) const override {
+    count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
+  }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     if (n_ > 0) write_rope_tree(executor_, n_, nodes_.data(), {link_.data()}, sink);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/pair_sink.h"
 #include "sim_cuda/broad_phase/tree_walk.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/reduce.h"
@@ -218,6 +220,28 @@ struct WriteVisited {
   }
 };
 
+/// Of n >= 1 queries.
+struct QuerySpread {
+  std::uint32_t least = 0, p99 = 0, most = 0;
+  double of_warps = 0;  ///< mean over 32 that follow each other of their most
+
+  explicit QuerySpread(std::vector<std::uint32_t> visits) {
+    constexpr std::size_t warp = 32;
+    std::size_t warps = 0;
+    for (auto first = visits.begin(); first != visits.end(); ++warps) {
+      const auto end = first + std::min<std::ptrdiff_t>(warp, visits.end() - first);
+      of_warps += *std::max_element(first, end);
+      first = end;
+    }
+    of_warps /= static_cast<double>(warps);
+    const auto at = visits.begin() + (std::ssize(visits) - 1) * 99 / 100;
+    std::nth_element(visits.begin(), at, visits.end());
+    p99 = *at;
+    most = *std::max_element(at, visits.end());
+    least = *std::min_element(visits.begin(), at + 1);
+  }
+};
+
 }  // namespace
 
 TreeMeter::TreeMeter(Executor& executor)
@@ -233,6 +257,8 @@ TreeMeter::TreeMeter(Executor& executor)
       met_(executor, "pairs of bodies"),
       leaf_node_(executor, "leaves of bodies"),
       place_(executor, "places of bodies"),
+      own_visits_(executor, "visits of queries"),
+      shared_visits_(executor, "visits of queries"),
       epo_(executor, "end point overlap"),
       node_sums_(executor, "sums over nodes"),
       query_sums_(executor, "sums over queries"),
@@ -304,21 +330,37 @@ TreeQuality TreeMeter::measure(const TreeView& tree, std::int64_t bodies) {
   quality.tests_per_pair = ratio(over_queries.visits, static_cast<double>(over_queries.met));
   quality.visits_mean = over_queries.visits / count;
 
-  std::vector<std::uint32_t> visits = leaf_visits_.download();
-  double of_warps = 0;
-  constexpr std::size_t warp = 32;
-  std::size_t warps = 0;
-  for (std::size_t k = 0; k < n; k += warp, ++warps)
-    of_warps += *std::max_element(visits.begin() + static_cast<std::ptrdiff_t>(k),
-                                  visits.begin() + static_cast<std::ptrdiff_t>(std::min(k + warp, n)));
-  quality.warp_ratio = of_warps / static_cast<double>(warps) / quality.visits_mean;
-  const auto p99 = visits.begin() + static_cast<std::ptrdiff_t>((n - 1) * 99 / 100);
-  std::nth_element(visits.begin(), p99, visits.end());
-  quality.visits_p99 = *p99;
-  quality.visits_max = *std::max_element(p99, visits.end());
-  quality.visits_min = *std::min_element(visits.begin(), p99 + 1);
+  const QuerySpread spread(leaf_visits_.download());
+  quality.warp_ratio = spread.of_warps / quality.visits_mean;
+  quality.visits_p99 = spread.p99;
+  quality.visits_max = spread.most;
+  quality.visits_min = spread.least;
   quality.leaves = leaves(tree);
   return quality;
+}
+
+OwnVisits TreeMeter::own_visits(const BroadPhase& method, std::int64_t bodies) {
+  OwnVisits own;
+  if (bodies == 0 || method.tree_nodes() == 0) return own;
+  own_visits_.resize_discarding(static_cast<std::size_t>(bodies));
+  shared_visits_.resize_discarding(1);
+  executor_.begin_stage("quality");
+  own_visits_.fill_zero();
+  shared_visits_.fill_zero();
+  method.count_visits({own_visits_.data(), shared_visits_.data()});
+  executor_.synchronize();
+  const std::vector<std::uint32_t> visits = own_visits_.download();
+  const std::uint64_t shared = shared_visits_.download()[0];
+  double all = static_cast<double>(shared);
+  for (const std::uint32_t of_query : visits) all += of_query;
+  own.mean = all / static_cast<double>(bodies);
+  own.by_query = shared == 0;
+  if (!own.by_query) return own;
+  const QuerySpread spread(visits);
+  own.p99 = spread.p99;
+  own.most = spread.most;
+  own.warp_ratio = ratio(spread.of_warps, own.mean);
+  return own;
 }
 
 std::vector<std::int64_t> TreeMeter::leaves(const TreeView& tree) {

@@ -35,8 +35,11 @@ class TreeMeter {
 
   /// Leaves at each level; without measure(), too.
   std::vector<std::int64_t> leaves(const TreeView& tree);
-  /// All but `bytes`. Waits for the device.
+  /// All but `bytes` and `own`. Waits for the device.
   TreeQuality measure(const TreeView& tree, std::int64_t bodies);
+  /// What the traversal of the method itself reads, whose boxes are those of its last update. Waits for the
+  /// device.
+  OwnVisits own_visits(const BroadPhase& method, std::int64_t bodies);
   /// After measure() of the same tree: enqueues one and the same query for whatever tree, of every body, from
   /// the root, along children, siblings and parents; for those who time it.
   void enqueue_queries(const TreeView& tree);
@@ -62,7 +65,9 @@ class TreeMeter {
   Buffer<std::uint32_t> body_visits_;                            ///< by id
   Buffer<std::uint32_t> leaf_visits_, met_, leaf_node_;          ///< by place in the tree's order
   Buffer<std::uint32_t> place_;                                  ///< by id
-  Buffer<double> epo_;                                           ///< by place
+  Buffer<std::uint32_t> own_visits_;                             ///< by the items of the method's stage
+  Buffer<std::uint64_t> shared_visits_;
+  Buffer<double> epo_;  ///< by place
   Buffer<NodeSums> node_sums_;
   Buffer<QuerySums> query_sums_;
   Buffer<std::uint32_t> key_, sorted_key_, id_, order_;

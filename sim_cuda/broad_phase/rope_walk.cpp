@@ -9,15 +9,17 @@ namespace {
 constexpr std::uint32_t none = RopedNode::none;
 
 /// One query by one thread.
+template <class Sink>
 struct WalkRopes {
   const RopedNode* nodes;
   std::uint32_t n;
-  PairSink sink;
+  Sink sink;
   SIM_HD void operator()(int leaf) const {
     const RopedNode query = load_whole(&nodes[leaf]);
-    PairBatch batch(sink, query.child);
+    auto batch = start_query(sink, leaf, query.child);
     for (std::uint32_t at = query.rope; at != none;) {
       const RopedNode node = load_whole(&nodes[at]);
+      batch.visit();
       const bool hit = overlap(query, node), is_leaf = at < n;
       if (hit && is_leaf) batch.add(node.child);
       at = hit && !is_leaf ? node.child : node.rope;
@@ -150,7 +152,12 @@ void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32
     return executor.run_kernel("pairs", {lanes_a_query * n, true, warp_space}, walk_ropes_together, nodes, n,
                                sink);
 #endif
-  executor.run("pairs", n, WalkRopes{nodes, n, sink});
+  executor.run("pairs", n, WalkRopes<PairSink>{nodes, n, sink});
+}
+
+void count_visits_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n,
+                           const VisitSink& sink) {
+  executor.run("quality", n, WalkRopes<VisitSink>{nodes, n, sink});
 }
 
 }  // namespace collidoscope

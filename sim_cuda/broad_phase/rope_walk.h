@@ -36,5 +36,8 @@ static_assert(sizeof(RopedNode) == 32);
 
 /// BroadPhase::find_pairs of such a tree over n bodies, in the stage "pairs".
 void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink);
+/// BroadPhase::count_visits of it. Lanes of a warp that share a walk read the same nodes as one lane alone.
+void count_visits_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n,
+                           const VisitSink& sink);
 
 }  // namespace collidoscope

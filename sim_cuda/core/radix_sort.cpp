@@ -11,6 +11,7 @@ constexpr int digit_bits = 4;
 constexpr std::uint32_t digits = 1u << digit_bits;
 constexpr std::int64_t least_stretch = 16;  // records: with as many counters a thread, the table is no longer
                                             // than the keys
+constexpr std::int64_t all_take_part = 65'536;  // threads: up to here each that B x T has takes its share
 
 /// The records of a lane: neighbours, so that the order of equal keys is that of lanes.
 struct Stretches {
@@ -94,7 +95,10 @@ void running_sums(Executor& executor, const char* stage, std::uint32_t* values, 
   executor.run(stage, groups, SumBefore{values, count, groups > 1 ? sums : nullptr});
 }
 
-std::int64_t most_lanes(std::int64_t count) { return (count + least_stretch - 1) / least_stretch; }
+std::int64_t usual_lanes(std::int64_t count) { return (count + least_stretch - 1) / least_stretch; }
+std::int64_t most_lanes(std::int64_t count) {
+  return std::max(usual_lanes(count), std::min(count, all_take_part));
+}
 
 }  // namespace
 
@@ -113,7 +117,7 @@ void radix_sort(Executor& executor, const char* stage, std::int64_t count, int k
   if (count == 0) return;
   const LaunchShape shape = executor.options().shape;
   const std::int64_t asked = std::int64_t{shape.blocks} * shape.threads;
-  const Stretches stretches{count, asked > 0 ? std::min(asked, most_lanes(count)) : most_lanes(count)};
+  const Stretches stretches{count, asked > 0 ? std::min(asked, most_lanes(count)) : usual_lanes(count)};
   auto* table = static_cast<std::uint32_t*>(temporary);
   const std::int64_t entries = digits * stretches.lanes;
   // An even number of passes ends where it began.

@@ -1,5 +1,6 @@
 #pragma once
-// Sorting a run of numbers inside one item of a stage.
+// Sorting a run of numbers inside one item of a stage. A run is anything with `Value get(i)` and
+// `put(i, value)`, so that what is sorted together need not lie together.
 
 #include <cstdint>
 
@@ -7,64 +8,101 @@
 
 namespace collidoscope {
 
-/// Sorts values[0 .. count) ascending: insertion for the usual handful, heap sort (O(n log n), in place) for
-/// the hub of a thousand contacts.
-SIM_HD inline void sort_segment(std::uint32_t* values, std::int64_t count) {
+struct NumberRun {
+  using Value = std::uint32_t;
+  static constexpr std::uint32_t tile_bits = 11;  ///< 2^tile_bits values fit in a block's shared memory
+  std::uint32_t* numbers;
+  SIM_HD Value get(std::int64_t i) const { return numbers[i]; }
+  SIM_HD void put(std::int64_t i, Value value) const { numbers[i] = value; }
+};
+
+/// Keys with the ids of their bodies: ordered by (key, id).
+struct KeyedRun {
+  using Value = std::uint64_t;
+  static constexpr std::uint32_t tile_bits = 9;  ///< 4 KiB: it must not cost the kernel resident blocks
+  std::uint32_t *keys, *ids;
+  SIM_HD Value get(std::int64_t i) const { return std::uint64_t{keys[i]} << 32 | ids[i]; }
+  SIM_HD void put(std::int64_t i, Value value) const {
+    keys[i] = static_cast<std::uint32_t>(value >> 32);
+    ids[i] = static_cast<std::uint32_t>(value);
+  }
+};
+
+/// Sorts the first `count` values ascending: insertion for the usual handful, heap sort (O(n log n), in
+/// place) for the hub of a thousand contacts.
+template <class Run>
+SIM_HD void sort_run(const Run& run, std::int64_t count) {
+  using Value = typename Run::Value;
   if (count <= 24) {
     for (std::int64_t i = 1; i < count; ++i) {
-      const std::uint32_t value = values[i];
+      const Value value = run.get(i);
       std::int64_t k = i;
-      for (; k > 0 && values[k - 1] > value; --k) values[k] = values[k - 1];
-      values[k] = value;
+      for (; k > 0 && run.get(k - 1) > value; --k) run.put(k, run.get(k - 1));
+      run.put(k, value);
     }
     return;
   }
-  const auto sift = [values](std::int64_t root, std::int64_t end) {
-    const std::uint32_t value = values[root];
+  const auto sift = [&run](std::int64_t root, std::int64_t end) {
+    const Value value = run.get(root);
     for (;;) {
       std::int64_t child = 2 * root + 1;
       if (child >= end) break;
-      if (child + 1 < end && values[child + 1] > values[child]) ++child;
-      if (values[child] <= value) break;
-      values[root] = values[child];
+      if (child + 1 < end && run.get(child + 1) > run.get(child)) ++child;
+      if (run.get(child) <= value) break;
+      run.put(root, run.get(child));
       root = child;
     }
-    values[root] = value;
+    run.put(root, value);
   };
   for (std::int64_t root = count / 2; root-- > 0;) sift(root, count);
   for (std::int64_t end = count; end-- > 1;) {
-    const std::uint32_t largest = values[0];
-    values[0] = values[end];
-    values[end] = largest;
+    const Value largest = run.get(0);
+    run.put(0, run.get(end));
+    run.put(end, largest);
     sift(0, end);
   }
 }
 
+SIM_HD inline void sort_segment(std::uint32_t* values, std::int64_t count) {
+  sort_run(NumberRun{values}, count);
+}
+
 #if defined(__CUDACC__)
+
+/// What of a run lies in shared memory.
+template <class Number>
+struct SortTile {
+  Number* values;
+  __device__ Number get(std::uint32_t i) const { return values[i]; }
+  __device__ void put(std::uint32_t i, Number value) const { values[i] = value; }
+};
 
 /// The same by all threads of a block: a bitonic network (Batcher 1968) whose comparators all point upward,
 /// so that a run of any length is one of 2^k with its end missing. What is nearer than a tile is compared in
 /// shared memory.
-inline __device__ void sort_segment_together(std::uint32_t* values, std::uint32_t count) {
-  constexpr std::uint32_t tile_bits = 11, tile = 1u << tile_bits;
-  __shared__ std::uint32_t near[tile];
-  const auto compare = [](std::uint32_t* all, std::uint32_t low, std::uint32_t high, std::uint32_t end) {
-    if (high >= end || all[low] <= all[high]) return;
-    const std::uint32_t larger = all[low];
-    all[low] = all[high];
-    all[high] = larger;
+template <class Run>
+__device__ void sort_run_together(const Run& run, std::uint32_t count) {
+  using Value = typename Run::Value;
+  constexpr std::uint32_t tile_bits = Run::tile_bits, tile = 1u << tile_bits;
+  __shared__ Value near[tile];
+  const auto compare = [](const auto& all, std::uint32_t low, std::uint32_t high, std::uint32_t end) {
+    if (high >= end) return;
+    const Value first = all.get(low), second = all.get(high);
+    if (first <= second) return;
+    all.put(low, second);
+    all.put(high, first);
   };
   // Of two sorted runs of 2^k, the first with the second backwards: afterwards none of it is above the other.
-  const auto flip = [&](std::uint32_t* all, std::uint32_t k, std::uint32_t end) {
+  const auto flip = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
     const std::uint32_t last = (1u << k) - 1;
     for (std::uint32_t i = threadIdx.x; i >> k << (k + 1) < end; i += blockDim.x) {
-      const std::uint32_t run = i >> k << (k + 1);
-      compare(all, run + (i & last), run + 2 * last + 1 - (i & last), end);
+      const std::uint32_t begin = i >> k << (k + 1);
+      compare(all, begin + (i & last), begin + 2 * last + 1 - (i & last), end);
     }
     __syncthreads();
   };
   // Those that are 2^k apart.
-  const auto halve = [&](std::uint32_t* all, std::uint32_t k, std::uint32_t end) {
+  const auto halve = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
     for (std::uint32_t i = threadIdx.x; i >> k << (k + 1) < end; i += blockDim.x) {
       const std::uint32_t low = (i >> k << (k + 1)) + (i & ((1u << k) - 1));
       compare(all, low, low + (1u << k), end);
@@ -74,26 +112,30 @@ inline __device__ void sort_segment_together(std::uint32_t* values, std::uint32_
   const auto in_tiles = [&](const auto& work) {
     for (std::uint32_t from = 0; from < count; from += tile) {
       const std::uint32_t here = min(tile, count - from);
-      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) near[k] = values[from + k];
+      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) near[k] = run.get(from + k);
       __syncthreads();
       work(here);
-      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) values[from + k] = near[k];
+      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) run.put(from + k, near[k]);
       __syncthreads();
     }
   };
   in_tiles([&](std::uint32_t here) {
     for (std::uint32_t k = 0; 1u << k < here; ++k) {
-      flip(near, k, here);
-      for (std::uint32_t apart = k; apart-- > 0;) halve(near, apart, here);
+      flip(SortTile<Value>{near}, k, here);
+      for (std::uint32_t apart = k; apart-- > 0;) halve(SortTile<Value>{near}, apart, here);
     }
   });
   for (std::uint32_t k = tile_bits; 1u << k < count; ++k) {
-    flip(values, k, count);
-    for (std::uint32_t apart = k; apart-- > tile_bits;) halve(values, apart, count);
+    flip(run, k, count);
+    for (std::uint32_t apart = k; apart-- > tile_bits;) halve(run, apart, count);
     in_tiles([&](std::uint32_t here) {
-      for (std::uint32_t apart = tile_bits; apart-- > 0;) halve(near, apart, here);
+      for (std::uint32_t apart = tile_bits; apart-- > 0;) halve(SortTile<Value>{near}, apart, here);
     });
   }
+}
+
+inline __device__ void sort_segment_together(std::uint32_t* values, std::uint32_t count) {
+  sort_run_together(NumberRun{values}, count);
 }
 
 #endif

@@ -142,7 +142,7 @@ struct Criterion {
   std::optional<std::int64_t> pair_capacity;
   std::optional<std::string> broad_phase;
   std::optional<int> blocks, threads;  ///< 0: "auto"
-  std::optional<int> key_bits;         ///< 30 or 63
+  std::optional<int> key_bits;         ///< 24, 30 or 63
 
   std::string changes;                  ///< file, or empty
   std::vector<ExecutorKind> executors;  ///< it runs on these alone; empty: on all

@@ -158,7 +158,8 @@ class CriterionReader {
         in_range(*reader.member("pair_capacity"), "pair_capacity", pairs, 1, std::int64_t{1} << 40))
       criterion_.pair_capacity = pairs;
     if (reader.whole("key_bits", bits)) {
-      if (bits != 30 && bits != 63) reading_.fault(*reader.member("key_bits"), "\"key_bits\" is 30 or 63");
+      if (bits != 24 && bits != 30 && bits != 63)
+        reading_.fault(*reader.member("key_bits"), "\"key_bits\" is 24, 30 or 63");
       criterion_.key_bits = bits;
     }
     reader.finish();
