@@ -1,12 +1,14 @@
 // collidoscope: the window. The exit status is 0, 2 for bad input, 3 where the machine lacks something.
 
-#include <csignal>
+#include <unistd.h>
+
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <vector>
 
 #include "headless/command_line.h"
+#include "headless/interruption.h"
 #include "headless/progress.h"
 #include "sim_cuda/core/error.h"
 #include "viewer/app.h"
@@ -14,18 +16,30 @@
 namespace collidoscope {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+/// After something was cancelled: a GPU may still be at work, and waiting for it may take minutes.
+[[noreturn]] void end_at_once() {
+  std::fflush(nullptr);
+  _exit(0);
+}
 
 int guarded_main(const std::vector<std::string>& arguments) {
   try {
-    const CommandLine line = parse_viewer_line(arguments);
+    CommandLine line = parse_viewer_line(arguments);
     if (!line.text.empty()) {
       std::puts(line.text.c_str());
       return 0;
     }
-    announce_settling();
-    App(load_start(line), line.options).run([] { return interrupted != 0; });
+    announce_long_work();
+    // Ctrl+C closes the window as its button does: what is remembered is written.
+    static Cancellation cancellation;
+    const Interruption interruption(cancellation, false);
+    line.options.run.cancellation = &cancellation;
+    App app(load_start(line), line.options);
+    const bool cancelled = app.run([&] { return interruption.wished(); });
+    if (cancelled) end_at_once();
     return 0;
+  } catch (const Cancelled&) {  // before the first frame
+    end_at_once();
   } catch (const InputError& error) {
     constexpr std::size_t most = 20;
     const std::vector<std::string>& faults = error.lines();
@@ -43,7 +57,5 @@ int guarded_main(const std::vector<std::string>& arguments) {
 }  // namespace collidoscope
 
 int main(int argc, char** argv) {
-  // Ctrl+C closes the window as its button does: what is remembered is written.
-  for (int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { collidoscope::interrupted = 1; });
   return collidoscope::guarded_main(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
 }

@@ -180,7 +180,7 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
 
 }  // namespace
 
-InitialBodies initial_bodies(const Scene& scene) {
+InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
   if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
     std::vector<std::string> lines;
     for (const Fault& fault : faults) {
@@ -203,7 +203,8 @@ InitialBodies initial_bodies(const Scene& scene) {
     const BoxCollider& generator = scene.generators[g];
     const std::size_t first = all.size();
     append_box_collider(generator, all.box.value(),
-                        fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all);
+                        fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all,
+                        cancellation);
     leave_out(generator.without, first, all);
     const double density = scene.materials[generator.material].density;
     for (std::size_t i = first; i < all.size(); ++i) {
