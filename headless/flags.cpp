@@ -222,6 +222,9 @@ constexpr Reader readers[] = {
        else if (const auto n = in.value.whole(1, std::int64_t{1} << 50, or_auto))
          in.options.run.memory_limit = *n;
      }},
+    {{"--allow-large", nullptr, "steps may take all memory that is available, not only 80 % of it",
+      stepping | breaking},
+     [](Reading& in) { in.options.run.allow_large = true; }},
     {{"--initial-pair-capacity", "N", "room for pairs at the start, or auto; it grows", stepping},
      [](Reading& in) {
        if (in.value.text() == "auto")

@@ -10,6 +10,7 @@
 #include "headless/command_line.h"
 #include "headless/compare.h"
 #include "headless/exit_status.h"
+#include "headless/interruption.h"
 #include "headless/process.h"
 #include "headless/progress.h"
 #include "headless/run.h"
@@ -19,6 +20,13 @@
 namespace collidoscope {
 namespace {
 
+int interruptible(CommandLine line, int (*command)(const CommandLine&)) {
+  return until_interrupted([&](Cancellation& cancellation) {
+    line.options.run.cancellation = &cancellation;
+    return command(line);
+  });
+}
+
 int perform(const CommandLine& line) {
   if (!line.text.empty()) {
     print(line.text + '\n');
@@ -26,9 +34,9 @@ int perform(const CommandLine& line) {
   }
   switch (line.command) {
     case Command::run:
-      return run_command(line);
+      return interruptible(line, run_command);
     case Command::capture:
-      return capture_command(line);
+      return interruptible(line, capture_command);
     case Command::compare:
       return run_compare(line.operands[0], line.operands[1], line.options.json == "-");
     case Command::bvh:
@@ -52,7 +60,7 @@ int main(int argc, char** argv) {
   collidoscope::prepare_process();
   collidoscope::end_with_a_line_where_memory_ends();
   return collidoscope::exit_status_of([&] {
-    collidoscope::announce_settling();
+    collidoscope::announce_long_work();
     return collidoscope::perform(collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
   });
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sim_cuda/settle.h"
+#include "sim_cuda/step_estimate.h"
 
 namespace collidoscope {
 namespace {
@@ -50,14 +51,19 @@ std::string progress_line(std::string_view what, std::int64_t done, std::int64_t
   return line.substr(0, static_cast<std::size_t>(std::max(width, 0)));
 }
 
-void announce_settling() {
+void announce_long_work() {
   const auto bar = std::make_shared<std::optional<Progress>>();
   const auto progress = [bar](std::int64_t steps, std::int64_t most) {
     if (!*bar) bar->emplace("settle", most);
     (*bar)->update(steps);
     if (steps == most) bar->reset();
   };
-  set_settle_news({progress, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }});
+  const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  set_settle_news({progress, say});
+  set_slow_step_news([say, last = std::string()](const std::string& line) mutable {
+    if (line != last) say(line);  // worlds of one scene are often made one after the other
+    last = line;
+  });
 }
 
 Progress::Progress(std::string what, std::int64_t total, std::FILE* stream)

@@ -15,8 +15,9 @@ namespace collidoscope {
 std::string progress_line(std::string_view what, std::int64_t done, std::int64_t total, double seconds,
                           int width);
 
-/// A bar for worlds that settle (sim_cuda/settle.h), and their lines on stderr; for the rest of the program.
-void announce_settling();
+/// For the rest of the program: a bar for worlds that settle (sim_cuda/settle.h), and lines on stderr about
+/// them and about steps that will take long (sim_cuda/step_estimate.h).
+void announce_long_work();
 
 class Progress {
  public:

@@ -11,11 +11,13 @@
 
 #include "headless/body_csv.h"
 #include "headless/flag_value.h"
+#include "headless/interruption.h"
 #include "headless/output_file.h"
 #include "headless/progress.h"
 #include "headless/replay.h"
 #include "headless/report.h"
 #include "headless/standard_output.h"
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/guard/rewind.h"
@@ -187,13 +189,18 @@ int run_command(const CommandLine& line) {
 
   while_doing("writing what came out", [&] {
     // All is written before anything is put in place: a disk that fills up leaves no half of a set.
-    if (outputs.bodies) write_body_states(world, [&](std::string_view text) { outputs.bodies->write(text); });
-    if (outputs.dynamics)
-      write_body_dynamics(world, [&](std::string_view text) { outputs.dynamics->write(text); });
+    const auto into = [&](OutputFile& file) {
+      return [&](std::string_view text) {
+        if (options.run.cancellation != nullptr && options.run.cancellation->look()) throw Cancelled();
+        file.write(text);
+      };
+    };
+    if (outputs.bodies) write_body_states(world, into(*outputs.bodies));
+    if (outputs.dynamics) write_body_dynamics(world, into(*outputs.dynamics));
     if (outputs.energy) outputs.energy->write(trace);
-    if (outputs.snapshot)
-      write_snapshot(snapshot_of(world), [&](std::string_view bytes) { outputs.snapshot->write(bytes); });
-    if (outputs.json) outputs.json->write(to_json(report));
+    if (outputs.snapshot) write_snapshot(snapshot_of(world), into(*outputs.snapshot));
+    if (outputs.json) into (*outputs.json)(to_json(report));
+    Interruption::met();
     for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
       if (*file) (*file)->commit();
   });

@@ -43,10 +43,15 @@ class TypedPipeline final : public Pipeline {
   void run() override {
     const auto stages = [&] {
       detect(foresight());
+      if (before_writing_ && !executor_.on_device()) before_writing_(*control_.data());
       solver_->advance(contacts_.view(), impulses_.data());
     };
     guard_ ? guard_->watch(guarded(), stages) : stages();
     executor_.run("move", 1, Commit{control_.data()});
+  }
+
+  void before_writing(std::function<void(const StepControl&)> told) override {
+    before_writing_ = std::move(told);
   }
 
   void find_pairs() override { find_pairs({}); }
@@ -95,6 +100,22 @@ class TypedPipeline final : public Pipeline {
     return now;
   }
   void clear_overflow() override { executor_.fill(&control_.data()->overflow, 0, sizeof(std::uint32_t)); }
+  void set_counts(const StepControl& from) override {
+    StepControl now = control();
+    now.pairs_committed = from.pairs_committed;
+    now.contacts_committed = from.contacts_committed;
+    now.split_committed = from.split_committed;
+    executor_.copy_to_executor(control_.data(), &now, sizeof now);
+  }
+  void visit_lasting(const ArrayVisit& visit) override {
+    visit(control_.data(), control_.bytes());
+    visit(state_.position.data(), state_.position.bytes());
+    visit(state_.velocity.data(), state_.velocity.bytes());
+    visit(state_.orientation.data(), state_.orientation.bytes());
+    visit(state_.angular_velocity.data(), state_.angular_velocity.bytes());
+    visit(state_.ledger.data(), state_.ledger.bytes());
+    solver_->visit_memory(visit);
+  }
   BroadPhase& broad_phase() override { return *broad_phase_; }
   std::int64_t broad_phase_bytes() const override { return broad_phase_bytes_; }
 
@@ -186,6 +207,7 @@ class TypedPipeline final : public Pipeline {
   ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
   std::unique_ptr<StageGuard<Real>> guard_;  // null where the effect is off
+  std::function<void(const StepControl&)> before_writing_;
   Measurer<Real> measurer_;
   Buffer<std::uint32_t> publish_counts_;
 };
@@ -273,6 +295,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       measurer_(executor),
       publish_counts_(executor, "contacts per body to draw") {
   const std::size_t n = initial.size();
+  executor.heed();
   state_.position.upload(narrowed<Real>(initial.position));
   state_.velocity.upload(initial.velocity.empty()
                              ? std::vector<StoredVector3<Real>>(n, Vector3<Real>(Vector3<Real>::Zero()))
@@ -293,6 +316,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   state_.radius.upload(radius);
   state_.mass.upload(mass);
   state_.inverse_mass.upload(inverse_mass);
+  executor.heed();
   if (effects.rotation) {
     std::vector<Quaternion<Real>> orientation(n, Quaternion<Real>(1, 0, 0, 0));
     std::vector<StoredVector3<Real>> spin(n, Vector3<Real>(Vector3<Real>::Zero()));
@@ -353,6 +377,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   box_surfaces_.upload(box_surfaces<Real>(scene));
   if (plane_count_ > 0 || !scene.boxes.empty()) state_.ledger.upload(std::vector<WallLedger>(n));
 
+  executor.heed();
   control_.upload({StepControl{}});
   const auto time_step = static_cast<Real>(scene.physics.time_step);
   if (effects.joints)

@@ -3,10 +3,12 @@
 // work on the executor, so that a run can be recorded once and replayed; step_runner.h decides when to run
 // and grow. One interface for both precisions.
 
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -37,6 +39,8 @@ class Pipeline {
   virtual int runs_per_step() const = 0;
   /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, and what the solver makes of them.
   virtual void run() = 0;
+  /// On the CPU, what each run calls once contacts are known, before it writes anything that outlives it.
+  virtual void before_writing(std::function<void(const StepControl&)> told) = 0;
   /// Enqueues bounds to contacts only: nothing moves.
   virtual void detect() = 0;
   /// Enqueues bounds to pairs only: from positions to the ordered list of pairs.
@@ -63,6 +67,9 @@ class Pipeline {
 
   virtual StepControl control() = 0;  ///< read from the device; waits for it
   virtual void clear_overflow() = 0;
+  virtual void set_counts(const StepControl& control) = 0;  ///< of the last committed run, as they are there
+  /// The arrays that runs write and that outlive them: the state, and what is remembered of it.
+  virtual void visit_lasting(const ArrayVisit& visit) = 0;
   virtual BroadPhase& broad_phase() = 0;
   virtual std::int64_t broad_phase_bytes() const = 0;  ///< that the method took when it was made
 

@@ -9,6 +9,8 @@
 
 namespace collidoscope {
 
+class Cancellation;
+
 enum class ExecutorKind { automatic, cpu, cuda };  ///< automatic: CUDA where there is a device, else the CPU
 
 /// Which items each lane of the CPU takes. The last two are test modes: they expose a stage whose items
@@ -32,6 +34,9 @@ struct RunOptions {
   bool whole_queries = false;
   std::int64_t memory_limit = 0;           ///< bytes in the executor's memory space; 0: what there is
   std::int64_t initial_pair_capacity = 0;  ///< 0: a guess from N; tests start too small on purpose
+  bool allow_large = false;  ///< takes all memory that is available, not only 80 % of it (step_estimate.h)
+  /// Ends long work (core/cancellation.h); null: nothing does. Not owned.
+  Cancellation* cancellation = nullptr;
 };
 
 }  // namespace collidoscope

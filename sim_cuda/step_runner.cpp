@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/elapsed.h"
 #include "sim_cuda/core/error.h"
 
@@ -38,6 +39,17 @@ void StepRunner::replace(std::unique_ptr<Pipeline> pipeline) {
   forget_recorded();
   pipeline_ = std::move(pipeline);
   committed_ = 0;
+}
+
+void StepRunner::remake(const std::function<std::unique_ptr<Pipeline>()>& make) {
+  forget_recorded();
+  const Capacity capacity = pipeline_->capacity();
+  lost_ = true;
+  pipeline_->reserve({0, 0});
+  std::unique_ptr<Pipeline> next = make();
+  next->reserve(capacity);
+  replace(std::move(next));
+  lost_ = false;
 }
 
 void StepRunner::forget_runs() {
@@ -88,13 +100,14 @@ void StepRunner::reserve(Capacity capacity) {
 std::int64_t StepRunner::lacking(Capacity capacity) {
   const std::int64_t more = executor_.rehearse([&] { pipeline_->reserve(capacity); });
   executor_.rehearse([&] { pipeline_->reserve(pipeline_->capacity()); });
-  return std::max<std::int64_t>(more - executor_.available_bytes(), 0);
+  return std::max<std::int64_t>(more - executor_.room_bytes(), 0);
 }
 
 /// After an overflow: grows what was too small. Returns whether there was one.
 bool StepRunner::grow() {
   const StepControl control = pipeline_->control();
   if (!control.overflow) return false;
+  executor_.heed();
   const Capacity now = pipeline_->capacity();
   Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
                   grown(control.contacts_needed, now.contacts, "contacts", 64)};
@@ -102,15 +115,19 @@ bool StepRunner::grow() {
     // Without room to spare, then. Where even that is too much, nothing has changed.
     wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
               std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
-    if (const std::int64_t bytes = lacking(wanted); bytes > 0)
-      throw MachineError("a step found " + std::to_string(control.pairs_needed) + " pairs" +
-                         (control.pairs > 0
-                              ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
-                              : ", which take at least ") +
-                         std::to_string(executor_.allocated_bytes() + executor_.available_bytes() + bytes) +
-                         " bytes with the rest of the scene; " + executor_.device_name() + " gives " +
-                         std::to_string(executor_.allocated_bytes() + executor_.available_bytes()) +
-                         ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
+    if (const std::int64_t bytes = lacking(wanted); bytes > 0) {
+      const RunOptions& options = executor_.options();
+      const std::int64_t given = executor_.allocated_bytes() + executor_.room_bytes();
+      const bool by_rule = options.memory_limit == 0 && !options.allow_large;
+      throw MachineError(
+          "a step found " + std::to_string(control.pairs_needed) + " pairs" +
+          (control.pairs > 0 ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
+                             : ", which take at least ") +
+          std::to_string(given + bytes) + " bytes with the rest of the scene; " + executor_.device_name() +
+          " gives " + std::to_string(given) + (by_rule ? " (80 % of its available memory)" : "") +
+          ": use fewer bodies, or a variant whose pairs grow as N (scaled)" +
+          (by_rule ? ", or --allow-large" : ""));
+    }
   }
   reserve(wanted);
   pipeline_->clear_overflow();
@@ -119,10 +136,16 @@ bool StepRunner::grow() {
 
 // ---- runs ----
 
-/// What ends in the middle of it leaves no state.
+/// What ends in the middle of it leaves no state; what is cancelled, World undoes.
 void StepRunner::launch(StepGraph& graph) {
   lost_ = true;
-  graph.launch();
+  try {
+    graph.launch();
+  } catch (const Cancelled&) {
+    lost_ = false;
+    executor_.clock().discard_step();
+    throw;
+  }
   lost_ = false;
 }
 

@@ -4,6 +4,7 @@
 // that nothing is ever dropped.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -23,6 +24,9 @@ class StepRunner {
   void forget_recorded();
   /// Goes on with another, which has reserved what it needs.
   void replace(std::unique_ptr<Pipeline> pipeline);
+  /// The same after a run was cancelled in its middle: with one that `make` makes, for which the lists of the
+  /// old one, whose contents are lost, make room.
+  void remake(const std::function<std::unique_ptr<Pipeline>()>& make);
 
   /// Pipeline runs whose result is in the state, modulo 2^32.
   std::uint32_t committed() const { return committed_; }
@@ -30,7 +34,7 @@ class StepRunner {
   std::uint32_t next() const { return committed_ + static_cast<std::uint32_t>(pipeline_->runs_per_step()); }
   /// Does one step, up to next() at the time of the call, `timed` or plain; or, with what guards found in it,
   /// a part of one. Throws MachineError where memory does not suffice: then nothing has changed, unless a run
-  /// ended in its middle, after which no step can be made.
+  /// ended in its middle, after which no step can be made. Throws Cancelled, after which remake() comes next.
   std::optional<FirstFound> step(bool timed);
   /// Finds boxes, pairs and contacts, which grow as for a step.
   void detect();

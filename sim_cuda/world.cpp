@@ -1,12 +1,14 @@
 #include "sim_cuda/world.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_bits.h"
 #include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/broad_phase_times.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/out_of_memory.h"
@@ -19,7 +21,9 @@
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/settle.h"
+#include "sim_cuda/step_estimate.h"
 #include "sim_cuda/step_runner.h"
+#include "sim_cuda/step_undo.h"
 
 namespace collidoscope {
 
@@ -53,32 +57,68 @@ Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) 
 }  // namespace
 
 struct World::Impl {
-  Impl(const Scene& s, const RunOptions& asked, const RunState* start)
+  /// `start`: where it will go on from, as adopt() does it.
+  Impl(const Scene& s, const RunOptions& asked, const RunState* start, const BodyIds& ids)
       : scene(valid(s)),
         options(asked),
-        initial(initial_bodies(scene)),
+        initial((expect_room_for_bodies(scene, options), initial_bodies(scene, options.cancellation))),
         executor(with_key_bits(asked, initial, start)),
         effects(built(scene.physics.effects.value_or(effects_called_for(scene, initial)))),
         substeps(substeps_of(scene, initial)),
-        runner(executor, make_pipeline(executor, scene, initial, effects, substeps),
-               first_capacity(options, initial)),
+        undo(executor),
         watched(effects.guards),
-        tree(executor, static_cast<std::int64_t>(initial.size())) {}
+        tree(executor, static_cast<std::int64_t>(initial.size())),
+        runner(executor,
+               (expect_room_for_step(executor, {scene, initial, effects, substeps, start, ids,
+                                                first_capacity(options, initial)}),
+                make()),
+               first_capacity(options, initial)) {}
 
-  Pipeline& pipeline() { return runner.pipeline(); }
+  /// A pipeline that has reserved nothing yet.
+  std::unique_ptr<Pipeline> make() {
+    auto next = frozen.empty()
+                    ? make_pipeline(executor, scene, initial, effects, substeps)
+                    : make_pipeline(executor, scene, with_frozen(initial, frozen), effects, substeps);
+    next->before_writing([this](const StepControl& control) {
+      undo.before_writing(runner.pipeline(), control,
+                          seconds_to_solve(executor, scene.physics, static_cast<double>(initial.size()),
+                                           control.contacts, substeps));
+    });
+    next->record_impulses(recording);
+    next->record_residuals(residuals);
+    if (!watched) next->dismiss_guards();
+    return next;
+  }
+
+  /// After something was cancelled: all as it was before that step.
+  void recover();
+  Pipeline& pipeline() {
+    recover();
+    return runner.pipeline();
+  }
   const Pipeline& pipeline() const { return runner.pipeline(); }
 
   /// These bodies are what no force moves, until others are. Where memory is lacking, nothing has changed.
   void set_frozen(const std::vector<std::uint32_t>& bodies) {
     if (bodies == frozen) return;
     runner.forget_recorded();
-    auto next = make_pipeline(executor, scene, with_frozen(initial, bodies), effects, substeps);
-    next->reserve(pipeline().capacity());
-    next->record_impulses(recording);
-    next->record_residuals(residuals);
-    if (!watched) next->dismiss_guards();
-    runner.replace(std::move(next));
-    frozen = bodies;
+    const std::vector<std::uint32_t> before = std::exchange(frozen, bodies);
+    try {
+      auto next = make();
+      next->reserve(pipeline().capacity());
+      runner.replace(std::move(next));
+    } catch (...) {
+      frozen = before;
+      throw;
+    }
+  }
+
+  /// The pipeline, which has no such, goes on from there.
+  void put(const RunState& state) {
+    runner.pipeline().set_bodies(state.bodies, state.ledgers);
+    runner.pipeline().remember(state.memory);
+    steps = state.steps;
+    detected = residuals_known = false;
   }
 
   /// Does one step; or what guards found in it, which then is neither in `steps` nor in a state of any use.
@@ -92,13 +132,15 @@ struct World::Impl {
   /// Of the boxes of the last step or detect(); arranged when somebody asks.
   const TreeView& arranged_tree() { return tree.arranged(pipeline().broad_phase()); }
 
+  World* owner = nullptr;
   Scene scene;
   RunOptions options;  // as asked for
   InitialBodies initial;
   Executor executor;  // before everything that lives on it
   Effects effects;
   int substeps;  // as the pipeline takes them
-  StepRunner runner;
+  StepUndo undo;
+  std::optional<std::int64_t> return_to;  // the state that resolve() was cancelled at
   std::int64_t steps = 0;
   bool watched;         // guards look
   bool paused = false;  // at `finding`
@@ -114,19 +156,27 @@ struct World::Impl {
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch;
   std::vector<float> errors;                    // of bodies, m
   std::unique_ptr<Buffer<float>> drawn_errors;  // made when they are first drawn
+  StepRunner runner;
 };
 
 World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids) {
   while_doing("making a world", [&] {
     std::optional<RunState> rest;
     if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
-    impl_ = std::make_unique<Impl>(scene, options, start);
+    impl_ = std::make_unique<Impl>(scene, options, start, ids);
+    impl_->owner = this;
     if (start != nullptr) adopt(*start, ids);
   });
 }
 World::~World() = default;
-World::World(World&&) noexcept = default;
-World& World::operator=(World&&) noexcept = default;
+World::World(World&& other) noexcept : impl_(std::move(other.impl_)) {
+  if (impl_) impl_->owner = this;
+}
+World& World::operator=(World&& other) noexcept {
+  impl_ = std::move(other.impl_);
+  if (impl_) impl_->owner = this;
+  return *this;
+}
 
 const Scene& World::scene() const { return impl_->scene; }
 const InitialBodies& World::initial() const { return impl_->initial; }
@@ -147,6 +197,7 @@ std::int64_t World::steps() const { return impl_->steps; }
 void World::step(int count) {
   Impl& w = *impl_;
   for (int done = 0; done < count && !w.paused;) {
+    w.recover();
     if (w.watched) w.rewind.before_step(*this);
     const std::uint32_t first_run = w.runner.committed();
     if (const std::optional<FirstFound> found = w.advance())
@@ -170,11 +221,39 @@ std::optional<FirstFound> World::Impl::advance() {
       world.residuals_known = world.residuals;
     }
   } count_it{*this, runner.next()};
-  return while_doing("making a step", [&] {
-    const std::optional<FirstFound> found = runner.step(with_events);
+  undo.begin_step();
+  try {
+    const std::optional<FirstFound> found =
+        while_doing("making a step", [&] { return runner.step(with_events); });
     count_it.found = found.has_value();
+    undo.end_step();
     return found;
-  });
+  } catch (const Cancelled&) {
+    undo.leave_step();
+    throw;
+  } catch (...) {
+    undo.end_step();
+    throw;
+  }
+}
+
+void World::Impl::recover() {
+  if (!executor.interrupted()) return;
+  if (executor.on_device() || options.cancellation->requested()) throw Cancelled();
+  const Executor::Uninterrupted whole(executor);
+  executor.resume();
+  undo.undo();
+  const StepControl counts = runner.pipeline().control();
+  const RunState state = owner->state();
+  runner.remake([this] { return make(); });
+  put(state);
+  runner.pipeline().set_counts(counts);
+  impulses_new = false;
+  tree.forget();
+  if (!return_to) return;
+  const std::optional<Finding> known = finding;
+  rewind.to(*owner, *std::exchange(return_to, std::nullopt));
+  finding = known;
 }
 
 /// Back to the state before the step, which is done up to there once more to read what was found; then
@@ -183,10 +262,20 @@ void World::resolve(const FirstFound& found, std::uint32_t first_run) {
   Impl& w = *impl_;
   const Guards guards = w.scene.physics.guards.value_or(Guards{});
   const int run = static_cast<int>(found.run - first_run);
-  w.runner.forget_runs();
-  w.rewind.to(*this, w.steps);
-  RunState before = state();
-  Finding finding = w.pipeline().read_found(found, run);
+  const std::int64_t at = w.steps;
+  const std::optional<Finding> known = w.finding;
+  RunState before;
+  Finding finding;
+  try {
+    w.runner.forget_runs();
+    w.rewind.to(*this, at);
+    before = state();
+    finding = w.pipeline().read_found(found, run);
+  } catch (const Cancelled&) {
+    w.return_to = at;
+    w.finding = known;
+    throw;
+  }
   w.runner.forget_runs();
   finding.step = before.steps + 1;
   finding.substep += run;
@@ -278,6 +367,8 @@ void World::adopt(World& other) { adopt(other.state()); }
 
 void World::adopt(const RunState& other, const BodyIds& ids) {
   Impl& w = *impl_;
+  w.recover();
+  const Executor::Uninterrupted whole(w.executor);
   RunState state = renumbered(other, ids, w.pipeline().bodies());
   w.runner.forget_recorded();  // what the solver remembers may move
   w.set_frozen(state.frozen);
@@ -285,11 +376,8 @@ void World::adopt(const RunState& other, const BodyIds& ids) {
     state.bodies.velocity[body].setZero();
     state.bodies.angular_velocity[body].setZero();
   }
-  w.pipeline().set_bodies(state.bodies, state.ledgers);
   if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
-  w.pipeline().remember(state.memory);
-  w.steps = other.steps;
-  w.detected = w.residuals_known = false;
+  w.put(state);
   w.paused = false;
   w.finding.reset();
   w.rewind.forget();
@@ -325,6 +413,7 @@ RunTimes World::latest_times() const {
 
 void World::detect() {
   Impl& w = *impl_;
+  w.recover();
   if (w.detected) return w.runner.expect_memory();
   w.keep_impulses();
   while_doing("finding pairs", [&] { w.runner.detect(); });

@@ -39,7 +39,8 @@ class World {
  public:
   /// At state 0, or, as adopt() does it, at `start`, whose bodies have the ids `ids` here. Throws InputError
   /// where the scene is not valid or the options name nothing known, MachineError where the machine lacks
-  /// what was asked for (the line says what and how much).
+  /// what was asked for (the line says what and how much), or where a step would take more than
+  /// step_estimate.h allows. Throws Cancelled.
   World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr,
         const BodyIds& ids = {});
   ~World();
@@ -67,6 +68,10 @@ class World {
   /// or adopts a state. Or they freeze: the body is fixed where it was in the state before, and the step done
   /// again; all that it never touches goes on as if it had been well. One that no force moves anyway cannot
   /// be frozen, and pauses.
+  ///
+  /// Throws Cancelled where options().cancellation was requested, as detect() and all that detects do; only
+  /// whole steps are in the state then. On the CPU the world goes on from there once the request is cleared;
+  /// on a GPU the device is still at work, and the process is to end without waiting for it.
   void step(int count = 1);
   std::int64_t steps() const;
 

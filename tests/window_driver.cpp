@@ -1,5 +1,7 @@
 #include "tests/window_driver.h"
 
+#include <X11/Xlib.h>
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -10,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -67,7 +70,7 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
   _exit(127);
 }
 
-WindowDriver::WindowDriver(const std::vector<std::string>& arguments) {
+WindowDriver::WindowDriver(const std::vector<std::string>& arguments, Wait wait) {
   // The server chooses a display that is free, and says which.
   server_ = start({"Xvfb", "-displayfd", "1", "-screen", "0", "1600x1200x24", "-nolisten", "tcp"},
                   file("display"), file("xvfb.err"));
@@ -82,6 +85,10 @@ WindowDriver::WindowDriver(const std::vector<std::string>& arguments) {
   command.insert(command.end(), arguments.begin(), arguments.end());
   command.insert(command.end(), {"--automation", file("automation.jsonl")});
   program_ = start(command, file("out"), file("err"));
+  if (wait == Wait::for_window) {
+    hands({"search", "--sync", "--onlyvisible", "--name", "Collidoscope"});
+    return;
+  }
   if (!wait_for([](const Json&) { return true; }, 60))
     throw std::runtime_error("the viewer drew no frame: " + errors());
 }
@@ -144,6 +151,87 @@ int WindowDriver::end() {
   for (int tries = 0; tries < 1000 && running(); ++tries) pause_for(0.02);
   return status_;
 }
+
+namespace {
+
+/// What a window manager does when its close button is pressed; xdotool cannot. By name, since nothing else
+/// here needs the library.
+class XServer {
+ public:
+  explicit XServer(const std::string& display) : library_(dlopen("libX11.so.6", RTLD_NOW)) {
+    if (library_ != nullptr) display_ = function<decltype(XOpenDisplay)>("XOpenDisplay")(display.c_str());
+    if (display_ == nullptr) throw std::runtime_error("libX11 finds no display");
+  }
+  ~XServer() { function<decltype(XCloseDisplay)>("XCloseDisplay")(display_); }
+  XServer(const XServer&) = delete;
+  XServer& operator=(const XServer&) = delete;
+
+  void ask_to_close(::Window window) {
+    const auto atom = [this](const char* name) {
+      return function<decltype(XInternAtom)>("XInternAtom")(display_, name, False);
+    };
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.window = window;
+    event.xclient.message_type = atom("WM_PROTOCOLS");
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(atom("WM_DELETE_WINDOW"));
+    function<decltype(XSendEvent)>("XSendEvent")(display_, window, False, NoEventMask, &event);
+    function<decltype(XSync)>("XSync")(display_, False);
+  }
+
+  std::size_t colors_of(::Window window) {
+    XWindowAttributes size{};
+    function<decltype(XGetWindowAttributes)>("XGetWindowAttributes")(display_, window, &size);
+    XImage* const image =
+        function<decltype(XGetImage)>("XGetImage")(display_, window, 0, 0, static_cast<unsigned>(size.width),
+                                                   static_cast<unsigned>(size.height), AllPlanes, ZPixmap);
+    if (image == nullptr) return 0;
+    std::set<unsigned long> colors;
+    for (int y = 0; y < image->height; ++y)
+      for (int x = 0; x < image->width; ++x) colors.insert(image->f.get_pixel(image, x, y));
+    image->f.destroy_image(image);
+    return colors.size();
+  }
+
+ private:
+  template <class Function>
+  Function* function(const char* name) {
+    return reinterpret_cast<Function*>(dlsym(library_, name));
+  }
+  void* library_;
+  Display* display_ = nullptr;
+};
+
+}  // namespace
+
+unsigned long WindowDriver::window() {
+  std::filesystem::remove(file("xdotool.out"));
+  hands({"search", "--onlyvisible", "--name", "Collidoscope"});
+  std::ifstream found(file("xdotool.out"));
+  unsigned long window = 0;
+  if (!(found >> window)) throw std::runtime_error("the window is not to be seen");
+  return window;
+}
+
+void WindowDriver::press_close_button() { XServer(display_).ask_to_close(window()); }
+
+double WindowDriver::seconds_to_end(int& status, double most) {
+  const auto start = Clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  while (running()) {
+    if (seconds() > most) return -1;
+    pause_for(0.005);
+  }
+  status = status_;
+  return seconds();
+}
+
+void WindowDriver::send_signal(int number) {
+  if (program_ > 0) kill(program_, number);
+}
+
+std::size_t WindowDriver::colors_shown() { return XServer(display_).colors_of(window()); }
 
 bool WindowDriver::sees(const std::string& widget) { return frame()["widgets"].contains(widget); }
 

@@ -22,8 +22,9 @@ class WindowDriver {
  public:
   using Json = nlohmann::json;
 
-  /// Throws std::runtime_error where it does not come up.
-  explicit WindowDriver(const std::vector<std::string>& arguments);
+  /// Throws std::runtime_error where it does not come up: its first frame, or its window alone.
+  enum class Wait { for_frame, for_window };
+  explicit WindowDriver(const std::vector<std::string>& arguments, Wait wait = Wait::for_frame);
   ~WindowDriver();
   WindowDriver(const WindowDriver&) = delete;
   WindowDriver& operator=(const WindowDriver&) = delete;
@@ -37,6 +38,13 @@ class WindowDriver {
   bool running();
   /// Closes the window as Ctrl+C does; its exit status.
   int end();
+  /// The same by its close button; returns at once.
+  void press_close_button();
+  /// Seconds until the program has ended; its status is in `status`. -1 where it has not after `most`.
+  double seconds_to_end(int& status, double most = 20);
+  void send_signal(int number);
+  /// How many colours the X server shows of the window.
+  std::size_t colors_shown();
 
   /// The middle of a widget; fails the wait, and throws, if none of that name is seen.
   std::pair<int, int> place(const std::string& widget);
@@ -57,6 +65,7 @@ class WindowDriver {
 
  private:
   pid_t start(const std::vector<std::string>& command, const std::string& out, const std::string& err);
+  unsigned long window();
   void read_lines();
 
   TemporaryFolder folder_;

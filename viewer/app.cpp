@@ -11,6 +11,7 @@
 #include "sim_cuda/core/whole_file.h"
 #include "sim_cuda/scene/text_file.h"
 #include "ui/shown_layers.h"
+#include "ui/widgets.h"
 #include "viewer/app_guard.h"
 #include "viewer/live/fill_view.h"
 #include "viewer/live/settings_file.h"
@@ -58,11 +59,11 @@ std::optional<Automation> automation_of(const Options& options) {
 App::App(const Start& start, const Options& options)
     : options_(options),
       automation_(automation_of(options)),
-      live_(start.world(options.run)),
       window_(options.capture.width, options.capture.height, "Collidoscope · " + start.scene.name),
       gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
+      live_(prepared(start)),
       scene_(options.capture.display_path, options.capture.draw, say_on_stderr),
       stability_(options.stability.cases, options.run),
       workspace_(first_workspace(options)),
@@ -73,9 +74,31 @@ App::App(const Start& start, const Options& options)
   if (!live_.world().initial().meshes.empty()) say("mesh bodies collide as their bounding spheres for now");
 }
 
-void App::run(const std::function<bool()>& ended) {
+/// The world, which may take long to make; the window says so, and can be closed.
+World App::prepared(const Start& start) {
+  if (Cancellation* const cancellation = options_.run.cancellation)
+    cancellation->set_poll([this, cancellation] {
+      window_.poll();
+      if (window_.closing()) cancellation->request();
+    });
+  std::int64_t bodies = std::ssize(start.scene.bodies) + std::ssize(start.scene.added);
+  for (const BoxCollider& generator : start.scene.generators) bodies += generator.count;
+  constexpr std::int64_t many = 20'000;
+  if (bodies < many && !settles(start.scene)) return start.world(options_.run);
+  const std::string text = fmt::format("preparing {} bodies ...", grouped_number(bodies));
+  constexpr float grey[] = {0.1f, 0.1f, 0.1f, 1};
+  gui_.begin(picture_.width(), picture_.height());
+  ImGui::GetForegroundDrawList()->AddText({20, 20}, IM_COL32_WHITE, text.c_str());
+  glClearNamedFramebufferfv(picture_.target().framebuffer(), GL_COLOR, 0, grey);
+  gui_.end(picture_.target());
+  picture_.present();
+  window_.swap();
+  return start.world(options_.run);
+}
+
+bool App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
-  while (!window_.closing() && !ended() && automation_failure_.empty()) {
+  while (!window_.closing() && !ended() && !cancelled_ && automation_failure_.empty()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
     bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
@@ -100,6 +123,7 @@ void App::run(const std::function<bool()>& ended) {
     say_on_stderr(error.what());
   }
   if (!automation_failure_.empty()) throw MachineError("--automation: " + automation_failure_);
+  return cancelled_;
 }
 
 void App::frame(double seconds) {
@@ -110,6 +134,7 @@ void App::frame(double seconds) {
   for (const InputEvent& event : events) guarded([&] { handle(event); });
   fly_on(seconds);
   meet_wishes(seconds);
+  if (cancelled_) return;
 
   const float font_size = ImGui::GetFontSize();
   const ScreenRect rect =
@@ -124,6 +149,7 @@ void App::frame(double seconds) {
                    scene_.height());
   });
   guarded([&] { fill(view); });
+  if (cancelled_) return;
   if (view.history == nullptr) view.history = &live_.history();
 
   const Clock::time_point before = Clock::now();

@@ -29,14 +29,17 @@ namespace collidoscope {
 
 class App {
  public:
-  /// Throws InputError and MachineError where there is nothing to show, or nowhere to show it.
+  /// Throws InputError and MachineError where there is nothing to show, or nowhere to show it, and Cancelled.
+  /// `options.run.cancellation`, if there is one, is requested when the window is closed during long work.
   App(const Start& start, const Options& options);
-  /// Until the window is closed, or `ended` says so. Remembers the workspace.
-  void run(const std::function<bool()>& ended);
+  /// Until the window is closed, or `ended` says so. Remembers the workspace. Whether work was cancelled:
+  /// then nothing more can be done with it.
+  bool run(const std::function<bool()>& ended);
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  World prepared(const Start& start);
   void frame(double seconds);
   /// Does it; an error goes to the window, and pauses.
   template <class Action>
@@ -86,11 +89,11 @@ class App {
   Options options_;
   std::optional<Automation> automation_;  ///< opened first: a wrong file is reported before a window opens
   std::string automation_failure_;        ///< why its file could not be written; ends the program
-  LiveWorld live_;
   Window window_;
   GuiPass gui_;
   GuiInput input_;
   WindowFrame picture_;
+  LiveWorld live_;
   SceneView scene_;
   TreeInspector tree_;
   LiveReference reference_;
@@ -109,7 +112,7 @@ class App {
   Workspace workspace_;
   std::string renderer_name_, picture_file_;
   std::string cuda_lack_;  ///< why CUDA cannot be used; empty: it can
-  bool software_ = false;
+  bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
   double due_ = 0;  ///< steps that the speed asks for

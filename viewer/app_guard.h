@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "viewer/app.h"
 
@@ -13,6 +14,8 @@ template <class Action>
 void App::guarded(Action action) {
   try {
     action();
+  } catch (const Cancelled&) {
+    cancelled_ = true;
   } catch (const OutOfMemory& error) {
     report_error(std::string("out of memory while ") + error.what() + "; fewer bodies need less");
   } catch (const std::bad_alloc&) {

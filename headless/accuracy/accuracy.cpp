@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "headless/accuracy/analytic_suite.h"
-#include "headless/accuracy/interruption.h"
 #include "headless/accuracy/study_report.h"
 #include "headless/bench/result_files.h"
+#include "headless/interruption.h"
 #include "headless/progress.h"
 #include "headless/standard_output.h"
 #include "sim_cuda/accuracy/study.h"

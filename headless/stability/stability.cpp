@@ -10,7 +10,7 @@
 #include <optional>
 #include <thread>
 
-#include "headless/accuracy/interruption.h"
+#include "headless/interruption.h"
 #include "headless/output_file.h"
 #include "headless/progress.h"
 #include "headless/stability/stability_readme.h"

@@ -32,9 +32,12 @@ class Buffer {
   /// Makes room for exactly `size` elements of undefined value, unless that is the size already.
   void resize_discarding(std::size_t size) {
     if (size == size_) return;
-    if (executor_->rehearsing())
-      return executor_->count_rehearsed(static_cast<std::int64_t>(size * sizeof(T)) -
-                                        static_cast<std::int64_t>(bytes()));
+    if (executor_->rehearsing()) {
+      executor_->count_rehearsed(static_cast<std::int64_t>(size * sizeof(T)) -
+                                 static_cast<std::int64_t>(bytes()));
+      if (executor_->imagining()) size_ = size;
+      return;
+    }
     executor_->release(data_, bytes());
     data_ = nullptr;
     size_ = 0;

@@ -1,12 +1,16 @@
 #include "sim_cuda/core/executor.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <new>
 #include <thread>
 #include <utility>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
 
@@ -19,6 +23,10 @@ namespace collidoscope {
 namespace {
 
 constexpr std::align_val_t host_alignment{64};
+
+/// Work was cancelled while a device was at it. The process is to end: what would wait for the device is
+/// left to the operating system.
+std::atomic<bool> device_abandoned = false;
 
 int cpu_threads(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -63,7 +71,7 @@ void give_back(void* memory, [[maybe_unused]] bool on_device) {
 #if SIM_CUDA
   // Waits for the device; an error here was, or will be, reported by the next checked call.
   if (on_device) {
-    cudaFree(memory);
+    if (!device_abandoned) cudaFree(memory);
     return;
   }
 #endif
@@ -88,6 +96,7 @@ bool cuda_available(std::string* why) {
 }
 
 Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_threads(options.cpu_threads)) {
+  team_.set_cancellation(options.cancellation);
   std::string why;
   on_device_ = options.executor != ExecutorKind::cpu && cuda_available(&why);
   if (options.executor == ExecutorKind::cuda && !on_device_)
@@ -120,7 +129,7 @@ Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_thr
 
 Executor::~Executor() {
 #if SIM_CUDA
-  if (stream_ != nullptr) cudaStreamDestroy(stream_);
+  if (stream_ != nullptr && !device_abandoned) cudaStreamDestroy(stream_);
 #endif
 }
 
@@ -162,6 +171,32 @@ std::int64_t Executor::available_bytes() const {
   if (!on_device_) free_bytes = free_host_bytes();
   if (options_.memory_limit > 0) free_bytes = std::min(free_bytes, options_.memory_limit - allocated_bytes_);
   return std::max<std::int64_t>(free_bytes, 0);
+}
+
+double Executor::equal_cores() const {
+#if SIM_CUDA
+  if (on_device_) return 8.0 * multiprocessors_;  // an H200, 132 of them: 1,300 on 10,000,000 bodies
+#endif
+  return std::min(team_.threads(), cpu_threads(0));
+}
+
+std::int64_t Executor::room_bytes() const {
+  const std::int64_t available = available_bytes();
+  if (options_.memory_limit > 0 || options_.allow_large) return available;
+  // Of the host's buffers, some may not have been written to yet: they still count as available there.
+  const std::int64_t taken =
+      on_device_ ? allocated_bytes_ : std::min(allocated_bytes_, resident_host_bytes());
+  if (available > std::numeric_limits<std::int64_t>::max() - taken) return available;
+  return std::max<std::int64_t>((available + taken) / 5 * 4 - allocated_bytes_, 0);
+}
+
+std::int64_t Executor::imagine(const std::function<void()>& make) {
+  struct UntilTheEnd {  // however it ends
+    bool& on;
+    ~UntilTheEnd() { on = false; }
+  } imagined{imagining_};
+  imagining_ = true;
+  return rehearse(make);
 }
 
 std::int64_t Executor::rehearse(const std::function<void()>& reserve) {
@@ -230,9 +265,10 @@ void Executor::release(void* memory, std::size_t bytes) {
 }
 
 void Executor::copy_to_executor(void* destination, const void* host_source, std::size_t bytes) {
-  if (bytes == 0) return;
+  if (bytes == 0 || imagining_) return;
 #if SIM_CUDA
   if (on_device_) {
+    if (options_.cancellation != nullptr) synchronize();  // a copy waits, too, but cannot be cancelled
     check(cudaMemcpyAsync(destination, host_source, bytes, cudaMemcpyHostToDevice, stream_),
           "copy " + std::to_string(bytes) + " bytes to the device");
     return synchronize();
@@ -242,9 +278,10 @@ void Executor::copy_to_executor(void* destination, const void* host_source, std:
 }
 
 void Executor::copy_to_host(void* host_destination, const void* source, std::size_t bytes) {
-  if (bytes == 0) return;
+  if (bytes == 0 || imagining_) return;
 #if SIM_CUDA
   if (on_device_) {
+    if (options_.cancellation != nullptr) synchronize();
     check(cudaMemcpyAsync(host_destination, source, bytes, cudaMemcpyDeviceToHost, stream_),
           "copy " + std::to_string(bytes) + " bytes to the host");
     return synchronize();
@@ -265,8 +302,46 @@ void Executor::fill(void* destination, int byte, std::size_t bytes) {
 
 void Executor::synchronize() {
 #if SIM_CUDA
-  if (on_device_) check(cudaStreamSynchronize(stream_), "finish the work given to it");
+  if (!on_device_) return;
+  const char* const doing = "finish the work given to it";
+  Cancellation* const cancellation = shields_ > 0 ? nullptr : options_.cancellation;
+  if (cancellation == nullptr) return check(cudaStreamSynchronize(stream_), doing);
+  // Short work is waited for as cudaStreamSynchronize() does it. Of longer work, sleep takes 1/64 at most.
+  using Clock = std::chrono::steady_clock;
+  constexpr auto short_work = std::chrono::milliseconds(5), longest_sleep = std::chrono::milliseconds(5);
+  const Clock::time_point start = Clock::now();
+  for (;;) {
+    const cudaError_t status = cudaStreamQuery(stream_);
+    if (status != cudaErrorNotReady) return check(status, doing);
+    cudaGetLastError();  // that it is not ready is no error
+    const Clock::duration waited = Clock::now() - start;
+    if (waited < short_work) continue;
+    heed();
+    std::this_thread::sleep_for(std::min<Clock::duration>(waited / 64, longest_sleep));
+  }
 #endif
+}
+
+// ---- cancellation ----
+
+void Executor::heed() {
+  if (!on_device_) return team_.heed();
+  if (!team_.is_cancelled()) return;
+  device_abandoned = true;
+  throw Cancelled();
+}
+
+bool Executor::interrupted() const { return team_.stopped(); }
+
+void Executor::shield(int more) {
+  shields_ += more;
+  team_.set_cancellation(shields_ > 0 ? nullptr : options_.cancellation);
+}
+
+void Executor::leave_stage() {
+  watch_ = nullptr;
+  close_stage();
+  timing_ = counting_ = false;
 }
 
 // ---- stages and their times ----
@@ -285,6 +360,7 @@ std::size_t Executor::nodes_in_capture() const {
 #endif
 
 void Executor::begin_stage(const char* name, bool own_shape) {
+  if (!on_device_) heed();
   if (stage_ != nullptr && std::strcmp(stage_, name) == 0) {
     if (own_shape) clock_.entry(name).own_shape = true;
     return;
@@ -488,6 +564,7 @@ StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()
 
 StepGraph::~StepGraph() {
 #if SIM_CUDA
+  if (device_abandoned) return;
   if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
   for (cudaEvent_t event : events_) cudaEventDestroy(event);
 #endif
@@ -512,8 +589,13 @@ void StepGraph::launch() {
   executor_.clock_.clear_shapes();
   executor_.counting_ = true;
   executor_.timing_ = instrumented_;
-  enqueue_();
-  executor_.end_stage();
+  try {
+    enqueue_();
+    executor_.end_stage();
+  } catch (const Cancelled&) {
+    executor_.leave_stage();
+    throw;
+  }
   executor_.timing_ = executor_.counting_ = false;
 }
 

@@ -70,6 +70,8 @@ class Executor {
   bool on_device() const { return on_device_; }
   int gpu() const { return on_device_ ? options_.gpu : -1; }
   const std::string& device_name() const { return device_name_; }
+  /// How many cores of a CPU would be about as fast.
+  double equal_cores() const;
   const RunOptions& options() const { return options_; }
   StageClock& clock() { return clock_; }
   ThreadTeam& team() { return team_; }
@@ -86,9 +88,16 @@ class Executor {
 
   /// Bytes that may still be taken: what the machine has free, within RunOptions::memory_limit.
   std::int64_t available_bytes() const;
+  /// Bytes that buffers may still take by rule: up to RunOptions::memory_limit, else up to 80 % of what the
+  /// machine has for this executor; with RunOptions::allow_large all that are available.
+  std::int64_t room_bytes() const;
   /// By how much allocated_bytes() would change if `reserve` were called. While it is, buffers keep their
   /// size and their contents, and fills do nothing.
   std::int64_t rehearse(const std::function<void()>& reserve);
+  /// The same of buffers that `make` makes, and which do not outlive it: they have a size, but no memory. No
+  /// stage may run.
+  std::int64_t imagine(const std::function<void()>& make);
+  bool imagining() const { return imagining_; }
   bool rehearsing() const { return rehearsing_; }
   void count_rehearsed(std::int64_t bytes) { rehearsed_bytes_ += bytes; }
 
@@ -98,6 +107,28 @@ class Executor {
   void copy_to_host(void* host_destination, const void* source, std::size_t bytes);
   void fill(void* destination, int byte, std::size_t bytes);
   void synchronize();
+
+  // Cancellation (RunOptions::cancellation): stages throw Cancelled, on the CPU at their start or between
+  // chunks; on a GPU whatever waits for the device does, and leaves it at work.
+
+  /// Throws Cancelled if that was requested. For work between stages.
+  void heed();
+  /// Something was cancelled and may be incomplete: buffers that outlive a step, too. On a GPU nothing can be
+  /// done with this executor any more.
+  bool interrupted() const;
+  /// What was incomplete has been made anew.
+  void resume() { team_.resume(); }
+  /// While one lives, nothing is cancelled.
+  class Uninterrupted {
+   public:
+    explicit Uninterrupted(Executor& executor) : executor_(executor) { executor_.shield(1); }
+    ~Uninterrupted() { executor_.shield(-1); }
+    Uninterrupted(const Uninterrupted&) = delete;
+    Uninterrupted& operator=(const Uninterrupted&) = delete;
+
+   private:
+    Executor& executor_;
+  };
 
   /// Stages whose items call themselves need so many bytes of stack a thread beside the usual; outside a
   /// step.
@@ -198,6 +229,9 @@ class Executor {
 #endif
   void end_stage();
   void close_stage();
+  void shield(int more);
+  /// Where a step was cancelled in its middle.
+  void leave_stage();
 
   RunOptions options_;
   bool on_device_ = false;
@@ -208,8 +242,9 @@ class Executor {
     std::size_t bytes;
   };
   std::unordered_map<const void*, Allocation> allocations_;
-  bool rehearsing_ = false;
+  bool rehearsing_ = false, imagining_ = false;
   std::int64_t rehearsed_bytes_ = 0;
+  int shields_ = 0;
   ThreadTeam team_;
   StageClock clock_;
 
@@ -293,49 +328,60 @@ inline std::int64_t shuffle_multiplier(std::int64_t n) {
     if (n % prime != 0) return prime % n == 0 ? 1 : prime % n;
   return 1;
 }
+/// What the lanes of one loop on the CPU share.
+template <class Stage>
+struct Lanes {
+  const Stage& stage;
+  std::int64_t items, lanes;
+  LaneOrder order;
+  ThreadTeam& team;
+  std::int64_t chunk;  ///< items between two looks at a cancellation
+
+  void run(std::int64_t lane) const {
+    const std::int64_t n = items, all = lanes;
+    if (order == LaneOrder::strided)
+      return each((n - lane + all - 1) / all, [=](std::int64_t k) { return lane + k * all; });
+    const std::int64_t first = n * lane / all, own = n * (lane + 1) / all - first;
+    if (order == LaneOrder::contiguous) return each(own, [=](std::int64_t k) { return first + k; });
+    const std::int64_t a = shuffle_multiplier(n), b = n / 3;
+    each(own, [=](std::int64_t k) { return (a * (first + k) + b) % n; });
+  }
+
+ private:
+  template <class ItemAt>
+  void each(std::int64_t own, const ItemAt& item_at) const {
+    for (std::int64_t k = 0; k < own && !team.is_cancelled();)
+      for (const std::int64_t stop = k + chunk < own ? k + chunk : own; k < stop; ++k)
+        stage(static_cast<int>(item_at(k)));
+  }
+};
 }  // namespace detail
 
 template <class Stage>
 void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
-  struct Context {
-    const Stage& stage;
-    std::int64_t count, lanes;
-    LaneOrder order;
-  } context{stage, count, static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads,
-            options_.lane_order};
   const bool automatic = options_.shape.blocks == 0 || options_.shape.threads == 0;
-  if (automatic && context.order == LaneOrder::contiguous) {
+  if (automatic && options_.lane_order == LaneOrder::contiguous) {
     count_loop(count, 0);
     return team_.parallel_for(
         count, cpu_chunk,
-        [](void* c, std::int64_t begin, std::int64_t end) {
-          const Stage& s = static_cast<const Context*>(c)->stage;
+        [](void* one, std::int64_t begin, std::int64_t end) {
+          const Stage& s = *static_cast<const Stage*>(one);
           for (std::int64_t i = begin; i < end; ++i) s(static_cast<int>(i));
         },
-        &context);
+        const_cast<Stage*>(&stage));
   }
-  if (automatic) context.lanes = 64;
-  if (context.lanes > count) context.lanes = count;
-  count_loop(count, context.lanes);
+  const std::int64_t asked =
+      automatic ? 64 : static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads;
+  detail::Lanes<Stage> lanes{stage, count,    asked < count ? asked : count, options_.lane_order,
+                             team_, cpu_chunk};
+  count_loop(count, lanes.lanes);
   team_.parallel_for(
-      context.lanes, 1,
-      [](void* c, std::int64_t begin, std::int64_t end) {
-        const Context& k = *static_cast<const Context*>(c);
-        for (std::int64_t lane = begin; lane < end; ++lane) {
-          if (k.order == LaneOrder::strided) {
-            for (std::int64_t i = lane; i < k.count; i += k.lanes) k.stage(static_cast<int>(i));
-            continue;
-          }
-          const std::int64_t first = k.count * lane / k.lanes, last = k.count * (lane + 1) / k.lanes;
-          if (k.order == LaneOrder::contiguous) {
-            for (std::int64_t i = first; i < last; ++i) k.stage(static_cast<int>(i));
-          } else {
-            const std::int64_t a = detail::shuffle_multiplier(k.count), b = k.count / 3;
-            for (std::int64_t i = first; i < last; ++i) k.stage(static_cast<int>((a * i + b) % k.count));
-          }
-        }
+      lanes.lanes, 1,
+      [](void* all, std::int64_t begin, std::int64_t end) {
+        for (std::int64_t lane = begin; lane < end; ++lane)
+          static_cast<const detail::Lanes<Stage>*>(all)->run(lane);
       },
-      &context);
+      &lanes);
 }
 
 template <class Rounds>

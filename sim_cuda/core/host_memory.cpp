@@ -1,5 +1,7 @@
 #include "sim_cuda/core/host_memory.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <fstream>
 #include <limits>
@@ -56,6 +58,13 @@ std::int64_t free_host_bytes() {
       }
   }
   return free;
+}
+
+std::int64_t resident_host_bytes() {
+  std::ifstream sizes("/proc/self/statm");  // in pages: of the address space, then what is resident
+  std::int64_t all = 0, resident = 0;
+  if (!(sizes >> all >> resident)) return 0;
+  return resident * sysconf(_SC_PAGESIZE);
 }
 
 }  // namespace collidoscope

@@ -9,4 +9,7 @@ namespace collidoscope {
 /// limits of the control groups it runs in. Where neither says: the greatest number.
 std::int64_t free_host_bytes();
 
+/// Bytes of memory that this process occupies now; 0 where the system does not say.
+std::int64_t resident_host_bytes();
+
 }  // namespace collidoscope

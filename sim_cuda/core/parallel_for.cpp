@@ -1,6 +1,10 @@
 #include "sim_cuda/core/parallel_for.h"
 
 #include <algorithm>
+#include <atomic>
+#include <ctime>
+
+#include "sim_cuda/core/cancellation.h"
 
 #if SIM_TBB
 #include <tbb/blocked_range.h>
@@ -12,7 +16,6 @@
 #include <mutex>
 #include <vector>
 #else
-#include <atomic>
 #include <thread>
 #include <vector>
 #endif
@@ -69,15 +72,11 @@ struct ThreadTeam::Impl {
   SpareArenas::Arena arena;
 };
 
-void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
-                              void (*body)(void*, std::int64_t, std::int64_t), void* context) {
-  if (count <= grain || impl_->threads == 1) {
-    if (count > 0) body(context, 0, count);
-    return;
-  }
+template <class Body>
+void ThreadTeam::share(std::int64_t count, std::int64_t grain, const Body& body) {
   impl_->arena->execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, static_cast<std::size_t>(grain)),
-                      [&](const tbb::blocked_range<std::int64_t>& r) { body(context, r.begin(), r.end()); });
+                      [&](const tbb::blocked_range<std::int64_t>& r) { body(r.begin(), r.end()); });
   });
 }
 
@@ -92,18 +91,14 @@ struct ThreadTeam::Impl {
   int threads;
 };
 
-void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
-                              void (*body)(void*, std::int64_t, std::int64_t), void* context) {
-  if (count <= grain || impl_->threads == 1) {
-    if (count > 0) body(context, 0, count);
-    return;
-  }
+template <class Body>
+void ThreadTeam::share(std::int64_t count, std::int64_t grain, const Body& body) {
   std::atomic<std::int64_t> next{0};
   auto work = [&] {
     for (;;) {
       const std::int64_t begin = next.fetch_add(grain, std::memory_order_relaxed);
       if (begin >= count) return;
-      body(context, begin, std::min(begin + grain, count));
+      body(begin, std::min(begin + grain, count));
     }
   };
   std::vector<std::jthread> helpers;
@@ -114,6 +109,70 @@ void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
 void ThreadTeam::sort(KeyedIndex* records, std::int64_t count) { std::sort(records, records + count); }
 
 #endif
+
+namespace {
+
+/// ns, read in a few of them; advances every few ms.
+std::int64_t coarse_clock() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+/// How many items are done between two looks: few at first, since items may be slow; then as many as take
+/// less than `longest`, at most `grain`.
+class Stride {
+ public:
+  explicit Stride(std::int64_t grain) : grain_(grain), items_(std::min<std::int64_t>(grain, 4)) {}
+  std::int64_t items() const { return items_.load(std::memory_order_relaxed); }
+  void took(std::int64_t items, std::int64_t nanoseconds) {
+    constexpr std::int64_t longest = 20'000'000;
+    const std::int64_t next = nanoseconds < longest / 2 ? std::min(2 * items, grain_)
+                              : nanoseconds > longest   ? items / 2
+                                                        : items;
+    if (next != items) items_.store(std::max<std::int64_t>(next, 1), std::memory_order_relaxed);
+  }
+
+ private:
+  const std::int64_t grain_;
+  std::atomic<std::int64_t> items_;  // of all threads
+};
+
+}  // namespace
+
+void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
+                              void (*body)(void*, std::int64_t, std::int64_t), void* context) {
+  if (count <= 0) return;
+  heed();
+  const bool alone = count <= grain || impl_->threads == 1;
+  if (count <= grain || (alone && cancellation_ == nullptr)) {
+    body(context, 0, count);
+  } else if (cancellation_ == nullptr) {
+    share(count, grain, [&](std::int64_t begin, std::int64_t end) { body(context, begin, end); });
+  } else {
+    Stride stride(grain);
+    const auto watched = [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t before = coarse_clock(); begin < end && !look();) {
+        const std::int64_t items = std::min(stride.items(), end - begin);
+        body(context, begin, begin + items);
+        begin += items;
+        const std::int64_t now = coarse_clock();
+        stride.took(items, now - before);
+        before = now;
+      }
+    };
+    alone ? watched(0, count) : share(count, grain, watched);
+  }
+  if (stopped()) throw_cancelled();
+}
+
+bool ThreadTeam::look() {
+  if (!cancellation_->look()) return false;
+  stopped_.store(true, std::memory_order_relaxed);
+  return true;
+}
+
+void ThreadTeam::throw_cancelled() { throw Cancelled(); }
 
 ThreadTeam::ThreadTeam(int threads) : impl_(std::make_unique<Impl>(threads)) {}
 ThreadTeam::~ThreadTeam() = default;

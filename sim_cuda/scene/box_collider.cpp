@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/philox.h"
 #include "sim_cuda/scene/sphere_grid.h"
@@ -16,6 +17,11 @@ namespace {
 
 /// How many places `apart` tries for one body before it says that there is no room.
 constexpr std::uint32_t max_tries = 32768;
+
+/// Before the k-th of many. Throws Cancelled.
+void look_now_and_then(Cancellation* cancellation, std::size_t k) {
+  if (k % 1024 == 0 && cancellation != nullptr && cancellation->look()) throw Cancelled();
+}
 
 /// The next float above or below x, which is finite.
 float next_float(float x, bool up) {
@@ -69,7 +75,7 @@ struct Walls {
 /// free of all bodies placed before it. In the order of ids instead, a large body that comes late finds no
 /// room from 25 % of the box on: not even 2,000 spheres of U(0,5) could be placed in the paper's box.
 void place_apart(const BoxCollider& generator, const Walls& walls, const std::string& where,
-                 std::size_t first, InitialBodies& bodies) {
+                 std::size_t first, InitialBodies& bodies, Cancellation* cancellation) {
   double volume = 0;
   for (std::size_t i = first; i < bodies.size(); ++i) {
     const double radius = bodies.radius[i];
@@ -89,7 +95,9 @@ void place_apart(const BoxCollider& generator, const Walls& walls, const std::st
     return bodies.radius[first + a] > bodies.radius[first + b];
   });
   const PhiloxKey key = philox_key(generator.seed);
+  std::size_t placed = 0;
   for (const std::uint32_t id : order) {
+    look_now_and_then(cancellation, placed++);
     const double radius = bodies.radius[first + id];
     Vector3d& position = bodies.position[first + id];
     for (std::uint32_t tries = 1; grid.overlaps(position, radius); ++tries) {
@@ -143,7 +151,7 @@ std::optional<Box> box_in_effect(const Scene& scene) {
 }
 
 void append_box_collider(const BoxCollider& generator, const Box& box, const std::string& where,
-                         InitialBodies& bodies) {
+                         InitialBodies& bodies, Cancellation* cancellation) {
   const std::size_t first = bodies.size(), total = first + static_cast<std::size_t>(generator.count);
   bodies.position.resize(total);
   bodies.radius.resize(total);
@@ -157,6 +165,7 @@ void append_box_collider(const BoxCollider& generator, const Box& box, const std
   const auto radius_max = static_cast<float>(generator.radius_max);
   const auto speed_max = static_cast<float>(generator.speed_max);
   for (std::size_t i = first; i < total; ++i) {
+    look_now_and_then(cancellation, i);
     const auto id = static_cast<std::uint32_t>(i - first);
     const PhiloxWords r = philox4x32({{id, 0, 0, 0}}, key);
     const float radius = generator.variant == Variant::equal ? equal_radius(generator.radius_max)
@@ -171,7 +180,7 @@ void append_box_collider(const BoxCollider& generator, const Box& box, const std
       }
     }
   }
-  if (generator.spawn == Spawn::apart) place_apart(generator, walls, where, first, bodies);
+  if (generator.spawn == Spawn::apart) place_apart(generator, walls, where, first, bodies, cancellation);
 }
 
 }  // namespace collidoscope

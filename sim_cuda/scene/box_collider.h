@@ -41,8 +41,8 @@ std::optional<Box> box_in_effect(const Scene& scene);
 
 /// Appends the generator's spheres to position and radius, and to velocity where speed_max > 0 (bodies before
 /// them that have none get 0). `where` names the generator in faults. Throws InputError where `apart` finds
-/// no room.
+/// no room, and Cancelled where `cancellation` (may be null) was requested.
 void append_box_collider(const BoxCollider& generator, const Box& box, const std::string& where,
-                         InitialBodies& bodies);
+                         InitialBodies& bodies, Cancellation* cancellation = nullptr);
 
 }  // namespace collidoscope

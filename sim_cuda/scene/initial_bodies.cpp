@@ -196,7 +196,7 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
 
 }  // namespace
 
-InitialBodies initial_bodies(const Scene& scene) {
+InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
   if (const std::vector<Fault> faults = validate(scene); !faults.empty())
     throw InputError(fault_lines(scene, faults));
   InitialBodies all;
@@ -214,7 +214,8 @@ InitialBodies initial_bodies(const Scene& scene) {
     const BoxCollider& generator = scene.generators[g];
     const std::size_t first = all.size();
     append_box_collider(generator, all.box.value(),
-                        fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all);
+                        fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all,
+                        cancellation);
     leave_out(generator.without, first, all);
     const double density = scene.materials[generator.material].density;
     for (std::size_t i = first; i < all.size(); ++i) {

@@ -13,6 +13,8 @@
 
 namespace collidoscope {
 
+class Cancellation;
+
 /// The paper's shape attribute (its Figure 2): a vertex list and a face table, moved to the centre of mass
 /// and turned to the principal axes.
 struct Mesh {
@@ -44,8 +46,9 @@ struct InitialBodies {
 };
 
 /// Expands generators (Philox4x32-10: Salmon et al. 2011; a body's draws depend on its seed and id alone),
-/// loads meshes. Throws InputError where a mesh cannot be read, or `spawn: apart` finds no room.
-InitialBodies initial_bodies(const Scene& scene);
+/// loads meshes. Throws InputError where a mesh cannot be read, or `spawn: apart` finds no room; Cancelled
+/// where `cancellation` (may be null) was requested.
+InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation = nullptr);
 
 /// The effects that `"auto"` stands for in this scene; scene/effects.h says what calls for each.
 Effects effects_called_for(const Scene& scene, const InitialBodies& bodies);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "sim_cuda/core/aside.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/drag.h"
@@ -88,6 +89,8 @@ class ContactSolver {
   /// Outside of runs, which must be recorded again afterwards. Takes over what another solver of a scene with
   /// these bodies knew: of contacts, all; of planes, if they are as many.
   virtual void remember(const SolverMemory&) {}
+  /// On the CPU: the arrays that memory() is made of, as runs write them.
+  virtual void visit_memory(const ArrayVisit&) {}
 };
 
 template <class Real>

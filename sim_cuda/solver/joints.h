@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -49,6 +50,7 @@ class Joints {
   std::vector<JointMemory> memory() const;
   /// Outside of runs. Joints that `memory` does not know start from nothing.
   void remember(const std::vector<JointMemory>& memory);
+  void visit_memory(const ArrayVisit& visit) const { visit(impulses_.data(), impulses_.bytes()); }
 
  private:
   template <JointPhase phase>

@@ -15,6 +15,7 @@
 
 #include <cstdint>
 
+#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -78,6 +79,11 @@ class RollingResistance {
   /// As ContactSolver has them; `contacts` remembered ones.
   void memory(std::size_t contacts, SolverMemory& memory) const;
   void remember(const SolverMemory& memory, std::size_t contact_capacity);
+  void visit_memory(std::size_t contacts, const ArrayVisit& visit) const {
+    if (control_ == nullptr) return;
+    visit(known_impulse_.data(), contacts * sizeof(Vector3<Real>));
+    visit(wall_impulse_.data(), wall_impulse_.bytes());
+  }
 
  private:
   Executor& executor_;

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -79,6 +80,7 @@ class Sleeping {
   std::vector<std::uint32_t> memory() const { return slow_.download(); }
   /// Bodies beyond those that are known, all of them if none are, have not been slow yet.
   void remember(std::vector<std::uint32_t> slow);
+  void visit_memory(const ArrayVisit& visit) const { visit(slow_.data(), slow_.bytes()); }
 
  private:
   Executor& executor_;

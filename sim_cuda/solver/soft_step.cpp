@@ -323,6 +323,20 @@ SolverMemory SoftStepSolver<Real>::memory() const {
 }
 
 template <class Real>
+void SoftStepSolver<Real>::visit_memory(const ArrayVisit& visit) {
+  const std::size_t known = *known_count_.data();
+  visit(known_count_.data(), known_count_.bytes());
+  visit(known_contacts_.data(), known * sizeof(Pair));
+  visit(known_impulse_.data(), known * sizeof(Real));
+  if (known_grip_.size() > 0) visit(known_grip_.data(), known * sizeof(Vector3<Real>));
+  visit(wall_impulse_.data(), wall_impulse_.bytes());
+  visit(wall_grip_.data(), wall_grip_.bytes());
+  rolling_.visit_memory(known, visit);
+  sleeping_.visit_memory(visit);
+  if (scene_.joints) scene_.joints->visit_memory(visit);
+}
+
+template <class Real>
 void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   const std::size_t count = memory.contacts.size();
   const bool grips = scene_.effects.friction && memory.grips.size() == count;

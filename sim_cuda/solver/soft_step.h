@@ -47,6 +47,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   const Sleeping<Real>* sleeping() const override { return scene_.effects.sleeping ? &sleeping_ : nullptr; }
   SolverMemory memory() const override;
   void remember(const SolverMemory& memory) override;
+  void visit_memory(const ArrayVisit& visit) override;
 
  private:
   // `rubbed`: with friction.

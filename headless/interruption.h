@@ -1,0 +1,32 @@
+#pragma once
+// SIGINT (Ctrl-C) and SIGTERM as a flag that is read between two pieces of work, or as a request to cancel the
+// work in progress. One object at a time. While it lives, the first signal is only noted; a second one does
+// what it did before. A signal that the parent ignores stays ignored.
+
+#include <functional>
+
+#include "sim_cuda/core/cancellation.h"
+
+namespace collidoscope {
+
+class Interruption {
+ public:
+  Interruption();
+  /// The first signal also requests `cancellation`, which must outlive all work that reads it. `at_once`: if
+  /// the work has not ended 0.9 s later, the signal ends the program, and temporary files are deleted.
+  Interruption(Cancellation& cancellation, bool at_once);
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  bool wished() const;
+  /// Call when the work has ended: later signals are noted, and no longer end the program after 0.9 s.
+  static void met();
+  /// Ends the program as the signal would have, so that shells and scripts see that it was.
+  [[noreturn]] static void obey();
+};
+
+/// What `work` returns; a signal cancels it, within a second, and then ends the program as it would have.
+int until_interrupted(const std::function<int(Cancellation&)>& work);
+
+}  // namespace collidoscope

@@ -1,0 +1,199 @@
+// Scenes that are larger than what a machine does at once: refused with figures, or ended within a second.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/run_program.h"
+#include "tests/viewer_fixture.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::MatchesRegex;
+using Clock = std::chrono::steady_clock;
+
+/// s. The program ends within one; a machine that does much else may take a while to say so.
+constexpr double soon = 2;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The headless program, in a folder of its own, to be ended by a signal.
+class Started {
+ public:
+  explicit Started(const std::vector<std::string>& arguments) : child_(fork()) {
+    if (child_ != 0) return;
+    if (chdir(folder_.path().c_str()) != 0) _exit(126);
+    for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+      if (dup2(open("/dev/null", O_WRONLY), stream) < 0) _exit(126);
+    const std::string program = (program_folder() / "collidoscope-headless").string();
+    std::vector<char*> argv{const_cast<char*>(program.c_str())};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv(program.c_str(), argv.data());
+    _exit(127);
+  }
+  ~Started() {
+    if (!ended_) kill(child_, SIGKILL), waitpid(child_, nullptr, 0);
+  }
+  Started(const Started&) = delete;
+  Started& operator=(const Started&) = delete;
+
+  bool running() {
+    if (!ended_) ended_ = waitpid(child_, &status_, WNOHANG) == child_;
+    return !ended_;
+  }
+  /// Sends it; how long the program takes to end then.
+  double end_by(int signal) {
+    const Clock::time_point start = Clock::now();
+    kill(child_, signal);
+    while (running() && seconds_since(start) < 20) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return seconds_since(start);
+  }
+  /// As shells count.
+  int status() const { return WIFSIGNALED(status_) ? 128 + WTERMSIG(status_) : WEXITSTATUS(status_); }
+  const TemporaryFolder& folder() const { return folder_; }
+
+ private:
+  TemporaryFolder folder_;
+  pid_t child_;
+  bool ended_ = false;
+  int status_ = 0;
+};
+
+const std::vector<std::string> large_run{"run",     "box_collider",  "--bodies", "200000", "--allow-large",
+                                         "--steps", "1000",          "--json",   "report", "--save",
+                                         "end",     "--dump-bodies", "bodies"};
+
+TEST(LargeRuns, EndWithinASecondOfASignalAndLeaveNoFile) {
+  for (const int signal : {SIGINT, SIGTERM})
+    for (const double wait : {0.02, 0.4, 1.1, 4.0}) {
+      Started run(large_run);
+      std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+      ASSERT_TRUE(run.running());
+      EXPECT_LT(run.end_by(signal), soon) << "after " << wait << " s";
+      EXPECT_EQ(run.status(), 128 + signal);
+      EXPECT_EQ(run.folder().files(), 0u) << "after " << wait << " s";
+    }
+}
+
+TEST(LargeRuns, LeaveNoFileWhereASignalComesWhileFilesAreWritten) {
+  Started run({"run", "box_collider", "--variant", "scaled", "--bodies", "300000", "--steps", "0",
+               "--dump-bodies", "bodies", "--dump-dynamics", "dynamics"});
+  const auto is_writing = [&] {
+    for (const auto& file : std::filesystem::directory_iterator(run.folder().path()))
+      if (std::error_code gone; file.file_size(gone) > 1'000'000 && !gone) return true;
+    return false;
+  };
+  while (!is_writing() && run.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_TRUE(run.running());
+  EXPECT_LT(run.end_by(SIGINT), soon);
+  EXPECT_EQ(run.status(), 128 + SIGINT);
+  EXPECT_EQ(run.folder().files(), 0u);
+}
+
+TEST(LargeRuns, OfCaptureEndWithinASecondOfASignal) {
+  for (const double wait : {0.3, 2.5}) {
+    Started capture({"capture", "box_collider", "--bodies", "200000", "--allow-large", "--states", "5"});
+    std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+    ASSERT_TRUE(capture.running());
+    EXPECT_LT(capture.end_by(SIGINT), soon) << "after " << wait << " s";
+    EXPECT_EQ(capture.status(), 128 + SIGINT);
+    const std::filesystem::path pictures = capture.folder() / "captures";
+    EXPECT_TRUE(!std::filesystem::exists(pictures) || std::filesystem::is_empty(pictures));
+  }
+}
+
+TEST(LargeRuns, AreRefusedWithTheirFigures) {
+  const Clock::time_point start = Clock::now();
+  const Outcome run =
+      run_headless({"run", "box_collider", "--bodies", "200000", "--memory-limit", "2000000000"});
+  EXPECT_LT(seconds_since(start), 20) << "no step is begun";
+  EXPECT_EQ(run.status, 3);
+  EXPECT_EQ(run.out, "");
+  EXPECT_THAT(
+      run.err,
+      MatchesRegex(
+          "200,000 bodies have about [0-9,]+ pairs and [0-9,]+ contacts at first, "
+          "which take about [0-9]+ bytes \\([0-9.]+ GB\\); there are "
+          "2000000000 bytes \\(2.0 GB\\), as --memory-limit says: use fewer bodies, --variant scaled, or a "
+          "higher --memory-limit\n"));
+  const Outcome more = run_headless({"run", "box_collider", "--bodies", "100000000", "--variant", "scaled",
+                                     "--memory-limit", "2000000000"});
+  EXPECT_EQ(more.status, 3);
+  EXPECT_EQ(more.err,
+            "100,000,000 bodies alone take at least 10000000000 bytes (10.0 GB); there are 2000000000 bytes "
+            "(2.0 GB), as --memory-limit says: use fewer bodies, or a higher --memory-limit\n");
+}
+
+TEST(LargeRuns, WarnAboutTimeAndGoOn) {
+  const Outcome warned =
+      run_headless({"run", "box_collider", "--bodies", "80000", "--steps", "0", "--cpu-threads", "1"});
+  EXPECT_EQ(warned.status, 0);
+  EXPECT_THAT(warned.err,
+              MatchesRegex("note: a step of 80,000 bodies with about [0-9,]+ pairs will take about "
+                           "[0-9,]+ s on .*\n"));
+  const Outcome quick = run_headless({"run", "box_collider", "--bodies", "2000", "--steps", "0"});
+  EXPECT_EQ(quick.err, "");
+}
+
+using LargeWindow = Viewer;
+
+TEST_F(LargeWindow, ShowsThatItPreparesAndCloses) {
+  for (const char* way : {"button", "SIGTERM", "SIGINT"}) {
+    SCOPED_TRACE(way);
+    WindowDriver window({"box_collider", "--bodies", "200000", "--allow-large"},
+                        WindowDriver::Wait::for_window);
+    const Clock::time_point start = Clock::now();
+    while (window.colors_shown() < 3 && seconds_since(start) < 20)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_GE(window.colors_shown(), 3u) << "nothing is shown";
+    EXPECT_TRUE(window.frame().is_null()) << "it is still preparing";
+    if (way == std::string("button"))
+      window.press_close_button();
+    else
+      window.send_signal(way == std::string("SIGTERM") ? SIGTERM : SIGINT);
+    int status = -1;
+    const double seconds = window.seconds_to_end(status);
+    EXPECT_GE(seconds, 0);
+    EXPECT_LT(seconds, soon);
+    EXPECT_EQ(status, 0) << window.errors();
+  }
+}
+
+TEST_F(LargeWindow, ClosesWhileAStepIsMadeAndRemembersItsPanels) {
+  WindowDriver window({"box_collider", "--bodies", "2000"});
+  window.click("settings.bodies");
+  window.hands({"key", "ctrl+a"});
+  window.hands({"type", "100000"});
+  window.hands({"key", "Return"});
+  std::this_thread::sleep_for(std::chrono::seconds(3));  // it is at work: no frame comes
+  window.press_close_button();
+  int status = -1;
+  const double seconds = window.seconds_to_end(status);
+  EXPECT_GE(seconds, 0);
+  EXPECT_LT(seconds, soon);
+  EXPECT_EQ(status, 0) << window.errors();
+  EXPECT_TRUE(std::filesystem::exists(window.file("config/collidoscope")));
+}
+
+TEST_F(LargeWindow, KeepsTheRunThatItHasWhereNIsTooLarge) {
+  WindowDriver window({"box_collider", "--bodies", "300", "--memory-limit", "1000000000"});
+  window.type_into("settings.bodies", "150000");
+  EXPECT_TRUE(window.wait_for(
+      [&](const Json&) { return window.errors().find("150,000 bodies have about ") != std::string::npos; }));
+  EXPECT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 300; })) << window.frame();
+  EXPECT_EQ(close(window), "");
+}
+
+}  // namespace
+}  // namespace collidoscope
