@@ -1,6 +1,7 @@
 #include "ui/workspace.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -128,6 +129,11 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);
   draw_help(workspace);
+}
+
+void end_unfinished_panels(Workspace& workspace) {
+  ImGui::ErrorCheckEndFrameRecover(nullptr);
+  draw_error_bar(workspace);
 }
 
 }  // namespace collidoscope

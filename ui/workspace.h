@@ -186,6 +186,9 @@ struct WorkspaceView {
 /// Render().
 void draw_workspace(Workspace& workspace, const WorkspaceView& view);
 
+/// After draw_workspace() was left by an exception: ends what it began, and shows Workspace::errors.
+void end_unfinished_panels(Workspace& workspace);
+
 /// Where the 3D view will be on a screen of this size.
 ScreenRect scene_view_rect(const Workspace& workspace, float width, float height, float font_size);
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
@@ -89,22 +90,23 @@ void App::run(const std::function<bool()>& ended) {
   }
 }
 
+/// Each part is guarded by itself: a fault in one of them leaves the others, the picture and the input.
 void App::frame(double seconds) {
   const int width = window_.width(), height = window_.height();
   gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale * window_.content_scale()));
   const std::vector<InputEvent> events = input_.feed();
   gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
   for (const InputEvent& event : events) guarded([&] { handle(event); });
-  fly_on(seconds);
+  guarded([&] { fly_on(seconds); });
   meet_wishes(seconds);
 
   const float font_size = ImGui::GetFontSize();
   const ScreenRect rect =
       scene_view_rect(workspace_, static_cast<float>(width), static_cast<float>(height), font_size);
   WorkspaceView view;
+  guarded([&] { picture_.resize(width, height); });
+  guarded([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
   guarded([&] {
-    picture_.resize(width, height);
-    tree_.refresh(live_.world(), live_.generation(), workspace_);
     scene_.draw(live_, workspace_, tree_, reference_, std::max(static_cast<int>(rect.width), 1),
                 std::max(static_cast<int>(rect.height), 1));
     picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
@@ -114,17 +116,14 @@ void App::frame(double seconds) {
   if (view.history == nullptr) view.history = &live_.history();
 
   const Clock::time_point before = Clock::now();
-  draw_workspace(workspace_, view);
+  if (!guarded([&] { draw_workspace(workspace_, view); })) end_unfinished_panels(workspace_);
   double ui_ms = std::chrono::duration<double, std::milli>(Clock::now() - before).count();
   guarded([&] { gui_.end(picture_.target()); });
-  guarded([&] {
-    if (workspace_.screenshot_wish) save_picture();
-    workspace_.screenshot_wish = false;
-    picture_.present();
-  });
+  if (std::exchange(workspace_.screenshot_wish, false)) guarded([&] { save_picture(); });
+  guarded([&] { picture_.present(width, height); });
   window_.swap();
   ++frame_;
-  write_automation(view, ui_ms);
+  guarded([&] { write_automation(view, ui_ms); });
 }
 
 void App::fill(WorkspaceView& view) {
@@ -196,15 +195,18 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.picture = picture_file_;
   frame.wants_mouse = ImGui::GetIO().WantCaptureMouse;
   frame.list_open = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
-  const PublishCounts& drawn = scene_.renderer().instances().counts;
-  frame.spheres = drawn.bodies;
-  frame.boxes = drawn.boxes;
-  frame.contacts = drawn.contacts;
+  if (scene_.has_renderer()) {
+    const PublishCounts& drawn = scene_.renderer().instances().counts;
+    frame.spheres = drawn.bodies;
+    frame.boxes = drawn.boxes;
+    frame.contacts = drawn.contacts;
+  }
   automation_->write(frame, workspace_, view);
 }
 
 void App::report_error(const std::string& line) {
   workspace_.playing = false;
+  workspace_.step_wishes = 0;
   // A fault of every frame is one fault.
   if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
   say_on_stderr(line);

@@ -40,7 +40,7 @@ class App {
   void frame(double seconds);
   /// Does it; an error goes to the window, and pauses.
   template <class Action>
-  void guarded(Action action);
+  bool guarded(Action action);
   void report_error(const std::string& line);
 
   // Hands (app_input.cpp).

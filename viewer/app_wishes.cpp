@@ -4,7 +4,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "sim_cuda/core/whole_file.h"
@@ -33,7 +32,7 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
   const bool pending = workspace_.settings != live_.settings();
   if (workspace_.restart_wish && !pending) guarded([&] { restart(seconds); });
-  if (!workspace_.restart_wish && !pending) settling_.reset();  // nobody waits for it any more
+  if (!workspace_.restart_wish && !pending) settling_.reset();
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
@@ -63,8 +62,8 @@ void App::measure_accuracy(double seconds) {
 }
 
 void App::follow_reference() {
-  if (!workspace_.layers.ask_a_reference() || std::exchange(workspace_.reference_wish, false))
-    reference_.forget();
+  const bool wished = std::exchange(workspace_.reference_wish, false);
+  if (!workspace_.layers.ask_a_reference() || wished) reference_.forget();
   if (workspace_.layers.ask_a_reference()) reference_.follow(live_.world(), live_.generation());
 }
 
@@ -195,7 +194,7 @@ void App::follow_selection() {
 
 void App::save_picture() {
   const std::string file = free_name(fmt::format("window_{:06}", live_.world().steps()), "png");
-  std::filesystem::create_directories("captures");
+  make_folder("captures");
   write_png(picture_.read(), file);
   picture_file_ = file;
   say("wrote " + file);

@@ -32,6 +32,7 @@ class SceneView {
   /// Pixels drawn for each of them, along an axis.
   double scale() const { return drawn_.scale; }
 
+  bool has_renderer() const { return renderer_.has_value(); }  ///< false until the first draw()
   Renderer& renderer() { return *renderer_; }
   OrbitCamera& camera() { return camera_; }
   /// From now on the camera is somebody's choice: a new window size keeps it.

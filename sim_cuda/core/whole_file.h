@@ -49,6 +49,9 @@ class WholeFile {
   std::FILE* stream_ = nullptr;
 };
 
+/// Makes a folder and all above it. Throws MachineError: "Cannot create folder FOLDER: REASON".
+void make_folder(const std::string& folder);
+
 /// Writes `text` so; makes the folder. Throws NotWritten.
 void write_whole_file(const std::string& file, const std::string& text);
 
