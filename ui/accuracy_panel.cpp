@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
 #include "ui/accuracy_chart.h"
+#include "ui/number_field.h"
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
@@ -163,11 +165,11 @@ void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const Worksp
 
 void draw_answer(Workspace& workspace, const AccuracyFacts& facts, const WorkspaceView& view) {
   row_label("allowed", "The error that is allowed: drag the line, or type it");
-  double tolerance = workspace.accuracy.tolerance;
-  ImGui::InputDouble("##tolerance", &tolerance, 0, 0, "%.3g m", ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemDeactivatedAfterEdit() && tolerance > 0 && std::isfinite(tolerance))
-    workspace.accuracy.tolerance = tolerance;
-  track(workspace, "accuracy.tolerance");
+  ImGui::PushID("tolerance");
+  number_field(workspace, "accuracy.tolerance", "allowed", workspace.accuracy.tolerance,
+               {limits::min_tolerance, limits::max_tolerance, "m"}, "{:.3g} m");
+  ImGui::PopID();
+  draw_input_fault(workspace, "accuracy.tolerance");
   if (!facts.cheapest) {
     wrapped_faint("No setting measured so far is as accurate.");
     return;

@@ -99,7 +99,8 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   apply_theme(workspace.theme, ImGui::GetFontSize());
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   workspace.widgets.clear();
-  workspace.adjusting = false;
+  workspace.adjusting = workspace.adjusting_result = false;
+  workspace.hovered_level = -1;
   const Layout layout = lay_out(workspace, screen.x, screen.y, ImGui::GetFontSize());
   workspace.scene_view = layout.scene;
   track(workspace, "scene", layout.scene);

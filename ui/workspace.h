@@ -88,6 +88,13 @@ struct ScreenRect {
 struct Workspace {
   Settings settings;       ///< as wished for; the owner takes them over, or puts back what is in effect
   bool adjusting = false;  ///< a slider of `settings` is held
+  bool adjusting_result = false;  ///< one that changes the result: the run waits, so that it is one change
+  /// What was typed last, where it was refused.
+  struct InputFault {
+    std::string widget, text;
+  };
+  std::optional<InputFault> input_fault;
+  std::string typed_text;  ///< in the field that has the keyboard
   ShownLayers layers;
 
   bool playing = true;
@@ -113,6 +120,8 @@ struct Workspace {
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
+  int chosen_stage = -1;   ///< by a click in the table; highlighted where none is under the pointer
+  int hovered_level = -1;  ///< under the pointer, in a bar of levels
   bool help = false, hint = true;
   Theme theme = Theme::dark;
   float font_scale = 1;

@@ -154,6 +154,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"help", workspace.help},
                {"light", workspace.theme == Theme::light},
                {"notice", workspace.notice}};
+  line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
   line["tree"] = tree_json(workspace, view);
