@@ -105,6 +105,7 @@ struct World::Impl {
   Rewind rewind;
   CurrentTree tree;
   bool detected = false;         // pairs and contacts are those of the current state
+  bool stepped = false;          // a step led to the current state, in this world
   bool recording = false;        // steps note the impulses of contacts
   bool residuals = false;        // steps measure what sweeps leave
   bool residuals_known = false;  // the last one did
@@ -164,6 +165,7 @@ std::optional<FirstFound> World::Impl::advance() {
     ~AtItsEnd() {
       if (found || world.runner.committed() != target) return;
       ++world.steps;
+      world.stepped = true;
       world.impulses_new = world.recording;
       world.residuals_known = world.residuals;
     }
@@ -287,7 +289,7 @@ void World::adopt(const RunState& other, const BodyIds& ids) {
   if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
   w.pipeline().remember(state.memory);
   w.steps = other.steps;
-  w.detected = w.residuals_known = false;
+  w.detected = w.residuals_known = w.stepped = false;
   w.paused = false;
   w.finding.reset();
   w.rewind.forget();
@@ -334,7 +336,7 @@ StepStats World::measure() {
   Impl& w = *impl_;
   StepControl last = w.pipeline().control();
   detect();
-  if (w.steps == 0) {
+  if (!w.stepped) {  // no step of this world has counted them
     last = w.pipeline().control();
     last.pairs_committed = last.pairs;
     last.contacts_committed = last.contacts;

@@ -112,6 +112,12 @@ struct Workspace {
   std::optional<std::uint32_t> selection;  ///< id of a body
   bool follow = false;                     ///< the camera goes with it
   bool show_path = true;                   ///< its boxes in the tree are drawn
+  /// The rows of its contacts while the pointer rests on them: they keep their places.
+  struct ContactRows {
+    std::uint32_t body = 0;
+    std::vector<std::uint32_t> others;  ///< ids, from the top
+    bool hovered = false;
+  } contact_rows;
 
   TreeWishes tree;
   AccuracyWishes accuracy;

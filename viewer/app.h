@@ -110,7 +110,8 @@ class App {
   bool software_ = false, cuda_ = false;
 
   std::int64_t frame_ = 0;
-  double due_ = 0;  ///< steps that the speed asks for
+  double due_ = 0;               ///< steps that the speed asks for
+  bool slider_goes_on_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {
     Clock::time_point when;

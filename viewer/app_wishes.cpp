@@ -104,6 +104,7 @@ void App::restart(double seconds) {
 
 void App::apply_settings(double seconds) {
   const Settings now = live_.settings();
+  if (!workspace_.adjusting) slider_goes_on_ = false;
   if (workspace_.settings == now) return;
   // Where a new World takes long, it waits until the slider is let go.
   Settings shape_alone = now;
@@ -116,7 +117,8 @@ void App::apply_settings(double seconds) {
     std::optional<RunState> rest;
     const std::optional<Scene> next = live_.next_run(workspace_.settings);
     if (next && !comes_to_rest(*next, seconds, rest)) return;
-    const std::string said = live_.apply(workspace_.settings, rest ? &*rest : nullptr);
+    const std::string said = live_.apply(workspace_.settings, rest ? &*rest : nullptr, slider_goes_on_);
+    slider_goes_on_ = workspace_.adjusting;
     if (!said.empty()) say(said);
     follow_selection();
   } catch (...) {
@@ -130,6 +132,8 @@ void App::advance(double seconds) {
   const double time_step = live_.world().scene().physics.time_step;
   const bool wished = workspace_.step_wishes > 0;
   if ((wished || workspace_.playing) && is_held()) return;
+  // All values of a slider then act at one state, and are recorded as one change.
+  if (workspace_.adjusting_result && !wished) return;
   if (!wished && workspace_.playing)
     due_ = workspace_.speed > 0 ? due_ + seconds * workspace_.speed / time_step : 1;
   if (!wished && !(workspace_.playing && due_ >= 1)) return;

@@ -153,6 +153,12 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"pressed", workspace.pressed},
                {"help", workspace.help},
                {"light", workspace.theme == Theme::light},
+               {"font_scale", workspace.font_scale},
+               {"hovered_level", workspace.hovered_level},
+               {"chosen_stage", workspace.chosen_stage},
+               {"contact_rows", workspace.contact_rows.others},
+               {"pairs", view.stats.pairs},
+               {"contacts", view.stats.contacts},
                {"notice", workspace.notice}};
   line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
