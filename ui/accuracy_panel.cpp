@@ -82,8 +82,9 @@ void tell(const AccuracyPoint& p, const WorkspaceView& view, bool now) {
   length("overlap", kept.penetration_max);
   length("joints", kept.joint_error);
   share("cone", kept.cone_violation);
-  share("heights K-S", p.distributions.heights);
-  share("speeds K-S", p.distributions.speeds);
+  length("heights W1", p.distributions.heights);
+  if (std::isfinite(p.distributions.speeds))
+    row("speeds W1", fmt::format("{} m/s", short_number(p.distributions.speeds)));
   ImGui::TextDisabled("%s", p.on_front ? "on the Pareto front; a click applies it" : "a click applies it");
   ImGui::EndTooltip();
 }
@@ -171,7 +172,7 @@ void draw_answer(Workspace& workspace, const AccuracyFacts& facts, const Workspa
   ImGui::PopID();
   draw_input_fault(workspace, "accuracy.tolerance");
   if (!facts.cheapest) {
-    wrapped_faint("No setting measured so far is as accurate.");
+    wrapped_faint(facts.no_choice);
     return;
   }
   const AccuracyPoint& p = facts.points[*facts.cheapest];

@@ -62,6 +62,7 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
                    {"lack", facts.lack},
                    {"reference", facts.reference ? Json(facts.reference->description) : Json(nullptr)},
                    {"cheapest", facts.cheapest ? Json(*facts.cheapest) : Json(nullptr)},
+                   {"no_choice", facts.no_choice},
                    {"now", nullptr},
                    {"points", Json::array()}};
   for (std::size_t k = 0; k < facts.points.size(); ++k) {
