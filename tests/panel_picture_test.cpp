@@ -208,8 +208,8 @@ TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
   const Image noise = picture(-1.5, 2.5), real = picture(0.1, 4.1);
   const auto brightest = [&](const Image& image) {  // of the row's number
     int most = 0;
-    for (int y = 70; y < 110; ++y)
-      for (int x = 170; x < 203; ++x)
+    for (int y = 50; y < 75; ++y)
+      for (int x = 155; x < 204; ++x)
         most = std::max<int>(most, image.rgba[4 * static_cast<std::size_t>(y * image.width + x) + 1]);
     return most;
   };
@@ -555,7 +555,7 @@ TEST(PanelPicture, AFrameOfPanelsTakesLessThanTwoMilliseconds) {
   view.history = &history;
   view.tree_nodes = 18'000;
   view.level_sizes.assign(18, 1000);
-  view.level_colors.assign(8, 0xff00ff00u);
+  view.level_colors.assign(64, 0xff00ff00u);
   view.body_colors.colors.assign(256, 0xff00ffffu);
   workspace.folds.tree = true;
   workspace.layers.box_color = NodeMetric::visits;

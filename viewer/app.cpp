@@ -34,6 +34,7 @@ Workspace first_workspace(const Options& options) {
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
+  workspace.levels_chosen |= workspace.layers.boxes;
   if (options.breaks.any()) {
     workspace.breaks.ask(options.breaks);
     workspace.folds.right = workspace.folds.breaks = true;
@@ -47,7 +48,7 @@ App::App(const Start& start, const Options& options)
     : options_(options),
       live_(start.world(options.run)),
       window_(options.capture.width, options.capture.height, "Collidoscope · " + start.scene.name),
-      gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
+      gui_(workspace_font_size(window_.width(), window_.height(), 1, window_.content_scale())),
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
       scene_(options.capture.display_path, options.capture.draw, say_on_stderr),
@@ -93,8 +94,14 @@ void App::run(const std::function<bool()>& ended) {
 /// Each part is guarded by itself: a fault in one of them leaves the others, the picture and the input.
 void App::frame(double seconds) {
   const int width = window_.width(), height = window_.height();
-  gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale * window_.content_scale()));
-  const std::vector<InputEvent> events = input_.feed();
+  guarded([&] {
+    const float content_scale = window_.content_scale();
+    const Folds& folds = workspace_.folds;
+    workspace_.largest_font_scale = largest_font_scale(width, height, content_scale, folds);
+    gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale, content_scale, folds));
+  });
+  std::vector<InputEvent> events;
+  guarded([&] { events = input_.feed(); });
   gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
   for (const InputEvent& event : events) guarded([&] { handle(event); });
   guarded([&] { fly_on(seconds); });
@@ -148,7 +155,6 @@ void App::fill(WorkspaceView& view) {
   view.body_colors = color_key(scene_.body_legend());
   view.box_colors = color_key(scene_.box_legend());
   view.boxes_drawn = scene_.range().boxes;
-  view.level_colors = level_legend();
   view.contact_colors = contact_legend();
   view.max_impulse = scene_.range().max_impulse;
   view.orthographic = scene_.camera().orthographic;
@@ -156,6 +162,9 @@ void App::fill(WorkspaceView& view) {
   view.tree = tree_.facts();
   view.stop = breaks_.stop(live_);
   if (scene_.selected()) view.selected = &*scene_.selected();
+  const auto [first_level, last_level] =
+      colored_levels(workspace_.layers, view.level_sizes.size(), view.selected);
+  view.level_colors = level_legend(first_level, last_level);
   const ScreenRect rect = scene_view_rect(workspace_, static_cast<float>(window_.width()),
                                           static_cast<float>(window_.height()), ImGui::GetFontSize());
   for (const auto& [x, y] : scene_.outline())

@@ -38,7 +38,7 @@ class App {
   using Clock = std::chrono::steady_clock;
 
   void frame(double seconds);
-  /// Does it; an error goes to the window, and pauses.
+  /// Does it; an error goes to the window, and pauses. Returns whether there was none.
   template <class Action>
   bool guarded(Action action);
   void report_error(const std::string& line);

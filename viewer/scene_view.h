@@ -121,6 +121,7 @@ class SceneView {
     Marked marked;
     OrbitCamera camera;
     DrawOptions options;
+    int highlighted_level = -1;
     int width = 0, height = 0;
     double scale = 0;
     friend bool operator==(const Drawn&, const Drawn&) = default;
