@@ -74,9 +74,9 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.boxes_drawn = layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes;
   if (layers.boxes && layers.box_color == NodeMetric::level) {
     const int last = std::min(layers.last_level, static_cast<int>(world.tree_level_sizes().size()) - 1);
-    const std::vector<std::uint32_t> colors = level_legend();
+    const std::vector<std::uint32_t> colors = level_legend(layers.first_level, last);
     for (int level = layers.first_level; level <= last; ++level)
-      text.levels.push_back({level, colors[static_cast<std::size_t>(level) % colors.size()]});
+      text.levels.push_back({level, colors[static_cast<std::size_t>(std::min(level, most_levels - 1))]});
   }
   text.contacts_shown = layers.contacts;
   text.contact_colors = contact_legend();

@@ -190,9 +190,9 @@ constexpr Reader readers[] = {
        if (const auto n = read_count(in.value, 0, 1023)) in.options.run.gpu = *n;
      }},
     {{"--blocks", "B", "blocks of a launch, or auto", stepping},
-     [](Reading& in) { read_count_or_auto(in.value, max_int, in.options.run.shape.blocks); }},
+     [](Reading& in) { read_count_or_auto(in.value, limits::max_blocks, in.options.run.shape.blocks); }},
     {{"--threads", "T", "threads of a block, or auto", stepping},
-     [](Reading& in) { read_count_or_auto(in.value, 1024, in.options.run.shape.threads); }},
+     [](Reading& in) { read_count_or_auto(in.value, limits::max_threads, in.options.run.shape.threads); }},
     {{"--cpu-threads", "N", "threads of the CPU that run the B*T lanes, or auto", stepping},
      [](Reading& in) { read_count_or_auto(in.value, 1024, in.options.run.cpu_threads); }},
     {{"--lane-order", "NAME", "contiguous, strided or shuffled: which items a lane of the CPU takes",
@@ -371,7 +371,9 @@ constexpr Reader readers[] = {
 
     {{"--tolerance", "E", "m: names the cheapest setting whose error is no larger; 1 if there is none",
       studying},
-     [](Reading& in) { in.options.accuracy.tolerance = in.value.number(1e-15, 1e9, "m"); }},
+     [](Reading& in) {
+       in.options.accuracy.tolerance = in.value.number(limits::min_tolerance, limits::max_tolerance, "m");
+     }},
     {{"--seconds", "T", "simulated seconds to compare at most [60 steps, and at least 2]", studying},
      [](Reading& in) {
        if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;

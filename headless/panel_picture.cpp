@@ -58,13 +58,14 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
   view_.body_colors = layers.spheres ? color_key(body_legend(layers.color, range, stats)) : ColorKey{};
   view_.box_colors = layers.boxes ? color_key(box_legend(layers.box_color, range)) : ColorKey{};
   view_.boxes_drawn = range.boxes;
-  view_.level_colors = level_legend();
   view_.contact_colors = contact_legend();
   view_.max_impulse = range.max_impulse;
   view_.error_scale = range.error_scale;
   view_.mark_colors = mark_legend();
   view_.tree = tree_.facts();
   view_.selected = selected_ ? &*selected_ : nullptr;
+  const auto [first, last] = colored_levels(layers, level_sizes.size(), view_.selected);
+  view_.level_colors = level_legend(first, last);
   // Pictures without times are the same on every machine.
   if (!view_.with_times) view_.device = "this machine";
 }

@@ -7,10 +7,11 @@ namespace collidoscope {
 Replay::Replay(const std::string& file, Start& start, RunOptions& options) {
   if (file.empty()) return;
   list_ = read_changes(file, start.scene, options, start.snapshot ? start.snapshot->state.steps : 0);
-  for (; next_ < list_.changes.size() && list_.changes[next_].step == 0; ++next_) {
-    make_change(list_.changes[next_], start.scene, options);
-    start.snapshot.reset();
-  }
+  const std::vector<Change>& changes = list_.changes;
+  if (!changes.empty() && changes[0].step == 0) start.snapshot.reset();
+  // Bodies are frozen in a world, which there is not yet: the rest is left to make_due().
+  for (; next_ < changes.size() && changes[next_].step == 0 && changes[next_].freeze.empty(); ++next_)
+    make_change(changes[next_], start.scene, options);
 }
 
 std::int64_t Replay::steps_to_next(const World& world) const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
 namespace {
@@ -70,8 +71,8 @@ void read_settings(Reading& reading, ObjectReader& reader, Change& change) {
 }
 
 void read_way_of_running(Reading& reading, ObjectReader& reader, Change& change) {
-  read_shape(reading, reader, "blocks", 2147483647, change.blocks);
-  read_shape(reading, reader, "threads", 1024, change.threads);
+  read_shape(reading, reader, "blocks", limits::max_blocks, change.blocks);
+  read_shape(reading, reader, "threads", limits::max_threads, change.threads);
   std::string name;
   if (!reader.text("broad_phase", name)) return;
   const std::vector<std::string> known = broad_phase_names();

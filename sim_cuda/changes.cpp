@@ -88,7 +88,7 @@ void set(Value& value, const std::optional<Value>& wish) {
 bool Change::physical() const {
   return bodies || radius_max || seed || variant || time_step || steps_per_second || substeps || iterations ||
          restitution || solver || integrator || rotation_update || precision || effects || !remove.empty() ||
-         !add.empty();
+         !add.empty() || !freeze.empty();
 }
 
 bool Change::shape_alone() const { return !physical() && !broad_phase && (blocks || threads); }
@@ -150,21 +150,28 @@ bool begins_another_run(const Scene& before, const Scene& after) {
   return false;
 }
 
-void record_change(std::vector<Change>& changes, Change change) {
-  const bool goes_on = !changes.empty() && changes.back().step == change.step && !changes.back().physical() &&
-                       !change.physical();
-  if (!goes_on) {
+void record_change(std::vector<Change>& changes, Change change, bool goes_on) {
+  const bool replaces = !changes.empty() && (goes_on || changes.back().step == change.step) &&
+                        !changes.back().physical() && !change.physical();
+  if (!replaces) {
     changes.push_back(std::move(change));
     return;
   }
   Change& last = changes.back();
+  last.step = change.step;
   if (change.blocks) last.blocks = change.blocks;
   if (change.threads) last.threads = change.threads;
   if (change.broad_phase) last.broad_phase = change.broad_phase;
 }
 
 void record_restart(std::vector<Change>& changes) {
-  for (Change& change : changes) change.step = 0;
+  for (Change& change : changes) {
+    change.step = 0;
+    change.freeze.clear();
+  }
+  std::erase_if(changes, [](const Change& change) {
+    return !change.physical() && !change.broad_phase && !change.blocks && !change.threads;
+  });
 }
 
 }  // namespace collidoscope

@@ -79,13 +79,16 @@ class ChangesReader {
     read_settings(reading_, reader, change);
     read_way_of_running(reading_, reader, change);
     const JsonNode* remove = reader.member("remove", JsonKind::array);
-    if (remove != nullptr) read_ids(*remove, change.remove);
+    if (remove != nullptr) read_ids(*remove, "remove", change.remove);
     const JsonNode* add = reader.member("add", JsonKind::array);
     if (add != nullptr)
       for (const JsonNode& body : document_.children(*add))
         read_body(reading_, body, materials_, change.add.emplace_back());
+    const JsonNode* freeze = reader.member("freeze", JsonKind::array);
+    if (freeze != nullptr) read_ids(*freeze, "freeze", change.freeze);
     reader.finish();
     if (!reading_.faults.empty()) return;  // what follows would be faults of these
+    if (freeze != nullptr && !can_freeze(change, *freeze)) return;
     try_change(node, change, remove);
     changes.push_back(std::move(change));
   }
@@ -112,13 +115,13 @@ class ChangesReader {
     last_ = std::max(last_, change.step);
   }
 
-  void read_ids(const JsonNode& list, std::vector<std::int64_t>& ids) {
+  void read_ids(const JsonNode& list, const char* key, std::vector<std::int64_t>& ids) {
     for (const JsonNode& child : document_.children(list)) {
       const std::string_view digits = document_.token(child);
       std::int64_t id = -1;
       const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id);
       if (child.kind != JsonKind::number || error != std::errc{} || stop != digits.data() + digits.size())
-        reading_.fault(child, "\"remove\" is a list of ids, which are whole numbers");
+        reading_.fault(child, fmt::format("\"{}\" is a list of ids, which are whole numbers", key));
       ids.push_back(id);
     }
   }
@@ -163,14 +166,34 @@ class ChangesReader {
     settings.add.clear();
     RunOptions options = options_;
     make_change(settings, counted, options);
-    const std::int64_t bodies = bodies_of(counted);
+    return are_ids(change.remove, *remove, bodies_of(counted));
+  }
+
+  bool are_ids(const std::vector<std::int64_t>& ids, const JsonNode& list, std::int64_t bodies) {
     std::unordered_set<std::int64_t> seen;
-    for (std::size_t k = 0; k < change.remove.size(); ++k) {
-      const std::int64_t id = change.remove[k];
-      const JsonNode& at = document_.children(*remove)[k];
-      if (id < 0 || id >= bodies)
-        reading_.fault(at, fmt::format("there is no body {}; ids are below {} here", id, bodies));
-      if (!seen.insert(id).second) reading_.fault(at, fmt::format("body {} stands twice in this list", id));
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      const JsonNode& at = document_.children(list)[k];
+      if (ids[k] < 0 || ids[k] >= bodies)
+        reading_.fault(at, fmt::format("there is no body {}; ids are below {} here", ids[k], bodies));
+      if (!seen.insert(ids[k]).second)
+        reading_.fault(at, fmt::format("body {} stands twice in this list", ids[k]));
+    }
+    return reading_.faults.empty();
+  }
+
+  /// Only a body that forces move can be frozen. Those of generators are such.
+  bool can_freeze(const Change& change, const JsonNode& freeze) {
+    const std::int64_t bodies = bodies_of(scene_), listed = std::ssize(scene_.bodies),
+                       first_added = bodies - std::ssize(scene_.added);
+    if (!are_ids(change.freeze, freeze, bodies)) return false;
+    for (std::size_t k = 0; k < change.freeze.size(); ++k) {
+      const std::int64_t id = change.freeze[k];
+      const Body* body = id < listed        ? &scene_.bodies[static_cast<std::size_t>(id)]
+                         : id < first_added ? nullptr
+                                            : &scene_.added[static_cast<std::size_t>(id - first_added)];
+      if (body != nullptr && body->motion != Motion::dynamic)
+        reading_.fault(document_.children(freeze)[k],
+                       fmt::format("no force moves body {}; a body that is frozen is a dynamic one", id));
     }
     return reading_.faults.empty();
   }
@@ -260,6 +283,7 @@ std::string text_of(const Change& change, const Scene& scene) {
   std::vector<std::string> bodies;
   for (const Body& body : change.add) bodies.push_back(write_body(body, scene));
   if (!bodies.empty()) text += fmt::format(", \"add\": [{}]", fmt::join(bodies, ", "));
+  if (!change.freeze.empty()) text += fmt::format(", \"freeze\": [{}]", fmt::join(change.freeze, ", "));
   or_auto("blocks", change.blocks);
   or_auto("threads", change.threads);
   if (change.broad_phase) word("broad_phase", *change.broad_phase);

@@ -149,6 +149,7 @@ struct World::Impl {
   Rewind rewind;
   CurrentTree tree;
   bool detected = false;         // pairs and contacts are those of the current state
+  bool stepped = false;          // a step led to the current state, in this world
   bool recording = false;        // steps note the impulses of contacts
   bool residuals = false;        // steps measure what sweeps leave
   bool residuals_known = false;  // the last one did
@@ -217,6 +218,7 @@ std::optional<FirstFound> World::Impl::advance() {
     ~AtItsEnd() {
       if (found || world.runner.committed() != target) return;
       ++world.steps;
+      world.stepped = true;
       world.impulses_new = world.recording;
       world.residuals_known = world.residuals;
     }
@@ -378,6 +380,7 @@ void World::adopt(const RunState& other, const BodyIds& ids) {
   }
   if (other.settings != settings_hash(w.scene)) state.memory.slow.clear();
   w.put(state);
+  w.stepped = false;
   w.paused = false;
   w.finding.reset();
   w.rewind.forget();
@@ -425,7 +428,7 @@ StepStats World::measure() {
   Impl& w = *impl_;
   detect();  // from here on the lists are those of the current state, without a margin
   const StepControl now = w.pipeline().control();
-  const bool stepped = w.steps > 0;
+  const bool stepped = w.stepped;  // else no step of this world has counted them
   StepStats stats;
   stats.step = w.steps;
   stats.bodies = static_cast<std::int64_t>(w.initial.size());

@@ -100,7 +100,8 @@ class World {
   /// One body, read from the device; `id` < N. Detects, so that contacts and path fit the current state.
   BodyReport inspect(std::uint32_t id);
 
-  /// Sums, counts and penetration at the current state.
+  /// Sums, counts and penetration at the current state. Pairs and contacts are those of the last step; of the
+  /// current state where this world has made no step since it took its state.
   StepStats measure();
   RunTimes times() const;
   /// times() without medians and percentiles, which need all samples: for every frame of a live run.

@@ -75,6 +75,27 @@ TEST(AccuracyPoint, IsTheCheapestBelowATolerance) {
   EXPECT_FALSE(cheapest_below({}, 1));
 }
 
+TEST(AccuracyPoint, NothingIsRecommendedBelowTheReferencesOwnError) {
+  const std::vector<AccuracyPoint> points{point(5, 0.9), point(2, 0.4), point(9, 0.1), point(1, not_known)};
+  EXPECT_EQ(recommended(points, 0.05, 1).point, 1u);
+  EXPECT_EQ(recommended(points, 0.05, 1).lack, "");
+  EXPECT_EQ(recommended(points, 0.05, 0.2).point, 2u);
+  EXPECT_EQ(recommended(points, 0, 0.01).lack,
+            "no setting has an error of at most 0.01 m; the least is 0.1 m");
+  EXPECT_EQ(recommended(points, 1.1, 2).point, std::nullopt);
+  EXPECT_EQ(recommended(points, 1.1, 2).lack,
+            "no setting can be recommended: all errors lie below the reference's own error of 1.1 m, so they "
+            "cannot be told apart");
+  EXPECT_EQ(
+      recommended(points, 0.2, 0.15).lack,
+      "no setting can be recommended: the allowed error of 0.15 m lies below the reference's own error of "
+      "0.2 m");
+  EXPECT_EQ(recommended({}, 1, 1).lack, "no setting is measured yet");
+  EXPECT_TRUE(all_below_reference(points, 0.9));
+  EXPECT_FALSE(all_below_reference(points, 0.8));
+  EXPECT_FALSE(all_below_reference({}, 1));
+}
+
 TEST(AccuracyPoint, SettingsAreOfTheSceneThatTheyMake) {
   Scene scene = hard_space(Vector3d(0, 0, -9.81));
   const AccuracySetting setting{.time_step = 1.0 / 240,

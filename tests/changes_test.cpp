@@ -66,11 +66,12 @@ const char* const script = R"({"format": "collidoscope-changes", "version": 1, "
   {"step": 16, "effects": ["gravity", "joints"]},
   {"step": 18, "add": [{"radius": 2, "position": [12, 12, 20], "velocity": [0, 1, -30], "angular_velocity": [0, 9, 0]},
                        {"radius": 1, "position": [3, 20, 20], "mass": 9e4}]},
+  {"step": 20, "freeze": [3, 70]},
   {"step": 21, "effects": "auto"},
   {"step": 24, "remove": [0, 77, 142, 60]},
   {"step": 27, "solver": "impulse", "effects": ["gravity", "rotation"]},
   {"step": 30, "solver": "soft_step", "effects": "auto", "substeps": 6, "iterations": 2},
-  {"step": 33, "bodies": 150, "remove": [90, 91]},
+  {"step": 33, "bodies": 150, "remove": [90, 91], "freeze": [20, 90, 70]},
   {"step": 36, "time_step": 0.01, "restitution": 0.3, "substeps": "auto"},
   {"step": 39, "precision": "f64"},
   {"step": 42, "precision": "f32", "broad_phase": "uniform_grid", "blocks": "auto"},
@@ -123,6 +124,19 @@ TEST_P(Changes, LeadToTheSameStateHoweverTheyRun) {
         o.cpu_threads = 3;
       },
       "shuffled");
+}
+
+TEST_P(Changes, FreezeBodiesWhereTheyAre) {
+  const char* const text = R"({"format": "collidoscope-changes", "version": 1, "changes": [
+    {"step": 0, "freeze": [9]}, {"step": 0, "restitution": 0.5},
+    {"step": 5, "freeze": [2, 9], "remove": [1]}]})";
+  World world = replayed(crowd(), text, options(), 5);
+  EXPECT_THAT(world.frozen(), ElementsAre(1, 8));
+  const BodyStates before = world.bodies();
+  EXPECT_EQ(before.position[8], world.initial().position[8]) << "since state 0";
+  world.step(5);
+  for (const std::size_t body : {1u, 8u}) EXPECT_EQ(world.bodies().position[body], before.position[body]);
+  EXPECT_NE(world.bodies().position[2], before.position[2]);
 }
 
 TEST_P(Changes, ASnapshotBetweenThemGoesOn) {
@@ -258,7 +272,7 @@ TEST(Change, AtState0IsAsIfTheSceneHadSaidSo) {
 TEST(Change, FilesReadBackAsTheyWere) {
   const RunOptions o;
   const ChangeList list = parse_changes(script, "script", crowd(), o, 0);
-  ASSERT_EQ(list.changes.size(), 19u);
+  ASSERT_EQ(list.changes.size(), 20u);
   EXPECT_FALSE(list.end.has_value());
   const ChangeList with_end{list.changes, RecordedEnd{54, 0x0123456789abcdefu}};
   const std::string text = write_changes(with_end, crowd());
@@ -269,8 +283,9 @@ TEST(Change, FilesReadBackAsTheyWere) {
   EXPECT_EQ(write_changes(again, crowd()), text);
   EXPECT_EQ(again.changes[5].add[1].mass, 9e4);
   EXPECT_EQ(again.changes[5].add[0].angular_velocity, Vector3d(0, 9, 0));
-  EXPECT_EQ(again.changes[15].integrator, Integrator::rk4);
-  EXPECT_EQ(again.changes[15].rotation_update, RotationUpdate::lie_group);
+  EXPECT_THAT(again.changes[6].freeze, ElementsAre(3, 70));
+  EXPECT_EQ(again.changes[16].integrator, Integrator::rk4);
+  EXPECT_EQ(again.changes[16].rotation_update, RotationUpdate::lie_group);
 }
 
 /// What is said of a list whose second line is this; the scene is crowd(), or one without generators.
@@ -305,6 +320,13 @@ TEST(Change, FaultsSayWhereAndWhat) {
             "f:2:38: there is no body 22; ids are below 22 here");
   EXPECT_EQ(fault_of(R"({"step": 1, "remove": [3, 3]})"), "f:2:27: body 3 stands twice in this list");
   EXPECT_THAT(fault_of(R"({"step": 1, "remove": [1.5]})"), HasSubstr("f:2:24: \"remove\" is a list of ids"));
+  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [5, 121]})"), "");
+  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [122]})"),
+            "f:2:24: there is no body 122; ids are below 122 here");
+  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [3, 3]})"), "f:2:27: body 3 stands twice in this list");
+  EXPECT_THAT(fault_of(R"({"step": 1, "freeze": ["3"]})"), HasSubstr("f:2:24: \"freeze\" is a list of ids"));
+  EXPECT_EQ(fault_of(R"({"step": 1, "add": [{"motion": "static"}]}, {"step": 2, "freeze": [122]})"),
+            "f:2:68: no force moves body 122; a body that is frozen is a dynamic one");
   EXPECT_THAT(fault_of(R"({"step": 1, "add": [{"radius": 1}, {"radius": -1}]})"),
               HasSubstr("f:2:47: add[1].radius: must lie in"));
   EXPECT_THAT(fault_of(R"({"step": 1, "add": [{"radius": 1, "material": "wood"}]})"),

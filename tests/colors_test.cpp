@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace collidoscope {
 namespace {
@@ -19,14 +20,22 @@ TEST(Colors, TheMapsGrowLighterWithoutAStep) {
     }
 }
 
-TEST(Colors, LevelsDifferFromEachOther) {
-  for (int a = 0; a < 8; ++a) {
-    for (int b = 0; b < a; ++b) {
-      const Rgb x = level_color(a), y = level_color(b);
+TEST(Colors, LevelsGoFromDarkToLight) {
+  for (const auto& [first, last] : {std::pair{0, 3}, {2, 4}, {0, 15}, {0, 40}}) {
+    for (int level = first + 1; level <= last; ++level)
+      EXPECT_GT(luminance(level_color(level, first, last)), luminance(level_color(level - 1, first, last)))
+          << level << " of " << first << " to " << last;
+    EXPECT_LT(luminance(level_color(first, first, last)), 0.12);
+    EXPECT_GT(luminance(level_color(last, first, last)), 0.6);
+    EXPECT_EQ(level_color(first - 1, first, last).r, level_color(first, first, last).r);
+    EXPECT_EQ(level_color(last + 9, first, last).r, level_color(last, first, last).r);
+  }
+  for (int a = 2; a <= 6; ++a)  // of five levels, neighbours are told apart at a glance
+    for (int b = 2; b < a; ++b) {
+      const Rgb x = level_color(a, 2, 6), y = level_color(b, 2, 6);
       EXPECT_GT(std::hypot(x.r - y.r, x.g - y.g, x.b - y.b), 0.2) << a << ' ' << b;
     }
-    EXPECT_EQ(level_color(a).r, level_color(a + 8).r);
-  }
+  EXPECT_GT(luminance(level_color(5, 5, 5)), 0.6) << "a level alone";
 }
 
 TEST(Colors, StrongerContactsAreLighter) {

@@ -173,7 +173,7 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
     for (int act = 0; act < 25; ++act) {
       const auto body = static_cast<std::int64_t>(random() % live.world().initial().size());
       try {
-        switch (random() % 14) {
+        switch (random() % 15) {
           case 0:
             change(live, [&](Settings& s) { s.bodies = 100 + random() % 100; });
             break;
@@ -223,6 +223,9 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
               const int parts = static_cast<int>(random() % 7);
               s.substeps = parts > 0 ? std::optional(parts) : std::nullopt;
             });
+            break;
+          case 14:
+            live.freeze(static_cast<std::uint32_t>(body));
             break;
           case 13:
             change(live, [&](Settings& s) { s.iterations = 1 + static_cast<int>(random() % 3); });
@@ -297,6 +300,194 @@ TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
   later.restart();
   ASSERT_EQ(later.changes().size(), 1u) << "from a snapshot, a replay must begin anew";
   EXPECT_EQ(later.changes()[0].step, 0);
+}
+
+TEST(LiveWorld, FreezingABodyIsAChange) {
+  const Scene scene = box_of(60);
+  LiveWorld live(scene, on_cpu());
+  for (int k = 0; k < 4; ++k) live.step(false);
+  const Vector3d place = live.world().bodies().position[7];
+  live.freeze(7);
+  EXPECT_TRUE(live.edited());
+  ASSERT_EQ(live.changes().size(), 1u);
+  EXPECT_EQ(live.changes()[0].step, 4);
+  EXPECT_THAT(live.changes()[0].freeze, testing::ElementsAre(7));
+  // It keeps its place, whatever else is changed.
+  live.apply(removal(3));
+  change(live, [](Settings& s) { s.restitution = 0.5; });
+  for (int k = 0; k < 6; ++k) live.step(false);
+  EXPECT_THAT(live.world().frozen(), testing::ElementsAre(6)) << "ids above the removed one move down";
+  EXPECT_EQ(live.world().bodies().position[6], place);
+  EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+  live.restart();
+  EXPECT_TRUE(live.world().frozen().empty());
+  ASSERT_EQ(live.changes().size(), 1u);
+  EXPECT_TRUE(live.changes()[0].freeze.empty()) << "a start at state 0 frees what was frozen";
+  live.step(false);
+  EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+}
+
+// At state 0, where a change of settings begins anew: what is frozen stays so.
+TEST(LiveWorld, AFrozenBodyStaysSoAtTheStart) {
+  const Scene scene = box_of(60);
+  LiveWorld live(scene, on_cpu());
+  live.freeze(7);
+  live.freeze(2);
+  change(live, [](Settings& s) { s.restitution = 0.5; });
+  change(live, [](Settings& s) { s.bodies = 50; });
+  EXPECT_THAT(live.world().frozen(), testing::ElementsAre(2, 7));
+  for (int k = 0; k < 6; ++k) live.step(false);
+  EXPECT_EQ(live.world().bodies().position[7], live.world().initial().position[7]);
+  EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+}
+
+TEST(LiveWorld, WhatGuardsFreezeIsAChange) {
+  Scene scene = box_of(60);
+  scene.physics.guards = Guards{.on_failure = OnFailure::freeze, .speed = 25};
+  scene.physics.effects = Effects{.gravity = true, .guards = true};
+  LiveWorld live(scene, on_cpu());
+  for (int k = 0; k < 200 && live.world().frozen().empty(); ++k) live.step(false);
+  ASSERT_FALSE(live.world().frozen().empty());
+  ASSERT_FALSE(live.changes().empty());
+  EXPECT_EQ(live.changes()[0].step, live.world().steps() - 1) << "in the state before the step that failed";
+  for (int k = 0; k < 5; ++k) live.step(false);
+  // Also where no guard looks.
+  leave_out_guards(scene.physics);
+  EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+}
+
+TEST(LiveWorld, SettingsOfOneStateAreOneChange) {
+  const Scene scene = box_of(80);
+  LiveWorld live(scene, on_cpu()), untouched(scene, on_cpu());
+  for (LiveWorld* one : {&live, &untouched})
+    for (int k = 0; k < 5; ++k) one->step(false);
+  for (const double restitution : {0.7, 0.6, 0.5, 0.4})
+    change(live, [&](Settings& s) { s.restitution = restitution; });
+  for (const int bodies : {70, 10, 90}) change(live, [&](Settings& s) { s.bodies = bodies; });
+  change(live, [](Settings& s) { s.shape = {3, 64}; });
+  change(live, [](Settings& s) { s.precision = Precision::f64; });
+  change(live, [](Settings& s) { s.precision = Precision::f32; });
+  ASSERT_EQ(live.changes().size(), 1u);
+  const Change& one = live.changes()[0];
+  EXPECT_EQ(one.restitution, 0.4);
+  EXPECT_EQ(one.bodies, 90);
+  EXPECT_EQ(one.blocks, 3);
+  EXPECT_FALSE(one.precision) << "as it was";
+  EXPECT_EQ(live.world().bodies().position[50], untouched.world().bodies().position[50])
+      << "it was there at the first value and at the last";
+  for (int k = 0; k < 3; ++k) live.step(false);
+  change(live, [](Settings& s) { s.restitution = 0.3; });
+  EXPECT_EQ(live.changes().size(), 2u) << "of another state";
+  live.step(false);
+  EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+}
+
+TEST(LiveWorld, SettingsThatComeBackAreNoChange) {
+  const Scene scene = box_of(80);
+  LiveWorld live(scene, on_cpu()), untouched(scene, on_cpu());
+  for (LiveWorld* one : {&live, &untouched})
+    for (int k = 0; k < 5; ++k) one->step(false);
+  change(live, [](Settings& s) { s.bodies = 20; });
+  change(live, [](Settings& s) { s.precision = Precision::f64; });
+  change(live, [](Settings& s) { s.solver = Solver::impulse; });
+  EXPECT_TRUE(live.edited());
+  change(live, [](Settings& s) { s.precision = Precision::f32; });
+  change(live, [&](Settings& s) { s.solver = untouched.settings().solver; });
+  change(live, [](Settings& s) { s.bodies = 80; });
+  EXPECT_TRUE(live.changes().empty());
+  EXPECT_FALSE(live.edited());
+  EXPECT_EQ(live.settings(), untouched.settings());
+  for (LiveWorld* one : {&live, &untouched})
+    for (int k = 0; k < 5; ++k) one->step(false);
+  EXPECT_EQ(live.state_hash(), untouched.state_hash());
+}
+
+TEST(LiveWorld, ASliderThatIsHeldIsOneChangeOfHowItRuns) {
+  LiveWorld live(box_of(80), on_cpu());
+  Settings wish = live.settings();
+  for (int k = 1; k <= 5; ++k) {
+    live.step(false);
+    wish.shape.blocks = k;
+    live.apply(wish, nullptr, k > 1);
+  }
+  ASSERT_EQ(live.changes().size(), 1u);
+  EXPECT_EQ(live.changes()[0].blocks, 5);
+  EXPECT_EQ(live.changes()[0].step, 5);
+  live.step(false);
+  wish.shape.blocks = 9;
+  live.apply(wish);
+  EXPECT_EQ(live.changes().size(), 2u) << "another hand";
+}
+
+TEST(LiveWorld, AfterARestartOnlyTheDifferenceIsLeft) {
+  Scene scene = box_of(80);
+  scene.bodies.resize(2);
+  scene.bodies[1].position = Vector3d(50, 50, 50);
+  LiveWorld live(scene, on_cpu());
+  const Settings first = live.settings();
+  Body ball;
+  ball.position = Vector3d(20, 20, 50);
+  for (int k = 0; k < 12; ++k) {
+    change(live, [&](Settings& s) {
+      s.bodies = 60 + 5 * k;
+      s.restitution = 0.1 + 0.05 * k;
+    });
+    if (k == 3 || k == 7 || k == 9) live.apply(addition(ball));
+    if (k == 4) live.apply(removal(1));   // of those that the scene lists
+    if (k == 8) live.apply(removal(30));  // of the generator's
+    if (k == 10) live.apply(removal(static_cast<std::int64_t>(live.world().initial().size()) - 2));
+    live.step(false);
+  }
+  EXPECT_GT(live.changes().size(), 12u);
+  live.restart();
+  ASSERT_EQ(live.changes().size(), 1u);
+  EXPECT_EQ(live.changes()[0].step, 0);
+  EXPECT_EQ(live.changes()[0].remove.size(), 2u);
+  EXPECT_EQ(live.changes()[0].add.size(), 2u);
+  EXPECT_EQ(live.changes()[0].bodies, 115);
+  for (int k = 0; k < 4; ++k) live.step(false);
+  EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
+
+  // What is turned back at the start is no change, nor is what is turned to and fro.
+  live.restart();
+  for (const double restitution : {0.7, 0.6, 0.5})
+    change(live, [&](Settings& s) { s.restitution = restitution; });
+  EXPECT_EQ(live.changes().size(), 1u);
+  LiveWorld other(scene, on_cpu());
+  other.step(false);
+  change(other, [](Settings& s) { s.time_step = 0.01; });
+  other.step(false);
+  change(other, [&](Settings& s) { s.time_step = first.time_step; });
+  other.step(false);
+  EXPECT_EQ(other.changes().size(), 2u);
+  other.restart();
+  EXPECT_TRUE(other.changes().empty());
+}
+
+TEST(LiveWorld, PairsAndContactsOfANewStateAreKnownAtOnce) {
+  Scene scene = box_of(150);
+  scene.box->max = Vector3d(25, 25, 25);
+  scene.generators[0].radius_max = 3;
+  LiveWorld live(scene, on_cpu());
+  for (int k = 0; k < 5; ++k) live.step(true);
+  ASSERT_GT(live.stats().contacts, 0);
+  const auto detected = [&] {
+    World world(live.world().scene(), on_cpu());
+    world.adopt(live.world());
+    world.detect();
+    return static_cast<std::int64_t>(world.pairs().size());
+  };
+  Body ball;
+  ball.position = live.world().bodies().position[40];
+  live.apply(addition(ball));
+  const StepStats with = live.stats();
+  EXPECT_EQ(with.pairs, detected());
+  EXPECT_GT(with.contacts, 0);
+  live.apply(removal(150));
+  EXPECT_EQ(live.stats().pairs, detected());
+  EXPECT_LT(live.stats().pairs, with.pairs);
+  EXPECT_LT(live.stats().contacts, with.contacts);
+  EXPECT_GT(live.stats().contacts, 0);
 }
 
 TEST(LiveWorld, HistoryKnowsBothKindsOfTimes) {

@@ -180,6 +180,45 @@ struct Alone {
   bool pressed = false;
 };
 
+/// A cost whose middle half of differences goes from low to high, ms.
+EffectFacts costly(double low, double high) {
+  EffectFacts effect;
+  effect.name = "rotation";
+  effect.flag = &Effects::rotation;
+  effect.on = effect.called_for = true;
+  effect.cost.emplace();
+  effect.cost->pairs = 20;
+  effect.cost->ms = 0.604;
+  effect.cost->ms_low = low;
+  effect.cost->ms_high = high;
+  return effect;
+}
+
+// A number that may as well be 0 is grey, and the panel says what grey means.
+TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
+  test_context();
+  const auto picture = [&](double low, double high) {
+    Alone alone(draw_effects_panel, 338, 190);
+    alone.workspace.folds.effects = true;
+    alone.view.effect_facts = {costly(low, high)};
+    return alone.picture();
+  };
+  // The same text, ±2.000, but for what lies on one side of 0.
+  const Image noise = picture(-1.5, 2.5), real = picture(0.1, 4.1);
+  const auto brightest = [&](const Image& image) {  // of the row's number
+    int most = 0;
+    for (int y = 50; y < 75; ++y)
+      for (int x = 155; x < 204; ++x)
+        most = std::max<int>(most, image.rgba[4 * static_cast<std::size_t>(y * image.width + x) + 1]);
+    return most;
+  };
+  EXPECT_GT(brightest(real), 200);
+  EXPECT_LT(brightest(noise), 170);
+  EXPECT_FALSE(costly(-1.8, 3.0).cost->differs_from_zero()) << "+0.604 ± 2.366 ms";
+  EXPECT_TRUE(costly(0.5, 0.7).cost->differs_from_zero());
+  EXPECT_TRUE(costly(-0.7, -0.5).cost->differs_from_zero());
+}
+
 Image picture_of_convergence(Theme theme, ImVec2 pointer) {
   Alone alone(draw_convergence_panel, 338, 190);
   alone.workspace.theme = theme;

@@ -26,6 +26,7 @@ TEST(SettingsFile, ComesBackAsItWas) {
   before.layers.grid = false;
   before.layers.first_level = 2;
   before.layers.last_level = 5;
+  before.levels_chosen = true;
   before.layers.color = BodyColor::visits;
   before.layers.box_color = NodeMetric::empty_space;
   before.folds.right = false;
@@ -37,6 +38,7 @@ TEST(SettingsFile, ComesBackAsItWas) {
   EXPECT_EQ(after.layers, before.layers);
   EXPECT_EQ(after.folds, before.folds);
   EXPECT_EQ(after.theme, before.theme);
+  EXPECT_TRUE(after.levels_chosen);
   EXPECT_EQ(after.font_scale, before.font_scale);
   EXPECT_EQ(after.speed, before.speed);
   EXPECT_EQ(after.breaks.limits, before.breaks.limits);

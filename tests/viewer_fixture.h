@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -64,6 +65,35 @@ class Viewer : public testing::Test {
     window.key("p");
     EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["picture"] != before; }));
     return read_png(window.file(window.frame()["picture"]));
+  }
+
+  /// Empty, or where the X server shows something else than the window has drawn. The number of frames per
+  /// second differs all the time, so a few pixels of a tile may.
+  static std::string shown_fault(WindowDriver& window) {
+    if (!window.wait_for([](const Json& f) { return f["notice"] == ""; })) return "a notice stays";
+    const Image drawn = picture(window);
+    if (!window.wait_for([](const Json& f) { return f["notice"] == ""; })) return "a notice stays";
+    window.next_frame();
+    const Image shown = window.shown();
+    if (shown.width != drawn.width || shown.height != drawn.height) return "another size";
+    constexpr int tile = 32;
+    for (int y0 = 0; y0 < drawn.height; y0 += tile)
+      for (int x0 = 0; x0 < drawn.width; x0 += tile) {
+        int pixels = 0, changed = 0;
+        for (int y = y0; y < std::min(y0 + tile, drawn.height); ++y)
+          for (int x = x0; x < std::min(x0 + tile, drawn.width); ++x, ++pixels) {
+            const std::size_t at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(drawn.width) +
+                                        static_cast<std::size_t>(x));
+            int most = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+              most = std::max(most, std::abs(drawn.rgba[at + k] - shown.rgba[at + k]));
+            changed += most > 8;
+          }
+        if (10 * changed > 4 * pixels)
+          return "other pixels than were drawn at (" + std::to_string(x0) + ", " + std::to_string(y0) +
+                 "): " + std::to_string(changed) + " of " + std::to_string(pixels);
+      }
+    return "";
   }
 
   /// Share of the 3D view's pixels that differ.

@@ -59,7 +59,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
     const Image other = picture(window);
     EXPECT_GT(difference(plain, other, window.frame()), 0.0005) << layer;
     const std::string name = layer;
-    EXPECT_TRUE(name != "boxes" || value("drawn")["boxes"] > 300);
+    EXPECT_TRUE(name != "boxes" || value("drawn")["boxes"] > 20);
     EXPECT_TRUE(name != "contacts" || value("drawn")["contacts"] > 0);
     EXPECT_TRUE(name != "spheres" || value("drawn")["spheres"] == 0);
     window.click(std::string("layers.") + layer);

@@ -184,5 +184,27 @@ TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
   EXPECT_EQ(folder.files(), files);
 }
 
+TEST(WholeFile, AFolderThatCannotBeMadeIsNamed) {
+  const TemporaryFolder folder;
+  make_folder(folder / "a/b");
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "a/b"));
+  make_folder(folder / "a/b");
+  write_whole_file(folder / "file", "in the way");
+  const std::string file = folder / "file";
+  const auto words = [](auto act) -> std::string {
+    try {
+      act();
+    } catch (const MachineError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(words([&] { make_folder(file); }),
+            "Cannot create folder " + file + ": a file of this name exists");
+  EXPECT_EQ(
+      words([&] { write_whole_file(file + "/x.json", "text"); }),
+      file + "/x.json cannot be written: cannot create folder " + file + ": a file of this name exists");
+}
+
 }  // namespace
 }  // namespace collidoscope

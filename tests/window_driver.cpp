@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "sim_cuda/core/assets.h"
+#include "tests/screen_picture.h"
 
 namespace collidoscope {
 namespace {
@@ -72,7 +73,8 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
 
 WindowDriver::WindowDriver(const std::vector<std::string>& arguments, Wait wait) {
   // The server chooses a display that is free, and says which.
-  server_ = start({"Xvfb", "-displayfd", "1", "-screen", "0", "1600x1200x24", "-nolisten", "tcp"},
+  server_ = start({"Xvfb", "-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-nocursor",
+                   "-fbdir", file(".")},
                   file("display"), file("xvfb.err"));
   for (int tries = 0; tries < 200 && display_.empty(); ++tries) {
     pause_for(0.05);
@@ -294,6 +296,18 @@ void WindowDriver::drag(int from_x, int from_y, int to_x, int to_y, int button) 
 void WindowDriver::resize(int width, int height) {
   hands({"search", "--name", "Collidoscope", "windowsize", std::to_string(width), std::to_string(height)});
   wait_for([&](const Json& f) { return f["window"] == Json({width, height}); }, 20);
+}
+
+void WindowDriver::move_window(int x, int y) {
+  hands({"search", "--name", "Collidoscope", "windowmove", "--sync", std::to_string(x), std::to_string(y)});
+  x_ = x;
+  y_ = y;
+  next_frame();
+}
+
+Image WindowDriver::shown() {
+  const Json size = frame()["window"];
+  return screen_picture(file("Xvfb_screen0"), x_, y_, size[0], size[1]);
 }
 
 std::string WindowDriver::errors() {

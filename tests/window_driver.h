@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/test_files.h"
+#include "viewer/render/image.h"
 
 namespace collidoscope {
 
@@ -59,6 +60,10 @@ class WindowDriver {
   void type(const std::string& text);  ///< in place of what the field holds, and Return
   void drag(int from_x, int from_y, int to_x, int to_y, int button = 1);
   void resize(int width, int height);
+  /// To this place on the screen, of 1920x1200 pixels; at first it is at (0, 0).
+  void move_window(int x, int y);
+  /// What the X server shows of the window.
+  Image shown();
 
   std::string errors();  ///< what the program wrote on stderr
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
@@ -75,6 +80,7 @@ class WindowDriver {
   std::string partial_;
   Json frame_;
   int status_ = -1;
+  int x_ = 0, y_ = 0;  ///< of the window
 };
 
 }  // namespace collidoscope

@@ -31,7 +31,8 @@ struct AccuracyWishes {
 struct AccuracyFacts {
   std::vector<AccuracyPoint> points;           ///< coarse to fine, those that are not measured yet, too
   std::optional<AccuracyReference> reference;  ///< unset while it is being made
-  std::optional<std::size_t> cheapest;         ///< of the points below the tolerance
+  std::optional<std::size_t> cheapest;         ///< of the points below the tolerance, if one is recommended
+  std::string no_choice;                       ///< why none is; else empty
   AccuracySetting now;                         ///< of the run
   Effects effects;                             ///< of the run
   std::string executor;                        ///< where prices are measured

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
 #include "ui/accuracy_chart.h"
+#include "ui/number_field.h"
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
@@ -80,8 +82,9 @@ void tell(const AccuracyPoint& p, const WorkspaceView& view, bool now) {
   length("overlap", kept.penetration_max);
   length("joints", kept.joint_error);
   share("cone", kept.cone_violation);
-  share("heights K-S", p.distributions.heights);
-  share("speeds K-S", p.distributions.speeds);
+  length("heights W1", p.distributions.heights);
+  if (std::isfinite(p.distributions.speeds))
+    row("speeds W1", fmt::format("{} m/s", short_number(p.distributions.speeds)));
   ImGui::TextDisabled("%s", p.on_front ? "on the Pareto front; a click applies it" : "a click applies it");
   ImGui::EndTooltip();
 }
@@ -163,13 +166,13 @@ void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const Worksp
 
 void draw_answer(Workspace& workspace, const AccuracyFacts& facts, const WorkspaceView& view) {
   row_label("allowed", "The error that is allowed: drag the line, or type it");
-  double tolerance = workspace.accuracy.tolerance;
-  ImGui::InputDouble("##tolerance", &tolerance, 0, 0, "%.3g m", ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemDeactivatedAfterEdit() && tolerance > 0 && std::isfinite(tolerance))
-    workspace.accuracy.tolerance = tolerance;
-  track(workspace, "accuracy.tolerance");
+  ImGui::PushID("tolerance");
+  number_field(workspace, "accuracy.tolerance", "allowed", workspace.accuracy.tolerance,
+               {limits::min_tolerance, limits::max_tolerance, "m"}, "{:.3g} m");
+  ImGui::PopID();
+  draw_input_fault(workspace, "accuracy.tolerance");
   if (!facts.cheapest) {
-    wrapped_faint("No setting measured so far is as accurate.");
+    wrapped_faint(facts.no_choice);
     return;
   }
   const AccuracyPoint& p = facts.points[*facts.cheapest];

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "ui/number_field.h"
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
@@ -24,12 +25,10 @@ void draw_condition(Workspace& workspace, const ConditionName& condition) {
   if (condition.has_limit) {
     ImGui::SameLine(ImGui::GetFontSize() * 10);
     ImGui::SetNextItemWidth(-1);
-    double limit = wishes.limits[k];
-    const std::string format = "%.6g " + std::string(condition.unit == "%" ? "%%" : condition.unit);
-    ImGui::InputDouble("##limit", &limit, 0, 0, format.c_str(), ImGuiInputTextFlags_AutoSelectAll);
-    if (ImGui::IsItemDeactivatedAfterEdit() && limit >= 0 && limit <= condition.max_limit)
-      wishes.limits[k] = limit;
-    track(workspace, ("breaks." + name + ".limit").c_str());
+    const std::string unit(condition.unit), field = "breaks." + name + ".limit";
+    number_field(workspace, field.c_str(), name.c_str(), wishes.limits[k],
+                 {0, condition.max_limit, unit.c_str()}, ("{:.6g} " + unit).c_str());
+    draw_input_fault(workspace, field.c_str());
   }
   ImGui::PopID();
 }

@@ -34,13 +34,6 @@ void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
   bool light = workspace.theme == Theme::light;
   if (ImGui::Checkbox("light theme", &light)) workspace.theme = light ? Theme::light : Theme::dark;
   track(workspace, "view.light");
-  for (const auto& [name, label, factor] :
-       {std::tuple{"view.smaller", "A−", 1 / 1.1f}, std::tuple{"view.larger", "A+", 1.1f}}) {
-    ImGui::SameLine();
-    if (ImGui::Button(label)) workspace.font_scale = std::clamp(workspace.font_scale * factor, 0.6f, 3.0f);
-    track(workspace, name);
-    explain("Size of text");
-  }
   ImGui::SameLine();
   if (ImGui::Button("Picture")) workspace.screenshot_wish = true;
   track(workspace, "view.picture");

@@ -39,8 +39,9 @@ std::string cost_text(const EffectFacts& effect, const Effects& now) {
   if (!cost.lack.empty()) return text + "Not measured: " + cost.lack + ".";
   text += fmt::format(
       "A step takes {:.4f} ms more with it, the middle half of {} pairs {:.4f} to {:.4f} ms, and {:.4f} ms "
-      "without: two worlds from state {}, stepped in turns. Bytes are of their buffers at that state.",
-      cost.ms, cost.pairs, cost.ms_low, cost.ms_high, cost.without_ms, grouped_number(cost.step));
+      "without: two worlds from state {}, stepped in turns. {}Bytes are of their buffers at that state.",
+      cost.ms, cost.pairs, cost.ms_low, cost.ms_high, cost.without_ms, grouped_number(cost.step),
+      cost.differs_from_zero() ? "" : "The difference is not distinguishable from 0. ");
   const Effects other = with_switched(now, effect.flag, !effect.on);
   std::string along;
   for (bool Effects::*flag : {&Effects::rotation, &Effects::friction, &Effects::rolling_resistance})
@@ -60,8 +61,12 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
     return;
   }
   const bool shown = view.with_times && cost.pairs > 0;
+  const bool faint = shown && !cost.differs_from_zero();
+  const ImVec4 grey = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled);
+  ImGui::PushStyleColor(ImGuiCol_Text, faint ? grey : ImGui::GetStyleColorVec4(ImGuiCol_Text));
   text_to(size * 15.6f, shown ? signed_time(cost.ms) : "–");
-  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  ImGui::PopStyleColor();
+  ImGui::PushStyleColor(ImGuiCol_Text, grey);
   text_to(size * 19.4f, shown ? fmt::format("±{:.3f}", 0.5 * (cost.ms_high - cost.ms_low)) : "");
   ImGui::PopStyleColor();
   text_to(size * 25.0f, signed_bytes(cost.bytes));
@@ -146,6 +151,10 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   }
   for (const EffectFacts& effect : view.effect_facts)
     (effect.flag == &Effects::guards ? draw_guards : draw_effect)(workspace, effect, view, now);
+  const bool any_faint = std::ranges::any_of(view.effect_facts, [](const EffectFacts& effect) {
+    return effect.cost && effect.cost->pairs > 0 && !effect.cost->differs_from_zero();
+  });
+  if (view.with_times && any_faint) faint_text("grey ms: not distinguishable from 0");
   end_panel();
 }
 

@@ -36,35 +36,54 @@ void draw_state(const BodyReport& body) {
   row_text("T  N m", small_vector_text(body.T), "Torque that the next step applies");
 }
 
-void draw_contacts(Workspace& workspace, const BodyReport& body) {
-  if (body.contact_count == 0) return faint_text("no contacts");
-  faint_text(fmt::format("{:<14}{:>8}{:>14}",
-                         fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"),
-                         "overlap", "impulse"));
-  // The strongest first; where no impulses are known, by the other's id.
+/// The others, the strongest contact first; where no impulses are known, by id. Rows that the pointer rests
+/// on keep their places: a click must find what it was aimed at.
+const std::vector<std::uint32_t>& contact_rows(Workspace& workspace, const BodyReport& body) {
   constexpr std::size_t most = 6;
+  Workspace::ContactRows& rows = workspace.contact_rows;
+  if (rows.hovered && rows.body == body.id && !rows.others.empty()) return rows.others;
   std::vector<const BodyReport::Contact*> order;
   for (const BodyReport::Contact& contact : body.contacts) order.push_back(&contact);
   const std::size_t shown = std::min(order.size(), most);
   std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(shown), {},
                             [](const BodyReport::Contact* c) { return std::pair(-c->impulse, c->other); });
+  rows.body = body.id;
+  rows.others.clear();
+  for (std::size_t i = 0; i < shown; ++i) rows.others.push_back(order[i]->other);
+  return rows.others;
+}
+
+void draw_contacts(Workspace& workspace, const BodyReport& body) {
+  const std::vector<std::uint32_t> rows = contact_rows(workspace, body);
+  workspace.contact_rows.hovered = false;
+  if (rows.empty()) return faint_text("no contacts");
+  faint_text(fmt::format("{:<14}{:>8}{:>14}",
+                         fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"),
+                         "overlap", "impulse"));
   // Those that were not recorded are no zeros.
   const bool known = std::ranges::any_of(body.contacts, [](const auto& c) { return c.impulse != 0; });
-  for (std::size_t i = 0; i < shown; ++i) {
-    const BodyReport::Contact& c = *order[i];
-    const std::string text = fmt::format("{:<10}{:>12}{:>14}", c.other, with_prefix(c.penetration, "m"),
-                                         known ? with_prefix(c.impulse, "N s") : "–");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto found = std::ranges::find(body.contacts, rows[i], &BodyReport::Contact::other);
+    const bool touches = found != body.contacts.end();
+    const std::string text =
+        fmt::format("{:<10}{:>12}{:>14}", rows[i], touches ? with_prefix(found->penetration, "m") : "–",
+                    touches && known ? with_prefix(found->impulse, "N s") : "–");
     ImGui::PushID(static_cast<int>(i));
-    if (ImGui::Selectable(text.c_str())) workspace.selection = c.other;
+    if (ImGui::Selectable(text.c_str())) workspace.selection = rows[i];
     ImGui::PopID();
+    workspace.contact_rows.hovered |= ImGui::IsItemHovered() || ImGui::IsItemActive();
     track(workspace, ("inspector.contact." + std::to_string(i)).c_str());
+    if (!touches) {
+      explain(fmt::format("Body {}: no contact any more. Click to select it", rows[i]).c_str());
+      continue;
+    }
     explain(fmt::format("Body {}: how deep the two overlap, and the normal impulse that the last step gave. "
                         "The normal towards it is {:.3f} {:.3f} {:.3f}. Click to select it",
-                        c.other, c.normal.x(), c.normal.y(), c.normal.z())
+                        found->other, found->normal.x(), found->normal.y(), found->normal.z())
                 .c_str());
   }
-  if (body.contact_count > static_cast<std::int64_t>(shown))
-    faint_text(fmt::format("and {} more", body.contact_count - static_cast<std::int64_t>(shown)));
+  const auto shown = static_cast<std::int64_t>(std::min(rows.size(), body.contacts.size()));
+  if (body.contact_count > shown) faint_text(fmt::format("and {} more", body.contact_count - shown));
 }
 
 // From the leaf (left) to the root (right): a bar for each box, as wide as its diagonal's share of the
@@ -86,8 +105,9 @@ void draw_path(const WorkspaceView& view, const BodyReport& body) {
     const float length = std::max(diagonal(body.path[i]) / whole, 0.008f) * width;
     const float y = at.y + row * static_cast<float>(i);
     const std::size_t level = count - 1 - i;
-    const ImU32 color =
-        view.level_colors.empty() ? 0xff808080u : view.level_colors[level % view.level_colors.size()];
+    const ImU32 color = view.level_colors.empty()
+                            ? 0xff808080u
+                            : view.level_colors[std::min(level, view.level_colors.size() - 1)];
     ImGui::GetWindowDrawList()->AddRectFilled({at.x, y}, {at.x + length, y + row - 1}, color, 1);
     ImGui::GetWindowDrawList()->AddRect({at.x, y}, {at.x + length, y + row - 1},
                                         ImGui::GetColorU32(ImGuiCol_Border), 1);

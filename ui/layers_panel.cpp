@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "ui/panels.h"
 #include "ui/tree_widgets.h"
@@ -83,6 +85,14 @@ void draw_reference(Workspace& workspace, const WorkspaceView& view, float colum
   faint_text(fmt::format("from state {}", grouped_number(reference.since)));
 }
 
+/// All levels at once are a tangle of thousands of boxes.
+void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
+  if (std::exchange(workspace.levels_chosen, true)) return;
+  const int count = static_cast<int>(view.level_sizes.size());
+  workspace.layers.first_level = count > 0 ? std::clamp(count - 3, 0, 2) : 2;
+  workspace.layers.last_level = 4;
+}
+
 }  // namespace
 
 void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
@@ -94,7 +104,9 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   layer_switch(workspace, "contacts", "contacts", layers.contacts);
   explain("The pairs that touch in this state. Speculative contacts are not drawn");
   ImGui::SameLine(2 * column - ImGui::GetStyle().WindowPadding.x);
+  const bool had_boxes = layers.boxes;
   layer_switch(workspace, "boxes", "boxes", layers.boxes);
+  if (layers.boxes && !had_boxes) choose_first_levels(workspace, view);
   layer_switch(workspace, "grid", "grid", layers.grid);
   ImGui::SameLine(column);
   layer_switch(workspace, "walls", "walls", layers.walls);

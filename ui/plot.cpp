@@ -193,13 +193,20 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
                            std::max(1.0f, line_height / 11));
   area.list->PopClipRect();
   const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  // One line of text: the title, the nearest mark that lies higher, the end of the axis. What does not fit is
+  // left out.
+  const char* const title = "stages (line: step)";
+  const std::string axis_text = tops.empty() ? "" : fmt::format("{:g} ms", axis);
+  const auto width_of = [](const char* text) { return ImGui::CalcTextSize(text).x; };
+  const float title_end = area.at.x + pad + width_of(title) + 0.5f * line_height,
+              axis_begin = area.at.x + width - pad - width_of(axis_text.c_str());
   bool beyond = false;
   for (const StackedBars::Mark& mark : bars.marks) {
     if (mark.value > axis) {
-      // The nearest of the marks that lie higher: how much room there is.
       const std::string text = fmt::format("↑ {}: {:.1f} ms", mark.label, mark.value);
-      const float x = area.at.x + 0.5f * (width - ImGui::CalcTextSize(text.c_str()).x) + 3 * line_height;
-      if (!beyond && !tops.empty())
+      const float text_width = width_of(text.c_str());
+      const float x = area.at.x + 0.5f * (width - text_width) + 3 * line_height;
+      if (!beyond && !tops.empty() && x >= title_end && x + text_width + 0.5f * line_height <= axis_begin)
         area.list->AddText({x, area.at.y + 0.15f * line_height}, faint, text.c_str());
       beyond = true;
       continue;
@@ -211,18 +218,14 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
                        faint, mark.label.c_str());
   }
   area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
-                     "stages (line: step)");
+                     title);
   if (count == 0) {
     const ImVec2 size = ImGui::CalcTextSize(bars.note.c_str());
     area.list->AddText({area.at.x + 0.5f * (width - size.x), area.at.y + 0.5f * (height - size.y)}, faint,
                        bars.note.c_str());
   }
-  if (!tops.empty()) {
-    const std::string text = fmt::format("{:g} ms", axis);
-    area.list->AddText(
-        {area.at.x + width - pad - ImGui::CalcTextSize(text.c_str()).x, area.at.y + 0.15f * line_height},
-        faint, text.c_str());
-  }
+  if (axis_begin >= title_end)
+    area.list->AddText({axis_begin, area.at.y + 0.15f * line_height}, faint, axis_text.c_str());
   area.list->PopClipRect();
   if (hovered_bar < count && !bars.parts[hovered_bar].empty()) {
     ImGui::BeginTooltip();

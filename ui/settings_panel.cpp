@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
 #include "ui/launch_text.h"
+#include "ui/number_field.h"
 #include "ui/panels.h"
 #include "ui/tree_widgets.h"
 #include "ui/widgets.h"
@@ -15,54 +17,58 @@
 namespace collidoscope {
 namespace {
 
-// A number that can be typed, and a logarithmic slider of the same.
-template <class Number>
+// A whole number that can be typed, and a logarithmic slider of the same.
 struct LogRow {
   const char *name, *label, *help;
-  Number low, high, limit;              ///< the slider's ends, and the most that can be typed
+  std::int64_t low, high, limit;        ///< the slider's ends, and the most that can be typed
+  bool decides = true;                  ///< the result depends on it
   const std::string* chosen = nullptr;  ///< set: 0 is "auto", which has come to this, if it says so
-  Number manual = 0;                    ///< in its place, where "auto" is let go
+  std::int64_t manual = 0;              ///< in its place, where "auto" is let go
   float column = 2, field = 5.4f;       ///< ems: where the slider begins, and what is typed into
 };
 
-template <class Number>
-void log_row(Workspace& workspace, ImGuiDataType type, Number& value, const LogRow<Number>& row) {
-  const auto& [name, label, help, low, high, limit, chosen, manual, column, field] = row;
-  ImGui::PushID(name);
+void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
+  ImGui::PushID(row.name);
   const float size = ImGui::GetFontSize();
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(label);
-  explain(help);
-  ImGui::SameLine(size * column);
-  const bool automatic = chosen != nullptr, is_auto = automatic && value == 0;
-  const std::string text = is_auto ? (chosen->empty() ? "auto" : *chosen) : "";
+  ImGui::TextUnformatted(row.label);
+  explain(row.help);
+  ImGui::SameLine(size * row.column);
+  const bool automatic = row.chosen != nullptr, is_auto = automatic && value == 0;
+  const std::string text = is_auto ? (row.chosen->empty() ? "auto" : *row.chosen) : "";
   const float button = automatic ? ImGui::CalcTextSize("auto").x + 2 * ImGui::GetStyle().FramePadding.x : 0;
   const float gap = ImGui::GetStyle().ItemSpacing.x;
-  const float input = size * field;
+  const float input = size * row.field;
   ImGui::SetNextItemWidth(
       std::max(ImGui::GetContentRegionAvail().x - input - gap - (automatic ? button + gap : 0), size));
-  Number shown = std::clamp(is_auto ? low : value, low, high);
+  std::int64_t shown = std::clamp(is_auto ? row.low : value, row.low, row.high);
   if (ImGui::SliderScalar(
-          "##slider", type, &shown, &low, &high, text.c_str(),
+          "##slider", ImGuiDataType_S64, &shown, &row.low, &row.high, text.c_str(),
           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat))
     value = shown;
   workspace.adjusting |= ImGui::IsItemActive();
-  track(workspace, (std::string(name) + ".slider").c_str());
+  workspace.adjusting_result |= row.decides && ImGui::IsItemActive();
+  track(workspace, (std::string(row.name) + ".slider").c_str());
   ImGui::SameLine();
   ImGui::SetNextItemWidth(input);
-  Number typed = value;
-  if (ImGui::InputScalar("##value", type, &typed, nullptr, nullptr, nullptr,
-                         ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll))
-    value = std::clamp(typed, automatic ? Number{0} : low, limit);
-  track(workspace, name);
+  number_field(workspace, row.name, row.label, value,
+               NumberRange<std::int64_t>{row.low, row.limit, "", automatic}, "{}");
   if (automatic) {
     ImGui::SameLine();
     if (is_auto) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    if (ImGui::Button("auto", {button, 0})) value = is_auto ? manual : Number{0};
+    if (ImGui::Button("auto", {button, 0})) value = is_auto ? row.manual : 0;
     if (is_auto) ImGui::PopStyleColor();
-    track(workspace, (std::string(name) + ".auto").c_str());
+    track(workspace, (std::string(row.name) + ".auto").c_str());
   }
+  draw_input_fault(workspace, row.name);
   ImGui::PopID();
+}
+
+/// The same of a number that is stored as an int.
+void log_row(Workspace& workspace, int& value, const LogRow& row) {
+  std::int64_t wide = value;
+  log_row(workspace, wide, row);
+  value = static_cast<int>(wide);
 }
 
 /// A choice that cannot be made is grey, with the reason beside it.
@@ -105,24 +111,23 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
   }
   // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
   const std::int64_t highest = s.variant == Variant::paper ? 20'000 : 2'000'000;
-  log_row<std::int64_t>(
-      workspace, ImGuiDataType_S64, s.bodies,
-      {"settings.bodies", "N",
-       "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
-       "then the run starts again",
-       1, highest, limits::max_bodies});
+  log_row(workspace, s.bodies,
+          {"settings.bodies", "N",
+           "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
+           "then the run starts again",
+           1, highest, limits::max_bodies});
 }
 
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   const LaunchRange chosen = launch_range(*view.history);
-  log_row<int>(workspace, ImGuiDataType_S32, s.shape.blocks,
-               {"settings.blocks", "B",
-                "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage", 1, 65536,
-                2147483647, &chosen.blocks, 256});
-  log_row<int>(
-      workspace, ImGuiDataType_S32, s.shape.threads,
-      {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, 1024, 1024, &chosen.threads, 256});
+  log_row(workspace, s.shape.blocks,
+          {"settings.blocks", "B",
+           "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage", 1, 65536,
+           limits::max_blocks, false, &chosen.blocks, 256});
+  log_row(workspace, s.shape.threads,
+          {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, limits::max_threads,
+           limits::max_threads, false, &chosen.threads, 256});
   const LaunchShape& shape = view.in_effect.shape;
   std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
@@ -140,27 +145,28 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
 void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   const std::string chosen = std::to_string(view.substeps);
-  LogRow<int> row{"settings.substeps",
-                  "substeps",
-                  "Parts of a step, 1 to 1000. soft_step and jacobi_split find contacts once in a step and "
-                  "solve them in each part; impulse does all of it in each. auto: 1 with impulse, else 4, or "
-                  "as many as the joints call for",
-                  1,
-                  32,
-                  limits::max_substeps,
-                  &chosen,
-                  view.substeps,
-                  6.6f,
-                  3.4f};
+  LogRow row{"settings.substeps",
+             "substeps",
+             "Parts of a step, 1 to 1000. soft_step and jacobi_split find contacts once in a step and "
+             "solve them in each part; impulse does all of it in each. auto: 1 with impulse, else 4, or "
+             "as many as the joints call for",
+             1,
+             32,
+             limits::max_substeps,
+             true,
+             &chosen,
+             view.substeps,
+             6.6f,
+             3.4f};
   int substeps = s.substeps.value_or(0);
-  log_row(workspace, ImGuiDataType_S32, substeps, row);
+  log_row(workspace, substeps, row);
   s.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
   row.name = "settings.iterations";
   row.label = "iterations";
   row.help = "Sweeps of the solver over all contacts, in each part of a step, 1 to 1000";
   row.limit = limits::max_iterations;
   row.chosen = nullptr;
-  log_row(workspace, ImGuiDataType_S32, s.iterations, row);
+  log_row(workspace, s.iterations, row);
 }
 
 void draw_motion(Workspace& workspace, const WorkspaceView& view) {
@@ -197,18 +203,31 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::Spacing();
   faint_text("These change the result");
   row_label("rate", "Steps in a second of simulated time");
+  ImGui::PushID("rate");
   double rate = 1 / s.time_step;
-  ImGui::InputDouble("##rate", &rate, 0, 0, "%.6g Hz", ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemDeactivatedAfterEdit() && rate > 0)
-    s.time_step = 1 / std::clamp(rate, 1 / limits::max_time_step, 1 / limits::min_time_step);
-  track(workspace, "settings.rate");
+  if (number_field(workspace, "settings.rate", "rate", rate,
+                   {limits::min_rate, limits::max_steps_per_second, "Hz"}, "{:.6g} Hz"))
+    s.time_step = 1 / rate;
+  ImGui::PopID();
+  draw_input_fault(workspace, "settings.rate");
   row_label("restitution", "Of the material \"default\": 0 keeps nothing of a bounce, 1 all of it");
+  ImGui::PushID("restitution");
+  const float field = 3.4f * ImGui::GetFontSize(), gap = ImGui::GetStyle().ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - field - gap, field));
   float restitution = static_cast<float>(s.restitution);
   // The scene's 0.8 is not a float's: only what was moved is written back.
-  if (ImGui::SliderFloat("##restitution", &restitution, 0, 1, "%.2f", ImGuiSliderFlags_AlwaysClamp))
+  if (ImGui::SliderFloat("##slider", &restitution, 0, 1, "",
+                         ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
     s.restitution = static_cast<double>(restitution);
   workspace.adjusting |= ImGui::IsItemActive();
+  workspace.adjusting_result |= ImGui::IsItemActive();
   track(workspace, "settings.restitution");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(field);
+  number_field(workspace, "settings.restitution.value", "restitution", s.restitution,
+               {0, limits::max_restitution}, "{:.3g}");
+  ImGui::PopID();
+  draw_input_fault(workspace, "settings.restitution.value");
   static constexpr std::array<std::pair<Precision, const char*>, 2> precisions{
       {{Precision::f32, "f32"}, {Precision::f64, "f64"}}};
   choice_row(workspace, "settings.precision", "precision", precisions, s.precision,
@@ -239,14 +258,17 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
                "meanwhile, and Escape keeps it. "
                "equal: as scaled, with one radius");
     row_label("radius ≤", "Of the generated spheres");
-    ImGui::InputDouble("##radius", &s.radius_max, 0, 0, "%.4g m",
-                       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
-    if (!(s.radius_max >= 1e-3)) s.radius_max = 1e-3;
-    track(workspace, "settings.radius");
+    ImGui::PushID("radius");
+    number_field(workspace, "settings.radius", "radius", s.radius_max,
+                 {limits::min_generated_radius, limits::max_radius, "m"}, "{:.4g} m");
+    ImGui::PopID();
+    draw_input_fault(workspace, "settings.radius");
     row_label("seed", "Of all that is random at the start");
-    ImGui::InputScalar("##seed", ImGuiDataType_U64, &s.seed, nullptr, nullptr, nullptr,
-                       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
-    track(workspace, "settings.seed");
+    ImGui::PushID("seed");
+    number_field(workspace, "settings.seed", "seed", s.seed,
+                 NumberRange<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "{}");
+    ImGui::PopID();
+    draw_input_fault(workspace, "settings.seed");
   }
   end_panel();
 }

@@ -1,5 +1,8 @@
 #pragma once
-// Layers of a frame as a workspace has them. A free function.
+// Layers of a frame as a workspace has them. Free functions.
+
+#include <algorithm>
+#include <utility>
 
 #include "ui/workspace.h"
 
@@ -25,6 +28,16 @@ ShownLayers shown_layers(const Layers& layers) {
   shown.box_low = layers.box_low;
   shown.box_high = layers.box_high;
   return shown;
+}
+
+/// First and last level that colours span: those of the boxes that are drawn, else those of the selected
+/// body's path. `levels`: of the tree.
+inline std::pair<int, int> colored_levels(const ShownLayers& layers, std::size_t levels,
+                                          const BodyReport* selected) {
+  const int deepest = std::max(static_cast<int>(levels) - 1, 0);
+  if (layers.boxes) return {std::min(layers.first_level, deepest), std::min(layers.last_level, deepest)};
+  const bool path = selected != nullptr && !selected->path.empty();
+  return {0, path ? static_cast<int>(selected->path.size()) - 1 : deepest};
 }
 
 }  // namespace collidoscope

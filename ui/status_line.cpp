@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <tuple>
+
 #include "ui/panels.h"
 #include "ui/widgets.h"
 
@@ -30,7 +32,32 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
           ? " (a software renderer)"
           : fmt::format(" (a software renderer; while it moves at {:.0f} %)", 100 * view.view_scale),
       view.display_path);
+  // The buttons stand in the corner, where a larger font leaves them under the pointer.
+  const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+  const float gap = ImGui::GetStyle().ItemSpacing.x, right = ImGui::GetWindowWidth() - padding.x;
+  const auto width = [](const char* label) {
+    return ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
+  };
+  const float left = right - width("A−") - width("A+") - gap;
+  const ImVec2 at = ImGui::GetWindowPos();
+  ImGui::PushClipRect(at, {at.x + left - gap, at.y + ImGui::GetWindowHeight()}, true);
   faint_text(text);
+  ImGui::PopClipRect();
+  for (const auto& [name, label, factor, help] :
+       {std::tuple{"view.smaller", "A−", 1 / 1.1f, "Smaller text: Ctrl −"},
+        std::tuple{
+            "view.larger", "A+", 1.1f,
+            "Larger text: Ctrl +. At its largest the 3D view has 40 % of the width: fold a column away "
+            "for more"}}) {
+    const bool larger = factor > 1;
+    ImGui::SameLine(larger ? right - width(label) : left);
+    ImGui::BeginDisabled(larger ? workspace.font_scale >= workspace.largest_font_scale
+                                : workspace.font_scale <= least_font_scale);
+    if (ImGui::SmallButton(label)) workspace.scale_font(factor);
+    ImGui::EndDisabled();
+    track(workspace, name);
+    explain(help);
+  }
 }
 
 void draw_error_bar(Workspace& workspace) {
@@ -81,6 +108,7 @@ void draw_help(Workspace& workspace) {
       {"C", "how the solver converges, sweep by sweep"},
       {"P", "picture of the window, in captures/"},
       {"Tab", "fold all panels away, and back"},
+      {"Ctrl +  Ctrl -  Ctrl 0", "larger text, smaller text, usual text"},
       {"F1", "these keys"}};
   const ScreenRect& at = workspace.scene_view;
   ImGui::SetNextWindowPos({at.x + 0.5f * at.width, at.y + 0.5f * at.height}, ImGuiCond_Always, {0.5f, 0.5f});

@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "ui/launch_text.h"
 #include "ui/panels.h"
@@ -23,11 +24,14 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
   const auto window = static_cast<std::size_t>(std::max(workspace.window, 1));
   const TimeSummary sum = history.summarize_sum(window), plain = history.summarize_plain(window);
   const bool light = workspace.theme == Theme::light;
-  const int highlighted = workspace.hovered_stage;
+  const int highlighted = workspace.hovered_stage >= 0 ? workspace.hovered_stage : workspace.chosen_stage;
   int hovered = -1;
-  if (ImGui::BeginTable("stages", 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_PadOuterX)) {
-    ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthStretch);
-    for (const char* column : {"now", "median", "p95", "share", "runs"}) ImGui::TableSetupColumn(column);
+  if (ImGui::BeginTable("stages", 6, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_PadOuterX)) {
+    // Shares of the width, which go with it and with the font.
+    for (const auto& [column, share] :
+         {std::pair{"stage", 7.8f}, std::pair{"now", 3.3f}, std::pair{"median", 3.6f}, std::pair{"p95", 3.3f},
+          std::pair{"share", 3.2f}, std::pair{"runs", 2.6f}})
+      ImGui::TableSetupColumn(column, ImGuiTableColumnFlags_WidthStretch, share);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     faint_text("ms");
@@ -47,8 +51,9 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
       ImGui::GetWindowDrawList()->AddRectFilled(
           {at.x, at.y + 0.25f * size}, {at.x + 0.55f * size, at.y + 0.8f * size}, stage_color(k, light), 2);
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() + size);
-      ImGui::Selectable((stage.name + (stage.own_shape ? " *" : "")).c_str(),
-                        highlighted == static_cast<int>(k), ImGuiSelectableFlags_SpanAllColumns);
+      if (ImGui::Selectable((stage.name + (stage.own_shape ? " *" : "")).c_str(),
+                            highlighted == static_cast<int>(k), ImGuiSelectableFlags_SpanAllColumns))
+        workspace.chosen_stage = workspace.chosen_stage == static_cast<int>(k) ? -1 : static_cast<int>(k);
       if (ImGui::IsItemHovered()) hovered = static_cast<int>(k);
       track(workspace, ("timing." + stage.name).c_str());
       explain(launch_text(stage).c_str());

@@ -54,7 +54,9 @@ std::string size_text(const NodeReport& node) {
 void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
   const TreeFacts& facts = *view.tree;
   TreeWishes& wishes = workspace.tree;
-  if (ImGui::BeginTable("nodes", 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
+  // ImGui keeps the width of a column that is out of sight: another font begins with another table.
+  const std::string table = fmt::format("nodes {}", ImGui::GetFontSize());
+  if (ImGui::BeginTable(table.c_str(), 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
     ImGui::TableSetupColumn("node", ImGuiTableColumnFlags_WidthStretch);
     for (const Column& column : columns) ImGui::TableSetupColumn(column.name);
     ImGui::TableNextRow();

@@ -12,6 +12,17 @@
 
 namespace collidoscope {
 
+namespace {
+
+/// Whether white text reads better than black text on the window in this colour.
+bool is_dark(ImU32 color) {
+  const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color), under = ImGui::GetStyleColorVec4(ImGuiCol_WindowBg);
+  const auto mixed = [&](float over, float below) { return c.w * over + (1 - c.w) * below; };
+  return 0.30f * mixed(c.x, under.x) + 0.59f * mixed(c.y, under.y) + 0.11f * mixed(c.z, under.z) < 0.42f;
+}
+
+}  // namespace
+
 bool drag_ends(const char* id, float width, float height, int count, int& first, int& last) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::InvisibleButton(id, {width, height});
@@ -42,10 +53,15 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float cell = width / static_cast<float>(count);
   if (drag_ends("levels", width, height, count, first, last)) {
+    workspace.levels_chosen = true;
     layers.first_level = first;
     layers.last_level = last == count - 1 ? 63 : last;  // "to the leaves" stays so when the tree grows
   }
   track(workspace, name);
+  const bool inside = ImGui::IsItemHovered() || ImGui::IsItemActive();
+  const int under =
+      inside ? std::clamp(static_cast<int>((ImGui::GetIO().MousePos.x - at.x) / cell), 0, count - 1) : -1;
+  if (layers.boxes && under >= first && under <= last) workspace.hovered_level = under;
   explain(count < 64 ? "Drag either end: levels of the hierarchy that are shown, 0 is the root"
                      : "Drag either end: levels of the hierarchy that are shown, 0 is the root, 63 is of all "
                        "boxes as deep or deeper");
@@ -53,17 +69,24 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
   for (int level = 0; level < count; ++level) {
     const float x = at.x + cell * static_cast<float>(level);
     const bool on = level >= first && level <= last;
-    ImU32 color = view.level_colors.empty() || layers.box_color != NodeMetric::level
-                      ? 0xffa0a0a0u
-                      : view.level_colors[static_cast<std::size_t>(level) % view.level_colors.size()];
+    ImU32 color =
+        view.level_colors.empty() || layers.box_color != NodeMetric::level
+            ? 0xffa0a0a0u
+            : view.level_colors[std::min(static_cast<std::size_t>(level), view.level_colors.size() - 1)];
     if (!on || !layers.boxes) color = (color & 0x00ffffffu) | (on ? 0x80000000u : 0x30000000u);
     list->AddRectFilled({x + 1, at.y}, {x + cell - 1, at.y + height}, color, 2);
-    list->AddRect({x + 1, at.y}, {x + cell - 1, at.y + height}, ImGui::GetColorU32(ImGuiCol_Border), 2);
+    const bool highlighted = on && level == under;
+    list->AddRect({x + 1, at.y}, {x + cell - 1, at.y + height},
+                  ImGui::GetColorU32(highlighted ? ImGuiCol_Text : ImGuiCol_Border), 2, 0,
+                  highlighted ? 2.0f : 1.0f);
     const std::string number = std::to_string(level);
     const ImVec2 size = ImGui::CalcTextSize(number.c_str());
     if (size.x + 2 < cell)
       list->AddText({x + 0.5f * (cell - size.x), at.y + 0.5f * (height - size.y)},
-                    on ? IM_COL32(0, 0, 0, 255) : IM_COL32(140, 145, 155, 255), number.c_str());
+                    !on              ? IM_COL32(140, 145, 155, 255)
+                    : is_dark(color) ? IM_COL32(255, 255, 255, 255)
+                                     : IM_COL32(0, 0, 0, 255),
+                    number.c_str());
   }
   const ImU32 handle = ImGui::GetColorU32(ImGuiCol_Text);
   for (const float x : {at.x + cell * static_cast<float>(first), at.x + cell * static_cast<float>(last + 1)})

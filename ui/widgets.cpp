@@ -135,12 +135,14 @@ std::string bytes_text(std::int64_t bytes) {
 
 std::uint32_t stage_color(std::size_t stage, bool light) {
   // Neighbours in the stack differ in hue and in lightness.
-  static constexpr std::array<std::uint32_t, 12> dark_theme{
-      0xffe8a14fu, 0xff4fb3f5u, 0xff7ac36au, 0xff5a6ee8u, 0xffd184c0u, 0xffc9c04eu,
-      0xff6f93c4u, 0xff53d6e4u, 0xffb58af0u, 0xff8fd3a9u, 0xffa6a6a6u, 0xff7fa0ffu};
-  static constexpr std::array<std::uint32_t, 12> light_theme{
-      0xffb86f1eu, 0xff1f86d0u, 0xff4a9238u, 0xff3a48c4u, 0xff9a4e8cu, 0xff948a1cu,
-      0xff46658fu, 0xff1f9fb0u, 0xff8054c4u, 0xff55946cu, 0xff707070u, 0xff4a6cd8u};
+  static constexpr std::array<std::uint32_t, stage_colors> dark_theme{
+      0xffe8a14fu, 0xff4fb3f5u, 0xff7ac36au, 0xff5a6ee8u, 0xffd184c0u, 0xffc9c04eu, 0xff6f93c4u,
+      0xff53d6e4u, 0xffb58af0u, 0xff8fd3a9u, 0xffa6a6a6u, 0xff7fa0ffu, 0xff789000u, 0xfff8d8f8u,
+      0xff8840c8u, 0xfff8f818u, 0xffd86080u, 0xff009088u, 0xfff8c0b0u, 0xff887090u};
+  static constexpr std::array<std::uint32_t, stage_colors> light_theme{
+      0xffb86f1eu, 0xff1f86d0u, 0xff4a9238u, 0xff3a48c4u, 0xff9a4e8cu, 0xff948a1cu, 0xff46658fu,
+      0xff1f9fb0u, 0xff8054c4u, 0xff55946cu, 0xff707070u, 0xff4a6cd8u, 0xff005000u, 0xff881050u,
+      0xfff87890u, 0xff180078u, 0xff804800u, 0xfff09808u, 0xff680088u, 0xffa888a0u};
   return light ? light_theme[stage % light_theme.size()] : dark_theme[stage % dark_theme.size()];
 }
 

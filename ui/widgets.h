@@ -47,7 +47,8 @@ std::string short_time(double ms);
 std::string with_prefix(double value, const char* unit);
 std::string bytes_text(std::int64_t bytes);
 
-/// The colour of a stage in graph and table, 0xAABBGGRR.
+/// The colour of a stage in graph and table, 0xAABBGGRR: more of them than a step has stages.
+inline constexpr std::size_t stage_colors = 20;
 std::uint32_t stage_color(std::size_t stage, bool light);
 
 }  // namespace collidoscope

@@ -1,6 +1,7 @@
 #include "ui/workspace.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,24 @@ struct Layout {
   ScreenRect left, right, bottom, status, scene;
 };
 
+constexpr float left_ems = 21.5f, right_ems = 26;
+constexpr float panel_share = 0.6f;  // of the width, at most: the 3D view has the rest
+
+float column_ems(const Folds& folds) { return (folds.left ? left_ems : 0) + (folds.right ? right_ems : 0); }
+
+/// Pixels of the font as the screen suggests it.
+float usual_font_size(int width, int height) {
+  const float fit = std::min(static_cast<float>(width) / 1280.0f, static_cast<float>(height) / 720.0f);
+  return 13.0f * std::sqrt(std::max(fit, 1.0f));
+}
+
 Layout lay_out(const Workspace& workspace, float width, float height, float font_size) {
-  const float left = workspace.folds.left ? std::round(std::min(font_size * 21.5f, 0.45f * width)) : 0;
-  const float right = workspace.folds.right ? std::round(std::min(font_size * 26, 0.5f * width)) : 0;
+  const float wanted = font_size * column_ems(workspace.folds), most = panel_share * width;
+  const auto pixels = [&](float ems) {
+    return wanted > most ? std::floor(font_size * ems * most / wanted) : std::round(font_size * ems);
+  };
+  const float left = workspace.folds.left ? pixels(left_ems) : 0;
+  const float right = workspace.folds.right ? pixels(right_ems) : 0;
   const float status = std::round(font_size * 1.9f);
   const float bottom = workspace.folds.bottom
                            ? std::round(std::min(std::max(font_size * 13.5f, 0.22f * height), 0.4f * height))
@@ -89,16 +105,24 @@ ScreenRect scene_view_rect(const Workspace& workspace, float width, float height
   return lay_out(workspace, width, height, font_size).scene;
 }
 
-float workspace_font_size(int width, int height, float font_scale) {
-  const float fit = std::min(static_cast<float>(width) / 1280.0f, static_cast<float>(height) / 720.0f);
-  return std::round(std::clamp(13.0f * std::sqrt(std::max(fit, 1.0f)) * font_scale, 8.0f, 64.0f));
+float largest_font_scale(int width, int height, float content_scale, const Folds& folds) {
+  const float columns = column_ems(folds);
+  if (columns == 0) return most_font_scale;
+  const float fits = panel_share * static_cast<float>(width) / columns;
+  return std::clamp(fits / (usual_font_size(width, height) * content_scale), 1.0f, most_font_scale);
+}
+
+float workspace_font_size(int width, int height, float font_scale, float content_scale, const Folds& folds) {
+  const float scale = std::min(font_scale, largest_font_scale(width, height, content_scale, folds));
+  return std::round(std::clamp(usual_font_size(width, height) * content_scale * scale, 8.0f, 64.0f));
 }
 
 void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   apply_theme(workspace.theme, ImGui::GetFontSize());
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   workspace.widgets.clear();
-  workspace.adjusting = false;
+  workspace.adjusting = workspace.adjusting_result = false;
+  workspace.hovered_level = -1;
   const Layout layout = lay_out(workspace, screen.x, screen.y, ImGui::GetFontSize());
   workspace.scene_view = layout.scene;
   track(workspace, "scene", layout.scene);
@@ -128,6 +152,11 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);
   draw_help(workspace);
+}
+
+void end_unfinished_panels(Workspace& workspace) {
+  ImGui::ErrorCheckEndFrameRecover(nullptr);
+  draw_error_bar(workspace);
 }
 
 }  // namespace collidoscope

@@ -3,6 +3,7 @@
 // (the viewer, or a capture) owns a Workspace, reads the wishes that panels left in it, and fills a
 // WorkspaceView from what it runs. No GL, no CUDA, no window.
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -88,7 +89,15 @@ struct ScreenRect {
 struct Workspace {
   Settings settings;       ///< as wished for; the owner takes them over, or puts back what is in effect
   bool adjusting = false;  ///< a slider of `settings` is held
+  bool adjusting_result = false;  ///< one that changes the result: the run waits, so that it is one change
+  /// What was typed last, where it was refused.
+  struct InputFault {
+    std::string widget, text;
+  };
+  std::optional<InputFault> input_fault;
+  std::string typed_text;  ///< in the field that has the keyboard
   ShownLayers layers;
+  bool levels_chosen = false;  ///< else boxes start with the levels 2 to 4
 
   bool playing = true;
   double speed = 1;  ///< simulated seconds wished for in each second; 0: a step in every drawn frame
@@ -105,6 +114,12 @@ struct Workspace {
   std::optional<std::uint32_t> selection;  ///< id of a body
   bool follow = false;                     ///< the camera goes with it
   bool show_path = true;                   ///< its boxes in the tree are drawn
+  /// The rows of its contacts while the pointer rests on them: they keep their places.
+  struct ContactRows {
+    std::uint32_t body = 0;
+    std::vector<std::uint32_t> others;  ///< ids, from the top
+    bool hovered = false;
+  } contact_rows;
 
   TreeWishes tree;
   AccuracyWishes accuracy;
@@ -113,10 +128,19 @@ struct Workspace {
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
+  int chosen_stage = -1;   ///< by a click in the table; highlighted where none is under the pointer
+  int hovered_level = -1;  ///< under the pointer, in a bar of levels
   bool help = false, hint = true;
   Theme theme = Theme::dark;
   float font_scale = 1;
+  float largest_font_scale = 3;  ///< that acts on this screen; set by the owner
   Folds folds;
+
+  /// By a factor, within what acts.
+  void scale_font(float factor) {
+    const float acts = std::min(font_scale, largest_font_scale);
+    font_scale = std::clamp(acts * factor, 0.6f, std::max(largest_font_scale, 1.0f));
+  }
 
   std::vector<std::string> errors;  ///< each until it is dismissed
   std::string notice;               ///< said once, of the last change
@@ -157,7 +181,7 @@ struct WorkspaceView {
   const History* history = nullptr;
   std::vector<Residual> residuals;  ///< of the last step; empty where they were not recorded
 
-  std::vector<std::uint32_t> level_colors;    ///< 0xAABBGGRR, repeating
+  std::vector<std::uint32_t> level_colors;    ///< 0xAABBGGRR, by level
   ColorKey body_colors, box_colors;           ///< what their colours mean
   std::int64_t boxes_drawn = 0;               ///< where they are not coloured by level
   std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
@@ -186,10 +210,17 @@ struct WorkspaceView {
 /// Render().
 void draw_workspace(Workspace& workspace, const WorkspaceView& view);
 
+/// After draw_workspace() was left by an exception: ends what it began, and shows Workspace::errors.
+void end_unfinished_panels(Workspace& workspace);
+
 /// Where the 3D view will be on a screen of this size.
 ScreenRect scene_view_rect(const Workspace& workspace, float width, float height, float font_size);
 
-/// Pixels of the panels' font on a screen of this size.
-float workspace_font_size(int width, int height, float font_scale);
+inline constexpr float least_font_scale = 0.6f, most_font_scale = 3;
+/// The largest size of text, 1 or more, at which the unfolded columns leave the 3D view 40 % of the width.
+float largest_font_scale(int width, int height, float content_scale, const Folds& folds);
+/// Pixels of the panels' font on a screen of this size: as `font_scale` asks for, or as large as fits.
+float workspace_font_size(int width, int height, float font_scale, float content_scale = 1,
+                          const Folds& folds = {});
 
 }  // namespace collidoscope

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
@@ -38,6 +39,7 @@ Workspace first_workspace(const Options& options) {
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
+  workspace.levels_chosen |= workspace.layers.boxes;
   if (options.breaks.any()) {
     workspace.breaks.ask(options.breaks);
     workspace.folds.right = workspace.folds.breaks = true;
@@ -60,7 +62,7 @@ App::App(const Start& start, const Options& options)
     : options_(options),
       automation_(automation_of(options)),
       window_(options.capture.width, options.capture.height, "Collidoscope · " + start.scene.name),
-      gui_(workspace_font_size(window_.width(), window_.height(), window_.content_scale())),
+      gui_(workspace_font_size(window_.width(), window_.height(), 1, window_.content_scale())),
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
       live_(prepared(start)),
@@ -126,13 +128,20 @@ bool App::run(const std::function<bool()>& ended) {
   return cancelled_;
 }
 
+/// Each part is guarded by itself: a fault in one of them leaves the others, the picture and the input.
 void App::frame(double seconds) {
   const int width = window_.width(), height = window_.height();
-  gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale * window_.content_scale()));
-  const std::vector<InputEvent> events = input_.feed();
+  guarded([&] {
+    const float content_scale = window_.content_scale();
+    const Folds& folds = workspace_.folds;
+    workspace_.largest_font_scale = largest_font_scale(width, height, content_scale, folds);
+    gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale, content_scale, folds));
+  });
+  std::vector<InputEvent> events;
+  guarded([&] { events = input_.feed(); });
   gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
   for (const InputEvent& event : events) guarded([&] { handle(event); });
-  fly_on(seconds);
+  guarded([&] { fly_on(seconds); });
   meet_wishes(seconds);
   if (cancelled_) return;
 
@@ -140,9 +149,9 @@ void App::frame(double seconds) {
   const ScreenRect rect =
       scene_view_rect(workspace_, static_cast<float>(width), static_cast<float>(height), font_size);
   WorkspaceView view;
+  guarded([&] { picture_.resize(width, height); });
+  guarded([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
   guarded([&] {
-    picture_.resize(width, height);
-    tree_.refresh(live_.world(), live_.generation(), workspace_);
     scene_.draw(live_, workspace_, tree_, reference_, std::max(static_cast<int>(rect.width), 1),
                 std::max(static_cast<int>(rect.height), 1));
     picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
@@ -153,17 +162,14 @@ void App::frame(double seconds) {
   if (view.history == nullptr) view.history = &live_.history();
 
   const Clock::time_point before = Clock::now();
-  draw_workspace(workspace_, view);
+  if (!guarded([&] { draw_workspace(workspace_, view); })) end_unfinished_panels(workspace_);
   double ui_ms = std::chrono::duration<double, std::milli>(Clock::now() - before).count();
   guarded([&] { gui_.end(picture_.target()); });
-  guarded([&] {
-    if (workspace_.screenshot_wish) save_picture();
-    workspace_.screenshot_wish = false;
-    picture_.present();
-  });
+  if (std::exchange(workspace_.screenshot_wish, false)) guarded([&] { save_picture(); });
+  guarded([&] { picture_.present(width, height); });
   window_.swap();
   ++frame_;
-  write_automation(view, ui_ms);
+  guarded([&] { write_automation(view, ui_ms); });
 }
 
 void App::fill(WorkspaceView& view) {
@@ -188,7 +194,6 @@ void App::fill(WorkspaceView& view) {
   view.body_colors = color_key(scene_.body_legend());
   view.box_colors = color_key(scene_.box_legend());
   view.boxes_drawn = scene_.range().boxes;
-  view.level_colors = level_legend();
   view.contact_colors = contact_legend();
   view.max_impulse = scene_.range().max_impulse;
   view.orthographic = scene_.camera().orthographic;
@@ -196,6 +201,9 @@ void App::fill(WorkspaceView& view) {
   view.tree = tree_.facts();
   view.stop = breaks_.stop(live_);
   if (scene_.selected()) view.selected = &*scene_.selected();
+  const auto [first_level, last_level] =
+      colored_levels(workspace_.layers, view.level_sizes.size(), view.selected);
+  view.level_colors = level_legend(first_level, last_level);
   const ScreenRect rect = scene_view_rect(workspace_, static_cast<float>(window_.width()),
                                           static_cast<float>(window_.height()), ImGui::GetFontSize());
   for (const auto& [x, y] : scene_.outline())
@@ -235,10 +243,12 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.picture = picture_file_;
   frame.wants_mouse = ImGui::GetIO().WantCaptureMouse;
   frame.list_open = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
-  const PublishCounts& drawn = scene_.renderer().instances().counts;
-  frame.spheres = drawn.bodies;
-  frame.boxes = drawn.boxes;
-  frame.contacts = drawn.contacts;
+  if (scene_.has_renderer()) {
+    const PublishCounts& drawn = scene_.renderer().instances().counts;
+    frame.spheres = drawn.bodies;
+    frame.boxes = drawn.boxes;
+    frame.contacts = drawn.contacts;
+  }
   try {
     automation_->write(frame, workspace_, view);
   } catch (const MachineError& error) {
@@ -248,6 +258,7 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
 
 void App::report_error(const std::string& line) {
   workspace_.playing = false;
+  workspace_.step_wishes = 0;
   // A fault of every frame is one fault.
   if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
   say_on_stderr(line);

@@ -41,9 +41,9 @@ class App {
 
   World prepared(const Start& start);
   void frame(double seconds);
-  /// Does it; an error goes to the window, and pauses.
+  /// Does it; an error goes to the window, and pauses. Returns whether there was none.
   template <class Action>
-  void guarded(Action action);
+  bool guarded(Action action);
   void report_error(const std::string& line);
 
   // Hands (app_input.cpp).
@@ -115,7 +115,8 @@ class App {
   bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
-  double due_ = 0;  ///< steps that the speed asks for
+  double due_ = 0;               ///< steps that the speed asks for
+  bool slider_goes_on_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {
     Clock::time_point when;

@@ -2,27 +2,26 @@
 // App::guarded(), for the files that App is written in.
 
 #include <exception>
-#include <new>
 
 #include "sim_cuda/core/cancellation.h"
-#include "sim_cuda/core/out_of_memory.h"
 #include "viewer/app.h"
+#include "viewer/plain_error.h"
 
 namespace collidoscope {
 
 template <class Action>
-void App::guarded(Action action) {
+bool App::guarded(Action action) {
   try {
     action();
+    return true;
   } catch (const Cancelled&) {
     cancelled_ = true;
-  } catch (const OutOfMemory& error) {
-    report_error(std::string("out of memory while ") + error.what() + "; fewer bodies need less");
-  } catch (const std::bad_alloc&) {
-    report_error("out of memory: the machine refused an allocation; fewer bodies need less");
   } catch (const std::exception& error) {
-    report_error(error.what());
+    report_error(plain_text(error));
+  } catch (...) {
+    report_error("Internal error: no reason is known");
   }
+  return false;
 }
 
 }  // namespace collidoscope

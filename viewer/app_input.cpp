@@ -95,6 +95,18 @@ void App::handle_key(const InputEvent& event) {
     case GLFW_KEY_P:
       workspace_.screenshot_wish |= !again;
       break;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      if (event.modifiers & GLFW_MOD_CONTROL) workspace_.scale_font(1.1f);
+      break;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      if (event.modifiers & GLFW_MOD_CONTROL) workspace_.scale_font(1 / 1.1f);
+      break;
+    case GLFW_KEY_0:
+    case GLFW_KEY_KP_0:
+      if (event.modifiers & GLFW_MOD_CONTROL) workspace_.font_scale = 1;
+      break;
     case GLFW_KEY_F1:
       if (!again) workspace_.help = !workspace_.help;
       break;

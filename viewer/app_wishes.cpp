@@ -4,7 +4,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "sim_cuda/core/whole_file.h"
@@ -33,7 +32,7 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
   const bool pending = workspace_.settings != live_.settings();
   if (workspace_.restart_wish && !pending) guarded([&] { restart(seconds); });
-  if (!workspace_.restart_wish && !pending) settling_.reset();  // nobody waits for it any more
+  if (!workspace_.restart_wish && !pending) settling_.reset();
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
@@ -63,8 +62,8 @@ void App::measure_accuracy(double seconds) {
 }
 
 void App::follow_reference() {
-  if (!workspace_.layers.ask_a_reference() || std::exchange(workspace_.reference_wish, false))
-    reference_.forget();
+  const bool wished = std::exchange(workspace_.reference_wish, false);
+  if (!workspace_.layers.ask_a_reference() || wished) reference_.forget();
   if (workspace_.layers.ask_a_reference()) reference_.follow(live_.world(), live_.generation());
 }
 
@@ -105,6 +104,7 @@ void App::restart(double seconds) {
 
 void App::apply_settings(double seconds) {
   const Settings now = live_.settings();
+  if (!workspace_.adjusting) slider_goes_on_ = false;
   if (workspace_.settings == now) return;
   // Where a new World takes long, it waits until the slider is let go.
   Settings shape_alone = now;
@@ -117,7 +117,8 @@ void App::apply_settings(double seconds) {
     std::optional<RunState> rest;
     const std::optional<Scene> next = live_.next_run(workspace_.settings);
     if (next && !comes_to_rest(*next, seconds, rest)) return;
-    const std::string said = live_.apply(workspace_.settings, rest ? &*rest : nullptr);
+    const std::string said = live_.apply(workspace_.settings, rest ? &*rest : nullptr, slider_goes_on_);
+    slider_goes_on_ = workspace_.adjusting;
     if (!said.empty()) say(said);
     follow_selection();
   } catch (...) {
@@ -131,6 +132,8 @@ void App::advance(double seconds) {
   const double time_step = live_.world().scene().physics.time_step;
   const bool wished = workspace_.step_wishes > 0;
   if ((wished || workspace_.playing) && is_held()) return;
+  // All values of a slider then act at one state, and are recorded as one change.
+  if (workspace_.adjusting_result && !wished) return;
   if (!wished && workspace_.playing)
     due_ = workspace_.speed > 0 ? due_ + seconds * workspace_.speed / time_step : 1;
   if (!wished && !(workspace_.playing && due_ >= 1)) return;
@@ -195,7 +198,7 @@ void App::follow_selection() {
 
 void App::save_picture() {
   const std::string file = free_name(fmt::format("window_{:06}", live_.world().steps()), "png");
-  std::filesystem::create_directories("captures");
+  make_folder("captures");
   write_png(picture_.read(), file);
   picture_file_ = file;
   say("wrote " + file);

@@ -9,7 +9,8 @@ namespace collidoscope {
 std::string free_name(const std::string& stem, const std::string& ending) {
   namespace fs = std::filesystem;
   std::string file = fmt::format("captures/{}.{}", stem, ending);
-  for (int k = 2; fs::exists(file); ++k) file = fmt::format("captures/{}_{}.{}", stem, k, ending);
+  std::error_code failed;  // a folder that cannot be searched: writing the file gives the reason
+  for (int k = 2; fs::exists(file, failed); ++k) file = fmt::format("captures/{}_{}.{}", stem, k, ending);
   return file;
 }
 

@@ -137,7 +137,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
   mark(workspace, tree);
   publish(live, workspace, reference);
 
-  Drawn wanted{published_, marked_, camera_, options, width, height, drawn_.scale};
+  Drawn wanted{published_, marked_, camera_, options, workspace.hovered_level, width, height, drawn_.scale};
   const Clock::time_point start = Clock::now();
   const auto since = std::chrono::duration<double>(start - changed_).count();
   if (!(wanted == drawn_)) {
@@ -153,7 +153,9 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
     return std::max(static_cast<int>(std::lround(wanted.scale * size)), 1);
   };
   renderer_->resize(pixels(width), pixels(height));
-  renderer_->draw(camera_, frame_layers(workspace.layers), range_);
+  FrameLayers layers = frame_layers(workspace.layers);
+  layers.highlighted_level = workspace.hovered_level;
+  renderer_->draw(camera_, layers, range_);
   if (software) {
     Renderer::finish();
     view_scale_.took(wanted.scale, std::chrono::duration<double>(Clock::now() - start).count());

@@ -32,6 +32,7 @@ class SceneView {
   /// Pixels drawn for each of them, along an axis.
   double scale() const { return drawn_.scale; }
 
+  bool has_renderer() const { return renderer_.has_value(); }  ///< false until the first draw()
   Renderer& renderer() { return *renderer_; }
   OrbitCamera& camera() { return camera_; }
   /// From now on the camera is somebody's choice: a new window size keeps it.
@@ -120,6 +121,7 @@ class SceneView {
     Marked marked;
     OrbitCamera camera;
     DrawOptions options;
+    int highlighted_level = -1;
     int width = 0, height = 0;
     double scale = 0;
     friend bool operator==(const Drawn&, const Drawn&) = default;

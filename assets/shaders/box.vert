@@ -46,9 +46,9 @@ layout(std430, binding = 3) readonly buffer Listed {
 uniform int count;       // records to draw
 #endif
 uniform float strength;  // opacity of this pass
-uniform vec4 levels;     // first and last level drawn
-uniform vec4 coloring;   // of values: from and scale; 0 coloured by level, 1 by value, 2 by its logarithm, 3: a mark;
-                         // drawn pixels to each side of the worst
+uniform vec4 levels;     // first and last level drawn, and the one that is highlighted, or -1
+uniform vec4 coloring;   // of values: from and scale; 0 coloured by level, 1 by value, 2 by its logarithm, 3: a mark,
+                         // 4: a wall; drawn pixels to each side of the worst
 
 flat out vec4 color;
 flat out float half_width;
@@ -78,9 +78,11 @@ void main() {
   vec3 to = mix(min_level.xyz, max_value.xyz, upper);
   float level = min_level.w;
   float depth_share = clamp((level - levels.x) / max(levels.y - levels.x, 1.0), 0.0, 1.0);
-  color = vec4(level_colors[int(level) & 7].rgb, strength * mix(1.0, 0.85, depth_share));
+  color = vec4(level_colors[clamp(int(level), 0, 63)].rgb, strength * mix(1.0, 0.85, depth_share));
   half_width = mix(1.4, 0.6, depth_share);
-  if (coloring.z == 3.0) {
+  if (coloring.z == 4.0) {
+    color.rgb = vec3(0.95, 0.96, 0.98);
+  } else if (coloring.z == 3.0) {
     int mark = int(max_value.w);
     if (mark > 0) {
       color = vec4(marks[mark].rgb, strength);
@@ -91,6 +93,7 @@ void main() {
     color = vec4(map_color(colors, at), strength * mix(0.4, 1.0, at));
     half_width = mix(0.5, coloring.w, at * at);
   }
+  if (levels.z >= 0.0 && level != levels.z) color.a *= 0.12;
 #if defined(THIN)
   half_width = 0.5;
   across = 0.0;

@@ -11,7 +11,7 @@ layout(std140, binding = 0) uniform Frame {
   vec4 key;              // towards the key light, world; w: width of the shadow map, m
   vec4 values;           // least value, 1 / (greatest - least), 1 if coloured by id, 2 if by the logarithm, drawn pixels per picture pixel
   vec4 scale;            // reach of ambient occlusion m, grid spacing m, 1 / impulse of the strongest contact (0: unknown), unused
-  vec4 level_colors[8];  // of the hierarchy's levels, repeating
+  vec4 level_colors[64];   // of the hierarchy's levels
   vec4 contact_colors[3];  // weak, middling, strong
   vec4 marks[7];           // colours of boxes drawn on top, and pixels to each side of their lines
 };

@@ -110,7 +110,7 @@ int accuracy_command(const CommandLine& line) {
                stderr);
     Interruption::obey();
   }
-  return tolerance && !cheapest_below(record.points, *tolerance) ? 1 : 0;
+  return tolerance && !recommended(record.points, record.reference.error, *tolerance).point ? 1 : 0;
 }
 
 }  // namespace collidoscope

@@ -93,15 +93,9 @@ std::string row_text(const AccuracyPoint& p) {
 }
 
 std::string cheapest_text(const AccuracyRecord& record, double tolerance) {
-  const auto best = cheapest_below(record.points, tolerance);
-  if (!best) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const AccuracyPoint& p : record.points)
-      if (p.error < least) least = p.error;
-    return fmt::format("no setting has an error of at most {:g} m; the least is {} m", tolerance,
-                       number(least));
-  }
-  const AccuracyPoint& p = record.points[*best];
+  const Recommendation answer = recommended(record.points, record.reference.error, tolerance);
+  if (!answer.point) return answer.lack;
+  const AccuracyPoint& p = record.points[*answer.point];
   return fmt::format("the cheapest within {:g} m: {}, {}; error {} m, {:.4g} ms for a simulated second",
                      tolerance, p.family, p.name, number(p.error), p.ms.median);
 }
@@ -165,6 +159,8 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
     text += fmt::format("  {:<60}{:>9} m {:>9.4g} ms\n", p->family + ", " + p->name, number(p->error),
                         p->ms.median);
   text += "\n" + float_text(record);
+  if (!tolerance && all_below_reference(record.points, record.reference.error))
+    text += recommended(record.points, record.reference.error, 0).lack + "\n";
   for (const std::string& doubt : record.doubts) text += doubt + "\n";
   if (tolerance) text += cheapest_text(record, *tolerance) + "\n";
   return text;

@@ -1,5 +1,7 @@
 #include "sim_cuda/accuracy/point.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -49,6 +51,36 @@ std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points,
     if (!best || p.ms.median < points[*best].ms.median) best = k;
   }
   return best;
+}
+
+bool all_below_reference(std::span<const AccuracyPoint> points, double reference_error) {
+  bool any = false;
+  for (const AccuracyPoint& p : points) {
+    if (!p.has_error()) continue;
+    if (!(p.error <= reference_error)) return false;
+    any = true;
+  }
+  return any;
+}
+
+Recommendation recommended(std::span<const AccuracyPoint> points, double reference_error, double tolerance) {
+  if (all_below_reference(points, reference_error))
+    return {std::nullopt,
+            fmt::format("no setting can be recommended: all errors lie below the reference's own "
+                        "error of {:.3g} m, so they cannot be told apart",
+                        reference_error)};
+  if (tolerance < reference_error)
+    return {std::nullopt,
+            fmt::format("no setting can be recommended: the allowed error of {:.3g} m lies below "
+                        "the reference's own error of {:.3g} m",
+                        tolerance, reference_error)};
+  if (const auto best = cheapest_below(points, tolerance)) return {best, ""};
+  double least = std::numeric_limits<double>::infinity();
+  for (const AccuracyPoint& p : points)
+    if (p.error < least) least = p.error;
+  if (!std::isfinite(least)) return {std::nullopt, "no setting is measured yet"};
+  return {std::nullopt, fmt::format("no setting has an error of at most {:.3g} m; the least is {:.3g} m",
+                                    tolerance, least)};
 }
 
 }  // namespace collidoscope

@@ -101,4 +101,15 @@ void mark_front(std::vector<AccuracyPoint>& points);
 /// Which point is the cheapest whose error is at most `tolerance`, m; none where no point is.
 std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points, double tolerance);
 
+/// The setting to recommend, or why there is none.
+struct Recommendation {
+  std::optional<std::size_t> point;  ///< the cheapest below the tolerance
+  std::string lack;                  ///< a line; empty where there is a point
+};
+/// `reference_error`, m: what lies below it cannot be told from it. So none is recommended where all errors,
+/// or the tolerance, lie below.
+Recommendation recommended(std::span<const AccuracyPoint> points, double reference_error, double tolerance);
+/// Whether no measured error is above the reference's own. False where none is measured.
+bool all_below_reference(std::span<const AccuracyPoint> points, double reference_error);
+
 }  // namespace collidoscope

@@ -149,10 +149,29 @@ void WholeFile::fail(const std::string& why) const {
   throw NotWritten(name_, !why.empty() ? why : code != 0 ? std::strerror(code) : "no reason is known");
 }
 
-void write_whole_file(const std::string& file, const std::string& text) {
+namespace {
+
+/// Empty, or why there is no such folder.
+std::string folder_lack(const fs::path& folder) {
   std::error_code failed;
+  fs::create_directories(folder, failed);
+  std::error_code unknown;
+  if (fs::is_directory(folder, unknown)) return "";
+  if (fs::exists(folder, unknown)) return "a file of this name exists";
+  return failed ? failed.message() : "no reason is known";
+}
+
+}  // namespace
+
+void make_folder(const std::string& folder) {
+  const std::string lack = folder_lack(folder);
+  if (!lack.empty()) throw MachineError("Cannot create folder " + folder + ": " + lack);
+}
+
+void write_whole_file(const std::string& file, const std::string& text) {
   const fs::path folder = fs::path(file).parent_path();
-  if (!folder.empty()) fs::create_directories(folder, failed);
+  const std::string lack = folder.empty() ? "" : folder_lack(folder);
+  if (!lack.empty()) throw NotWritten(file, "cannot create folder " + folder.string() + ": " + lack);
   WholeFile whole(file);
   whole.write(text);
   whole.commit();

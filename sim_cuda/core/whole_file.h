@@ -56,6 +56,9 @@ class WholeFile {
 /// afterwards: the next call that opens or commits a file does not return.
 void remove_temporary_files() noexcept;
 
+/// Makes a folder and all above it. Throws MachineError: "Cannot create folder FOLDER: REASON".
+void make_folder(const std::string& folder);
+
 /// Writes `text` so; makes the folder. Throws NotWritten.
 void write_whole_file(const std::string& file, const std::string& text);
 

@@ -18,15 +18,19 @@ inline constexpr double max_drag_coefficient = 100;
 inline constexpr double max_strength = 1e24;                        ///< m^3/s^2, of an attractor
 inline constexpr double min_softening = 1e-3, max_softening = 1e9;  ///< m
 inline constexpr int max_attractors = 1000;
-inline constexpr double min_radius = 1e-9, max_radius = 1e9;        ///< m
-inline constexpr double min_mass = 1e-30, max_mass = 1e30;          ///< kg
-inline constexpr double min_inertia = 1e-36, max_inertia = 1e36;    ///< kg m^2
-inline constexpr double min_density = 1e-9, max_density = 1e18;     ///< kg/m^3
-inline constexpr double min_time_step = 1e-9, max_time_step = 1e3;  ///< s
+inline constexpr double min_radius = 1e-9, max_radius = 1e9;         ///< m
+inline constexpr double min_generated_radius = 1e-3;                 ///< m, of the largest of a generator
+inline constexpr int max_blocks = 2147483647, max_threads = 1024;    ///< of a launch, and of its block
+inline constexpr double min_tolerance = 1e-15, max_tolerance = 1e9;  ///< m, of an error that is allowed
+inline constexpr double min_mass = 1e-30, max_mass = 1e30;           ///< kg
+inline constexpr double min_inertia = 1e-36, max_inertia = 1e36;     ///< kg m^2
+inline constexpr double min_density = 1e-9, max_density = 1e18;      ///< kg/m^3
+inline constexpr double min_time_step = 1e-9, max_time_step = 1e3;   ///< s
 inline constexpr int max_steps_per_second = 1'000'000;
+inline constexpr double min_rate = 1 / max_time_step;  ///< Hz, of steps, where they are counted by the second
 inline constexpr int max_substeps = 1000;
 inline constexpr int max_iterations = 1000;
-inline constexpr double max_friction = 100;
+inline constexpr double max_restitution = 1, max_friction = 100;
 inline constexpr double max_rolling_resistance = 10;
 inline constexpr double max_sleep_time = 1e6;  ///< s
 inline constexpr double max_guarded = 1e18;  ///< m, m/s, rad/s: beyond, guards find it; its square is a float

@@ -238,7 +238,7 @@ class Validator {
       }
       if (!names.insert(m.name).second) fault(path, "two materials must not have one name");
       number(path.at("density"), m.density, limits::min_density, limits::max_density, "kg/m^3");
-      number(path.at("restitution"), m.restitution, 0, 1, "");
+      number(path.at("restitution"), m.restitution, 0, limits::max_restitution, "");
       const bool rubs =
           number(path.at("friction"), m.friction, 0, limits::max_friction, "") && m.friction != 0;
       if (rubs && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
@@ -326,7 +326,8 @@ class Validator {
       const BoxCollider& g = scene_.generators[i];
       const Path path{"generators", static_cast<std::int64_t>(i)};
       const bool good_count = whole(path.at("count"), g.count, 0, limits::max_bodies);
-      const bool good_radius = number(path.at("radius_max"), g.radius_max, 1e-3, limits::max_radius, "m");
+      const bool good_radius =
+          number(path.at("radius_max"), g.radius_max, limits::min_generated_radius, limits::max_radius, "m");
       choice(path.at("variant"), variant_names, g.variant);
       const Physics& physics = scene_.physics;
       if (g.variant == Variant::settled &&

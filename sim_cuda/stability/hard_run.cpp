@@ -25,7 +25,7 @@ void plant(World& world, const PlantedState& planted) {
 HardRun::HardRun(Scene scene, RunOptions options, std::vector<Change> changes,
                  std::optional<PlantedState> planted)
     : changes_(std::move(changes)), planted_(std::move(planted)) {
-  for (; next_ < changes_.size() && changes_[next_].step == 0; ++next_)
+  for (; next_ < changes_.size() && changes_[next_].step == 0 && changes_[next_].freeze.empty(); ++next_)
     make_change(changes_[next_], scene, options);
   world_ = std::make_unique<World>(scene, options);
   make_due();

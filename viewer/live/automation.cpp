@@ -64,6 +64,7 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
                    {"lack", facts.lack},
                    {"reference", facts.reference ? Json(facts.reference->description) : Json(nullptr)},
                    {"cheapest", facts.cheapest ? Json(*facts.cheapest) : Json(nullptr)},
+                   {"no_choice", facts.no_choice},
                    {"now", nullptr},
                    {"points", Json::array()}};
   for (std::size_t k = 0; k < facts.points.size(); ++k) {
@@ -157,7 +158,14 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"pressed", workspace.pressed},
                {"help", workspace.help},
                {"light", workspace.theme == Theme::light},
+               {"font_scale", workspace.font_scale},
+               {"hovered_level", workspace.hovered_level},
+               {"chosen_stage", workspace.chosen_stage},
+               {"contact_rows", workspace.contact_rows.others},
+               {"pairs", view.stats.pairs},
+               {"contacts", view.stats.contacts},
                {"notice", workspace.notice}};
+  line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
   line["tree"] = tree_json(workspace, view);

@@ -77,14 +77,20 @@ const AccuracyFacts& LiveAccuracy::facts(const World& world, AccuracyWishes& wis
   facts_.now.rotation_update = physics.rotation_update;
   facts_.now.precision = physics.precision;
   facts_.now.continuous_collision = facts_.effects.continuous_collision;
+  const double reference_error = facts_.reference ? facts_.reference->error : 0;
   if (!(wishes.tolerance > 0)) {  // the middle of what there is, as a round number
     std::vector<float> errors;
     for (const AccuracyPoint& point : facts_.points)
-      if (point.has_price() && point.error > 0 && std::isfinite(point.error))
+      if (point.has_price() && point.error > reference_error && std::isfinite(point.error))
         errors.push_back(static_cast<float>(point.error));
-    if (!errors.empty()) wishes.tolerance = std::pow(10, std::round(std::log10(quantile(errors, 0.5))));
+    if (!errors.empty())
+      wishes.tolerance = std::pow(10, std::round(std::log10(quantile(errors, 0.5))));
+    else if (all_below_reference(facts_.points, reference_error) && reference_error > 0)
+      wishes.tolerance = std::pow(10, std::ceil(std::log10(reference_error)));
   }
-  facts_.cheapest = wishes.tolerance > 0 ? cheapest_below(facts_.points, wishes.tolerance) : std::nullopt;
+  Recommendation answer = recommended(facts_.points, reference_error, wishes.tolerance);
+  facts_.cheapest = answer.point;
+  facts_.no_choice = std::move(answer.lack);
   return facts_;
 }
 

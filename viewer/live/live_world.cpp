@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/guard/frozen.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_run.h"
 
@@ -16,6 +18,24 @@ namespace {
 Settings without_guards(Settings wish) {
   if (wish.effects) wish.effects->guards = wish.guards.has_value();
   return wish;
+}
+
+using Clock = std::chrono::steady_clock;
+
+/// Whether a replay needs it.
+bool is_recorded(const Change& change) {
+  return change.physical() || change.broad_phase || change.blocks || change.threads;
+}
+
+/// What is to be said where the run begins again; `steps` were made of the one before.
+std::string restart_notice(const Change& change, const Scene& before, const World& next, std::int64_t steps) {
+  if (!begins_another_run(before, next.scene())) return "";
+  const bool new_bodies = change.radius_max || change.seed || change.variant;
+  const std::optional<Box> old_box = box_in_effect(before), box = next.initial().box;
+  if (!new_bodies && box && old_box && box->max != old_box->max)
+    return fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
+                       box->max.x() - box->min.x());
+  return steps > 0 ? "restarted: these are other bodies" : "";
 }
 
 }  // namespace
@@ -89,10 +109,23 @@ void record_step(World& world, const StepStats* measured, History& history) {
 }
 
 LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
-    : world_(std::make_unique<World>(scene, options)) {}
+    : world_(std::make_unique<World>(scene, options)) {
+  begin_record();
+}
 
-LiveWorld::LiveWorld(World world)
-    : world_(std::make_unique<World>(std::move(world))), began_(world_->steps()) {}
+LiveWorld::LiveWorld(World world) : world_(std::make_unique<World>(std::move(world))) { begin_record(); }
+
+/// From here on a replay would begin.
+void LiveWorld::begin_record() {
+  began_ = world_->steps();
+  first_scene_ = world_->scene();
+  first_settings_ = settings();
+  changes_.clear();
+  pending_.reset();
+  history_.clear();
+  last_ids_.clear();
+  edited_ = false;
+}
 
 void LiveWorld::replace(std::unique_ptr<World> world) {
   world_ = std::move(world);
@@ -101,14 +134,57 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
   level_sizes_step_ = -1;
 }
 
-std::string LiveWorld::apply(const Settings& wish, const RunState* rest) {
+std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool goes_on) {
   if (wish.guards != settings().guards) set_guards(wish.guards);
-  const Settings others = without_guards(wish);
-  const Settings now = settings();
+  const Settings others = without_guards(wish), now = settings();
   if (others == now) return "";
-  RunOptions options = world_->options();
+  const Clock::time_point start = Clock::now();
+  const bool other_executor = others.executor != now.executor;
+  Change change = change_between(now, others);
+  change.step = world_->steps();
+  if (change.shape_alone() && !other_executor) {
+    changed_world(*world_, change, world_->options());
+    if (!pending_) {
+      record_change(changes_, change, goes_on);
+      return "";
+    }
+    Change& last = changes_.back();
+    if (change.blocks) last.blocks = change.blocks;
+    if (change.threads) last.threads = change.threads;
+    return "";
+  }
+  Scene after = world_->scene();
+  RunOptions unused;
+  BodyIds ids = make_change(change, after, unused);
+  const bool first = !pending_;
+  if (first) pending_.emplace(Pending{run_at(*world_), now, edited_});
+  if (!first) {
+    change = change_between(pending_->settings, others);
+    change.step = world_->steps();
+  }
+  RunOptions options = pending_->run.options;
   options.executor = others.executor;
-  return apply(change_between(now, others), options, rest);
+  std::unique_ptr<World> next;
+  try {
+    next = changed_world(pending_->run, change, options, rest);
+  } catch (...) {
+    if (first) pending_.reset();
+    throw;
+  }
+  last_ids_ = std::move(ids);
+  if (!first) {
+    edited_ = pending_->edited;
+    changes_.pop_back();
+  }
+  const Scene before = world_->scene();
+  if (is_recorded(change))
+    changes_.push_back(change);
+  else
+    pending_.reset();
+  const std::string said = restart_notice(change, before, *next, world_->steps());
+  made(change, before, std::move(next));
+  change_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+  return said;
 }
 
 std::optional<Scene> LiveWorld::next_run(const Settings& wish) const {
@@ -120,7 +196,7 @@ std::optional<Scene> LiveWorld::next_run(const Settings& wish) const {
   return next ? std::optional(valid(*next)) : std::nullopt;
 }
 
-/// They decide no state, so nobody need be told that they were turned.
+/// They decide no state, so they are no change.
 void LiveWorld::set_guards(std::optional<OnFailure> wish) {
   Scene scene = world_->scene();
   Physics& physics = scene.physics;
@@ -134,52 +210,62 @@ void LiveWorld::set_guards(std::optional<OnFailure> wish) {
   }
   const RunState state = world_->state();
   replace(std::make_unique<World>(scene, RunOptions(world_->options()), &state));
+  pending_.reset();
 }
 
 void LiveWorld::freeze(std::uint32_t body) {
-  RunState state = world_->state();
-  collidoscope::freeze(state, body, world_->initial(), world_->scene().physics.guards.value_or(Guards{}));
-  replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), &state));
-  edited_ = true;
+  Change change;
+  change.freeze = {body};
+  apply(std::move(change));
 }
 
-std::string LiveWorld::apply(Change change) { return apply(std::move(change), world_->options(), nullptr); }
-
-std::string LiveWorld::apply(Change change, const RunOptions& options, const RunState* rest) {
-  const auto start = std::chrono::steady_clock::now();
+std::string LiveWorld::apply(Change change) {
   change.step = world_->steps();
-  Scene after = world_->scene();
-  RunOptions unused = options;
-  last_ids_ = make_change(change, after, unused);
-  const bool again = begins_another_run(world_->scene(), after);
-  const bool new_bodies = change.radius_max || change.seed || change.variant;
-  const std::optional<Box> old_box = world_->initial().box;
-  std::unique_ptr<World> next = changed_world(*world_, change, options, rest);
-  std::string said;
-  if (again) {
-    const std::optional<Box>& box = next->initial().box;
-    if (!new_bodies && box && old_box && box->max != old_box->max)
-      said = fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
-                         box->max.x() - box->min.x());
-    else if (world_->steps() > 0)
-      said = "restarted: these are other bodies";
-    history_.clear();
-    edited_ = false;
-  } else if (change.physical() && world_->steps() > 0) {
-    edited_ = true;
-  }
-  const bool recorded = change.physical() || change.broad_phase || change.blocks || change.threads;
-  if (recorded) record_change(changes_, std::move(change));
-  if (again) record_restart(changes_);
+  const Scene before = world_->scene();
+  Scene after = before;
+  RunOptions unused;
+  BodyIds ids = make_change(change, after, unused);
+  std::unique_ptr<World> next = changed_world(*world_, change, world_->options());
+  last_ids_ = std::move(ids);
+  pending_.reset();
+  if (is_recorded(change)) record_change(changes_, change);
   if (next == nullptr) return "";  // (B, T) alone
-  replace(std::move(next));
-  change_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::string said = restart_notice(change, before, *next, world_->steps());
+  made(change, before, std::move(next));
   return said;
 }
 
+/// `next` is the run after `change`, which is recorded, of a run with the scene `before`.
+void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<World> next) {
+  if (begins_another_run(before, next->scene())) {
+    history_.clear();
+    edited_ = false;
+    record_restart(changes_);
+  } else if (change.physical() && world_->steps() > 0) {
+    edited_ = true;
+  }
+  replace(std::move(next));
+  if (world_->steps() > 0) return;
+  pending_.reset();
+  collapse();
+}
+
+/// At state 0, where a change is as if the scene had said so: all of them as one, if one can be.
+void LiveWorld::collapse() {
+  if (changes_.empty() && began_ == 0) return;
+  if (!std::ranges::all_of(changes_, [](const Change& change) { return change.freeze.empty(); })) return;
+  Settings now = settings(), first = first_settings_;
+  first.guards = now.guards;
+  Change change = change_between(without_guards(first), without_guards(now));
+  if (!generated()) change.bodies.reset();  // it follows from the lists
+  std::optional<Change> one = one_change(first_scene_, world_->scene(), std::move(change));
+  if (!one) return;
+  changes_.clear();
+  // A change of state 0 begins anew where a snapshot was loaded.
+  if (is_recorded(*one) || began_ > 0) changes_.push_back(std::move(*one));
+}
+
 std::string LiveWorld::changes_text() {
-  if (!world_->frozen().empty())
-    throw InputError("bodies were frozen, and no list of changes says so; a snapshot keeps it");
   return write_changes({changes_, RecordedEnd{world_->steps(), state_hash()}}, world_->scene());
 }
 
@@ -189,11 +275,7 @@ void LiveWorld::open(World world, Script script) {
   next_in_script_ = 0;
   while (next_in_script_ < script_.changes.size() && script_.changes[next_in_script_].step <= world_->steps())
     ++next_in_script_;
-  began_ = world_->steps();
-  changes_.clear();
-  history_.clear();
-  last_ids_.clear();
-  edited_ = false;
+  begin_record();
 }
 
 void LiveWorld::play_script() {
@@ -208,8 +290,10 @@ void LiveWorld::restart(const RunState* rest) {
     return open(std::move(again.world()), Script(script_));
   }
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), rest));
+  pending_.reset();
   record_restart(changes_);
-  if (began_ > 0 && changes_.empty()) changes_.emplace_back();  // a change of state 0 begins anew
+  if (began_ > 0 && changes_.empty()) changes_.emplace_back();
+  collapse();
   history_.clear();
   last_ids_.clear();
   edited_ = false;
@@ -217,12 +301,25 @@ void LiveWorld::restart(const RunState* rest) {
 
 bool LiveWorld::step(bool measured) {
   const std::int64_t before = world_->steps();
+  const std::vector<std::uint32_t> frozen = world_->frozen();
   world_->step();
   stats_known_ = hash_known_ = false;
+  pending_.reset();
+  if (world_->frozen().size() > frozen.size()) record_frozen(frozen, before);
   if (world_->steps() == before) return false;  // a guard has paused it
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
   return true;
+}
+
+/// Guards have frozen bodies in the state before the step, which then was done again.
+void LiveWorld::record_frozen(const std::vector<std::uint32_t>& known, std::int64_t step) {
+  Change change;
+  change.step = step;
+  for (const std::uint32_t body : world_->frozen())
+    if (!std::ranges::binary_search(known, body)) change.freeze.push_back(body);
+  record_change(changes_, std::move(change));
+  edited_ = true;
 }
 
 const StepStats& LiveWorld::stats() {

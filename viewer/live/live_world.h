@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,10 +33,10 @@ class LiveWorld {
   bool generated() const { return world_->scene().generators.size() == 1; }
   /// Whether what decides the state was changed since state 0.
   bool edited() const { return edited_; }
-  /// All that was changed since this world was made, for a replay of it from where it began.
+  /// What was changed since this world was made, for a replay of it from where it began. Settings that are
+  /// changed several times at one state are one change, of their last values. At state 0 all is one change.
   const std::vector<Change>& changes() const { return changes_; }
-  /// The same as a file, with the state that it led to. Throws InputError where bodies were frozen, which no
-  /// list of changes says.
+  /// The same as a file, with the state that it led to.
   std::string changes_text();
   /// Changes whenever world() is another one: whoever keeps what belongs to it asks this.
   int generation() const { return generation_; }
@@ -44,8 +45,9 @@ class LiveWorld {
   /// restitution, precision and N go to a new World that adopts this one; what changes the box, the radii or
   /// the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
   /// MachineError, and changes nothing then.
-  /// `rest`: the state that a scene which settles begins in, where next_run() says so.
-  std::string apply(const Settings& wish, const RunState* rest = nullptr);
+  /// `rest`: the state that a scene which settles begins in, where next_run() says so. `goes_on`: with the
+  /// slider that the last change came from, which is still held.
+  std::string apply(const Settings& wish, const RunState* rest = nullptr, bool goes_on = false);
   /// The scene that the same would begin anew with, if it does; valid. Throws InputError.
   std::optional<Scene> next_run(const Settings& wish) const;
   /// The same of any change; its step is the current one.
@@ -65,7 +67,7 @@ class LiveWorld {
   /// Back to state 0, with the settings in effect.
   void restart(const RunState* rest = nullptr);
 
-  /// Fixes a body where it is, as guards do.
+  /// Fixes a body where it is, as guards do; a change like others.
   void freeze(std::uint32_t body);
 
   /// One step, added to the history; measured, too, if `measured`. False where guards found something, and
@@ -81,7 +83,17 @@ class LiveWorld {
   double last_change_seconds() const { return change_seconds_; }
 
  private:
-  std::string apply(Change change, const RunOptions& options, const RunState* rest);
+  /// The run before the last of `changes_`, which changed settings and nothing else. As long as no step was
+  /// made, what changes more of them is made of that run: as if the last values were the only ones.
+  struct Pending {
+    RunAt run;
+    Settings settings;
+    bool edited;
+  };
+  void made(const Change& change, const Scene& before, std::unique_ptr<World> next);
+  void collapse();
+  void record_frozen(const std::vector<std::uint32_t>& known, std::int64_t step);
+  void begin_record();
   void replace(std::unique_ptr<World> world);
   void play_script();
   void set_guards(std::optional<OnFailure> wish);
@@ -89,6 +101,9 @@ class LiveWorld {
   std::unique_ptr<World> world_;
   History history_;
   std::vector<Change> changes_;
+  std::optional<Pending> pending_;
+  Scene first_scene_;  ///< that changes_ begin with, and its settings
+  Settings first_settings_;
   Script script_;
   std::size_t next_in_script_ = 0;
   Guards guards_;  ///< limits of the scene that had some

@@ -47,6 +47,7 @@ std::string settings_text(const Workspace& workspace) {
                    {"last_level", layers.last_level},
                    {"color", static_cast<int>(layers.color)},
                    {"box_color", static_cast<int>(layers.box_color)},
+                   {"levels_chosen", workspace.levels_chosen},
                    {"show_path", workspace.show_path}};
   for (const Switch& one : switches(layers, folds)) document["shown"][one.name] = one.value;
   for (const ConditionName& each : condition_names)
@@ -76,8 +77,9 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
   workspace.layers.last_level = std::max(first, last);
   workspace.layers.color = static_cast<BodyColor>(color);
   workspace.layers.box_color = static_cast<NodeMetric>(box_color);
-  if (document.value("show_path", Json()).is_boolean())
-    workspace.show_path = document["show_path"].get<bool>();
+  for (const auto& [name, value] : {std::pair<const char*, bool&>{"show_path", workspace.show_path},
+                                    {"levels_chosen", workspace.levels_chosen}})
+    if (document.value(name, Json()).is_boolean()) value = document[name].get<bool>();
   const Json shown = document.value("shown", Json::object());
   if (shown.is_object())
     for (const Switch& one : switches(workspace.layers, workspace.folds))

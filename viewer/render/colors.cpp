@@ -1,6 +1,7 @@
 #include "viewer/render/colors.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace collidoscope {
 
@@ -52,11 +53,10 @@ const std::array<Rgb, 256>& heat_map() {
   return map;
 }
 
-Rgb level_color(int level) {
-  static constexpr Rgb palette[8] = {{0.95f, 0.96f, 0.98f}, {1.00f, 0.62f, 0.26f}, {0.35f, 0.80f, 1.00f},
-                                     {1.00f, 0.84f, 0.28f}, {0.76f, 0.62f, 1.00f}, {1.00f, 0.76f, 0.74f},
-                                     {0.78f, 0.95f, 0.35f}, {0.60f, 0.95f, 0.90f}};
-  return palette[level & 7];
+Rgb level_color(int level, int first, int last) {
+  const double at = last > first ? static_cast<double>(level - first) / (last - first) : 1;
+  // The darkest thin lines would drown in the backdrop.
+  return heat_map()[static_cast<std::size_t>(std::lround(255 * (0.12 + 0.88 * std::clamp(at, 0.0, 1.0))))];
 }
 
 MarkStyle mark_style(BoxMark mark) {

@@ -16,10 +16,10 @@ struct Rgb {
 const std::array<Rgb, 256>& color_map();
 /// The same for boxes, told apart from bodies.
 const std::array<Rgb, 256>& heat_map();
-/// The colour of a level of the hierarchy; neighbours are far apart, eight repeat.
-Rgb level_color(int level);
+/// The colour of a level of the hierarchy where `first` to `last` are shown, from dark to light.
+Rgb level_color(int level, int first, int last);
 
-/// Of a box that is drawn on top (of a path: level_color()), and pixels to each side of its lines.
+/// Of a box that is drawn on top (a path has level_color()), and pixels to each side of its lines.
 struct MarkStyle {
   Rgb color;
   float half_width;

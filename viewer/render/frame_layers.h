@@ -28,6 +28,7 @@ struct FrameLayers {
   NodeMetric box_color = NodeMetric::level;
   /// Of the boxes' metric: those outside are not drawn, and the colours span what is there of it.
   float box_low = 0, box_high = std::numeric_limits<float>::infinity();
+  int highlighted_level = -1;  ///< boxes of all other levels are faint; -1: none
 
   friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
 };

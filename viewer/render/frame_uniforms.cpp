@@ -43,10 +43,6 @@ FrameUniforms camera_uniforms(const OrbitCamera& camera, const FrameScene& scene
   store(result.scale,
         std::clamp(3.2 * scene.body_size, 0.004 * scene.bounds.diagonal(), scene.bounds.diagonal()),
         scene.grid_spacing, 0, 0);
-  for (int level = 0; level < 8; ++level) {
-    const Rgb color = level_color(level);
-    store(result.level_colors[level], color.r, color.g, color.b, 1);
-  }
   for (int k = 0; k < 3; ++k) {
     const Rgb color = contact_color(0.5 * k);
     store(result.contact_colors[k], color.r, color.g, color.b, 1);
@@ -74,6 +70,13 @@ void set_light(FrameUniforms& camera, const FrameUniforms& light) {
   const Eigen::Matrix4f clip = projection * view;
   std::memcpy(camera.light_clip, clip.data(), sizeof camera.light_clip);
   camera.key[3] = light.key[3];
+}
+
+void set_levels(FrameUniforms& uniforms, int first, int last) {
+  for (int level = 0; level < most_levels; ++level) {
+    const Rgb color = level_color(level, first, last);
+    store(uniforms.level_colors[level], color.r, color.g, color.b, 1);
+  }
 }
 
 ColorScale color_scale(double min, double max, bool logarithmic) {

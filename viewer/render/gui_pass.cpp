@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <exception>
 
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
@@ -42,10 +43,20 @@ void GuiPass::load_fonts() {
 void GuiPass::set_font_size(float font_size) {
   if (font_size == font_size_) return;
   font_size_ = font_size;
-  ImGui::GetIO().Fonts->Clear();
-  load_fonts();
+  ImFontAtlas* const fonts = ImGui::GetIO().Fonts;
+  std::exception_ptr failed;
+  fonts->Clear();
+  try {
+    load_fonts();
+  } catch (...) {  // a frame needs a font, and titles need a second one
+    failed = std::current_exception();
+    fonts->Clear();
+    fonts->AddFontDefault();
+    fonts->AddFontDefault();
+  }
   ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_CreateFontsTexture();
+  if (failed) std::rethrow_exception(failed);
 }
 
 GuiPass::~GuiPass() {

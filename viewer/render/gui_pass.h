@@ -14,7 +14,7 @@ class GuiPass {
   GuiPass(const GuiPass&) = delete;
   GuiPass& operator=(const GuiPass&) = delete;
 
-  /// Between frames.
+  /// Between frames. Throws MachineError where the font cannot be read; text then is in ImGui's own font.
   void set_font_size(float font_size);
 
   /// Between the two, ImGui may be called. `step`: s, told to ImGui as the time since the last frame.

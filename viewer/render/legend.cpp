@@ -61,9 +61,9 @@ std::vector<std::uint32_t> mark_legend() {
   return colors;
 }
 
-std::vector<std::uint32_t> level_legend() {
+std::vector<std::uint32_t> level_legend(int first, int last) {
   std::vector<std::uint32_t> colors;
-  for (int level = 0; level < 8; ++level) colors.push_back(packed(level_color(level)));
+  for (int level = 0; level < most_levels; ++level) colors.push_back(packed(level_color(level, first, last)));
   return colors;
 }
 

@@ -32,7 +32,7 @@ std::uint32_t ghost_legend();
 std::uint32_t error_legend();
 /// Colours of marks, by BoxMark.
 std::vector<std::uint32_t> mark_legend();
-/// Colours of the hierarchy's levels, which repeat after the last.
-std::vector<std::uint32_t> level_legend();
+/// Colours of the levels 0 to 63 where `first` to `last` are shown.
+std::vector<std::uint32_t> level_legend(int first, int last);
 
 }  // namespace collidoscope

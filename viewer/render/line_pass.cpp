@@ -51,7 +51,7 @@ void LinePass::set_colors(const gl::Program& program, const BoxColors& colors) {
 }
 
 void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
-                          int last_level, const BoxColors& colors) {
+                          int last_level, const BoxColors& colors, int highlighted_level) {
   const std::int64_t count = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
   std::int64_t broad = 0;
   for (std::int64_t size : sizes) {
@@ -61,7 +61,8 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
   // What is hidden adds up to a fog where there are many, so each is the fainter then.
   const float hidden = std::min(0.2f, 5.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
   for (const gl::Program* program : {&box_, &thin_box_}) {
-    program->set("levels", static_cast<float>(first_level), static_cast<float>(last_level), 0, 0);
+    program->set("levels", static_cast<float>(first_level), static_cast<float>(last_level),
+                 static_cast<float>(highlighted_level), 0);
     program->set("range", static_cast<float>(colors.low), static_cast<float>(colors.high), 0, 0);
     set_colors(*program, colors);
   }
@@ -75,7 +76,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
 }
 
 void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
-  box_.set("levels", 0, 0, 0, 0);
+  box_.set("levels", 0, 0, -1, 0);
   box_.set("range", 0, box_marks, 0, 0);
   box_.set("coloring", 0, 0, 3, 0);
   // They are what somebody looks for: seen through what hides them, unless they are many.
@@ -85,9 +86,9 @@ void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
 }
 
 void LinePass::draw_walls(const gl::Buffer& boxes) const {
-  box_.set("levels", 0, 0, 0, 0);
+  box_.set("levels", 0, 0, -1, 0);
   box_.set("range", -1, 1, 0, 0);
-  set_colors(box_, {});
+  box_.set("coloring", 0, 0, 4, 0);
   draw_broad(boxes, 1, 0.30f, 0.06f);
   gl::check("to draw the walls");
 }

@@ -32,9 +32,9 @@ class LinePass {
   /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
   /// The records are those of levels first_level to last_level, in this order, `sizes[i]` of each. Upper
   /// levels are broad as long as they have no more than `most_broad_boxes` together.
-  /// The colour map of values is bound to texture unit 0.
+  /// The colour map of values is bound to texture unit 0. Of `highlighted_level` all others are faint.
   void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
-                  int last_level, const BoxColors& colors = {});
+                  int last_level, const BoxColors& colors = {}, int highlighted_level = -1);
   /// Boxes whose value is a BoxMark; those that come first lie on top.
   void draw_marks(const gl::Buffer& boxes, std::int64_t count) const;
   void draw_walls(const gl::Buffer& boxes) const;  ///< one box

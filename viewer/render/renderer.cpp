@@ -96,6 +96,9 @@ void Renderer::set_scene(const FrameScene& scene) {
 
 void Renderer::set_marks(std::span<const BoxInstance> boxes) {
   mark_count_ = static_cast<std::int64_t>(boxes.size());
+  last_mark_level_ = 0;
+  for (const BoxInstance& box : boxes)
+    last_mark_level_ = std::max(last_mark_level_, static_cast<int>(box.level));
   if (mark_count_ > 0) marks_.upload(boxes.data(), boxes.size_bytes());
 }
 
@@ -114,6 +117,10 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   const FrameUniforms light = light_uniforms(scene_, light_->shadow_size());
   set_light(uniforms, light);
   set_values(uniforms, values, layers.color == BodyColor::id);
+  const int levels = static_cast<int>(instances_.level_sizes.size());
+  const bool boxes = layers.boxes && levels > 0;
+  const int last_level = boxes ? layers.first_level + levels - 1 : last_mark_level_;
+  set_levels(uniforms, boxes ? layers.first_level : 0, last_level);
   camera_uniforms_.upload(&uniforms, sizeof uniforms);
   light_uniforms_.upload(&light, sizeof light);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);  // keeps the digits of reversed depth
@@ -156,8 +163,8 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.boxes || layers.contacts) lines_.look_at(*surface_, options_.cull_lines);
   glBindTextureUnit(0, heat_.get());
   if (layers.boxes)
-    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, layers.last_level,
-                      box_colors(layers, values));
+    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, last_level,
+                      box_colors(layers, values), layers.highlighted_level);
   mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");

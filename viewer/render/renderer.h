@@ -92,6 +92,7 @@ class Renderer {
   gl::VertexLayout nothing_;
   gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"}, marks_{"marks"};
   std::int64_t mark_count_ = 0;
+  int last_mark_level_ = 0;
   gl::TextureHandle colors_, heat_;  ///< of bodies, of boxes
   std::optional<gl::Target> surface_, lit_, picture_, ids_;
 };

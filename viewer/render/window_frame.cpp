@@ -39,10 +39,16 @@ Image WindowFrame::read() const {
   return image;
 }
 
-void WindowFrame::present() const {
+void WindowFrame::present(int width, int height) const {
   glDisable(GL_SCISSOR_TEST);
-  glBlitNamedFramebuffer(target_.framebuffer(), 0, 0, 0, width(), height(), 0, 0, width(), height(),
-                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  // A renderer in software takes up the window's new size when its framebuffer is bound.
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width, height);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  // Rows start at the bottom: the top left corners coincide where the sizes differ.
+  glBlitNamedFramebuffer(target_.framebuffer(), 0, 0, 0, this->width(), this->height(), 0,
+                         height - this->height(), this->width(), height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl::check("to show the window");
 }
 

@@ -24,8 +24,8 @@ class WindowFrame {
   /// Panels are drawn into it.
   const gl::Target& target() const { return target_; }
   Image read() const;
-  /// Copies it to the window's own framebuffer.
-  void present() const;
+  /// Copies it to the window's own framebuffer, which has `width` x `height` pixels.
+  void present(int width, int height) const;
 
  private:
   gl::Target target_;
