@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/test_files.h"
@@ -22,8 +23,11 @@ class WindowDriver {
  public:
   using Json = nlohmann::json;
 
-  /// Throws std::runtime_error where it does not come up.
-  explicit WindowDriver(const std::vector<std::string>& arguments);
+  using Environment = std::vector<std::pair<std::string, std::string>>;
+
+  /// `environment`: variables of the programs, beside those of this process. Throws std::runtime_error where
+  /// the window does not come up.
+  explicit WindowDriver(const std::vector<std::string>& arguments, Environment environment = {});
   ~WindowDriver();
   WindowDriver(const WindowDriver&) = delete;
   WindowDriver& operator=(const WindowDriver&) = delete;
@@ -60,6 +64,7 @@ class WindowDriver {
   void read_lines();
 
   TemporaryFolder folder_;
+  Environment environment_;
   std::string display_;
   pid_t server_ = -1, program_ = -1;
   std::size_t read_to_ = 0;
