@@ -1,11 +1,14 @@
 #include "tests/golden.h"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "headless/compare.h"
 #include "viewer/render/gl/errors.h"
@@ -15,11 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string read_line(const fs::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
+bool is_one(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && std::string(value) == "1";
+}
+
+std::string command_that_accepts() {
+  std::string test = ".";
+  if (const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info())
+    test = fmt::format("^{}[.]{}$", info->test_suite_name(), info->name());
+  return fmt::format("UPDATE_GOLDENS=1 ./dev test -R '{}'", test);
 }
 
 fs::path write_page(const std::string& name, const Image& picture, const Image& golden,
@@ -65,19 +73,58 @@ std::string judge(const Image& picture, const Image& golden, bool same_renderer)
   return "";
 }
 
-std::string check_golden(const GoldenFile& file, const Image& picture) {
-  const fs::path png = file.path(), key = fs::path(png).replace_extension(".txt");
-  if (const char* update = std::getenv("UPDATE_GOLDENS"); update && std::string(update) == "1") {
-    fs::create_directories(png.parent_path());
-    write_png(picture, png.string());
-    std::ofstream(key) << renderer_key() << '\n';
+std::string golden_folder(const std::string& key) {
+  std::string folder;
+  for (const char c : key) {
+    if (c == ',') {
+      folder += '_';
+    } else if (std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '_') {
+      folder += c;
+    } else if (!folder.ends_with('_') && !folder.ends_with('-')) {
+      folder += '-';
+    }
+  }
+  return folder;
+}
+
+GoldenPicture find_golden(const fs::path& goldens, const std::string& key, const std::string& name) {
+  const std::string folder = golden_folder(key), file = name + ".png";
+  if (fs::is_directory(goldens / folder)) return {goldens / folder / file, true};
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& other : fs::directory_iterator(goldens))
+    if (fs::exists(other.path() / file)) found.push_back(other.path());
+  if (found.empty()) return {goldens / folder / file, true};
+  std::sort(found.begin(), found.end());
+  const std::string imgui = folder.substr(std::min(folder.rfind('_'), folder.size()));
+  const auto same_imgui = std::find_if(found.begin(), found.end(),
+                                       [&](const fs::path& f) { return f.string().ends_with(imgui); });
+  return {(same_imgui == found.end() ? found.front() : *same_imgui) / file, false};
+}
+
+std::string check_golden(const std::string& name, const Image& picture) {
+  const fs::path goldens = project_file("tests/golden");
+  const std::string key = renderer_key();
+  if (is_one("UPDATE_GOLDENS")) {
+    fs::create_directories(goldens / golden_folder(key));
+    write_png(picture, (goldens / golden_folder(key) / (name + ".png")).string());
     return "";
   }
-  if (!fs::exists(png)) return "golden " + png.string() + " is missing; UPDATE_GOLDENS=1 makes it";
-  const Image golden = read_png(png.string());
-  const std::string wrong = judge(picture, golden, read_line(key) == renderer_key());
-  return wrong.empty() ? ""
-                       : wrong + "; see " + write_page(png.stem().string(), picture, golden, wrong).string();
+  if (is_one("COLLIDOSCOPE_TIGHT_GOLDENS") && !fs::is_directory(goldens / golden_folder(key)))
+    return "no goldens are of " + key + "; to accept the picture: " + command_that_accepts();
+  return check_golden(goldens, key, name, picture);
+}
+
+std::string check_golden(const fs::path& goldens, const std::string& key, const std::string& name,
+                         const Image& picture) {
+  const GoldenPicture golden_picture = find_golden(goldens, key, name);
+  if (!fs::exists(golden_picture.png))
+    return "golden " + golden_picture.png.string() +
+           " is missing; to accept the picture: " + command_that_accepts();
+  const Image golden = read_png(golden_picture.png.string());
+  const std::string wrong = judge(picture, golden, golden_picture.same_renderer);
+  if (wrong.empty()) return "";
+  return wrong + "; to accept the picture: " + command_that_accepts() + "; see " +
+         write_page(name, picture, golden, wrong).string();
 }
 
 }  // namespace collidoscope

@@ -15,6 +15,7 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "sim_cuda/core/assets.h"
 #include "tests/screen_picture.h"
@@ -63,6 +64,7 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
   setenv("XDG_CACHE_HOME", file("cache").c_str(), 1);
   setenv("XDG_SESSION_TYPE", "x11", 1);
   unsetenv("WAYLAND_DISPLAY");
+  for (const auto& [name, value] : environment_) setenv(name.c_str(), value.c_str(), 1);
   if (chdir(file(".").c_str()) != 0) _exit(126);
   std::vector<char*> argv;
   for (const std::string& argument : command) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -71,7 +73,8 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
   _exit(127);
 }
 
-WindowDriver::WindowDriver(const std::vector<std::string>& arguments, Wait wait) {
+WindowDriver::WindowDriver(const std::vector<std::string>& arguments, Environment environment, Wait wait)
+    : environment_(std::move(environment)) {
   // The server chooses a display that is free, and says which.
   server_ = start({"Xvfb", "-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-nocursor",
                    "-fbdir", file(".")},

@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/test_files.h"
@@ -23,9 +24,13 @@ class WindowDriver {
  public:
   using Json = nlohmann::json;
 
-  /// Throws std::runtime_error where it does not come up: its first frame, or its window alone.
+  using Environment = std::vector<std::pair<std::string, std::string>>;
   enum class Wait { for_frame, for_window };
-  explicit WindowDriver(const std::vector<std::string>& arguments, Wait wait = Wait::for_frame);
+
+  /// `environment`: variables of the programs, beside those of this process. Returns when the first frame is
+  /// drawn, or when the window is there. Throws std::runtime_error where it does not come up.
+  explicit WindowDriver(const std::vector<std::string>& arguments, Environment environment = {},
+                        Wait wait = Wait::for_frame);
   ~WindowDriver();
   WindowDriver(const WindowDriver&) = delete;
   WindowDriver& operator=(const WindowDriver&) = delete;
@@ -74,6 +79,7 @@ class WindowDriver {
   void read_lines();
 
   TemporaryFolder folder_;
+  Environment environment_;
   std::string display_;
   pid_t server_ = -1, program_ = -1;
   std::size_t read_to_ = 0;

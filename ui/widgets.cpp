@@ -57,7 +57,8 @@ void row_text(const char* label, const std::string& value, const char* help) {
 }
 
 void TextPairs::operator()(const char* label, const std::string& value, const char* help) {
-  const float half = 0.5f * ImGui::GetWindowContentRegionWidth(), pad = ImGui::GetStyle().WindowPadding.x;
+  const float width = ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x;
+  const float half = 0.5f * width, pad = ImGui::GetStyle().WindowPadding.x;
   const float left = second_ ? pad + half : pad, name = ImGui::GetFontSize() * 6.6f - pad;
   if (second_) ImGui::SameLine(left);
   faint_text(label);

@@ -1,12 +1,12 @@
 #pragma once
-// Hands a window's events to Dear ImGui. A press and its release that come between two drawn frames, as they
-// do where frames are slow, would cancel out in ImGui 1.86, which is why its own GLFW backend is not used:
-// events wait for the next frame where one frame cannot hold them.
+// Passes a window's events to Dear ImGui. A press and its release between two drawn frames, as they come
+// where frames are slow, cancel out in ImGui 1.86. So an event that one frame cannot hold waits for the next.
+// ImGui's own GLFW backend is not used: the camera must handle the same events in the same frame.
 
-#include <set>
 #include <string>
 #include <vector>
 
+#include "viewer/gui_events.h"
 #include "viewer/window.h"
 
 namespace collidoscope {
@@ -24,6 +24,7 @@ class GuiInput {
   static void set_clipboard(void* self, const char* text);
 
   Window& window_;
+  GuiEvents gui_;
   std::string clipboard_;
 };
 

@@ -14,10 +14,21 @@ std::string glfw_error() {
   return words ? words : "GLFW does not say why";
 }
 
+/// X11, in a Wayland session XWayland, where there is an X server: the tests of the window run there. Else
+/// Wayland. GLFW 3.3 knows one of them only; by itself 3.4 prefers Wayland in a Wayland session.
+bool start_glfw() {
+#ifdef GLFW_PLATFORM
+  glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+  if (glfwInit()) return true;
+  glfwInitHint(GLFW_PLATFORM, GLFW_ANY_PLATFORM);
+#endif
+  return glfwInit() == GLFW_TRUE;
+}
+
 }  // namespace
 
 Window::Window(int width, int height, const std::string& title) {
-  if (!glfwInit())
+  if (!start_glfw())
     throw MachineError("no window: " + glfw_error() + "; without a display there is collidoscope-headless");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
