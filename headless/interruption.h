@@ -1,7 +1,7 @@
 #pragma once
-// SIGINT (Ctrl-C) and SIGTERM as a flag that is read between two pieces of work, or as a request to cancel the
-// work in progress. One object at a time. While it lives, the first signal is only noted; a second one does
-// what it did before. A signal that the parent ignores stays ignored.
+// SIGINT (Ctrl-C) and SIGTERM as a flag that is read between two pieces of work, or as a request to cancel
+// the work in progress. One object at a time. While it lives, the first signal is only noted; a second one
+// does what it did before. A signal that the parent ignores stays ignored.
 
 #include <functional>
 

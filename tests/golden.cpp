@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "headless/compare.h"
+#include "tests/test_files.h"
 #include "viewer/render/gl/errors.h"
 
 namespace collidoscope {

@@ -38,7 +38,8 @@ struct GoldenPicture {
 };
 
 /// For a known renderer its own golden. Else one of another renderer, with the same ImGui if there is one.
-GoldenPicture find_golden(const std::filesystem::path& goldens, const std::string& key, const std::string& name);
+GoldenPicture find_golden(const std::filesystem::path& goldens, const std::string& key,
+                          const std::string& name);
 
 /// Name of the folder of a renderer's goldens: "llvmpipe_Mesa-22.3.6_ImGui-1.86".
 std::string golden_folder(const std::string& key);

@@ -24,9 +24,8 @@ std::vector<std::string> unread_files(const std::filesystem::path& folder,
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     const std::filesystem::path& file = entry.path();
-    const std::string name =
-        file.extension() == ".txt" ? file.stem().string() + ".png" : file.filename().string();
-    if (!read.contains(name)) unread.push_back(std::filesystem::relative(file, folder).string());
+    if (!read.contains(file.filename().string()))
+      unread.push_back(std::filesystem::relative(file, folder).string());
   }
   std::ranges::sort(unread);
   return unread;

@@ -44,8 +44,8 @@ std::filesystem::path golden_file() {
 /// Names of all files that tests read.
 const std::set<std::string>& golden_files_read();
 
-/// Files below `folder` that are not in `read`, in order. A folder below it holds the goldens of another
-/// renderer under the same names. NAME.txt names the renderer of NAME.png, and is read with it.
+/// Files below `folder` that are not in `read`, in order. A folder below it holds the goldens of one
+/// renderer, under the same names.
 std::vector<std::string> unread_files(const std::filesystem::path& folder, const std::set<std::string>& read);
 
 }  // namespace collidoscope

@@ -136,13 +136,14 @@ TEST(LargeRuns, AreRefusedWithTheirFigures) {
 }
 
 TEST(LargeRuns, WarnAboutTimeAndGoOn) {
-  const Outcome warned =
-      run_headless({"run", "box_collider", "--bodies", "80000", "--steps", "0", "--cpu-threads", "1"});
+  const Outcome warned = run_headless({"run", "box_collider", "--bodies", "80000", "--steps", "0",
+                                       "--executor", "cpu", "--cpu-threads", "1"});
   EXPECT_EQ(warned.status, 0);
   EXPECT_THAT(warned.err,
               MatchesRegex("note: a step of 80,000 bodies with about [0-9,]+ pairs will take about "
                            "[0-9,]+ s on .*\n"));
-  const Outcome quick = run_headless({"run", "box_collider", "--bodies", "2000", "--steps", "0"});
+  const Outcome quick =
+      run_headless({"run", "box_collider", "--bodies", "2000", "--steps", "0", "--executor", "cpu"});
   EXPECT_EQ(quick.err, "");
 }
 
@@ -151,7 +152,7 @@ using LargeWindow = Viewer;
 TEST_F(LargeWindow, ShowsThatItPreparesAndCloses) {
   for (const char* way : {"button", "SIGTERM", "SIGINT"}) {
     SCOPED_TRACE(way);
-    WindowDriver window({"box_collider", "--bodies", "200000", "--allow-large"},
+    WindowDriver window({"box_collider", "--bodies", "200000", "--allow-large"}, {},
                         WindowDriver::Wait::for_window);
     const Clock::time_point start = Clock::now();
     while (window.colors_shown() < 3 && seconds_since(start) < 20)

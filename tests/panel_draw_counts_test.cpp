@@ -44,7 +44,7 @@ Drawn drawn_panels(int steps, std::int64_t leaves) {
   view.history = &history;
   view.tree_nodes = 2 * leaves;
   view.level_sizes.assign(18, leaves / 9);
-  view.level_colors.assign(8, 0xff00ff00u);
+  view.level_colors.assign(64, 0xff00ff00u);
   view.body_colors.colors.assign(256, 0xff00ffffu);
   workspace.folds.tree = true;
   workspace.layers.box_color = NodeMetric::visits;

@@ -93,7 +93,7 @@ World App::prepared(const Start& start) {
   ImGui::GetForegroundDrawList()->AddText({20, 20}, IM_COL32_WHITE, text.c_str());
   glClearNamedFramebufferfv(picture_.target().framebuffer(), GL_COLOR, 0, grey);
   gui_.end(picture_.target());
-  picture_.present();
+  picture_.present(picture_.width(), picture_.height());
   window_.swap();
   return start.world(options_.run);
 }

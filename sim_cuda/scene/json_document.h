@@ -39,7 +39,7 @@ class JsonDocument {
   static constexpr std::size_t max_nodes = std::size_t{1} << 23;   ///< values in all; 28 bytes each
   static constexpr std::size_t max_depth = 64;                     ///< arrays and objects within each other
   static constexpr std::size_t max_faults = 10'000;                ///< listed; more are counted as one
-  static constexpr std::size_t max_repeated = 20;                  ///< values of duplicate keys; of more none is read
+  static constexpr std::size_t max_repeated = 20;  ///< values of duplicate keys; of more none is read
 
   /// Throws InputError where the text is no JSON or beyond a limit. `name` stands before the positions in all
   /// messages. Faults beside which the rest can be read wait in faults().

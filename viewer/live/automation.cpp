@@ -163,7 +163,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"chosen_stage", workspace.chosen_stage},
                {"contact_rows", workspace.contact_rows.others},
                {"pairs", view.stats.pairs},
-               {"contacts", view.stats.contacts},
+               {"contacts", view.stats.touching},
                {"notice", workspace.notice}};
   line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
