@@ -5,19 +5,22 @@
 
 namespace collidoscope {
 
-void StepUndo::begin_step() {
+void StepUndo::begin_step(int runs) {
   aside_.forget();
   in_step_ = executor_.options().cancellation != nullptr && !executor_.on_device();
-  if (in_step_) start_ = Cancellation::Clock::now();
+  runs_ = runs;
+  if (in_step_ && runs > 1) start_ = Cancellation::Clock::now();
 }
 
 void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, double solve_seconds) {
   if (!in_step_ || aside_.holds() || to_the_end_) return;
   if (control.overflow) return;  // such a run writes nothing
-  // Later runs find their contacts anew, which takes as long as it took this one.
-  const int runs = pipeline.runs_per_step();
-  const std::chrono::duration<double> found = Cancellation::Clock::now() - start_;
-  if (runs * solve_seconds + (runs - 1) * found.count() < executor_.options().cancellation->uninterrupted) {
+  double rest = runs_ * solve_seconds;
+  if (runs_ > 1) {  // later ones find their contacts anew, which takes as long as it took the first
+    const std::chrono::duration<double> found = Cancellation::Clock::now() - start_;
+    rest += (runs_ - 1) * found.count();
+  }
+  if (rest < executor_.options().cancellation->uninterrupted) {
     to_the_end_.emplace(executor_);
     return;
   }

@@ -16,8 +16,8 @@ class StepUndo {
  public:
   explicit StepUndo(Executor& executor) : executor_(executor) {}
 
-  /// A step begins. Nothing happens without a cancellation.
-  void begin_step();
+  /// A step of so many pipeline runs begins. Nothing happens without a cancellation.
+  void begin_step(int runs);
   /// The first of its runs, or a later one, is about to write; `solve_seconds`: what solving a run's contacts
   /// is expected to take.
   void before_writing(Pipeline& pipeline, const StepControl& control, double solve_seconds);
@@ -30,7 +30,8 @@ class StepUndo {
 
  private:
   Executor& executor_;
-  Cancellation::Clock::time_point start_{};
+  Cancellation::Clock::time_point start_{};  ///< of a step of several runs
+  int runs_ = 1;
   bool in_step_ = false;
   Aside aside_;
   std::optional<Executor::Uninterrupted> to_the_end_;

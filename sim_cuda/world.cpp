@@ -223,7 +223,7 @@ std::optional<FirstFound> World::Impl::advance() {
       world.residuals_known = world.residuals;
     }
   } count_it{*this, runner.next()};
-  undo.begin_step();
+  undo.begin_step(runner.pipeline().runs_per_step());
   try {
     const std::optional<FirstFound> found =
         while_doing("making a step", [&] { return runner.step(with_events); });

@@ -103,7 +103,8 @@ TEST(LargeRuns, LeaveNoFileWhereASignalComesWhileFilesAreWritten) {
 
 TEST(LargeRuns, OfCaptureEndWithinASecondOfASignal) {
   for (const double wait : {0.3, 2.5}) {
-    Started capture({"capture", "box_collider", "--bodies", "200000", "--allow-large", "--states", "5"});
+    Started capture({"capture", "box_collider", "--bodies", "200000", "--allow-large", "--states", "5",
+                     "--executor", "cpu"});
     std::this_thread::sleep_for(std::chrono::duration<double>(wait));
     ASSERT_TRUE(capture.running());
     EXPECT_LT(capture.end_by(SIGINT), soon) << "after " << wait << " s";

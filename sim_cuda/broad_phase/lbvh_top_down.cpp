@@ -95,6 +95,14 @@ struct SplitNodes {
   }
 };
 
+/// One level in a launch of its own.
+template <class Key>
+struct SplitLevel {
+  SplitNodes<Key> nodes;
+  int level;
+  SIM_HD void operator()(int item) const { nodes(level, item); }
+};
+
 struct Refit {
   const Aabb* boxes;
   const std::uint32_t* parent;
@@ -218,9 +226,14 @@ class LbvhTopDown final : public BroadPhase {
     executor_.begin_stage("build");
     levels_.fill_zero();
     executor_.run("build", 1, PutRoot{n_, levels, first_.data(), parent_.data(), nodes_.data()});
-    executor_.run_rounds("build", levels_needed(), n_,
-                         SplitNodes<Key>{order_.keys(), order_.bodies(), levels, first_.data(),
-                                         parent_.data(), met_.data(), leaf_.data(), nodes_.data()});
+    const SplitNodes<Key> split{order_.keys(),  order_.bodies(), levels,       first_.data(),
+                                parent_.data(), met_.data(),     leaf_.data(), nodes_.data()};
+    if (executor_.on_device() && n_ > most_in_rounds) {
+      for (int level = 0; level < levels_needed(); ++level)
+        executor_.run("build", Count(levels.size + level, widest(level)), SplitLevel<Key>{split, level});
+    } else {
+      executor_.run_rounds("build", levels_needed(), n_, split);
+    }
     executor_.run("build", n_, Refit{boxes, parent_.data(), met_.data(), nodes_.data(), leaf_.data()});
   }
 
@@ -237,6 +250,14 @@ class LbvhTopDown final : public BroadPhase {
   }
 
  private:
+  // Beyond so many bodies each level is a launch on a GPU, the empty levels too. The rounds of one launch
+  // have a block on each multiprocessor, which is too few: 1.23 ms instead of 0.48 for 1,000,000 on an H200.
+  static constexpr std::uint32_t most_in_rounds = 200'000;
+  /// No level has more nodes than this.
+  std::int64_t widest(int level) const {
+    const std::int64_t nodes = tree_nodes();
+    return level < 40 && (std::int64_t{1} << level) < nodes ? std::int64_t{1} << level : nodes;
+  }
   // A split by a bit takes one level for each bit, then equal keys are halved.
   static constexpr int most_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
   int levels_needed() const {

@@ -177,7 +177,8 @@ double Executor::equal_cores() const {
 #if SIM_CUDA
   if (on_device_) return 8.0 * multiprocessors_;  // an H200, 132 of them: 1,300 on 10,000,000 bodies
 #endif
-  return std::min(team_.threads(), cpu_threads(0));
+  static const int cores = cpu_threads(0);  // the system reads a file to say so
+  return std::min(team_.threads(), cores);
 }
 
 std::int64_t Executor::room_bytes() const {
