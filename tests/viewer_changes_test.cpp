@@ -122,56 +122,5 @@ TEST_F(Viewer, CountsPairsOfAStateThatWasChanged) {
   EXPECT_EQ(close(window), "");
 }
 
-// Rows are sorted by impulse, which changes in every step: under the pointer they keep their places.
-TEST_F(Viewer, AContactIsClickedWhileItPlays) {
-  TemporaryFolder folder;
-  const std::string scene = (folder / "crowd.json").string();
-  std::ofstream(scene) << R"({"format": "collidoscope-scene", "version": 1, "name": "Crowd",
-    "steps_per_second": 60, "box": {"min": [0, 0, 0], "max": [20, 20, 20]},
-    "materials": {"default": {"restitution": 0.9}},
-    "generators": [{"kind": "box_collider", "count": 260, "radius_max": 2.4, "variant": "paper",
-    "spawn": "inside", "seed": 3}]})";
-  WindowDriver window({scene, "--size", "1280x1000"});
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 2; }));
-  window.move(640, 300);
-  window.key("space");
-  window.click("panel.timing");  // folded, it leaves room
-  const auto play = [&](bool on) {
-    if (window.frame()["playing"] == on) return;
-    window.move(640, 100);
-    window.key("space");
-    EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["playing"] == on; }));
-  };
-  const auto choose = [&] {  // a body with two contacts and more
-    for (int k = 0; k < 40; ++k) {
-      window.click_at(600 + 17 * (k % 8), 400 + 23 * (k / 8));
-      if (!window.frame()["selection"].is_null() && window.sees("inspector.contact.1")) return true;
-    }
-    return false;
-  };
-  int followed = 0, tries = 0;
-  for (int round = 0; round < 15 && tries < 5; ++round) {
-    play(false);
-    ASSERT_TRUE(choose());
-    play(true);
-    if (!window.sees("inspector.contact.1")) continue;
-    const auto [x, y] = window.place("inspector.contact.1");
-    window.move(x, y);
-    window.next_frame();
-    const Json rows = window.frame()["contact_rows"];
-    if (rows.size() < 2 || !window.sees("inspector.contact.1")) continue;
-    ++tries;
-    window.hands({"mousedown", "1"});
-    window.next_frame();
-    window.next_frame();
-    window.hands({"mouseup", "1"});
-    window.next_frame();
-    followed += window.frame()["selection"] == rows[1];
-  }
-  ASSERT_EQ(tries, 5);
-  EXPECT_GE(followed, 4) << "of " << tries;
-  EXPECT_EQ(close(window), "");
-}
-
 }  // namespace
 }  // namespace collidoscope
