@@ -105,7 +105,7 @@ TEST_P(Changes, LeadToTheSameStateHoweverTheyRun) {
   plain.executor = ExecutorKind::cpu;
   World expected = replayed(crowd(), script, plain, script_steps);
   EXPECT_EQ(expected.initial().size(), 1u + 96u + 1u);
-  EXPECT_GT(expected.measure().touching, 10);
+  EXPECT_GT(expected.measure().speculative, 10);
   const auto same = [&](auto edit, const char* what) {
     RunOptions o = options();
     edit(o);
