@@ -106,7 +106,7 @@ TEST(AccuracyCommand, GoesOnAfterCtrlC) {
   const std::string file = folder / "a.json";
   const auto arguments = [&] {
     std::vector<std::string> list{
-        "accuracy",  "box_collider", "--bodies",   "200", "--json",        file, "--repeats", "2",
+        "accuracy",  "box_collider", "--bodies",   "100", "--json",        file, "--repeats", "2",
         "--seconds", "0.3",          "--executor", "cpu", "--cpu-threads", "1"};
     return list;
   }();
