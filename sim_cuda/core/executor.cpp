@@ -437,6 +437,19 @@ void Executor::count_loop(std::int64_t items, std::int64_t lanes) {
   clock_.add_launch(stage_entry_, launch);
 }
 
+void Executor::run_loop(std::int64_t count, const void* stage, ItemLoop loop) {
+  const bool automatic = options_.shape.blocks == 0 || options_.shape.threads == 0;
+  if (automatic && options_.lane_order == LaneOrder::contiguous) {
+    count_loop(count, 0);
+    return run_in_chunks(team_, count, cpu_chunk, loop, stage);
+  }
+  const std::int64_t asked =
+      automatic ? 64 : static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads;
+  const std::int64_t lanes = std::min(asked, count);
+  count_loop(count, lanes);
+  run_in_lanes(team_, count, lanes, options_.lane_order, cpu_chunk, loop, stage);
+}
+
 #if SIM_CUDA
 const Executor::KernelFit& Executor::kernel_fit(const void* kernel, int threads, const char* name,
                                                 SharedBytes shared) {

@@ -3,10 +3,10 @@
 // threads, counts the bytes that buffers take, and tells the StageClock which stage is running. It outlives
 // every buffer and graph made on it.
 //
-//   executor.run("bounds", body_count, Bounds{...});
+//   executor.run("bounds", body_count, BodyBounds{...});
 //
-// calls Bounds::operator()(int item) for every item, B blocks of T threads sharing them (launch_shape.h). A
-// stage's items must not depend on each other: any order and any number at a time gives the same result.
+// calls BodyBounds::operator()(int item) for every item, B blocks of T threads sharing them (launch_shape.h).
+// A stage's items must not depend on each other: any order and any number at a time gives the same result.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/cpu_lanes.h"
 #include "sim_cuda/core/host_device.h"
 #include "sim_cuda/core/occupancy.h"
 #include "sim_cuda/core/parallel_for.h"
@@ -219,6 +220,7 @@ class Executor {
   static constexpr std::int64_t cpu_chunk = 512;
   template <class Stage>
   void run_on_cpu(std::int64_t count, const Stage& stage);
+  void run_loop(std::int64_t count, const void* stage, ItemLoop loop);
   /// One more parallel loop of the stage in progress: `lanes` of them share the items; 0: chunks.
   void count_loop(std::int64_t items, std::int64_t lanes);
 #if defined(__CUDACC__)
@@ -320,68 +322,12 @@ class StepGraph {
 
 // ---- implementation of the templates ----
 
-namespace detail {
-/// Greatest common divisor 1 makes item -> (a * item + b) mod n a permutation; n is prime to a prime that
-/// does not divide it.
-inline std::int64_t shuffle_multiplier(std::int64_t n) {
-  for (const std::int64_t prime : {1000003LL, 998244353LL, 1000000007LL})
-    if (n % prime != 0) return prime % n == 0 ? 1 : prime % n;
-  return 1;
-}
-/// What the lanes of one loop on the CPU share.
-template <class Stage>
-struct Lanes {
-  const Stage& stage;
-  std::int64_t items, lanes;
-  LaneOrder order;
-  ThreadTeam& team;
-  std::int64_t chunk;  ///< items between two looks at a cancellation
-
-  void run(std::int64_t lane) const {
-    const std::int64_t n = items, all = lanes;
-    if (order == LaneOrder::strided)
-      return each((n - lane + all - 1) / all, [=](std::int64_t k) { return lane + k * all; });
-    const std::int64_t first = n * lane / all, own = n * (lane + 1) / all - first;
-    if (order == LaneOrder::contiguous) return each(own, [=](std::int64_t k) { return first + k; });
-    const std::int64_t a = shuffle_multiplier(n), b = n / 3;
-    each(own, [=](std::int64_t k) { return (a * (first + k) + b) % n; });
-  }
-
- private:
-  template <class ItemAt>
-  void each(std::int64_t own, const ItemAt& item_at) const {
-    for (std::int64_t k = 0; k < own && !team.is_cancelled();)
-      for (const std::int64_t stop = k + chunk < own ? k + chunk : own; k < stop; ++k)
-        stage(static_cast<int>(item_at(k)));
-  }
-};
-}  // namespace detail
-
 template <class Stage>
 void Executor::run_on_cpu(std::int64_t count, const Stage& stage) {
-  const bool automatic = options_.shape.blocks == 0 || options_.shape.threads == 0;
-  if (automatic && options_.lane_order == LaneOrder::contiguous) {
-    count_loop(count, 0);
-    return team_.parallel_for(
-        count, cpu_chunk,
-        [](void* one, std::int64_t begin, std::int64_t end) {
-          const Stage& s = *static_cast<const Stage*>(one);
-          for (std::int64_t i = begin; i < end; ++i) s(static_cast<int>(i));
-        },
-        const_cast<Stage*>(&stage));
-  }
-  const std::int64_t asked =
-      automatic ? 64 : static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads;
-  detail::Lanes<Stage> lanes{stage, count,    asked < count ? asked : count, options_.lane_order,
-                             team_, cpu_chunk};
-  count_loop(count, lanes.lanes);
-  team_.parallel_for(
-      lanes.lanes, 1,
-      [](void* all, std::int64_t begin, std::int64_t end) {
-        for (std::int64_t lane = begin; lane < end; ++lane)
-          static_cast<const detail::Lanes<Stage>*>(all)->run(lane);
-      },
-      &lanes);
+  run_loop(count, &stage, [](const void* one, std::int64_t first, std::int64_t stride, std::int64_t items) {
+    const Stage& s = *static_cast<const Stage*>(one);
+    for (std::int64_t k = 0; k < items; ++k) s(static_cast<int>(first + k * stride));
+  });
 }
 
 template <class Rounds>
