@@ -10,17 +10,17 @@ namespace collidoscope {
 namespace {
 
 /// Gathers rows and hands them on in pieces.
-class Rows {
+class CsvRows {
  public:
-  Rows(const TextSink& sink, std::string_view header) : sink_(sink) { (text_ += header) += '\n'; }
-  Rows(const Rows&) = delete;
-  Rows& operator=(const Rows&) = delete;
+  CsvRows(const TextSink& sink, std::string_view header) : sink_(sink) { (text_ += header) += '\n'; }
+  CsvRows(const CsvRows&) = delete;
+  CsvRows& operator=(const CsvRows&) = delete;
 
-  Rows& begin(std::size_t id) {
+  CsvRows& begin(std::size_t id) {
     text_ += std::to_string(id);
     return *this;
   }
-  Rows& operator<<(double number) {
+  CsvRows& operator<<(double number) {
     char digits[32];  // the longest shortest double is 24 characters
     const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
     text_ += ',';
@@ -28,7 +28,7 @@ class Rows {
     return *this;
   }
   template <int rows, int columns>
-  Rows& operator<<(const Eigen::Matrix<double, rows, columns>& matrix) {
+  CsvRows& operator<<(const Eigen::Matrix<double, rows, columns>& matrix) {
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) *this << matrix(row, column);
     return *this;
@@ -53,7 +53,7 @@ class Rows {
 void write_body_states(World& world, const TextSink& sink) {
   const InitialBodies& fixed = world.initial();
   const BodyStates states = world.bodies();
-  Rows rows(sink, "id,radius,mass,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz");
+  CsvRows rows(sink, "id,radius,mass,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz");
   for (std::size_t id = 0; id < fixed.size(); ++id) {
     const Quaterniond& q = states.orientation[id];
     rows.begin(id) << fixed.radius[id] << fixed.mass[id] << states.position[id] << q.w() << q.x() << q.y()
@@ -67,9 +67,9 @@ void write_body_dynamics(World& world, const TextSink& sink) {
   const InitialBodies& fixed = world.initial();
   const BodyStates states = world.bodies();
   const Vector3d gravity = world.effects().gravity ? world.scene().physics.gravity : Vector3d(0, 0, 0);
-  Rows rows(sink,
-            "id,mass,x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,px,py,pz,lx,ly,lz,"
-            "i00,i01,i02,i10,i11,i12,i20,i21,i22,fx,fy,fz,tx,ty,tz");
+  CsvRows rows(sink,
+               "id,mass,x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,px,py,pz,lx,ly,lz,"
+               "i00,i01,i02,i10,i11,i12,i20,i21,i22,fx,fy,fz,tx,ty,tz");
   for (std::size_t id = 0; id < fixed.size(); ++id) {
     const bool moved = !fixed.motion.empty() && fixed.motion[id] != Motion::dynamic;  // by no force
     const double mass = moved ? 0 : fixed.mass[id], radius = fixed.radius[id];

@@ -19,15 +19,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Measured {
+struct MeasuredTree {
   std::string method;
   int key_bits = 0;  ///< 0: it has none
   TreeQuality quality;
   double build_us = 0, query_us = 0;  ///< medians; the query with the ordering of its pairs
 };
 
-Measured measure(World& world, int repeats) {
-  Measured m;
+MeasuredTree measure_tree_of(World& world, int repeats) {
+  MeasuredTree m;
   m.method = world.options().broad_phase;
   m.key_bits = world.key_bits();
   m.quality = world.tree_quality();
@@ -39,7 +39,7 @@ Measured measure(World& world, int repeats) {
   return m;
 }
 
-Json json_of(const Measured& m) {
+Json json_of(const MeasuredTree& m) {
   const TreeQuality& q = m.quality;
   const auto known = [&](double value) { return q.own.by_query ? Json(value) : Json(nullptr); };
   return {{"method", m.method},
@@ -79,48 +79,50 @@ std::string depth_histogram(const TreeQuality& q) {
   return text;
 }
 
-std::string text_of(const std::vector<Measured>& trees) {
+std::string text_of(const std::vector<MeasuredTree>& trees) {
   std::string text;
   const auto row = [&](const char* what, auto value) {
     text += fmt::format("  {:<26}", what);
-    for (const Measured& m : trees) text += fmt::format("{:>18}", value(m));
+    for (const MeasuredTree& m : trees) text += fmt::format("{:>18}", value(m));
     text += '\n';
   };
   const auto number = [](double value) { return fmt::format("{:.4g}", value); };
-  row("", [](const Measured& m) { return m.method; });
-  row("bits of a Morton key", [](const Measured& m) { return m.key_bits > 0 ? grouped(m.key_bits) : "-"; });
-  row("nodes", [](const Measured& m) { return grouped(m.quality.nodes); });
-  row("levels", [](const Measured& m) { return grouped(m.quality.levels); });
-  row("bytes of the method", [](const Measured& m) { return grouped(m.quality.bytes); });
-  row("SAH cost", [&](const Measured& m) { return number(m.quality.sah); });
-  row("EPO", [&](const Measured& m) { return number(m.quality.epo); });
-  row("0.29 SAH + 0.71 EPO", [&](const Measured& m) { return number(m.quality.sah_epo); });
-  row("sibling overlap, mean", [&](const Measured& m) { return number(m.quality.sibling_overlap); });
-  row("empty space, mean", [&](const Measured& m) { return number(m.quality.empty_space); });
+  row("", [](const MeasuredTree& m) { return m.method; });
+  row("bits of a Morton key",
+      [](const MeasuredTree& m) { return m.key_bits > 0 ? grouped(m.key_bits) : "-"; });
+  row("nodes", [](const MeasuredTree& m) { return grouped(m.quality.nodes); });
+  row("levels", [](const MeasuredTree& m) { return grouped(m.quality.levels); });
+  row("bytes of the method", [](const MeasuredTree& m) { return grouped(m.quality.bytes); });
+  row("SAH cost", [&](const MeasuredTree& m) { return number(m.quality.sah); });
+  row("EPO", [&](const MeasuredTree& m) { return number(m.quality.epo); });
+  row("0.29 SAH + 0.71 EPO", [&](const MeasuredTree& m) { return number(m.quality.sah_epo); });
+  row("sibling overlap, mean", [&](const MeasuredTree& m) { return number(m.quality.sibling_overlap); });
+  row("empty space, mean", [&](const MeasuredTree& m) { return number(m.quality.empty_space); });
   const auto own = [&](double (*value)(const OwnVisits&)) {
-    return [&number, value](const Measured& m) {
+    return [&number, value](const MeasuredTree& m) {
       return m.quality.own.by_query ? number(value(m.quality.own)) : "-";
     };
   };
-  row("own visits a query: mean", [&](const Measured& m) { return number(m.quality.own.mean); });
+  row("own visits a query: mean", [&](const MeasuredTree& m) { return number(m.quality.own.mean); });
   row("  99 of 100 below", own([](const OwnVisits& v) { return v.p99; }));
   row("  most", own([](const OwnVisits& v) { return static_cast<double>(v.most); }));
   row("  warp's most / mean", own([](const OwnVisits& v) { return v.warp_ratio; }));
-  row("root visits a query: mean", [&](const Measured& m) { return number(m.quality.visits_mean); });
-  row("  99 of 100 below", [&](const Measured& m) { return number(m.quality.visits_p99); });
-  row("  most", [](const Measured& m) { return grouped(m.quality.visits_max); });
-  row("  warp's most / mean", [&](const Measured& m) { return number(m.quality.warp_ratio); });
-  row("  expected", [&](const Measured& m) { return number(m.quality.expected_visits); });
-  row("  for each true pair", [&](const Measured& m) { return number(m.quality.tests_per_pair); });
-  row("build, median us", [](const Measured& m) { return fmt::format("{:.1f}", m.build_us); });
-  row("query, median us", [](const Measured& m) { return fmt::format("{:.1f}", m.query_us); });
+  row("root visits a query: mean", [&](const MeasuredTree& m) { return number(m.quality.visits_mean); });
+  row("  99 of 100 below", [&](const MeasuredTree& m) { return number(m.quality.visits_p99); });
+  row("  most", [](const MeasuredTree& m) { return grouped(m.quality.visits_max); });
+  row("  warp's most / mean", [&](const MeasuredTree& m) { return number(m.quality.warp_ratio); });
+  row("  expected", [&](const MeasuredTree& m) { return number(m.quality.expected_visits); });
+  row("  for each true pair", [&](const MeasuredTree& m) { return number(m.quality.tests_per_pair); });
+  row("build, median us", [](const MeasuredTree& m) { return fmt::format("{:.1f}", m.build_us); });
+  row("query, median us", [](const MeasuredTree& m) { return fmt::format("{:.1f}", m.query_us); });
   text +=
       "\n  own visits: nodes that the method's own traversal reads, which finds the pairs; of bullet_dbvt, "
       "tests "
       "of two nodes.\n"
       "  root visits: boxes that one and the same query tests, from the root of each tree as it is drawn.\n"
       "\n  leaves by level, the fullest is 9:\n";
-  for (const Measured& m : trees) text += fmt::format("  {:<26}{}\n", m.method, depth_histogram(m.quality));
+  for (const MeasuredTree& m : trees)
+    text += fmt::format("  {:<26}{}\n", m.method, depth_histogram(m.quality));
   return text;
 }
 
@@ -134,7 +136,7 @@ int bvh_command(const CommandLine& line) {
   const std::vector<std::string> methods =
       options.bench.methods.empty() ? broad_phase_names(options.run.executor) : options.bench.methods;
 
-  std::vector<Measured> trees;
+  std::vector<MeasuredTree> trees;
   std::optional<World> first;  // makes the steps; the others take its state
   std::string device;
   std::size_t bodies = 0;
@@ -150,7 +152,7 @@ int bvh_command(const CommandLine& line) {
         first->step(static_cast<int>(options.steps_or(0)));
       }
       world.adopt(*first);
-      trees.push_back(measure(world, static_cast<int>(options.bench.repeats)));
+      trees.push_back(measure_tree_of(world, static_cast<int>(options.bench.repeats)));
       device = world.device_name();
     }
     progress.update(k + 1);
@@ -166,7 +168,7 @@ int bvh_command(const CommandLine& line) {
             {"bodies", trees[0].quality.bodies},
             {"pairs", trees[0].quality.pairs},
             {"trees", Json::array()}};
-  for (const Measured& m : trees) json["trees"].push_back(json_of(m));
+  for (const MeasuredTree& m : trees) json["trees"].push_back(json_of(m));
   if (file) {
     file->write(json_text(json));
     file->commit();

@@ -23,7 +23,7 @@ namespace {
 constexpr double pixels_per_degree = 67;
 using Pixel = std::array<float, 3>;
 
-struct Plane {
+struct ImagePlane {
   int width, height;
   std::vector<Pixel> at;
 };
@@ -67,11 +67,11 @@ float hyab(const Pixel& a, const Pixel& b) {
 
 // One kernel a channel, along x, then along y; the edge repeats.
 using Kernels = std::array<std::vector<float>, 3>;
-Plane filtered(const Plane& source, const Kernels& along_x, const Kernels& along_y) {
-  Plane current = source;
+ImagePlane filtered(const ImagePlane& source, const Kernels& along_x, const Kernels& along_y) {
+  ImagePlane current = source;
   for (int pass = 0; pass < 2; ++pass) {
     const Kernels& kernels = pass == 0 ? along_x : along_y;
-    Plane next{source.width, source.height, std::vector<Pixel>(source.at.size(), Pixel{})};
+    ImagePlane next{source.width, source.height, std::vector<Pixel>(source.at.size(), Pixel{})};
     for (int y = 0; y < source.height; ++y)
       for (int x = 0; x < source.width; ++x) {
         Pixel& out = next.at[static_cast<std::size_t>(y) * static_cast<std::size_t>(source.width) +
@@ -111,7 +111,7 @@ std::vector<float> sensitivity(double b, double weight) {
   return kernel;
 }
 
-Plane seen(const Plane& opponent) {
+ImagePlane seen(const ImagePlane& opponent) {
   // Luminance and red-green are one Gaussian each; blue-yellow is the sum of two, each weighed by its volume
   // a (pi / b)^(1/2) * (b / pi) in both directions.
   const double volume_1 = 34.1 * std::sqrt(std::numbers::pi / 0.04) * 0.04,
@@ -120,15 +120,15 @@ Plane seen(const Plane& opponent) {
   const std::vector<float> luminance = sensitivity(0.0047, 1), red_green = sensitivity(0.0053, 1);
   const Kernels wide{luminance, red_green, sensitivity(0.04, 1)};
   const Kernels narrow{std::vector<float>{1}, std::vector<float>{1}, sensitivity(0.025, 1)};
-  Plane result = filtered(opponent, wide, wide);
-  const Plane other = filtered(opponent, narrow, narrow);
+  ImagePlane result = filtered(opponent, wide, wide);
+  const ImagePlane other = filtered(opponent, narrow, narrow);
   for (std::size_t i = 0; i < result.at.size(); ++i)
     result.at[i][2] = static_cast<float>(share_1 * result.at[i][2] + (1 - share_1) * other.at[i][2]);
   return result;
 }
 
 // Edges and points of luminance: |gradient| and |second derivative| of a Gaussian, in x and y.
-std::vector<std::array<float, 2>> features(const Plane& opponent) {
+std::vector<std::array<float, 2>> features(const ImagePlane& opponent) {
   const double deviation = 0.5 * 0.082 * pixels_per_degree;
   const int radius = static_cast<int>(std::ceil(3 * deviation));
   std::vector<float> blur, edge, point;
@@ -148,24 +148,24 @@ std::vector<std::array<float, 2>> features(const Plane& opponent) {
   for (float& v : blur) v = static_cast<float>(v / sum);
   balance(edge);
   balance(point);
-  Plane luminance = opponent;
+  ImagePlane luminance = opponent;
   for (Pixel& p : luminance.at) p = {(p[0] + 16) / 116, (p[0] + 16) / 116, 0};
-  const Plane across = filtered(luminance, {edge, point, {1}}, {blur, blur, {1}});
-  const Plane down = filtered(luminance, {blur, blur, {1}}, {edge, point, {1}});
+  const ImagePlane across = filtered(luminance, {edge, point, {1}}, {blur, blur, {1}});
+  const ImagePlane down = filtered(luminance, {blur, blur, {1}}, {edge, point, {1}});
   std::vector<std::array<float, 2>> result(luminance.at.size());
   for (std::size_t i = 0; i < result.size(); ++i)
     for (std::size_t c = 0; c < 2; ++c) result[i][c] = std::hypot(across.at[i][c], down.at[i][c]);
   return result;
 }
 
-Plane opponent_plane(const Image& image) {
+ImagePlane opponent_plane(const Image& image) {
   static const std::array<float, 256> linear = [] {
     std::array<float, 256> table;
     for (int i = 0; i < 256; ++i)
       table[static_cast<std::size_t>(i)] = to_linear(static_cast<std::uint8_t>(i));
     return table;
   }();
-  Plane plane{image.width, image.height, {}};
+  ImagePlane plane{image.width, image.height, {}};
   for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4)
     plane.at.push_back(
         to_opponent({linear[image.rgba[i]], linear[image.rgba[i + 1]], linear[image.rgba[i + 2]]}));
@@ -173,8 +173,8 @@ Plane opponent_plane(const Image& image) {
 }
 
 std::vector<float> perceptual_difference(const Image& a, const Image& b) {
-  const Plane opponent_a = opponent_plane(a), opponent_b = opponent_plane(b);
-  const Plane seen_a = seen(opponent_a), seen_b = seen(opponent_b);
+  const ImagePlane opponent_a = opponent_plane(a), opponent_b = opponent_plane(b);
+  const ImagePlane seen_a = seen(opponent_a), seen_b = seen(opponent_b);
   const auto features_a = features(opponent_a), features_b = features(opponent_b);
   const float greatest = std::pow(hyab(to_hunt_lab({0, 1, 0}), to_hunt_lab({0, 0, 1})), 0.7f);
   const float knee = 0.4f * greatest;

@@ -12,7 +12,7 @@ std::int64_t made_by(const BoxCollider& generator) {
 }
 
 /// Of the body that is the `place`-th that the generator makes.
-std::int64_t number_of(const BoxCollider& generator, std::int64_t place) {
+std::int64_t generated_number(const BoxCollider& generator, std::int64_t place) {
   std::int64_t number = place;
   for (const std::int64_t left_out : generator.without) {
     if (left_out > number) break;
@@ -29,7 +29,7 @@ void remove_body(Scene& scene, std::int64_t id) {
   for (BoxCollider& generator : scene.generators) {
     const std::int64_t made = made_by(generator);
     if (id < made) {
-      const std::int64_t number = number_of(generator, id);
+      const std::int64_t number = generated_number(generator, id);
       generator.without.insert(std::ranges::upper_bound(generator.without, number), number);
       return;
     }
@@ -79,7 +79,7 @@ bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
 }
 
 template <class Value>
-void set(Value& value, const std::optional<Value>& wish) {
+void set_if_given(Value& value, const std::optional<Value>& wish) {
   if (wish) value = *wish;
 }
 
@@ -108,9 +108,9 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
   if (change.bodies) set_count(scene, *change.bodies, ids);
   if (change.radius_max || change.seed || change.variant) {
     BoxCollider& generator = scene.generators.at(0);
-    set(generator.radius_max, change.radius_max);
-    set(generator.seed, change.seed);
-    set(generator.variant, change.variant);
+    set_if_given(generator.radius_max, change.radius_max);
+    set_if_given(generator.seed, change.seed);
+    set_if_given(generator.variant, change.variant);
   }
   Physics& physics = scene.physics;
   if (change.time_step) {
@@ -121,21 +121,21 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
     physics.steps_per_second = change.steps_per_second;
     physics.time_step = 1.0 / *change.steps_per_second;
   }
-  set(physics.substeps, change.substeps);
-  set(physics.iterations, change.iterations);
-  set(scene.materials.at(0).restitution, change.restitution);
-  set(physics.solver, change.solver);
-  set(physics.integrator, change.integrator);
-  set(physics.rotation_update, change.rotation_update);
-  set(physics.precision, change.precision);
-  set(physics.effects, change.effects);
+  set_if_given(physics.substeps, change.substeps);
+  set_if_given(physics.iterations, change.iterations);
+  set_if_given(scene.materials.at(0).restitution, change.restitution);
+  set_if_given(physics.solver, change.solver);
+  set_if_given(physics.integrator, change.integrator);
+  set_if_given(physics.rotation_update, change.rotation_update);
+  set_if_given(physics.precision, change.precision);
+  set_if_given(physics.effects, change.effects);
   remove_bodies(scene, change.remove, ids);
   if (!ids.empty()) renumber_joints(scene, ids);
   scene.added.insert(scene.added.end(), change.add.begin(), change.add.end());
 
-  set(options.shape.blocks, change.blocks);
-  set(options.shape.threads, change.threads);
-  set(options.broad_phase, change.broad_phase);
+  set_if_given(options.shape.blocks, change.blocks);
+  set_if_given(options.shape.threads, change.threads);
+  set_if_given(options.broad_phase, change.broad_phase);
   return ids;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sim_cuda/core/finite_or_null.h"
 #include "sim_cuda/core/stage_clock.h"
 #include "sim_cuda/launch_json.h"
 
@@ -107,8 +108,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json time_or_null(double ms) { return ms < 0 ? Json(nullptr) : number(ms); }
+Json time_or_null(double ms) { return ms < 0 ? Json(nullptr) : finite_or_null(ms); }
 
 Json summary(const TimeSummary& times) {
   if (times.samples == 0) return {{"median_ms", nullptr}, {"p95_ms", nullptr}, {"samples", 0}};
@@ -147,12 +147,12 @@ std::string history_json(const History& history, std::size_t window) {
       entry["pairs"] = s.stats.pairs;
       entry["touching"] = s.stats.touching;
       entry["speculative"] = s.stats.speculative;
-      entry["kinetic"] = number(s.stats.kinetic_energy);
-      entry["potential"] = number(s.stats.potential_energy);
-      entry["push_work"] = number(s.stats.push_work);
-      entry["momentum"] = {number(s.stats.momentum[0]), number(s.stats.momentum[1]),
-                           number(s.stats.momentum[2])};
-      entry["max_penetration"] = number(s.stats.max_penetration);
+      entry["kinetic"] = finite_or_null(s.stats.kinetic_energy);
+      entry["potential"] = finite_or_null(s.stats.potential_energy);
+      entry["push_work"] = finite_or_null(s.stats.push_work);
+      entry["momentum"] = {finite_or_null(s.stats.momentum[0]), finite_or_null(s.stats.momentum[1]),
+                           finite_or_null(s.stats.momentum[2])};
+      entry["max_penetration"] = finite_or_null(s.stats.max_penetration);
       entry["escaped"] = s.stats.escaped;
       if (s.stats.can_sleep) {
         entry["asleep"] = s.stats.asleep;

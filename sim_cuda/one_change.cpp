@@ -10,7 +10,7 @@ namespace collidoscope {
 namespace {
 
 /// What decides the state, as text: a rate and its time step are the same, and guards decide nothing.
-std::string text_of(Scene scene) {
+std::string scene_text(Scene scene) {
   leave_out_guards(scene.physics);
   scene.physics.steps_per_second.reset();
   return write_scene(scene);
@@ -55,7 +55,7 @@ std::optional<Change> one_change(const Scene& before, const Scene& after, Change
   change.add.assign(after.added.begin() + static_cast<std::ptrdiff_t>(kept), after.added.end());
   Scene result = before;
   make_change(change, result, unused);
-  return text_of(result) == text_of(after) ? std::optional(std::move(change)) : std::nullopt;
+  return scene_text(result) == scene_text(after) ? std::optional(std::move(change)) : std::nullopt;
 }
 
 }  // namespace collidoscope

@@ -436,7 +436,7 @@ void TypedPipeline<Real>::find_pairs(const Foresight<Real>& foresight) {
   };
   if (foresight.course == Course::rest)
     executor_.run("bounds", body_count_,
-                  Bounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
+                  BodyBounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
   else
     with_effect<&Effects::continuous_collision>(effects_, foresee);
   const Aabb* extent = extent_.data();

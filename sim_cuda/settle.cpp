@@ -25,13 +25,13 @@ constexpr double lift = 1.0 / 20'000;   // of the largest radius
 constexpr double longest_falls = 20;    // from the top of the box
 constexpr double slower_in_a_fall = 4;  // of the drag
 
-SettleNews& news() {
+SettleNews& settle_report() {
   static SettleNews for_all;
   return for_all;
 }
 
-void say(const std::string& line) {
-  if (news().say) news().say(line);
+void report_settling(const std::string& line) {
+  if (settle_report().say) settle_report().say(line);
 }
 
 /// What is simulated to rest. Names and views do not decide it.
@@ -96,7 +96,7 @@ std::optional<RunState> cached(const std::filesystem::path& file, const Scene& i
         kept.bodies_hash == hash_of_bodies(initial_bodies(inner)))
       return std::move(kept.state);
   } catch (const InputError& error) {
-    say(std::string(error.what()) + "; it is made anew");
+    report_settling(std::string(error.what()) + "; it is made anew");
   }
   return std::nullopt;
 }
@@ -108,7 +108,7 @@ void keep(const std::filesystem::path& file, const Snapshot& snapshot) {
     write_snapshot(snapshot, [&](std::string_view more) { bytes += more; });
     write_whole_file(file.string(), bytes);
   } catch (const std::exception& error) {
-    say(fmt::format("what settled is not kept for the next start: {}", error.what()));
+    report_settling(fmt::format("what settled is not kept for the next start: {}", error.what()));
   }
 }
 
@@ -155,7 +155,7 @@ struct Settling::Impl {
   /// Whether it lies, and if not, slower.
   void look() {
     const double energy = world->measure().kinetic_energy;
-    if (news().progress) news().progress(world->steps(), most);
+    if (settle_report().progress) settle_report().progress(world->steps(), most);
     const double time = static_cast<double>(world->steps()) * inner.physics.time_step;
     const bool fallen = time > fall_time;  // else it has hardly begun
     const bool rests = fallen && energy <= at_rest;
@@ -164,10 +164,10 @@ struct Settling::Impl {
       return;
     }
     if (!rests)
-      say(fmt::format(
+      report_settling(fmt::format(
           "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest", most,
           energy, at_rest));
-    if (news().progress) news().progress(most, most);
+    if (settle_report().progress) settle_report().progress(most, most);
     Snapshot snapshot = snapshot_of(*world);
     keep(file, snapshot);
     state = std::move(snapshot.state);
@@ -218,6 +218,6 @@ RunState settled_state(const Scene& scene, const RunOptions& options) {
   return settling.take();
 }
 
-void set_settle_news(SettleNews told) { news() = std::move(told); }
+void set_settle_news(SettleNews told) { settle_report() = std::move(told); }
 
 }  // namespace collidoscope

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t few_bodies = 3000;  // all pairs of them fit, and are found in seconds
 constexpr double long_step = 5;            // s, that a warning is due for
-constexpr std::int64_t max_list = 2147483647;
+constexpr std::int64_t longest_list = 2147483647;
 
 // Of any solver, in any precision, with all effects: no more than so many bytes each.
 constexpr double most_bytes_of_body = 4096, most_bytes_of_pair = 64, most_bytes_of_contact = 1024;
@@ -65,7 +65,7 @@ double seconds_of(const Executor& executor, const Physics& physics, const StepEs
 std::int64_t bytes_of(Executor& executor, const Beginning& beginning, const StepEstimate& of) {
   const auto entries = [](double count, std::int64_t at_first) {
     return std::max(at_first,
-                    static_cast<std::int64_t>(std::min(std::ceil(count), static_cast<double>(max_list))));
+                    static_cast<std::int64_t>(std::min(std::ceil(count), static_cast<double>(longest_list))));
   };
   const std::int64_t listed = executor.imagine([&] {
     const auto pipeline =
@@ -74,7 +74,7 @@ std::int64_t bytes_of(Executor& executor, const Beginning& beginning, const Step
         {entries(of.pairs, beginning.capacity.pairs), entries(of.contacts, beginning.capacity.contacts)});
   });
   // What is beyond the longest list there may be takes as much as the rest of it.
-  const double beyond = std::max(1.0, of.pairs / static_cast<double>(max_list));
+  const double beyond = std::max(1.0, of.pairs / static_cast<double>(longest_list));
   return static_cast<std::int64_t>(std::min(static_cast<double>(listed) * beyond, 1e18));
 }
 
@@ -109,16 +109,17 @@ std::string in_groups(double number) {
       limited ? "a higher --memory-limit" : "--allow-large"));
 }
 
-std::function<void(const std::string&)>& news() {
+std::function<void(const std::string&)>& slow_step_report() {
   static std::function<void(const std::string&)> for_all;
   return for_all;
 }
 
 void warn(const Executor& executor, const StepEstimate& expected) {
-  if (expected.seconds < long_step || !news()) return;
-  news()(fmt::format("note: a step of {} bodies with about {} pairs will take about {} s on {}",
-                     in_groups(static_cast<double>(expected.bodies)), in_groups(rounded(expected.pairs)),
-                     in_groups(rounded(expected.seconds)), executor.device_name()));
+  if (expected.seconds < long_step || !slow_step_report()) return;
+  slow_step_report()(fmt::format("note: a step of {} bodies with about {} pairs will take about {} s on {}",
+                                 in_groups(static_cast<double>(expected.bodies)),
+                                 in_groups(rounded(expected.pairs)), in_groups(rounded(expected.seconds)),
+                                 executor.device_name()));
 }
 
 }  // namespace
@@ -187,6 +188,8 @@ void expect_room_for_bodies(const Scene& scene, const RunOptions& options) {
          static_cast<double>(each) * static_cast<double>(bodies), room, options);
 }
 
-void set_slow_step_news(std::function<void(const std::string& line)> told) { news() = std::move(told); }
+void set_slow_step_news(std::function<void(const std::string& line)> told) {
+  slow_step_report() = std::move(told);
+}
 
 }  // namespace collidoscope

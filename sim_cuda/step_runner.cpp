@@ -10,23 +10,23 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::int64_t max_list = 2147483647;  // pairs and contacts are counted in 32 bits
+constexpr std::int64_t max_list_length = 2147483647;  // pairs and contacts are counted in 32 bits
 
 std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what, std::size_t bytes_each) {
   if (needed <= static_cast<std::uint64_t>(capacity)) return capacity;
-  if (needed > static_cast<std::uint64_t>(max_list))
+  if (needed > static_cast<std::uint64_t>(max_list_length))
     throw MachineError("a step found " + std::to_string(needed) + ' ' + what + ", which would take " +
                        std::to_string(needed * bytes_each) + " bytes; this build counts up to " +
-                       std::to_string(max_list) +
+                       std::to_string(max_list_length) +
                        ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
-  return std::min<std::int64_t>(max_list, static_cast<std::int64_t>(needed + needed / 2));
+  return std::min<std::int64_t>(max_list_length, static_cast<std::int64_t>(needed + needed / 2));
 }
 
 }  // namespace
 
 StepRunner::StepRunner(Executor& executor, std::unique_ptr<Pipeline> pipeline, Capacity capacity)
     : executor_(executor), pipeline_(std::move(pipeline)) {
-  reserve({std::min(capacity.pairs, max_list), std::min(capacity.contacts, max_list)});
+  reserve({std::min(capacity.pairs, max_list_length), std::min(capacity.contacts, max_list_length)});
 }
 
 void StepRunner::forget_recorded() {

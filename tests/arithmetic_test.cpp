@@ -57,7 +57,7 @@ TEST(Arithmetic, RoundingOutwardBracketsEveryDouble) {
     EXPECT_GE(static_cast<double>(round_up(x)), x);
     EXPECT_LE(round_up(x), next_up(round_down(x)));  // no further than the next float
   }
-  EXPECT_EQ(round_down(1e300), std::numeric_limits<float>::infinity());  // which no box takes: see Bounds
+  EXPECT_EQ(round_down(1e300), std::numeric_limits<float>::infinity());  // which no box takes: see BodyBounds
 }
 
 TEST(Arithmetic, FiniteIsStdIsfinite) {

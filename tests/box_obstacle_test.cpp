@@ -4,12 +4,11 @@
 
 #include "sim_cuda/solver/box_surface.h"
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
-
-constexpr double g = 9.81;
 
 BoxSurface<double> surface(const Vector3d& center, const Vector3d& size, const Quaterniond& turn) {
   const Matrix3d m = turn.toRotationMatrix();

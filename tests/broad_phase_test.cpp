@@ -24,7 +24,7 @@ PairIds by_definition(World& world) {
     position[i] = states.position[i].cast<Real>();
     radius[i] = static_cast<Real>(world.initial().radius[i]);
   }
-  const Bounds<Real> bounds{position.data(), radius.data(), boxes.data()};
+  const BodyBounds<Real> bounds{position.data(), radius.data(), boxes.data()};
   for (std::size_t i = 0; i < n; ++i) bounds(static_cast<int>(i));
   PairIds pairs;
   for (std::uint32_t i = 0; i < n; ++i)

@@ -2,14 +2,16 @@
 // round, hides no contact, and costs nothing where nothing calls for it.
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
 
-constexpr double g = 9.81, pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 class Dragging : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>> {
  protected:

@@ -9,13 +9,13 @@
 #include "sim_cuda/reference/kepler.h"
 #include "sim_cuda/scene/names.h"
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/order_of_error.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
 
-constexpr double g = 9.81;
 constexpr Integrator euler = Integrator::semi_implicit_euler, verlet = Integrator::velocity_verlet,
                      rk4 = Integrator::rk4;
 int order_of(Integrator integrator) { return integrator == rk4 ? 4 : integrator == verlet ? 2 : 1; }

@@ -5,12 +5,11 @@
 #include <map>
 
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
-
-constexpr double g = 9.81;
 
 class Rubbing : public OnEachExecutor {
  protected:

@@ -11,12 +11,11 @@
 #include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/dynamics/rotation_updates.h"
 #include "sim_cuda/reference/free_rotation.h"
+#include "tests/gravity.h"
 #include "tests/order_of_error.h"
 
 namespace collidoscope {
 namespace {
-
-constexpr double g = 9.81;
 
 /// Of a mass on a spring, after 2 s; `flight`: a step of it.
 template <class Fly>

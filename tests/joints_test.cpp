@@ -4,16 +4,18 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "sim_cuda/core/series.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
 
-constexpr double g = 9.81, pi = 3.14159265358979323846;
+using std::numbers::pi;
 
 class Jointed : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Jointed);

@@ -15,7 +15,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 640, height = 480;
+constexpr int plan_width = 640, plan_height = 480;
 
 /// From straight above, without perspective, 120 m high: a metre is four pixels.
 OrbitCamera plan_view() {
@@ -29,9 +29,9 @@ OrbitCamera plan_view() {
   return camera;
 }
 
-Image draw(const std::vector<BoxInstance>& boxes, int last_level) {
+Image draw_plan(const std::vector<BoxInstance>& boxes, int last_level) {
   const TestBodies none = test_spheres(0, 1, 1);
-  Renderer renderer(width, height, {.supersampling = 1, .light = Quality::quick});
+  Renderer renderer(plan_width, plan_height, {.supersampling = 1, .light = Quality::quick});
   renderer.set_scene(frame_scene(none.scene, none.initial));
   renderer.instances().upload(std::span<const BoxInstance>(boxes));
   renderer.draw(plan_view(),
@@ -41,13 +41,13 @@ Image draw(const std::vector<BoxInstance>& boxes, int last_level) {
 
 /// Pixels that differ within `reach` pixels of a place of the plan, in m.
 int changed_near(const Image& a, const Image& b, double x, double y, int reach) {
-  const int middle_x = static_cast<int>(4 * (x - 50) + width / 2.0),
-            middle_y = static_cast<int>(4 * (50 - y) + height / 2.0);
+  const int middle_x = static_cast<int>(4 * (x - 50) + plan_width / 2.0),
+            middle_y = static_cast<int>(4 * (50 - y) + plan_height / 2.0);
   int changed = 0;
   for (int py = middle_y - reach; py <= middle_y + reach; ++py)
     for (int px = middle_x - reach; px <= middle_x + reach; ++px)
       for (int k = 0; k < 3; ++k) {
-        const auto at = 4 * (static_cast<std::size_t>(py) * width + static_cast<std::size_t>(px)) +
+        const auto at = 4 * (static_cast<std::size_t>(py) * plan_width + static_cast<std::size_t>(px)) +
                         static_cast<std::size_t>(k);
         if (std::abs(a.rgba[at] - b.rgba[at]) > 12) {
           ++changed;
@@ -59,32 +59,32 @@ int changed_near(const Image& a, const Image& b, double x, double y, int reach) 
 
 TEST(LinePass, EveryBoxLeavesItsMarkThinOrBroad) {
   test_context();
-  const Image nothing = draw({}, 0);
+  const Image nothing = draw_plan({}, 0);
   // A root, and below it more than are drawn broad.
   std::vector<BoxInstance> boxes{box_instance({-4, -4, 0}, {104, 104, 100}, 0)};
   for (int i = 0; i < 100 * 100; ++i)
     boxes.push_back(box_instance({i % 100 + 0.0, i / 100 + 0.0, 40}, {i % 100 + 0.6, i / 100 + 0.6, 60}, 1));
   ASSERT_GT(static_cast<std::int64_t>(boxes.size()), LinePass::most_broad_boxes);
-  const Image many = draw(boxes, 1);
+  const Image many = draw_plan(boxes, 1);
   for (int i = 0; i < 100 * 100; ++i)
     ASSERT_GE(changed_near(many, nothing, i % 100 + 0.3, i / 100 + 0.3, 1), 3) << i;
 
   // The root is as broad as ever, its children are thinner than where they are few.
   const std::vector<BoxInstance> few(boxes.begin(), boxes.begin() + 5000);
-  const Image broad = draw(few, 1);
+  const Image broad = draw_plan(few, 1);
   EXPECT_EQ(changed_near(broad, nothing, 50, -4, 4), changed_near(many, nothing, 50, -4, 4));
   EXPECT_GT(changed_near(broad, nothing, 49.3, 20.3, 8), changed_near(many, nothing, 49.3, 20.3, 8));
 }
 
 TEST(LinePass, BuffersLargerThanAShaderReachesAreDrawnToTheEnd) {
   test_context();
-  const Image nothing = draw({}, 0);
+  const Image nothing = draw_plan({}, 0);
   // All but the first and the last few lie behind the eye.
   std::vector<BoxInstance> boxes((1 << 20) + 9, box_instance({1000, 1000, 1000}, {1000, 1000, 1000}, 3));
   boxes.front() = box_instance({10, 10, 40}, {20, 20, 60}, 3);
   for (int i = 0; i < 12; ++i)
     boxes.end()[i - 12] = box_instance({10.0 + 6 * i, 50, 40}, {13.0 + 6 * i, 53, 60}, 3);
-  const Image picture = draw(boxes, 3);
+  const Image picture = draw_plan(boxes, 3);
   EXPECT_GT(changed_near(picture, nothing, 10, 10, 2), 0);
   for (int i = 0; i < 12; ++i) EXPECT_GT(changed_near(picture, nothing, 10.0 + 6 * i, 50, 2), 0) << i;
   EXPECT_EQ(changed_near(picture, nothing, 90, 90, 20), 0);
@@ -117,7 +117,8 @@ struct Crowd {
 struct CrowdPicture {
   Renderer renderer;
   CrowdPicture(const Crowd& crowd, bool cull, int samples)
-      : renderer(width, height, {.supersampling = samples, .light = Quality::quick, .cull_lines = cull}) {
+      : renderer(plan_width, plan_height,
+                 {.supersampling = samples, .light = Quality::quick, .cull_lines = cull}) {
     renderer.set_scene(frame_scene(crowd.spheres.scene, crowd.spheres.initial));
     renderer.instances().upload(std::span<const BodyInstance>(crowd.spheres.instances));
     renderer.instances().upload(std::span<const BoxInstance>(crowd.boxes));

@@ -50,7 +50,7 @@ std::vector<std::uint64_t> keys_of(World& world, int bits) {
     const Vector3f position = states.position[i].cast<float>();
     const auto radius = static_cast<float>(world.initial().radius[i]);
     Aabb bounds;
-    Bounds<float>{&position, &radius, &bounds}(0);
+    BodyBounds<float>{&position, &radius, &bounds}(0);
     keys.push_back(bits == 63 ? morton_key<std::uint64_t>(bounds, extent)
                               : morton_key<std::uint32_t>(bounds, extent) >> (30 - bits));
   }

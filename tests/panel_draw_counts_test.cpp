@@ -13,8 +13,6 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 1280, height = 720;
-
 /// What ImGui hands to OpenGL.
 struct Drawn {
   int vertices, indices, commands;
@@ -64,7 +62,7 @@ Drawn drawn_panels(int steps, std::int64_t leaves) {
       static_cast<std::size_t>(std::min<std::int64_t>(facts.visits, TreeFacts::most_visited)));
   view.tree = &facts;
   for (int frame = 0; frame < 3; ++frame) {  // a window that fits its contents draws them in its second
-    gui.begin(width, height);
+    gui.begin(1280, 720);
     draw_workspace(workspace, view);
     gui.build();
   }

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
-
-constexpr double g = 9.81;
 
 class Prescribed : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>> {
  protected:

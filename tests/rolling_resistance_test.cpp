@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "tests/executors.h"
+#include "tests/gravity.h"
 #include "tests/scenes.h"
 
 namespace collidoscope {
 namespace {
 
-constexpr double g = 9.81, r = 0.5;
+constexpr double r = 0.5;
 
 class Resisting : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Resisting);

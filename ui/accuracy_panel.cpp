@@ -40,7 +40,7 @@ std::string count_text(int count, const char* one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
-void tell(const AccuracyPoint& p, const WorkspaceView& view, bool now) {
+void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool now) {
   const auto row = [](const char* name, const std::string& text) {
     ImGui::TextDisabled("%s", name);
     ImGui::SameLine(ImGui::GetFontSize() * 8);
@@ -149,7 +149,7 @@ void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const Worksp
     const AccuracyPoint& p =
         facts.points[diagram
                          .points[static_cast<std::size_t>(hit.series)][static_cast<std::size_t>(hit.point)]];
-    tell(p, view, p.setting == facts.now);
+    accuracy_tooltip(p, view, p.setting == facts.now);
     if (clicked) wish_for(p.setting, facts, workspace.settings);
   }
   for (std::size_t k = 0; k < diagram.kinds.size(); ++k) {

@@ -33,7 +33,7 @@ struct Decades {
   }
 };
 
-void tell(const Residual& r) {
+void residual_tooltip(const Residual& r) {
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(
       (fmt::format("substep {}, {}", r.substep + 1, r.stage) +
@@ -88,7 +88,7 @@ void plot(const std::vector<Residual>& residuals, float width, float height, boo
   const auto k = static_cast<std::size_t>(std::clamp(std::round(share * count), 0.0f, count));
   if (k >= residuals.size()) return;
   list->AddLine({point(k).x, top}, {point(k).x, bottom}, faint);
-  tell(residuals[k]);
+  residual_tooltip(residuals[k]);
 }
 
 void draw_key(bool light, bool relaxes) {

@@ -64,7 +64,7 @@ void marked(HardMark mark, bool light, const std::string& text) {
   ImGui::TextUnformatted(text.c_str());
 }
 
-void tell(const HardCaseFacts& one, const HardTrialFacts& trial, bool with_times, bool light) {
+void trial_tooltip(const HardCaseFacts& one, const HardTrialFacts& trial, bool with_times, bool light) {
   const float width = ImGui::GetFontSize() * 30;
   ImGui::BeginTooltip();
   ImGui::TextUnformatted((one.refused ? one.name : one.name + " · " + trial_name(trial)).c_str());
@@ -195,7 +195,7 @@ void draw_trial(Workspace& workspace, const HardCasesFacts& facts, std::size_t w
   const ImVec2 middle{0.5f * (from.x + to.x), 0.5f * (from.y + to.y)};
   if (ImGui::IsItemHovered()) {
     list->AddRectFilled(from, to, ImGui::GetColorU32(ImGuiCol_HeaderHovered), 3);
-    tell(one, trial, view.with_times, light);
+    trial_tooltip(one, trial, view.with_times, light);
   }
   if (facts.shown == which && facts.shown_trial == k)
     list->AddRect(from, to, ImGui::GetColorU32(ImGuiCol_CheckMark), 3);

@@ -73,7 +73,7 @@ std::string share_text(const AnalyticResult& r) {
 }
 
 /// Results of one case and integrator.
-struct Row {
+struct AnalyticRow {
   const AnalyticResult* f64 = nullptr;
   const AnalyticResult* f32 = nullptr;
   const AnalyticResult& any() const { return f64 ? *f64 : *f32; }
@@ -82,7 +82,7 @@ struct Row {
 
 /// The smallest step at which float is still about as good as double: below it, float stops paying. Blank
 /// where rounding is all there is, and where it never pays.
-std::string float_pays_to(const Row& row) {
+std::string float_pays_to(const AnalyticRow& row) {
   std::string step;
   if (!row.f64 || !row.f32 || row.f64->method.theory.claim == Claim::exact) return step;
   for (std::size_t k = 0; k < row.f64->levels.size(); ++k)
@@ -90,8 +90,8 @@ std::string float_pays_to(const Row& row) {
   return step;
 }
 
-std::vector<Row> rows_of(const std::vector<AnalyticResult>& results) {
-  std::vector<Row> rows;
+std::vector<AnalyticRow> analytic_rows(const std::vector<AnalyticResult>& results) {
+  std::vector<AnalyticRow> rows;
   for (const AnalyticResult& r : results) {
     if (rows.empty() || rows.back().any().name != r.name ||
         name_of(rows.back().any().method) != name_of(r.method))
@@ -193,7 +193,7 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
                      "in float | pays to "
                      "| why |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n";
   std::string last;
-  for (const Row& row : rows_of(results)) {
+  for (const AnalyticRow& row : analytic_rows(results)) {
     const AnalyticResult& r = row.any();
     const bool again = r.name == last;
     last = r.name;
@@ -212,7 +212,7 @@ std::string analytic_text(const std::vector<AnalyticResult>& results, const std:
   std::string text = fmt::format(columns, "case", "integrator", "h, s", "error in double", "order",
                                  "of theory", "in float", "pays to", "", "error of");
   std::string last;
-  for (const Row& row : rows_of(results)) {
+  for (const AnalyticRow& row : analytic_rows(results)) {
     const AnalyticResult& r = row.any();
     const bool again = r.name == last;
     last = r.name;

@@ -16,7 +16,7 @@ namespace {
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.2e}", value) : "-"; }
 
 /// For CSV: exact, empty where it is not known.
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+std::string csv_cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 std::string price_text(const AccuracyPrice& ms) {
   if (!std::isfinite(ms.median)) return "-";
@@ -201,7 +201,7 @@ std::string study_csv(const AccuracyRecord& record) {
                                i.cone_violation,
                                p.distributions.heights,
                                p.distributions.speeds})
-      text += "," + cell(value);
+      text += "," + csv_cell(value);
     text += fmt::format(",{}\n", p.on_front);
   }
   return text;

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string results_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+std::string broad_phases_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   Json json{{"suite", "broad-phases"},        {"executor", machine.executor},     {"device", machine.device},
             {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads}, {"rows", Json::array()}};
   for (const MethodRow& row : rows) json["rows"].push_back(json_of(row));
@@ -31,7 +31,7 @@ std::string results_json(const BenchMachine& machine, const std::vector<MethodRo
 std::string key_bits_text(const MethodRow& r) { return r.key_bits > 0 ? fmt::to_string(r.key_bits) : "-"; }
 std::string visits_text(const MethodRow& r) { return r.visits > 0 ? fmt::format("{:.1f}", r.visits) : "-"; }
 
-std::string results_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+std::string broad_phases_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   std::string text = fmt::format(
       "{}; microseconds from positions to the ordered list of pairs, median (5th to 95th percentile).\n\n"
       "| N | variant | method | key bits | µs | pairs | own visits a query | launches | bytes a body | "
@@ -59,7 +59,7 @@ MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
     position[k] = bodies.position[k].cast<float>();
     radius[k] = static_cast<float>(bodies.radius[k]);
   }
-  const Bounds<float> bounds{position.data(), radius.data(), boxes.data()};
+  const BodyBounds<float> bounds{position.data(), radius.data(), boxes.data()};
   for (std::size_t k = 0; k < bodies.size(); ++k) bounds(static_cast<int>(k));
   const PeerTimes times = time_cubql(boxes, ours.repeats);
   if (times.pairs != ours.pairs)
@@ -109,11 +109,11 @@ int bench_broad_phases(const CommandLine& line) {
     add(measure_method(at, static_cast<int>(line.options.bench.repeats)));
     if (has_cubql() && machine.executor == "cuda" && at.run.broad_phase == methods.front())
       add(measure_cubql(at.scene, rows.back()));
-    files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
+    files.write(broad_phases_json(machine, rows), csv_of(rows), broad_phases_markdown(machine, rows));
     for (std::size_t k = known; table && k < rows.size(); ++k) print_row(rows[k]);
   });
   files.plot(chart_of_methods("Broad phases: from positions to the ordered list of pairs", machine, rows));
-  if (!table) print(results_json(machine, rows));
+  if (!table) print(broad_phases_json(machine, rows));
   return 0;
 }
 

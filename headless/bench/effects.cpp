@@ -11,6 +11,7 @@
 #include "headless/bench/machine_code.h"
 #include "headless/bench/result_files.h"
 #include "headless/bench/spread.h"
+#include "headless/bench/spread_json.h"
 #include "headless/progress.h"
 #include "headless/report.h"
 #include "headless/standard_output.h"
@@ -21,10 +22,10 @@ namespace collidoscope {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int stride = 4;  // steps of one turn
+constexpr int effect_turn_steps = 4;
 
 /// How a scene comes to call for an effect.
-struct Trial {
+struct EffectTrial {
   std::string_view effect;
   void (*ground)(Scene&);    ///< of all three runs
   void (*call_for)(Scene&);  ///< of those that call for it; null: the ground calls for it already
@@ -38,7 +39,7 @@ void rub(Scene& scene) {
   scene.materials[0].friction = 0.5;
 }
 
-constexpr Trial trials[] = {
+constexpr EffectTrial trials[] = {
     {"gravity",
      [](Scene& s) {
        s.generators[0].speed_max = 5;
@@ -101,9 +102,9 @@ struct Runner {
 
   void turn() {
     const auto start = std::chrono::steady_clock::now();
-    world.step(stride);
+    world.step(effect_turn_steps);
     ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count() /
-                 stride);
+                 effect_turn_steps);
   }
   Footprint footprint() {
     Footprint print;
@@ -122,7 +123,7 @@ struct CodeRow {
   std::int64_t added_kernels = 0, added_bytes = 0;  ///< of the whole build
 };
 
-struct Row {
+struct EffectRow {
   std::string effect;
   Footprint without, off, on;
   Spread ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
@@ -156,8 +157,8 @@ Scene base_of(const CommandLine& line) {
   return scene;
 }
 
-Row measure(const Trial& trial, const Scene& base, const RunOptions& options, std::int64_t turns,
-            const std::function<void()>& turned) {
+EffectRow measure_effect(const EffectTrial& trial, const Scene& base, const RunOptions& options,
+                         std::int64_t turns, const std::function<void()>& turned) {
   Scene without = base;
   trial.ground(without);
   Scene on = without;
@@ -232,8 +233,6 @@ CodeRow compare_code(const std::filesystem::path& folder, const std::string& eff
   return row;
 }
 
-Json spread_json(const Spread& s) { return {{"median", s.median}, {"p5", s.p5}, {"p95", s.p95}}; }
-
 Json footprint_json(const Footprint& print) {
   Json launches = Json::object();
   for (const Launched& each : print.launches) launches[each.stage] = each.launches;
@@ -243,16 +242,16 @@ Json footprint_json(const Footprint& print) {
           {"state_hash", fmt::format("{:016x}", print.hash)}};
 }
 
-struct Setting {
+struct EffectsSetting {
   std::string scene, device, solver;
   std::int64_t bodies, steps;
 };
 
-std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
+std::string effects_json(const EffectsSetting& setting, const std::vector<EffectRow>& rows) {
   Json json{{"suite", "effects"},       {"scene", setting.scene},   {"device", setting.device},
             {"solver", setting.solver}, {"bodies", setting.bodies}, {"steps", setting.steps},
             {"effects", Json::array()}};
-  for (const Row& r : rows) {
+  for (const EffectRow& r : rows) {
     Json one{{"effect", r.effect},
              {"off_costs_nothing", r.off_is_free()},
              {"on_is_seen", r.on_is_seen()},
@@ -275,7 +274,7 @@ std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
 }
 
 /// The cells of a row, as the table on the terminal and that in Markdown have them.
-std::vector<std::string> cells_of(const Row& r) {
+std::vector<std::string> cells_of(const EffectRow& r) {
   const auto ratio = [](const Spread& s) {
     return fmt::format("{:.3f} ({:.3f} to {:.3f})", s.median, s.p5, s.p95);
   };
@@ -307,10 +306,10 @@ const std::vector<std::string> heads{"effect",
                                      "on: kernels",
                                      "on: hash"};
 
-std::string results_markdown(const std::vector<Row>& rows) {
+std::string effects_markdown(const std::vector<EffectRow>& rows) {
   std::string text =
       fmt::format("| {} |\n|---|---|---|---:|---:|---:|---:|---:|---|---|\n", fmt::join(heads, " | "));
-  for (const Row& r : rows) {
+  for (const EffectRow& r : rows) {
     std::vector<std::string> cells = cells_of(r);
     cells[0] = "`" + cells[0] + "`";
     text += fmt::format("| {} |\n", fmt::join(cells, " | "));
@@ -318,13 +317,13 @@ std::string results_markdown(const std::vector<Row>& rows) {
   return text;
 }
 
-std::string results_csv(const std::vector<Row>& rows) {
+std::string effects_csv(const std::vector<EffectRow>& rows) {
   std::string text =
       "effect,off_costs_nothing,on_is_seen,step_ms,off_ratio,off_ratio_p5,off_ratio_p95,on_ratio,on_ratio_p5,"
       "on_ratio_p95,launches_without,launches_off,launches_on,bytes_without,bytes_off,bytes_on,kernels,"
       "kernels_"
       "different,kernels_added\n";
-  for (const Row& r : rows) {
+  for (const EffectRow& r : rows) {
     const CodeRow code = r.code.value_or(CodeRow{});
     text += fmt::format(
         "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_is_free(),
@@ -335,12 +334,12 @@ std::string results_csv(const std::vector<Row>& rows) {
   return text;
 }
 
-std::string results_text(const Setting& setting, const std::vector<Row>& rows) {
+std::string effects_text(const EffectsSetting& setting, const std::vector<EffectRow>& rows) {
   std::string text = fmt::format("{}, N = {}, {}, {} steps on {}\n\n", setting.scene, grouped(setting.bodies),
                                  setting.solver, setting.steps, setting.device);
   std::vector<std::size_t> widths;
   std::vector<std::vector<std::string>> table{heads};
-  for (const Row& r : rows) table.push_back(cells_of(r));
+  for (const EffectRow& r : rows) table.push_back(cells_of(r));
   for (std::size_t k = 0; k < heads.size(); ++k) {
     widths.push_back(0);
     for (const auto& cells : table) widths.back() = std::max(widths.back(), cells[k].size());
@@ -359,25 +358,25 @@ int bench_effects(const CommandLine& line) {
   const ResultFiles files(line.options);
   std::vector<CodeRow> codes;  // first: a wrong folder is reported before anything is measured
   if (const std::string& folder = line.options.bench.effects_code; !folder.empty())
-    for (const Trial& trial : trials) codes.push_back(compare_code(folder, std::string(trial.effect)));
+    for (const EffectTrial& trial : trials) codes.push_back(compare_code(folder, std::string(trial.effect)));
   const Scene base = base_of(line);
   const std::int64_t turns = line.options.bench.repeats;
   World probe(base, line.options.run);
-  const Setting setting{base.name, probe.device_name(),
-                        std::string(name_of(solver_names, base.physics.solver)),
-                        static_cast<std::int64_t>(probe.initial().size()), turns * stride};
-  std::vector<Row> rows;
+  const EffectsSetting setting{base.name, probe.device_name(),
+                               std::string(name_of(solver_names, base.physics.solver)),
+                               static_cast<std::int64_t>(probe.initial().size()), turns * effect_turn_steps};
+  std::vector<EffectRow> rows;
   {
     Progress progress("turns", turns * static_cast<std::int64_t>(std::size(trials)));
     std::int64_t done = 0;
-    for (const Trial& trial : trials) {
-      rows.push_back(measure(trial, base, line.options.run, turns, [&] { progress.update(++done); }));
+    for (const EffectTrial& trial : trials) {
+      rows.push_back(measure_effect(trial, base, line.options.run, turns, [&] { progress.update(++done); }));
       if (!codes.empty()) rows.back().code = codes[rows.size() - 1];
-      files.write(results_json(setting, rows), results_csv(rows), results_markdown(rows));
+      files.write(effects_json(setting, rows), effects_csv(rows), effects_markdown(rows));
     }
   }
-  print(line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
-  for (const Row& row : rows)
+  print(line.options.json == "-" ? effects_json(setting, rows) : effects_text(setting, rows));
+  for (const EffectRow& row : rows)
     if (!row.off_is_free() || !row.on_is_seen()) return 1;
   return 0;
 }

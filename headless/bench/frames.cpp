@@ -47,7 +47,7 @@ class Parts {
   std::vector<Part> parts_;
 };
 
-struct Measured {
+struct MeasuredFrames {
   Parts parts, passes;  ///< by the clock; of the part "draw", by timestamps of the GPU
   Part frame{"frame", {}, 0};
   PublishCounts drawn;
@@ -80,7 +80,7 @@ class Desk {
     panels_->set_renderer(context_.renderer(), context_.software(), display_path_name(link_.path()));
   }
 
-  void frame(Measured& to) {
+  void frame(MeasuredFrames& to) {
     const Clock::time_point start = Clock::now();
     Clock::time_point before = start;
     const auto part = [&](const char* name) {
@@ -157,7 +157,7 @@ std::string layer_names(const FrameLayers& layers) {
 }
 
 /// Everything that a result says beside the times.
-struct Setting {
+struct FramesSetting {
   RunReport run;
   std::string renderer, opengl, display_path, quality, layers;
   bool software, compute;
@@ -173,11 +173,11 @@ Json part_json(const Part& part, double frames_sum) {
           {"share", frames_sum > 0 ? part.sum / frames_sum : 0}};
 }
 
-double frames_per_second(const Measured& measured) {
+double frames_per_second(const MeasuredFrames& measured) {
   return 1000 * static_cast<double>(measured.frame.ms.size()) / measured.frame.sum;
 }
 
-Json result_json(const Setting& setting, const Measured& measured) {
+Json result_json(const FramesSetting& setting, const MeasuredFrames& measured) {
   Json json{{"suite", "frames"}};
   json.update(json_of(setting.run));
   json["renderer"] = setting.renderer;
@@ -204,7 +204,7 @@ Json result_json(const Setting& setting, const Measured& measured) {
   return json;
 }
 
-std::string result_text(const Setting& setting, const Measured& measured) {
+std::string result_text(const FramesSetting& setting, const MeasuredFrames& measured) {
   constexpr const char* row = "  {:<34}{:>10}{:>10}{:>10}{:>10}\n";
   const auto line = [&](const std::string& name, const Part& part) {
     const Spread ms = spread_of(part.ms);
@@ -252,11 +252,11 @@ int bench_frames(const CommandLine& line) {
 
   Desk desk(scene, options);
   const StepStats initial = desk.live().world().measure();
-  Measured measured;
+  MeasuredFrames measured;
   {
     Progress progress("frames", options.frames);
     for (int k = 0; k < warm_up; ++k) {
-      Measured forgotten;
+      MeasuredFrames forgotten;
       desk.frame(forgotten);
     }
     for (std::int64_t k = 0; k < options.frames; ++k) {
@@ -265,18 +265,18 @@ int bench_frames(const CommandLine& line) {
     }
   }
   const DrawOptions& drawing = desk.renderer().options();
-  const Setting setting{make_report(desk.live().world(), initial, std::nullopt),
-                        desk.context().renderer(),
-                        desk.context().version(),
-                        display_path_name(desk.path()),
-                        quality_name(drawing.light),
-                        layer_names(options.capture.layers),
-                        desk.context().software(),
-                        desk.renderer().computes_spheres(),
-                        drawing.supersampling,
-                        options.capture.width,
-                        options.capture.height,
-                        warm_up};
+  const FramesSetting setting{make_report(desk.live().world(), initial, std::nullopt),
+                              desk.context().renderer(),
+                              desk.context().version(),
+                              display_path_name(desk.path()),
+                              quality_name(drawing.light),
+                              layer_names(options.capture.layers),
+                              desk.context().software(),
+                              desk.renderer().computes_spheres(),
+                              drawing.supersampling,
+                              options.capture.width,
+                              options.capture.height,
+                              warm_up};
   const std::string json = json_text(result_json(setting, measured));
   if (file) {
     file->write(json);

@@ -12,12 +12,12 @@ constexpr std::array<PaperCell, 8> table_1{{{1, 100, 16, 16, 0.2933},
                                             {1, 5000, 16, 16, 534.405},
                                             {1, 5000, 8, 64, 273.7910}}};
 
-struct Rows {
+struct PaperTable {
   int table;
   std::int64_t bodies;
   std::array<double, 6> ms;  ///< by paper_shapes
 };
-constexpr std::array<Rows, 13> other_tables{
+constexpr std::array<PaperTable, 13> other_tables{
     {{2, 1000, {0.122720, 0.071584, 0.032768, 0.019296, 0.013248, 0.009472}},
      {2, 5000, {0.535296, 0.266784, 0.145792, 0.085216, 0.052512, 0.024456}},
      {2, 10000, {1.05216, 0.536256, 0.268928, 0.149824, 0.088224, 0.042528}},
@@ -36,7 +36,7 @@ constexpr std::array<Rows, 13> other_tables{
 
 std::vector<PaperCell> paper_cells() {
   std::vector<PaperCell> all(table_1.begin(), table_1.end());
-  for (const Rows& row : other_tables)
+  for (const PaperTable& row : other_tables)
     for (std::size_t k = 0; k < paper_shapes.size(); ++k)
       all.push_back({row.table, row.bodies, paper_shapes[k][0], paper_shapes[k][1], row.ms[k]});
   return all;

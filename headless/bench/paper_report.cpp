@@ -12,10 +12,10 @@ namespace collidoscope {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Rows = std::vector<PaperRow>;
+using PaperRows = std::vector<PaperRow>;
 
 /// The row of the same table, N and query at the table's first shape.
-const PaperRow& first_of(const Rows& rows, const PaperRow& row) {
+const PaperRow& first_of(const PaperRows& rows, const PaperRow& row) {
   return *std::ranges::find_if(rows, [&](const PaperRow& r) {
     return r.cell.table == row.cell.table && r.cell.bodies == row.cell.bodies && r.query == row.query;
   });
@@ -27,18 +27,18 @@ double build_ms(const PaperRow& row) { return row.timing.build_stage.median; }
 double sort_ms(const PaperRow& row) { return row.timing.sort_stage.median; }
 double unsorted_ms(const PaperRow& row) { return row.ms.median - row.timing.sort_stage.median; }
 
-double speed_up(const Rows& rows, const PaperRow& row, double (*ms)(const PaperRow&)) {
+double speed_up(const PaperRows& rows, const PaperRow& row, double (*ms)(const PaperRow&)) {
   return ms(first_of(rows, row)) / ms(row);
 }
 
 /// Speed-up over the growth of B T, against the table's first shape.
-double efficiency(const Rows& rows, const PaperRow& row, double (*ms)(const PaperRow&)) {
+double efficiency(const PaperRows& rows, const PaperRow& row, double (*ms)(const PaperRow&)) {
   const PaperCell& first = first_of(rows, row).cell;
   return speed_up(rows, row, ms) * first.blocks * first.threads / (row.cell.blocks * row.cell.threads);
 }
 
 /// Of Table 5, beyond its first shape; 0 of no rows.
-double median_efficiency(const Rows& rows, PaperQuery query, double (*ms)(const PaperRow&)) {
+double median_efficiency(const PaperRows& rows, PaperQuery query, double (*ms)(const PaperRow&)) {
   std::vector<float> values;
   for (const PaperRow& row : rows)
     if (row.cell.table == 5 && row.query == query && row.cell.blocks * row.cell.threads > 8)
@@ -46,7 +46,7 @@ double median_efficiency(const Rows& rows, PaperQuery query, double (*ms)(const 
   return spread_of(values).median;
 }
 
-const PaperRow* find(const Rows& rows, PaperQuery query, int table, std::int64_t bodies, int blocks,
+const PaperRow* find(const PaperRows& rows, PaperQuery query, int table, std::int64_t bodies, int blocks,
                      int threads) {
   const auto row = std::ranges::find_if(rows, [&](const PaperRow& r) {
     return r.query == query && r.cell.table == table && r.cell.bodies == bodies && r.cell.blocks == blocks &&
@@ -57,7 +57,7 @@ const PaperRow* find(const Rows& rows, PaperQuery query, int table, std::int64_t
 
 const char* verdict(bool holds) { return holds ? "confirmed" : "not confirmed"; }
 
-void add_efficiency(const Rows& rows, PaperQuery query, std::vector<std::string>& lines) {
+void add_efficiency(const PaperRows& rows, PaperQuery query, std::vector<std::string>& lines) {
   const double ours = median_efficiency(rows, query, our_ms);
   if (!(ours > 0)) return;
   constexpr double claimed = 0.8;
@@ -74,7 +74,7 @@ void add_efficiency(const Rows& rows, PaperQuery query, std::vector<std::string>
                   name_of(query), 100 * sort, 100 * rest, verdict(sort < 0.9 * rest)));
 }
 
-void add_comparison(const Rows& rows, PaperQuery query, const std::string& what,
+void add_comparison(const PaperRows& rows, PaperQuery query, const std::string& what,
                     double (*ms)(const PaperRow&), std::vector<std::string>& lines) {
   int faster = 0, compared = 0;
   double least = 1e30, most = 0;
@@ -95,7 +95,7 @@ void add_comparison(const Rows& rows, PaperQuery query, const std::string& what,
 }
 
 std::vector<std::string> claims(const PaperResults& results) {
-  const Rows& rows = results.rows;
+  const PaperRows& rows = results.rows;
   std::vector<std::string> lines;
   for (const PaperQuery query : {PaperQuery::whole, PaperQuery::half}) add_efficiency(rows, query, lines);
   for (const PaperQuery query : {PaperQuery::whole, PaperQuery::half})
@@ -129,7 +129,7 @@ std::vector<std::string> claims(const PaperResults& results) {
   return lines;
 }
 
-std::string table_text(const Rows& rows, int table, bool markdown) {
+std::string table_text(const PaperRows& rows, int table, bool markdown) {
   std::string text =
       markdown ? fmt::format(
                      "**{}**\n\n| N | B | T | query | ms, paper | S | ms, here (p5 to p95) | S | "
@@ -182,7 +182,7 @@ std::string paper_text(const PaperResults& results, bool markdown) {
 }
 
 std::string paper_json(const PaperResults& results) {
-  const Rows& rows = results.rows;
+  const PaperRows& rows = results.rows;
   Json json{{"suite", "paper"}, {"device", results.device}, {"rows", Json::array()}};
   for (const PaperRow& r : rows)
     json["rows"].push_back({{"table", r.cell.table},

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Row {
+struct PredictorRow {
   std::string method, variant;
   TreeQuality quality;
   double own_ns = 0, same_ns = 0;  ///< of a query: the method's own, with the ordering of pairs; and the same
@@ -68,9 +68,10 @@ struct Score {
   double own_within = 0, own_all = 0, same_within = 0, same_all = 0;
 };
 
-double correlation(const std::vector<const Row*>& rows, const Measure& measure, double Row::*time) {
+double correlation(const std::vector<const PredictorRow*>& rows, const Measure& measure,
+                   double PredictorRow::*time) {
   std::vector<double> x, y;
-  for (const Row* r : rows) {
+  for (const PredictorRow* r : rows) {
     const double value = measure.of(r->quality);
     if (std::isnan(value)) continue;
     x.push_back(value);
@@ -79,31 +80,31 @@ double correlation(const std::vector<const Row*>& rows, const Measure& measure, 
   return rank_correlation(x, y);
 }
 
-std::vector<Score> scores_of(const std::vector<Row>& rows) {
-  std::vector<const Row*> all;
-  std::map<std::pair<std::string, std::int64_t>, std::vector<const Row*>> scenes;
-  for (const Row& r : rows) {
+std::vector<Score> scores_of(const std::vector<PredictorRow>& rows) {
+  std::vector<const PredictorRow*> all;
+  std::map<std::pair<std::string, std::int64_t>, std::vector<const PredictorRow*>> scenes;
+  for (const PredictorRow& r : rows) {
     all.push_back(&r);
     scenes[{r.variant, r.quality.bodies}].push_back(&r);
   }
   std::erase_if(scenes, [](const auto& scene) { return scene.second.size() < 3; });
   std::vector<Score> scores;
   for (const Measure& m : measures) {
-    const auto within = [&](double Row::*time) {
+    const auto within = [&](double PredictorRow::*time) {
       double sum = 0;
       for (const auto& scene : scenes) sum += correlation(scene.second, m, time);
       return scenes.empty() ? 0 : sum / static_cast<double>(scenes.size());
     };
-    scores.push_back({m.name, within(&Row::own_ns), correlation(all, m, &Row::own_ns), within(&Row::same_ns),
-                      correlation(all, m, &Row::same_ns)});
+    scores.push_back({m.name, within(&PredictorRow::own_ns), correlation(all, m, &PredictorRow::own_ns),
+                      within(&PredictorRow::same_ns), correlation(all, m, &PredictorRow::same_ns)});
   }
   std::ranges::stable_sort(scores, std::greater<>(), &Score::same_within);
   return scores;
 }
 
-Row measure(const SweepPoint& at, int repeats) {
+PredictorRow measure_tree(const SweepPoint& at, int repeats) {
   World world(at.scene, at.run);
-  Row row;
+  PredictorRow row;
   row.method = at.run.broad_phase;
   row.variant = at.variant;
   row.quality = world.tree_quality();
@@ -115,7 +116,7 @@ Row measure(const SweepPoint& at, int repeats) {
   return row;
 }
 
-std::string results_json(const BenchMachine& machine, const std::vector<Row>& rows) {
+std::string predictors_json(const BenchMachine& machine, const std::vector<PredictorRow>& rows) {
   Json json{
       {"suite", "predictors"},          {"executor", machine.executor},     {"device", machine.device},
       {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads}, {"correlations", Json::array()},
@@ -126,7 +127,7 @@ std::string results_json(const BenchMachine& machine, const std::vector<Row>& ro
                                     {"same_query_all", s.same_all},
                                     {"own_query_within_scenes", s.own_within},
                                     {"own_query_all", s.own_all}});
-  for (const Row& r : rows) {
+  for (const PredictorRow& r : rows) {
     Json row{{"method", r.method},       {"variant", r.variant},       {"bodies", r.quality.bodies},
              {"pairs", r.quality.pairs}, {"same_query_ns", r.same_ns}, {"own_query_ns", r.own_ns}};
     for (const Measure& m : measures) row[m.name] = m.of(r.quality);  // NaN becomes null
@@ -135,11 +136,11 @@ std::string results_json(const BenchMachine& machine, const std::vector<Row>& ro
   return json_text(json);
 }
 
-std::string results_csv(const std::vector<Row>& rows) {
+std::string predictors_csv(const std::vector<PredictorRow>& rows) {
   std::string text = "method,variant,bodies,pairs,same_query_ns,own_query_ns";
   for (const Measure& m : measures) text += fmt::format(",\"{}\"", m.name);
   text += '\n';
-  for (const Row& r : rows) {
+  for (const PredictorRow& r : rows) {
     text += fmt::format("{},{},{},{},{:.3f},{:.3f}", r.method, r.variant, r.quality.bodies, r.quality.pairs,
                         r.same_ns, r.own_ns);
     for (const Measure& m : measures) {
@@ -151,7 +152,8 @@ std::string results_csv(const std::vector<Row>& rows) {
   return text;
 }
 
-std::string results_text(const BenchMachine& machine, const std::vector<Row>& rows, bool markdown) {
+std::string predictors_text(const BenchMachine& machine, const std::vector<PredictorRow>& rows,
+                            bool markdown) {
   std::string text = fmt::format(
       "{}; {} trees. Spearman's rank correlation of each measure with the time of a query: 1 ranks them all "
       "alike.\n"
@@ -174,7 +176,7 @@ std::string results_text(const BenchMachine& machine, const std::vector<Row>& ro
 }
 
 /// The time of the same query over the measure that predicts it best.
-Chart chart_of(const BenchMachine& machine, const std::vector<Row>& rows) {
+Chart predictors_chart(const BenchMachine& machine, const std::vector<PredictorRow>& rows) {
   const Score best = scores_of(rows).front();
   const Measure& measure =
       *std::ranges::find_if(measures, [&](const Measure& m) { return m.name == best.name; });
@@ -185,7 +187,7 @@ Chart chart_of(const BenchMachine& machine, const std::vector<Row>& rows) {
   chart.note = text_of(machine) + "; one and the same query over every tree, median";
   chart.x = {best.name, short_number, true};
   chart.y = {"ns a query", short_number, true};
-  for (const Row& r : rows) {
+  for (const PredictorRow& r : rows) {
     if (std::isnan(measure.of(r.quality))) continue;
     auto series = std::ranges::find(chart.series, r.method, &ChartSeries::name);
     if (series == chart.series.end()) {
@@ -203,20 +205,20 @@ int bench_predictors(const CommandLine& line) {
   const ResultFiles files(line.options);
   std::vector<std::string> methods = broad_phase_names(line.options.run.executor);
   std::erase(methods, "bvh_recursive");  // the tree of bvh_bottom_up
-  std::vector<Row> rows;
+  std::vector<PredictorRow> rows;
   BenchMachine machine;
   const SweepDefaults defaults{{1'000, 5'000, 20'000, 50'000}, methods, {"paper", "scaled", "equal"}};
   sweep(line, defaults, [&](const SweepPoint& at) {
     if (machine.device.empty()) machine = machine_of(World(at.scene, at.run));
-    Row row = measure(at, static_cast<int>(line.options.bench.repeats));
+    PredictorRow row = measure_tree(at, static_cast<int>(line.options.bench.repeats));
     if (row.quality.nodes == 0) return;
     rows.push_back(row);
-    files.write(results_json(machine, rows), results_csv(rows), results_text(machine, rows, true));
+    files.write(predictors_json(machine, rows), predictors_csv(rows), predictors_text(machine, rows, true));
   });
   if (rows.empty())
     throw InputError("bench predictors: none of these methods has a tree, or there are no bodies");
-  files.plot(chart_of(machine, rows));
-  print(line.options.json == "-" ? results_json(machine, rows) : results_text(machine, rows, false));
+  files.plot(predictors_chart(machine, rows));
+  print(line.options.json == "-" ? predictors_json(machine, rows) : predictors_text(machine, rows, false));
   return 0;
 }
 

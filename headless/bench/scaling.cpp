@@ -35,7 +35,7 @@ std::vector<Line> lines_of(const std::vector<MethodRow>& rows) {
   return lines;
 }
 
-std::string results_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+std::string scaling_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   Json json{{"suite", "scaling"},
             {"executor", machine.executor},
             {"device", machine.device},
@@ -72,7 +72,7 @@ std::string growth_text(const std::vector<MethodRow>& rows) {
   return text;
 }
 
-std::string results_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+std::string scaling_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   std::string text = fmt::format(
       "{}; µs = fixed + scale N^exponent, fitted; in brackets the exponents without each N in turn.\n\n"
       "| variant | method | fixed, µs | exponent | fit within | ns a body at N = {} |\n"
@@ -87,7 +87,7 @@ std::string results_markdown(const BenchMachine& machine, const std::vector<Meth
   return text;
 }
 
-Chart chart_of(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
+Chart scaling_chart(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   Chart chart = chart_of_methods("Growth with N: from positions to the ordered list of pairs", machine, rows);
   const std::vector<Line> lines = lines_of(rows);  // in the order of the chart's series
   for (std::size_t k = 0; k < lines.size(); ++k)
@@ -111,11 +111,11 @@ int bench_scaling(const CommandLine& line) {
   sweep(line, {sizes, methods, {}}, [&](const SweepPoint& at) {
     if (rows.empty()) machine = machine_of(World(at.scene, at.run));
     rows.push_back(measure_method(at, static_cast<int>(line.options.bench.repeats)));
-    files.write(results_json(machine, rows), csv_of(rows), results_markdown(machine, rows));
+    files.write(scaling_json(machine, rows), csv_of(rows), scaling_markdown(machine, rows));
   });
-  files.plot(chart_of(machine, rows));
+  files.plot(scaling_chart(machine, rows));
   if (line.options.json == "-")
-    print(results_json(machine, rows));
+    print(scaling_json(machine, rows));
   else
     print(fmt::format("{}\n{}", text_of(machine), growth_text(rows)));
   return 0;

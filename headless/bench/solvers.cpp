@@ -11,6 +11,7 @@
 #include "headless/bench/peer_bullet.h"
 #include "headless/bench/result_files.h"
 #include "headless/bench/spread.h"
+#include "headless/bench/spread_json.h"
 #include "headless/progress.h"
 #include "headless/report.h"
 #include "headless/standard_output.h"
@@ -22,19 +23,19 @@ namespace collidoscope {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int stride = 6;  // steps of one turn
+constexpr int solver_turn_steps = 6;
 
 /// What is left of overlap and motion.
-struct Residual {
+struct SolverResidual {
   StepStats stats;
   double overlap = 0;  ///< of two bodies, over the radius of the smaller: r.m.s. of all that overlap
 };
 
-Residual residual(const Scene& scene, const RunOptions& options, const BodyStates& bodies) {
+SolverResidual residual(const Scene& scene, const RunOptions& options, const BodyStates& bodies) {
   RunState state;
   state.bodies = bodies;
   World world(scene, options, &state);
-  Residual left{world.measure(), 0};
+  SolverResidual left{world.measure(), 0};
   const std::vector<double>& radius = world.initial().radius;
   std::int64_t overlapping = 0;
   for (const auto& [a, b] : world.pairs()) {
@@ -57,11 +58,11 @@ struct Contestant {
   void turn() {
     const auto start = std::chrono::steady_clock::now();
     if (world)
-      world->step(stride);
+      world->step(solver_turn_steps);
     else
-      for (int k = 0; k < stride; ++k) bullet->step();
+      for (int k = 0; k < solver_turn_steps; ++k) bullet->step();
     ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count() /
-                 stride);
+                 solver_turn_steps);
   }
   BodyStates bodies() { return world ? world->bodies() : bullet->bodies(); }
 };
@@ -118,27 +119,27 @@ std::vector<Contestant> contestants(const Scene& scene, const RunOptions& option
   return all;
 }
 
-struct Row {
+struct SolverRow {
   std::string name, settings;
   Spread ms, ratio;  ///< a step; over the first contestant's of the same turn
-  Residual left;
+  SolverResidual left;
   double speed = 0;  ///< m/s, r.m.s. by mass
 };
 
-std::vector<Row> rows_of(std::vector<Contestant>& all, const Scene& scene, const RunOptions& options,
-                         double mass) {
-  std::vector<Row> rows;
+std::vector<SolverRow> solver_rows(std::vector<Contestant>& all, const Scene& scene,
+                                   const RunOptions& options, double mass) {
+  std::vector<SolverRow> rows;
   for (Contestant& c : all) {
     std::vector<float> ratios;
     for (std::size_t k = 0; k < c.ms.size(); ++k) ratios.push_back(c.ms[k] / all[0].ms[k]);
-    Row& row = rows.emplace_back(
-        Row{c.name, c.settings, spread_of(c.ms), spread_of(ratios), residual(scene, options, c.bodies()), 0});
+    SolverRow& row = rows.emplace_back(SolverRow{c.name, c.settings, spread_of(c.ms), spread_of(ratios),
+                                                 residual(scene, options, c.bodies()), 0});
     row.speed = std::sqrt(2 * row.left.stats.kinetic_energy / mass);
   }
   return rows;
 }
 
-struct Setting {
+struct SolversSetting {
   std::string scene, device;
   StepStats start;
   double time_step = 0;
@@ -146,9 +147,7 @@ struct Setting {
   std::int64_t steps = 0;
 };
 
-Json spread_json(const Spread& s) { return {{"median", s.median}, {"p5", s.p5}, {"p95", s.p95}}; }
-
-std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
+std::string solvers_json(const SolversSetting& setting, const std::vector<SolverRow>& rows) {
   Json json{{"suite", "solvers"},
             {"scene", setting.scene},
             {"device", setting.device},
@@ -163,7 +162,7 @@ std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
               {"potential_energy", setting.start.potential_energy},
               {"max_penetration", setting.start.max_penetration}}},
             {"rows", Json::array()}};
-  for (const Row& r : rows)
+  for (const SolverRow& r : rows)
     json["rows"].push_back({{"solver", r.name},
                             {"settings", r.settings},
                             {"step_ms", spread_json(r.ms)},
@@ -177,18 +176,18 @@ std::string results_json(const Setting& setting, const std::vector<Row>& rows) {
   return json_text(json);
 }
 
-std::string results_csv(const std::vector<Row>& rows) {
+std::string solvers_csv(const std::vector<SolverRow>& rows) {
   std::string text =
       "solver,settings,step_ms,step_ms_p5,step_ms_p95,ratio,ratio_p5,ratio_p95,overlap_rms,max_penetration,"
       "kinetic_energy,speed_rms\n";
-  for (const Row& r : rows)
+  for (const SolverRow& r : rows)
     text += fmt::format("{},\"{}\",{},{},{},{},{},{},{},{},{},{}\n", r.name, r.settings, r.ms.median, r.ms.p5,
                         r.ms.p95, r.ratio.median, r.ratio.p5, r.ratio.p95, r.left.overlap,
                         r.left.stats.max_penetration, r.left.stats.kinetic_energy, r.speed);
   return text;
 }
 
-std::string results_markdown(const Setting& setting, const std::vector<Row>& rows) {
+std::string solvers_markdown(const SolversSetting& setting, const std::vector<SolverRow>& rows) {
   std::string text = fmt::format(
       "{}, N = {}, {} touching pairs, steps of {:.4g} s, {} of them; {}, {} thread{}.\n\n"
       "| solver | settings | a step, ms (p5 to p95) | over soft_step (p5 to p95) | overlap, r.m.s. | "
@@ -197,7 +196,7 @@ std::string results_markdown(const Setting& setting, const std::vector<Row>& row
       "|---|---|---:|---:|---:|---:|---:|---:|---:|\n",
       setting.scene, grouped(setting.start.bodies), grouped(setting.start.touching), setting.time_step,
       setting.steps, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
-  for (const Row& r : rows)
+  for (const SolverRow& r : rows)
     text += fmt::format(
         "| {} | {} | {:.2f} ({:.2f} to {:.2f}) | {:.2f} ({:.2f} to {:.2f}) | {:.2g} % | {:.2g} | "
         "{:.2g} | {:.2g} | {:.2g} |\n",
@@ -207,14 +206,14 @@ std::string results_markdown(const Setting& setting, const std::vector<Row>& row
   return text;
 }
 
-std::string results_text(const Setting& setting, const std::vector<Row>& rows) {
+std::string solvers_text(const SolversSetting& setting, const std::vector<SolverRow>& rows) {
   std::string text =
       fmt::format("{}, N = {}, {} touching pairs; {} steps of {:.4g} s on {}, {} thread{}\n\n", setting.scene,
                   grouped(setting.start.bodies), grouped(setting.start.touching), setting.steps,
                   setting.time_step, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
   text += fmt::format("{:<10}{:<40}{:>9}{:>20}{:>11}{:>9}{:>10}{:>10}\n", "solver", "", "ms",
                       "over soft_step", "overlap", "deepest", "J", "m/s");
-  for (const Row& r : rows)
+  for (const SolverRow& r : rows)
     text += fmt::format(
         "{:<10}{:<40}{:>9.2f}{:>20}{:>9.2g} %{:>9.2g}{:>10.2g}{:>10.2g}\n", r.name, r.settings, r.ms.median,
         fmt::format("{:.2f} ({:.2f}-{:.2f})", r.ratio.median, r.ratio.p5, r.ratio.p95), 100 * r.left.overlap,
@@ -233,8 +232,9 @@ int bench_solvers(const CommandLine& line) {
   World first(scene, options);
   refuse_what_bullet_is_not_told(scene, first);
   const std::int64_t turns = line.options.bench.repeats;
-  const Setting setting{scene.name,          first.device_name(), first.measure(), scene.physics.time_step,
-                        options.cpu_threads, turns * stride};
+  const SolversSetting setting{scene.name,          first.device_name(),
+                               first.measure(),     scene.physics.time_step,
+                               options.cpu_threads, turns * solver_turn_steps};
   double mass = 0;
   for (const double m : first.initial().mass) mass += m;
 
@@ -246,9 +246,9 @@ int bench_solvers(const CommandLine& line) {
       progress.update(turn + 1);
     }
   }
-  const std::vector<Row> rows = rows_of(all, scene, options, mass);
-  files.write(results_json(setting, rows), results_csv(rows), results_markdown(setting, rows));
-  print(line.options.json == "-" ? results_json(setting, rows) : results_text(setting, rows));
+  const std::vector<SolverRow> rows = solver_rows(all, scene, options, mass);
+  files.write(solvers_json(setting, rows), solvers_csv(rows), solvers_markdown(setting, rows));
+  print(line.options.json == "-" ? solvers_json(setting, rows) : solvers_text(setting, rows));
   return 0;
 }
 

@@ -25,7 +25,7 @@ std::string word(const Json& object, const char* key) {
 }
 
 /// All trials of a case, by solver, precision and executor.
-struct Row {
+struct CaseRow {
   Json about;  ///< of the first file that has it
   std::vector<Json> trials;
 
@@ -39,17 +39,17 @@ struct Row {
   }
 };
 
-const char* mark_of(const std::string& verdict) {
+const char* readme_mark(const std::string& verdict) {
   if (verdict == "passed") return "✓";
   if (verdict == "declared limit") return "L";
   return verdict == "failed" ? "**✗**" : "–";
 }
 
 /// Of all machines: what they agree on; what one does not run says nothing.
-std::string mark_of(const std::vector<const Json*>& trials) {
+std::string readme_mark(const std::vector<const Json*>& trials) {
   std::string mark;
   for (const Json* trial : trials) {
-    const std::string here = mark_of(word(*trial, "verdict"));
+    const std::string here = readme_mark(word(*trial, "verdict"));
     if (mark.empty() || mark == "–" || here == mark)
       mark = here;
     else if (here != "–")
@@ -59,7 +59,7 @@ std::string mark_of(const std::vector<const Json*>& trials) {
 }
 
 /// Where it ran, and whether all that did came to the same state.
-std::string machines_text(const Row& row) {
+std::string machines_text(const CaseRow& row) {
   bool cpu = false, cuda = false, differ = false;
   std::map<std::string, std::string> hashes;
   for (const Json& trial : row.trials) {
@@ -76,7 +76,7 @@ std::string machines_text(const Row& row) {
 }
 
 /// As a cell of a table holds it, where a line between cells would end it.
-std::string cell(const std::string& text) {
+std::string escaped_cell(const std::string& text) {
   std::string escaped;
   for (const char letter : text) {
     if (letter == '|') escaped += '\\';
@@ -85,10 +85,12 @@ std::string cell(const std::string& text) {
   return escaped;
 }
 
-std::string table_row(const Row& row) {
-  std::string text = fmt::format("| `{}` | {} |", word(row.about, "name"), cell(word(row.about, "what")));
+std::string readme_row(const CaseRow& row) {
+  std::string text =
+      fmt::format("| `{}` | {} |", word(row.about, "name"), escaped_cell(word(row.about, "what")));
   for (const Named<Solver>& solver : solver_names)
-    text += fmt::format(" {} {} |", mark_of(row.of(solver.name, "f32")), mark_of(row.of(solver.name, "f64")));
+    text += fmt::format(" {} {} |", readme_mark(row.of(solver.name, "f32")),
+                        readme_mark(row.of(solver.name, "f64")));
   return text + " " + machines_text(row) + " |\n";
 }
 
@@ -101,7 +103,7 @@ std::string limit_text(const std::string& name, const Json& limit) {
 }
 
 /// "of 120 trials on an AMD EPYC (CPU) 110 pass".
-std::string counts_text(const std::vector<Json>& runs, std::int64_t& limits, std::int64_t& trials) {
+std::string readme_counts(const std::vector<Json>& runs, std::int64_t& limits, std::int64_t& trials) {
   std::string text;
   for (const Json& run : runs) {
     const auto count = [&](const char* key) { return run.value(key, std::int64_t{0}); };
@@ -121,7 +123,7 @@ std::string counts_text(const std::vector<Json>& runs, std::int64_t& limits, std
 
 std::string stability_markdown(const std::vector<std::pair<std::string, std::string>>& files) {
   std::vector<Json> runs;
-  std::vector<Row> rows;
+  std::vector<CaseRow> rows;
   for (const auto& [name, text] : files) {
     const Json& run = runs.emplace_back(Json::parse(text, nullptr, false));
     if (!run.is_object() || word(run, "suite") != "stability" || !run.contains("cases") ||
@@ -129,13 +131,13 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
       throw InputError(name + ": is not what stability --json writes of trials");
     for (const Json& about : run["cases"])
       if (std::ranges::none_of(
-              rows, [&](const Row& row) { return word(row.about, "name") == word(about, "name"); }))
+              rows, [&](const CaseRow& row) { return word(row.about, "name") == word(about, "name"); }))
         rows.push_back({about, {}});
     for (const Json& trial : run["trials"])
-      for (Row& row : rows)
+      for (CaseRow& row : rows)
         if (word(row.about, "name") == word(trial, "case")) row.trials.push_back(trial);
   }
-  std::ranges::stable_sort(rows, {}, [](const Row& row) {
+  std::ranges::stable_sort(rows, {}, [](const CaseRow& row) {
     return std::ranges::find(hard_case_groups, word(row.about, "group")) - hard_case_groups.begin();
   });
 
@@ -143,17 +145,17 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
       "| case | what must hold | `impulse` | `soft_step` | `jacobi_split` | CPU, GPU "
       "|\n|---|---|---|---|---|---|\n";
   std::string group, limits_text;
-  for (const Row& row : rows) {
+  for (const CaseRow& row : rows) {
     if (word(row.about, "group") != group) {
       group = word(row.about, "group");
       text += fmt::format("| **{}** | | | | | |\n", group);
     }
-    text += table_row(row);
+    text += readme_row(row);
     for (const Json& limit : row.about.value("limits", Json::array()))
       limits_text += limit_text(word(row.about, "name"), limit);
   }
   std::int64_t limits = 0, trials = 0;
-  const std::string counts = counts_text(runs, limits, trials);
+  const std::string counts = readme_counts(runs, limits, trials);
   text +=
       "\nTwo marks for each solver, in float and in double: ✓ holds, L a declared limit, – the solver does "
       "not take the scene, or "

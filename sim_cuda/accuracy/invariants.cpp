@@ -6,8 +6,6 @@
 namespace collidoscope {
 namespace {
 
-Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 /// The larger of both; what is not known is smaller than all.
 void take(double& worst, double value) {
   if (!(worst >= value)) worst = value;
@@ -36,7 +34,7 @@ InvariantScales::InvariantScales(const std::vector<ReferenceSample>& samples, co
     }
     kinetic = std::max(kinetic, sample.stats.kinetic_energy);
     moving = std::max(moving, sum);
-    turning = std::max({turning, sum * reach, vector(sample.stats.angular_momentum).norm()});
+    turning = std::max({turning, sum * reach, vector_of(sample.stats.angular_momentum).norm()});
   }
   if (kinetic > 0) energy = kinetic;
   if (moving > 0) momentum = moving;
@@ -53,7 +51,7 @@ void InvariantCollector::look(World& world, double time, const StepStats* expect
   if (expected != nullptr) {
     take(result_.energy_error, std::abs(now.energy() - expected->energy()) / scales_.energy);
     take(result_.angular_momentum_error,
-         (vector(now.angular_momentum) - vector(expected->angular_momentum)).norm() /
+         (vector_of(now.angular_momentum) - vector_of(expected->angular_momentum)).norm() /
              scales_.angular_momentum);
   }
   result_.energy_drift = (now.energy() - first_.energy()) / scales_.energy;
@@ -79,10 +77,10 @@ void InvariantCollector::balance(const StepStats& now, double time) {
     mass += subject_.initial.mass[i];
     moment += subject_.initial.mass[i] * subject_.start.bodies.position[i];
   }
-  const Vector3d momentum = vector(first_.momentum);
+  const Vector3d momentum = vector_of(first_.momentum);
   if (!effects.attractor)
-    take(result_.momentum_balance, (vector(now.momentum) - momentum - vector(now.wall_impulse_vector) +
-                                    vector(first_.wall_impulse_vector) - mass * time * gravity)
+    take(result_.momentum_balance, (vector_of(now.momentum) - momentum - vector_of(now.wall_impulse_vector) +
+                                    vector_of(first_.wall_impulse_vector) - mass * time * gravity)
                                            .norm() /
                                        scales_.momentum);
   const bool walls = subject_.initial.box || !scene.obstacles.empty() || !scene.boxes.empty();
@@ -91,7 +89,7 @@ void InvariantCollector::balance(const StepStats& now, double time) {
   // About the only attractor, or the origin: where the centre of mass falls, gravity's torque is known.
   const Vector3d about = effects.attractor ? attractors[0].position : Vector3d(0, 0, 0);
   const auto turning = [&](const StepStats& stats) -> Vector3d {
-    return vector(stats.angular_momentum) - about.cross(vector(stats.momentum));
+    return vector_of(stats.angular_momentum) - about.cross(vector_of(stats.momentum));
   };
   const Vector3d torque = (time * moment + time * time / 2 * momentum).cross(gravity);
   take(result_.angular_momentum_balance,

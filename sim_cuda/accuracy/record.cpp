@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/finite_or_null.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {
@@ -11,11 +12,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Quantity {
+struct InvariantField {
   const char* name;
   double AccuracyInvariants::*value;
 };
-constexpr Quantity quantities[] = {
+constexpr InvariantField quantities[] = {
     {"energy_drift", &AccuracyInvariants::energy_drift},
     {"energy_error", &AccuracyInvariants::energy_error},
     {"momentum_balance", &AccuracyInvariants::momentum_balance},
@@ -32,8 +33,6 @@ constexpr Quantity quantities[] = {
 constexpr std::array<Named<AccuracyReference::Kind>, 2> kind_names{
     {{"hard_spheres", AccuracyReference::Kind::hard_spheres},
      {"converged_run", AccuracyReference::Kind::converged_run}}};
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 double number_of(const Json& json, double otherwise = not_known) {
   return json.is_null() ? otherwise : json.get<double>();
@@ -62,19 +61,20 @@ Json json_of(const AccuracyPoint& p) {
               {"continuous_collision", s.continuous_collision}}},
             {"measured", p.has_error()},
             {"error",
-             {{"rms", number(p.error)},
-              {"low", number(p.error_low)},
-              {"high", number(p.error_high)},
-              {"worst", number(p.error_worst)}}},
+             {{"rms", finite_or_null(p.error)},
+              {"low", finite_or_null(p.error_low)},
+              {"high", finite_or_null(p.error_high)},
+              {"worst", finite_or_null(p.error_worst)}}},
             {"ms_per_second",
-             {{"median", number(p.ms.median)},
-              {"low", number(p.ms.low)},
-              {"high", number(p.ms.high)},
+             {{"median", finite_or_null(p.ms.median)},
+              {"low", finite_or_null(p.ms.low)},
+              {"high", finite_or_null(p.ms.high)},
               {"runs", p.ms_runs}}},
             {"on_front", p.on_front}};
-  for (const Quantity& each : quantities) json["invariants"][each.name] = number(p.invariants.*each.value);
-  json["distributions"] = {{"heights", number(p.distributions.heights)},
-                           {"speeds", number(p.distributions.speeds)}};
+  for (const InvariantField& each : quantities)
+    json["invariants"][each.name] = finite_or_null(p.invariants.*each.value);
+  json["distributions"] = {{"heights", finite_or_null(p.distributions.heights)},
+                           {"speeds", finite_or_null(p.distributions.speeds)}};
   return json;
 }
 
@@ -100,7 +100,7 @@ AccuracyPoint point_of(const Json& json) {
   const Json& ms = json.at("ms_per_second");
   p.ms = {number_of(ms.at("median")), number_of(ms.at("low")), number_of(ms.at("high"))};
   p.ms_runs = ms.at("runs").get<std::vector<double>>();
-  for (const Quantity& each : quantities)
+  for (const InvariantField& each : quantities)
     p.invariants.*each.value = number_of(json.at("invariants").at(each.name));
   p.distributions = {number_of(json.at("distributions").at("heights")),
                      number_of(json.at("distributions").at("speeds"))};
@@ -125,9 +125,9 @@ std::string write_record(const AccuracyRecord& record) {
                     {"seconds", r.seconds},
                     {"horizon", r.horizon},
                     {"end", r.end},
-                    {"error", number(r.error)},
-                    {"order", number(r.order)},
-                    {"growth_rate", number(r.growth_rate)}}},
+                    {"error", finite_or_null(r.error)},
+                    {"order", finite_or_null(r.order)},
+                    {"growth_rate", finite_or_null(r.growth_rate)}}},
                   {"doubts", record.doubts}};
   std::string text = head.dump(2, ' ', false, Json::error_handler_t::replace);
   text.resize(text.size() - 2);  // the last line: each point becomes one of its own

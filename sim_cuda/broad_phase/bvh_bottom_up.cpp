@@ -112,7 +112,7 @@ struct DescendByCalls {
   }
 };
 
-struct WriteTree {
+struct WriteBottomUpTree {
   LevelTree tree;
   TreeSink sink;
   SIM_HD void operator()(int item) const {
@@ -197,7 +197,7 @@ class BvhBottomUp final : public BroadPhase {
   }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
-    executor_.run("tree", tree_nodes(), WriteTree{tree_, sink});
+    executor_.run("tree", tree_nodes(), WriteBottomUpTree{tree_, sink});
   }
 
  private:

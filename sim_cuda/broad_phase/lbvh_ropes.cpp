@@ -15,8 +15,6 @@ namespace collidoscope {
 
 namespace {
 
-constexpr std::uint32_t none = RopedNode::none;
-
 /// Of leaves first .. last, on its way up.
 struct Subtree {
   std::uint32_t first, last;
@@ -93,7 +91,7 @@ struct Build {
   SIM_HD std::uint32_t height(std::uint32_t i) const { return parting_height(keys, above.n, i); }
   /// To the right of the parting stands a left child, or, if the next parting is higher, a leaf.
   SIM_HD std::uint32_t rope(std::uint32_t place, std::uint32_t right) const {
-    if (place == above.n - 1) return none;
+    if (place == above.n - 1) return no_rope;
     return height(place + 1) < right ? above.n + place + 1 : place + 1;
   }
   SIM_HD Subtree leaf(std::uint32_t place) const {
@@ -149,7 +147,7 @@ __global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
 #endif
 
 /// A right child is where the rope of the left one leads; parents tell their children.
-struct WriteTree {
+struct WriteRopedTree {
   const RopedNode* nodes;
   std::uint32_t n;
   TreeSink sink;
@@ -199,7 +197,7 @@ class LbvhRopes final : public BroadPhase {
   }
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
-    executor_.run("tree", tree_nodes(), WriteTree{nodes_.data(), n_, sink});
+    executor_.run("tree", tree_nodes(), WriteRopedTree{nodes_.data(), n_, sink});
   }
 
  private:

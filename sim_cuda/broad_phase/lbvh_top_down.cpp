@@ -167,7 +167,7 @@ struct DescendFromRoot {
   }
 };
 
-struct WriteTree {
+struct WriteTopDownTree {
   const QueueNode* nodes;
   const std::uint32_t *parent, *number;
   TreeSink sink;
@@ -245,7 +245,7 @@ class LbvhTopDown final : public BroadPhase {
     Buffer<std::uint32_t> number(executor_, "numbers of nodes");
     number.resize_discarding(nodes_.size());
     executor_.run("tree", tree_nodes(), NumberNodes{nodes_.data(), n_, number.data()});
-    executor_.run("tree", tree_nodes(), WriteTree{nodes_.data(), parent_.data(), number.data(), sink});
+    executor_.run("tree", tree_nodes(), WriteTopDownTree{nodes_.data(), parent_.data(), number.data(), sink});
     executor_.synchronize();
   }
 

@@ -194,7 +194,7 @@ struct LoadQuery {
 };
 
 /// Nodes of one level.
-struct CountLeaves {
+struct CountLeavesBelow {
   const std::uint32_t* children;
   std::uint32_t* count;
   SIM_HD void operator()(int node) const {
@@ -368,7 +368,7 @@ std::vector<std::int64_t> TreeMeter::leaves(const TreeView& tree) {
   counts_.fill_zero();
   for (int level = 0; level < tree.levels(); ++level)
     executor_.run("quality", tree.level_size(level),
-                  CountLeaves{tree.children + tree.level_begin(level), counts_.data() + level});
+                  CountLeavesBelow{tree.children + tree.level_begin(level), counts_.data() + level});
   const std::vector<std::uint32_t> counts = counts_.download();
   return {counts.begin(), counts.end()};
 }

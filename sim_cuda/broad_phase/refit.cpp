@@ -20,7 +20,6 @@ namespace collidoscope {
 
 namespace {
 
-constexpr std::uint32_t none = RopedNode::none;
 constexpr double decayed = 1.25;  // of the least sum of areas
 
 /// What the next update builds, and by what it is judged.
@@ -34,7 +33,7 @@ struct AreaSum {
 };
 SIM_HD inline AreaSum combine(const AreaSum& a, const AreaSum& b) { return {a.area + b.area}; }
 
-struct PlaceBody {
+struct PlaceLeafBody {
   RopedNode* leaves;
   SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { leaves[place].child = body; }
 };
@@ -47,7 +46,7 @@ struct LinkNodes {
   std::uint32_t n;
   RopedNode* nodes;
   TreeLinks links;
-  std::uint32_t* met;  ///< by parting: `none`, or the far end of the subtree that came first
+  std::uint32_t* met;  ///< by parting: `no_rope`, or the far end of the subtree that came first
 
   SIM_HD std::uint32_t height(std::uint32_t i) const { return parting_height(keys, n, i); }
   SIM_HD void operator()(int item) const {
@@ -58,14 +57,14 @@ struct LinkNodes {
       RopedNode& above = nodes[n + split];
       (is_left ? above.child : above.rope) = at;  // until the ropes are tied, the right child
       const std::uint32_t far = atomic_swap(&met[split], is_left ? first : last);
-      if (far == none) return;
-      met[split] = none;  // both were here
+      if (far == no_rope) return;
+      met[split] = no_rope;  // both were here
       const std::uint32_t other = atomic_load(is_left ? &above.rope : &above.child);
       links.join(is_left ? at : other, is_left ? other : at, n + split);
       (is_left ? last : first) = far;
       at = n + split;
     }
-    links.link[at] = none;
+    links.link[at] = no_rope;
   }
 };
 
@@ -85,8 +84,8 @@ struct RefitNodes {
       store_whole(&nodes[at], node);
       if (links.is_root(at)) return;
       const std::uint32_t above = links.parent(at);
-      if (atomic_swap(&met[above - n], at) == none) return;
-      met[above - n] = none;
+      if (atomic_swap(&met[above - n], at) == no_rope) return;
+      met[above - n] = no_rope;
       node.child = nodes[above].child;
       node.rope = nodes[above].rope;
       const std::uint32_t sibling = links.is_left(at) ? links.link[at] : node.child;
@@ -149,7 +148,7 @@ class RefitBvh final : public BroadPhase {
     Upkeep* upkeep = upkeep_.data();
     const Count leaves(&upkeep->leaves, n_), nodes(&upkeep->nodes, tree_nodes());
     const TreeLinks links{link_.data()};
-    order_.sort(boxes, extent, PlaceBody{nodes_.data()}, leaves);
+    order_.sort(boxes, extent, PlaceLeafBody{nodes_.data()}, leaves);
     executor_.run("build", leaves, LinkNodes<Key>{order_.keys(), n_, nodes_.data(), links, met_.data()});
     executor_.run("build", nodes, TieRopes{links, nodes_.data()});
     executor_.run("build", n_, RefitNodes{boxes, n_, nodes_.data(), links, met_.data()});

@@ -6,8 +6,6 @@ namespace collidoscope {
 
 namespace {
 
-constexpr std::uint32_t none = RopedNode::none;
-
 /// One query by one thread.
 template <class Sink>
 struct WalkRopes {
@@ -17,7 +15,7 @@ struct WalkRopes {
   SIM_HD void operator()(int leaf) const {
     const RopedNode query = load_whole(&nodes[leaf]);
     auto batch = start_query(sink, leaf, query.child);
-    for (std::uint32_t at = query.rope; at != none;) {
+    for (std::uint32_t at = query.rope; at != no_rope;) {
       const RopedNode node = load_whole(&nodes[at]);
       batch.visit();
       const bool hit = overlap(query, node), is_leaf = at < n;
@@ -75,8 +73,8 @@ __global__ void __launch_bounds__(1024)
   auto next = static_cast<std::uint32_t>(n * team / teams);
   const auto last = static_cast<std::uint32_t>(n * (team + 1) / teams);
 
-  Walk walk{0, none, none};
-  std::uint32_t rope = none;  // where this lane's walk can be divided; `walk.end`: nowhere
+  Walk walk{0, no_rope, no_rope};
+  std::uint32_t rope = no_rope;  // where this lane's walk can be divided; `walk.end`: nowhere
   RopedNode query{};
   std::uint32_t held = 0;
   const auto give = [&](std::uint32_t pairs) {
@@ -96,10 +94,10 @@ __global__ void __launch_bounds__(1024)
       const std::uint32_t rank = count(idlers & below);
       if (next < last) {
         if (idle && rank < last - next) {
-          walk = {next + rank, none, none};
+          walk = {next + rank, no_rope, no_rope};
           query = load_whole(&nodes[walk.leaf]);
           walk.at = query.rope;
-          rope = none;
+          rope = no_rope;
         }
         next += min(count(idlers), last - next);
       } else {

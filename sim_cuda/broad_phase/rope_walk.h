@@ -33,6 +33,7 @@ struct alignas(16) RopedNode {
   }
 };
 static_assert(sizeof(RopedNode) == 32);
+inline constexpr std::uint32_t no_rope = RopedNode::none;
 
 /// BroadPhase::find_pairs of such a tree over n bodies, in the stage "pairs".
 void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink);

@@ -25,7 +25,7 @@ struct TellAncestors {
   }
 };
 
-struct MakeKeys {
+struct MakeTreeKeys {
   const std::uint32_t *parent, *leftmost;
   std::uint64_t *key, *deepest;
   std::uint32_t* id;
@@ -124,7 +124,7 @@ void Tree::arrange(const BroadPhase& method, std::int64_t bodies) {
   executor_.run("tree", bodies, TellAncestors{raw_parent_.data(), leftmost_.data()});
   deepest_.fill_zero();
   executor_.run("tree", nodes,
-                MakeKeys{raw_parent_.data(), leftmost_.data(), key_.data(), deepest_.data(), id_.data()});
+                MakeTreeKeys{raw_parent_.data(), leftmost_.data(), key_.data(), deepest_.data(), id_.data()});
   const int key_bits = 32 + static_cast<int>(std::bit_width(deepest_.download()[0]));
   temporary_.resize_discarding(sort_temporary_bytes<std::uint64_t>(executor_, nodes, key_bits));
   sort_by_key(executor_, "tree", nodes, key_bits, key_.data(), sorted_key_.data(), id_.data(), order_.data(),

@@ -19,6 +19,7 @@ template <class Real>
 using Quaternion = Eigen::Quaternion<Real>;
 
 using Vector3d = Vector3<double>;
+inline Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 using Vector3f = Vector3<float>;
 using Matrix3d = Matrix3<double>;
 using Quaterniond = Quaternion<double>;

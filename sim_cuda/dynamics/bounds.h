@@ -1,5 +1,5 @@
 #pragma once
-// Bounds: the box of each body, where it is or for a while to come.
+// BodyBounds: the box of each body, where it is or for a while to come.
 
 #include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/core/linear_algebra.h"
@@ -22,7 +22,7 @@ SIM_HD Aabb box_around(const Vector3<Real>& low, const Vector3<Real>& high) {
 }
 
 template <class Real>
-struct Bounds {
+struct BodyBounds {
   const Vector3<Real>* position;
   const Real* radius;
   Aabb* boxes;

@@ -13,8 +13,6 @@
 namespace collidoscope {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 /// A rod from the origin to a body that is let go at rest.
 struct Rod {
   double w, amplitude;  ///< rad/s of small swings; rad
@@ -67,7 +65,7 @@ AnalyticCase swing(const char* name, const char* because, double horizon) {
   one.methods = by_euler(smooth_theory(rod.problem(), rod.kick_in_front(), 1, horizon, angle));
   one.error = [=, end = pendulum(rod.w, rod.amplitude, horizon).at](World& world, int steps) {
     world.step(steps);
-    return std::abs(std::remainder(Rod::angle(world.bodies().position[0]) - end, 2 * pi));
+    return std::abs(std::remainder(Rod::angle(world.bodies().position[0]) - end, 2 * std::numbers::pi));
   };
   return one;
 }
@@ -97,7 +95,7 @@ AnalyticCase period() {
     for (int k = 1; k <= steps && seen <= periods; ++k) {
       world.step();
       const double now = Rod::angle(world.bodies().position[0]);
-      if (before > 0 && now <= 0 && before - now < pi) {
+      if (before > 0 && now <= 0 && before - now < std::numbers::pi) {
         last = (k - now / (now - before)) * world.scene().physics.time_step;
         if (seen++ == 0) first = last;
       }
@@ -120,7 +118,8 @@ AnalyticCase spring_joint() {
   one.horizon = 1.2;
   one.scale = 2;
   const Joint joint = one.scene.joints[0];
-  const double w = 2 * pi * joint.frequency, z = joint.damping_ratio, r = w * std::sqrt(1 - z * z);
+  const double w = 2 * std::numbers::pi * joint.frequency, z = joint.damping_ratio,
+               r = w * std::sqrt(1 - z * z);
   const double first = one.scene.bodies[0].position.x() - *joint.length, t = one.horizon;
   one.methods =
       by_euler(leading_theory(1, first * w * w / (2 * r) * std::exp(-z * w * t) * std::abs(std::sin(r * t))));

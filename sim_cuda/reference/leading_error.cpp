@@ -8,7 +8,7 @@ namespace collidoscope {
 namespace {
 
 /// (x, v) from both.
-SmoothState joined(const SmoothState& x, const SmoothState& v) {
+SmoothState joined_state(const SmoothState& x, const SmoothState& v) {
   SmoothState y(x.size() + v.size());
   y << x, v;
   return y;
@@ -46,7 +46,7 @@ OneStep euler_step(const Rate& acceleration) {
   return [=](const SmoothState& y, double h) {
     const auto n = y.size() / 2;
     const SmoothState x = y.head(n), v = y.tail(n) + h * acceleration(x);
-    return joined(x + h * v, v);
+    return joined_state(x + h * v, v);
   };
 }
 
@@ -54,7 +54,7 @@ OneStep verlet_step(const Rate& acceleration) {
   return [=](const SmoothState& y, double h) {
     const auto n = y.size() / 2;
     const SmoothState x = y.head(n), half = y.tail(n) + h / 2 * acceleration(x), next = x + h * half;
-    return joined(next, half + h / 2 * acceleration(next));
+    return joined_state(next, half + h / 2 * acceleration(next));
   };
 }
 
@@ -69,7 +69,7 @@ OneStep rk4_step(const Rate& rate) {
 Rate second_order_rate(const Rate& acceleration) {
   return [=](const SmoothState& y) {
     const auto n = y.size() / 2;
-    return joined(y.tail(n), acceleration(y.head(n)));
+    return joined_state(y.tail(n), acceleration(y.head(n)));
   };
 }
 

@@ -10,7 +10,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr int most = 64;
+constexpr int max_joint_substeps = 64;
 constexpr double share = 0.01;  ///< of a joint's span, that it may yield
 
 /// The least of the h^2 that joints ask for, s^2; infinite where none asks.
@@ -57,7 +57,7 @@ int substeps_of(const Scene& scene, const InitialBodies& bodies) {
   const bool off = scene.joints.empty() || (physics.effects && !physics.effects->joints);
   if (off || physics.substeps || physics.solver == Solver::impulse) return usual;
   const double wanted = physics.time_step / std::sqrt(least_square(scene, bodies));
-  return wanted > usual ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : usual;
+  return wanted > usual ? static_cast<int>(std::ceil(std::min<double>(wanted, max_joint_substeps))) : usual;
 }
 
 }  // namespace collidoscope

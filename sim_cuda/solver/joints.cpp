@@ -22,11 +22,11 @@ constexpr double coupled_pull = 0.4;  ///< of the error, per substep, over the m
 constexpr double coupled_keep = 0.9;
 constexpr double radii_per_second = 50;
 
-constexpr double turn = 6.283185307179586;
+constexpr double full_turn = 6.283185307179586;
 
 /// rad, that a spring turns in a substep; `crowd`: the most joints at one of its bodies. See joint_rows.h.
 double spring_angle(const PlacedJoint& joint, std::uint32_t crowd, double h) {
-  return std::min(turn * joint.frequency * h, 1 / std::sqrt(crowd));
+  return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(crowd));
 }
 
 JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t crowd, double h) {

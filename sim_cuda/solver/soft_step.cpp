@@ -194,7 +194,8 @@ struct EndStep {
 };
 
 template <class Real>
-std::vector<std::array<double, 3>> widened(const std::vector<Vector3<Real>>& vectors, std::size_t count) {
+std::vector<std::array<double, 3>> widened_vectors(const std::vector<Vector3<Real>>& vectors,
+                                                   std::size_t count) {
   std::vector<std::array<double, 3>> wide;
   for (std::size_t k = 0; k < count; ++k)
     wide.push_back({static_cast<double>(vectors[k].x()), static_cast<double>(vectors[k].y()),
@@ -202,7 +203,7 @@ std::vector<std::array<double, 3>> widened(const std::vector<Vector3<Real>>& vec
   return wide;
 }
 template <class Real>
-Vector3<Real> narrowed(const std::array<double, 3>& v) {
+Vector3<Real> narrowed_vector(const std::array<double, 3>& v) {
   return {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2])};
 }
 
@@ -317,8 +318,8 @@ SolverMemory SoftStepSolver<Real>::memory() const {
   rolling_.memory(count, memory);
   memory.slow = sleeping_.memory();
   if (!scene_.effects.friction) return memory;
-  memory.grips = widened<Real>(known_grip_.download(count), count);
-  memory.wall_grips = widened<Real>(wall_grip_.download(), wall_grip_.size());
+  memory.grips = widened_vectors<Real>(known_grip_.download(count), count);
+  memory.wall_grips = widened_vectors<Real>(wall_grip_.download(), wall_grip_.size());
   return memory;
 }
 
@@ -348,7 +349,7 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
   for (std::size_t k = 0; k < count; ++k) {
     contacts[k] = {memory.contacts[k].a, memory.contacts[k].b};
     impulse[k] = static_cast<Real>(memory.contacts[k].impulse);
-    if (grips) grip[k] = narrowed<Real>(memory.grips[k]);
+    if (grips) grip[k] = narrowed_vector<Real>(memory.grips[k]);
   }
   known_contacts_.upload(contacts);
   std::vector<std::uint32_t> first(static_cast<std::size_t>(scene_.body_count), 0);
@@ -371,7 +372,7 @@ void SoftStepSolver<Real>::remember(const SolverMemory& memory) {
     for (std::size_t body = 0; body < std::min(n, known); ++body) {
       walls[p * n + body] = static_cast<Real>(memory.walls[p][body]);
       if (!wall_grips.empty() && !memory.wall_grips.empty())
-        wall_grips[p * n + body] = narrowed<Real>(memory.wall_grips[p * known + body]);
+        wall_grips[p * n + body] = narrowed_vector<Real>(memory.wall_grips[p * known + body]);
     }
   }
   wall_impulse_.upload(walls);

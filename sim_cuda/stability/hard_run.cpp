@@ -6,17 +6,17 @@ namespace collidoscope {
 namespace {
 
 template <class Value>
-void set(Value& value, const std::optional<Value>& planted) {
+void set_if_planted(Value& value, const std::optional<Value>& planted) {
   if (planted) value = *planted;
 }
 
 void plant(World& world, const PlantedState& planted) {
   if (planted.body >= world.initial().size()) return;
   RunState state = world.state();
-  set(state.bodies.position[planted.body], planted.position);
-  set(state.bodies.velocity[planted.body], planted.velocity);
-  set(state.bodies.angular_velocity[planted.body], planted.angular_velocity);
-  set(state.bodies.orientation[planted.body], planted.orientation);
+  set_if_planted(state.bodies.position[planted.body], planted.position);
+  set_if_planted(state.bodies.velocity[planted.body], planted.velocity);
+  set_if_planted(state.bodies.angular_velocity[planted.body], planted.angular_velocity);
+  set_if_planted(state.bodies.orientation[planted.body], planted.orientation);
   world.adopt(state);
 }
 

@@ -7,8 +7,6 @@
 namespace collidoscope {
 namespace {
 
-Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 Extremes one(double value) {
   Extremes extremes;
   extremes.take(value);
@@ -66,15 +64,16 @@ double momentum_change(Observation& seen) {
   double mass = 0;
   for (std::size_t body = 0; body < initial.size(); ++body)
     if (initial.motion.empty() || initial.motion[body] == Motion::dynamic) mass += initial.mass[body];
-  Vector3d left = vector(now.momentum) - vector(first.momentum) - vector(now.wall_impulse_vector) +
-                  vector(first.wall_impulse_vector);
+  Vector3d left = vector_of(now.momentum) - vector_of(first.momentum) - vector_of(now.wall_impulse_vector) +
+                  vector_of(first.wall_impulse_vector);
   if (world.effects().gravity) left -= mass * seen.seconds() * world.scene().physics.gravity;
   return over(left.norm(), seen.momentum_scale());
 }
 
 double angular_momentum_change(Observation& seen) {
-  return over((vector(seen.stats().angular_momentum) - vector(seen.first_stats().angular_momentum)).norm(),
-              seen.turning_scale());
+  return over(
+      (vector_of(seen.stats().angular_momentum) - vector_of(seen.first_stats().angular_momentum)).norm(),
+      seen.turning_scale());
 }
 
 Extremes penetration_over_radius(Observation& seen) {

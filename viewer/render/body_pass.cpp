@@ -15,19 +15,19 @@ struct MeshVertex {
 };
 
 using Input = gl::VertexLayout::Input;
-constexpr Input center_radius{0, 4, offsetof(BodyInstance, center)};
-constexpr Input orientation{1, 4, offsetof(BodyInstance, orientation)};
-constexpr Input value{2, 1, offsetof(BodyInstance, value)};
-constexpr Input id{3, 1, offsetof(BodyInstance, id), true};
+constexpr Input center_radius_input{0, 4, offsetof(BodyInstance, center)};
+constexpr Input orientation_input{1, 4, offsetof(BodyInstance, orientation)};
+constexpr Input value_input{2, 1, offsetof(BodyInstance, value)};
+constexpr Input id_input{3, 1, offsetof(BodyInstance, id), true};
 
 }  // namespace
 
 BodyPass::BodyPass()
-    : sphere_layout_{center_radius, value, id},
-      mesh_layout_{center_radius,
-                   orientation,
-                   value,
-                   id,
+    : sphere_layout_{center_radius_input, value_input, id_input},
+      mesh_layout_{center_radius_input,
+                   orientation_input,
+                   value_input,
+                   id_input,
                    {4, 3, offsetof(MeshVertex, position), false, true},
                    {5, 3, offsetof(MeshVertex, normal), false, true}},
       vertices_("mesh vertices") {

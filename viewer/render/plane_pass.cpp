@@ -20,7 +20,7 @@ struct ObstacleRecord {
   float center[4], half_size[4], side[3][4];
 };
 
-void store(float (&to)[4], const Vector3d& from, double last) {
+void store_vector(float (&to)[4], const Vector3d& from, double last) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
   to[3] = static_cast<float>(last);
 }
@@ -31,9 +31,10 @@ PlaneRecord plane_record(const Plane& plane, const FrameScene& scene, double rad
   const Vector3d level = Vector3d::UnitZ().cross(plane.normal);
   const bool sloped = level.norm() > 1e-6;
   PlaneRecord record{};
-  store(record.normal_offset, plane.normal, plane.offset);
-  store(record.center_radius, center + (plane.offset - plane.normal.dot(center)) * plane.normal, radius);
-  store(record.side_kind, sloped ? level.normalized() : Vector3d(1, 0, 0), static_cast<double>(kind));
+  store_vector(record.normal_offset, plane.normal, plane.offset);
+  store_vector(record.center_radius, center + (plane.offset - plane.normal.dot(center)) * plane.normal,
+               radius);
+  store_vector(record.side_kind, sloped ? level.normalized() : Vector3d(1, 0, 0), static_cast<double>(kind));
   return record;
 }
 
@@ -60,9 +61,10 @@ void PlanePass::set_scene(const FrameScene& scene) {
   std::vector<ObstacleRecord> boxes;
   for (const BoxObstacle& box : scene.boxes) {
     ObstacleRecord& record = boxes.emplace_back();
-    store(record.center, box.center, 0);
-    store(record.half_size, box.size / 2, 0);
-    for (int k = 0; k < 3; ++k) store(record.side[k], box.orientation * Vector3d(Vector3d::Unit(k)), 0);
+    store_vector(record.center, box.center, 0);
+    store_vector(record.half_size, box.size / 2, 0);
+    for (int k = 0; k < 3; ++k)
+      store_vector(record.side[k], box.orientation * Vector3d(Vector3d::Unit(k)), 0);
   }
   boxes_.upload(boxes.data(), boxes.size() * sizeof(ObstacleRecord));
   box_count_ = static_cast<int>(boxes.size());
