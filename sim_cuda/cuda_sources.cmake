@@ -1,0 +1,30 @@
+# Gives the files that launch kernels to nvcc; without CUDA they are ordinary C++. Changes ${sources}.
+file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS broad_phase/*.cpp solver/*.cpp)
+list(FILTER cuda_sources EXCLUDE REGEX  # these launch no kernel
+  "/broad_phase/(broad_phase|bullet_dbvt|key_bits|methods)[.]cpp$|/solver/(contact_solver|residuals)[.]cpp$")
+foreach(file core/radix_sort core/sort core/scan dynamics/continuous_collision dynamics/measure dynamics/move guard/stage_guard
+    narrow_phase/contact_list inspect pack pipeline)
+  list(APPEND cuda_sources ${CMAKE_CURRENT_SOURCE_DIR}/${file}.cpp)
+endforeach()
+set_source_files_properties(${cuda_sources} PROPERTIES LANGUAGE CUDA)
+
+# nvcc takes 9 to 14 s for the headers of each file, so files are compiled in batches, as the unity build does for
+# C++. (CMake does that for CUDA from 3.31 on only.)
+if(COLLIDOSCOPE_UNITY)
+  list(REMOVE_ITEM sources ${cuda_sources})
+  set(alone ${CMAKE_CURRENT_SOURCE_DIR}/solver/soft_step.cpp)
+  list(REMOVE_ITEM cuda_sources ${alone})
+  list(APPEND sources ${alone})
+  set(number 0)
+  while(cuda_sources)
+    list(SUBLIST cuda_sources 0 4 batch)
+    list(REMOVE_ITEM cuda_sources ${batch})
+    list(TRANSFORM batch PREPEND "#include \"")
+    list(TRANSFORM batch APPEND "\"")
+    list(JOIN batch "\n" text)
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/cuda_batches/batch_${number}.cu)
+    file(CONFIGURE OUTPUT ${file} CONTENT "${text}\n" @ONLY)
+    list(APPEND sources ${file})
+    math(EXPR number "${number} + 1")
+  endwhile()
+endif()
