@@ -267,8 +267,8 @@ TEST(Automation, OnAFullDiskEndsTheWindow) {
   setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
   const std::string err = folder / "err";
   Process window(program_folder() / "collidoscope",
-                 {"one_body", "--size", "640x480", "--automation", "/dev/full"},
-                 Launch{.check_leaks = false}, folder / "out", err);
+                 {"one_body", "--size", "640x480", "--automation", "/dev/full"}, Launch{.check_leaks = false},
+                 folder / "out", err);
   EXPECT_EQ(window.wait(), 3);
   EXPECT_THAT(text_of(err), EndsWith("--automation: /dev/full cannot be written: No space left on device\n"));
   EXPECT_TRUE(fs::exists(folder / "config/collidoscope/settings.json")) << "what is remembered is written";
