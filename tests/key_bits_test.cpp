@@ -28,7 +28,7 @@ TEST(KeyBits, AreShortInEveryBoxCollider) {
 
 TEST(KeyBits, AreLongWhereAHeapWouldFillACell) {
   // 13 % of the box is full of median spheres, of which 0.5 % is too little: 26 times the box.
-  EXPECT_EQ(called_for(in_a_larger_box(2000, 2.9)), 30);
+  EXPECT_EQ(called_for(in_a_larger_box(2000, 1.3)), 30);
   EXPECT_EQ(called_for(in_a_larger_box(2000, 3.1)), 63);
   EXPECT_EQ(called_for(in_a_larger_box(2000, 100)), 63);
   EXPECT_EQ(called_for(in_a_larger_box(128, 100)), 30) << "all of them are no crowd";

@@ -58,13 +58,20 @@ void go_on(const std::string& file, AccuracyStudy& study) {
   }
 }
 
-/// Works to the end, or to Ctrl-C; files are as of the last second.
+/// Works to the end, or to Ctrl-C, which also cancels the step in progress. Files are as of the last second.
 void work(AccuracyStudy& study, const Interruption& interruption, const std::function<void()>& save) {
   using Clock = std::chrono::steady_clock;
   std::optional<Progress> bar;
   std::int64_t total = -1;
   Clock::time_point saved = Clock::now();
-  while (!interruption.wished() && study.advance(50)) {
+  const auto advance = [&] {
+    try {
+      return study.advance(50);
+    } catch (const Cancelled&) {  // what the study has measured until now is complete
+      return false;
+    }
+  };
+  while (!interruption.wished() && advance()) {
     const AccuracyStudy::Progress progress = study.progress();
     if (progress.total != total) bar.emplace(study.reference() ? "runs" : "reference", progress.total);
     total = progress.total;
@@ -75,29 +82,33 @@ void work(AccuracyStudy& study, const Interruption& interruption, const std::fun
   }
 }
 
+[[noreturn]] void end_without_result() {
+  std::fputs("stopped before the reference was known: nothing is kept\n", stderr);
+  Interruption::obey();
+}
+
 }  // namespace
 
-int accuracy_command(const CommandLine& line) {
+int accuracy_command(const CommandLine& line) try {
   if (line.operands.empty()) return analytic_suite(line);
   const Options& options = line.options;
   const std::optional<double> tolerance = options.accuracy.tolerance;
   Scene scene = load_scene(line);
   const ResultFiles files(options);
   start_apart(line, scene);
+  Cancellation cancellation;
+  const Interruption interruption(cancellation, /*at_once=*/false);
+  RunOptions run = options.run;
+  run.cancellation = &cancellation;
   AccuracyStudy study(
-      scene, options.run,
-      {.seconds = options.accuracy.seconds, .rounds = static_cast<int>(options.bench.repeats)});
+      scene, run, {.seconds = options.accuracy.seconds, .rounds = static_cast<int>(options.bench.repeats)});
   go_on(options.json, study);
   const auto save = [&] {
     const AccuracyRecord record = study.record();
     files.write(write_record(record), study_csv(record), study_markdown(record, tolerance));
   };
-  const Interruption interruption;
   work(study, interruption, save);
-  if (study.points().empty()) {
-    std::fputs("stopped before the reference was known: nothing is kept\n", stderr);
-    Interruption::obey();
-  }
+  if (study.points().empty()) end_without_result();
   save();
   const AccuracyRecord record = study.record();
   files.plot(study_chart(record, tolerance));
@@ -111,6 +122,8 @@ int accuracy_command(const CommandLine& line) {
     Interruption::obey();
   }
   return tolerance && !recommended(record.points, record.reference.error, *tolerance).point ? 1 : 0;
+} catch (const Cancelled&) {
+  end_without_result();  // while the study was made
 }
 
 }  // namespace collidoscope

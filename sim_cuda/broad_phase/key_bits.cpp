@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numbers>
 
 #include "sim_cuda/broad_phase/counting_cells.h"
 #include "sim_cuda/broad_phase/morton.h"
@@ -9,18 +10,23 @@
 namespace collidoscope {
 namespace {
 
-/// Whether more bodies than a cell of a counting sort should hold could come to lie in one.
+/// Whether the smaller bodies of the scene, heaped up, would share cells of a counting sort: on average over all
+/// bodies, with more others than half of what a cell should hold.
 bool heap_crowds(const InitialBodies& bodies, const Box& box) {
-  constexpr double packed = 0.64;  // of the space that spheres heaped up at random take, they fill
-  // Half of the bodies are no smaller.
+  constexpr double packed = 0.64;  // volume fraction of random close packing of spheres
   std::vector<double> radii = bodies.radius;
-  const auto median = radii.begin() + std::ssize(radii) / 2;
-  std::ranges::nth_element(radii, median);
-  constexpr double pi = 3.141592653589793;
-  const double ball = 4 * pi / 3 * *median * *median * *median;
+  std::ranges::sort(radii);
+  const auto n = static_cast<double>(bodies.size());
   const Vector3d sides = box.max - box.min;
-  const double cell = sides.x() * sides.y() * sides.z() / static_cast<double>(bodies.size());
-  return packed * cell > crowded_cell * ball;
+  const double space = packed * sides.x() * sides.y() * sides.z() / n;
+  // The smallest tenth, and so on to the smaller half. Fewer bodies are not expected to gather by themselves.
+  for (int tenths = 1; tenths <= 5; ++tenths) {
+    const double share = tenths / 10.0, r = radii[static_cast<std::size_t>(share * (n - 1))];
+    const double ball = 4 * std::numbers::pi / 3 * r * r * r;
+    const double heap = std::min(share * n, space / ball);
+    if (share * heap > crowded_cell / 2.0) return true;
+  }
+  return false;
 }
 
 /// How bodies share the cells that the leading bits of their keys number.

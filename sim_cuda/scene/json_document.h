@@ -31,6 +31,7 @@ struct JsonNode {
 struct JsonFault {
   std::uint32_t offset;
   std::string message;
+  friend bool operator==(const JsonFault&, const JsonFault&) = default;
 };
 
 class JsonDocument {

@@ -44,7 +44,7 @@ ObjectReader::ObjectReader(Reading& reading, const JsonNode& node, std::string_v
 }
 
 const JsonNode* ObjectReader::member(std::string_view key) {
-  known_.push_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.push_back(key);
   return is_object_ ? reading_.document.find(node_, key) : nullptr;
 }
 
@@ -157,7 +157,7 @@ void ObjectReader::finish() {
   if (!is_object_) return;
   for (const JsonNode& child : reading_.document.children(node_)) {
     const std::string_view key = reading_.document.key(child);
-    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    if (std::ranges::find(known_, key) != known_.end()) continue;
     if (reading_.full()) return;
     const std::string_view nearest = nearest_name(key, known_);
     reading_.fault_at_key(child, fmt::format("unknown key \"{}\" in {}; {}", printable(key), what_,

@@ -2,6 +2,7 @@
 // Reading one JSON object's members into plain values, and noting everything that is wrong with them: unknown
 // keys (with the nearest known one), wrong types. Whether a value is in its range is validate()'s business.
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -22,10 +23,12 @@ struct Reading {
   bool full() const { return faults.size() > JsonDocument::max_faults; }
   /// A node that is no value has its fault already.
   void fault(const JsonNode& node, std::string message) {
-    if (!full() && node.kind != JsonKind::invalid) faults.push_back({node.begin, std::move(message)});
+    if (node.kind != JsonKind::invalid) add({node.begin, std::move(message)});
   }
-  void fault_at_key(const JsonNode& node, std::string message) {
-    if (!full()) faults.push_back({node.key_begin, std::move(message)});
+  void fault_at_key(const JsonNode& node, std::string message) { add({node.key_begin, std::move(message)}); }
+  /// An object with duplicate keys is read once for each of their values: its other faults are listed once.
+  void add(JsonFault fault) {
+    if (!full() && std::ranges::find(faults, fault) == faults.end()) faults.push_back(std::move(fault));
   }
 };
 
