@@ -27,11 +27,21 @@ TEST(KeyBits, AreShortInEveryBoxCollider) {
 }
 
 TEST(KeyBits, AreLongWhereAHeapWouldFillACell) {
-  // 13 % of the box is full of median spheres, of which 0.5 % is too little: 26 times the box.
-  EXPECT_EQ(called_for(in_a_larger_box(2000, 1.3)), 30);
+  EXPECT_EQ(called_for(in_a_larger_box(2000, 1.3)), 30) << "14 % of the box is full";
   EXPECT_EQ(called_for(in_a_larger_box(2000, 3.1)), 63);
   EXPECT_EQ(called_for(in_a_larger_box(2000, 100)), 63);
   EXPECT_EQ(called_for(in_a_larger_box(128, 100)), 30) << "all of them are no crowd";
+}
+
+TEST(KeyBits, AreLongWhereAMinorityOfSmallBodiesCouldGather) {
+  for (const int small : {0, 50, 590, 2900}) {
+    Scene scene = empty_space();
+    scene.box = Box{Vector3d(0, 0, 0), Vector3d(60, 60, 60)};
+    for (int i = 0; i < 5900; ++i)
+      scene.bodies.push_back(sphere(i < small ? 0.0005 : 0.5,
+                                    Vector3d(1 + 3 * (i % 20), 1 + 3 * (i / 20 % 20), 1 + 3 * (i / 400))));
+    EXPECT_EQ(called_for(scene), small < 590 ? 30 : 63) << small;
+  }
 }
 
 TEST(KeyBits, AreLongWhereNothingBoundsTheExtent) {

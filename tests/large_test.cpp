@@ -114,6 +114,16 @@ TEST(LargeRuns, OfCaptureEndWithinASecondOfASignal) {
   }
 }
 
+TEST(LargeRuns, OfAccuracyEndWithinASecondOfASignal) {
+  for (const double wait : {0.3, 3.0}) {
+    Started study({"accuracy", "box_collider", "--bodies", "100000", "--executor", "cpu"});
+    std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+    ASSERT_TRUE(study.running());
+    EXPECT_LT(study.end_by(SIGINT), soon) << "after " << wait << " s";
+    EXPECT_EQ(study.status(), 128 + SIGINT);
+  }
+}
+
 TEST(LargeRuns, AreRefusedWithTheirFigures) {
   const Clock::time_point start = Clock::now();
   const Outcome run =
