@@ -34,13 +34,13 @@ TEST(KeyBits, AreLongWhereAHeapWouldFillACell) {
 }
 
 TEST(KeyBits, AreLongWhereAMinorityOfSmallBodiesCouldGather) {
-  for (const int small : {0, 50, 590, 2900}) {
+  for (const int small : {0, 50, 1180, 2900}) {
     Scene scene = empty_space();
     scene.box = Box{Vector3d(0, 0, 0), Vector3d(60, 60, 60)};
     for (int i = 0; i < 5900; ++i)
       scene.bodies.push_back(sphere(i < small ? 0.0005 : 0.5,
                                     Vector3d(1 + 3 * (i % 20), 1 + 3 * (i / 20 % 20), 1 + 3 * (i / 400))));
-    EXPECT_EQ(called_for(scene), small < 590 ? 30 : 63) << small;
+    EXPECT_EQ(called_for(scene), small < 1180 ? 30 : 63) << small;
   }
 }
 
