@@ -10,6 +10,7 @@
 
 #include "headless/bench/suites.h"
 #include "headless/flag_value.h"
+#include "sim_cuda/changes.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -225,6 +226,30 @@ Scene load_scene(const CommandLine& line) {
   return scene;
 }
 
+namespace {
+
+/// Flags that ask for other bodies than those of the snapshot. Throws InputError.
+void refuse_other_bodies(const Overrides& overrides, const std::string& file, const Scene& saved) {
+  std::vector<std::string> faults;
+  const auto check = [&](const char* flag, auto Overrides::*value) {
+    Overrides alone;
+    alone.*value = overrides.*value;
+    Scene scene = saved;
+    apply(alone, file, scene);
+    if (begins_another_run(saved, scene))
+      faults.push_back(
+          fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load", flag,
+                      shown(file), flag));
+  };
+  check("--bodies", &Overrides::bodies);
+  check("--variant", &Overrides::variant);
+  check("--spawn", &Overrides::spawn);
+  check("--seed", &Overrides::seed);
+  if (!faults.empty()) throw InputError(faults);
+}
+
+}  // namespace
+
 Start load_start(const CommandLine& line) {
   Start start;
   if (line.options.load.empty()) {
@@ -234,6 +259,7 @@ Start load_start(const CommandLine& line) {
   start.snapshot = read_snapshot(line.options.load);
   start.scene = start.snapshot->scene;
   apply(line.options.overrides, line.options.load, start.scene);
+  refuse_other_bodies(line.options.overrides, line.options.load, start.snapshot->scene);
   return start;
 }
 

@@ -47,6 +47,7 @@ AccuracySubject accuracy_subject(const Scene& given, const RunOptions& options, 
   subject.stride = (steps + subject.samples - 1) / subject.samples;
   subject.samples = steps / subject.stride;
   subject.start.steps = 0;
+  subject.start.time = 0;
   std::ranges::fill(subject.start.ledgers, WallLedger{});
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const int threads = options.cpu_threads > 0 ? options.cpu_threads : static_cast<int>(cores);
