@@ -499,5 +499,75 @@ TEST(Cli, ChangesAreMadeAndCheckedAgainstWhatWasRecorded) {
             2);
 }
 
+TEST(Run, EffectsWithNothingToActOnChangeNothing) {
+  const auto run = [](const std::string& scene, const std::string& effects) {
+    const Outcome outcome = run_headless(
+        {"run", scene, "--executor", "cpu", "--effects", effects, "--steps", "3", "--json", "-"});
+    EXPECT_EQ(outcome.status, 0) << scene << ", " << effects << ": " << outcome.err;
+    return outcome.status == 0 ? json::parse(outcome.out)["state_hash"] : json();
+  };
+  for (const std::string scene : {"one_body", "empty"}) {
+    const json plain = run(scene, "gravity");
+    for (const std::string effect : {"attractor", "joints", "continuous_collision", "guards", "drag"})
+      EXPECT_EQ(run(scene, "gravity," + effect), plain) << effect;
+    EXPECT_EQ(run(scene, "gravity,rotation,friction,rolling_resistance,joints"),
+              run(scene, "gravity,rotation"));
+  }
+  const TemporaryFolder folder;
+  std::ofstream(folder / "changes.json")
+      << R"({"format": "collidoscope-changes", "version": 1, "changes": [{"step": 2, "effects": ["joints"]}]})";
+  const Outcome changed =
+      run_headless({"run", "one_body", "--steps", "4", "--changes", folder / "changes.json"});
+  EXPECT_EQ(changed.status, 0) << changed.err;
+}
+
+TEST(Run, AnEndBeforeTheSnapshotIsRefused) {
+  const TemporaryFolder folder;
+  const std::string saved = folder / "s", changes = folder / "changes.json";
+  ASSERT_EQ(run_headless({"run", "one_body", "--steps", "2", "--save", saved}).status, 0);
+  const auto run = [&](int step) {
+    std::ofstream(changes) << R"({"format": "collidoscope-changes", "version": 1, "changes": [],
+"end": {"step": )" << step << R"(, "state_hash": "0123456789abcdef"}})";
+    return run_headless({"run", "--load", saved, "--changes", changes});
+  };
+  const Outcome early = run(1);
+  EXPECT_EQ(early.status, 2);
+  EXPECT_EQ(early.err,
+            changes + ":2:17: lies before state 2, where the run goes on; it is that state or a later one\n");
+  EXPECT_EQ(run(2).status, 1) << "another hash";
+}
+
+TEST(Run, ReportsNoStageTimeThatWasNotTaken) {
+  const Outcome outcome = run_headless({"run", "one_body", "--steps", "1", "--json", "-"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json stages = json::parse(outcome.out)["stages"];
+  for (const json& stage : stages) EXPECT_TRUE(stage["median_ms"].is_null()) << stage;
+}
+
+TEST(Capture, RefusesAFileThatIsAlsoAPicture) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path(), picture = folder / "one_body_0030.png";
+  const Outcome outcome = run_headless({"capture", "one_body", "--out", out, "--json", picture});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "--json: " + picture + " is the picture of state 30 too; give another file\n");
+  EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(Capture, PrintsTheCountsOfTheStateWhateverIsDrawn) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> scene{"box_collider", "--bodies", "300", "--executor", "cpu"};
+  std::vector<std::string> capture{"capture"}, run{"run"};
+  for (auto* command : {&capture, &run}) command->insert(command->end(), scene.begin(), scene.end());
+  run.insert(run.end(), {"--steps", "0", "--json", "-"});
+  const json pairs = json::parse(run_headless(run).out)["pairs"];
+  ASSERT_GT(pairs["touching"].get<int>(), 0);
+  capture.insert(capture.end(),
+                 {"--states", "0", "--size", "64x64", "--out", folder.path(), "--layers", "walls"});
+  const Outcome outcome = run_headless(capture);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr("state 0  bodies 300  boxes drawn 0  touching " + pairs["touching"].dump() + "\n"));
+}
+
 }  // namespace
 }  // namespace collidoscope
