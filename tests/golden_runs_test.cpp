@@ -96,7 +96,8 @@ TEST_P(GoldenRuns, GoOnFromSnapshotsOfAnOlderVersion) {
 
 TEST(GoldenRunsFile, HoldsEveryEffectSolverPrecisionAndSleepingBodies) {
   std::set<std::string> seen;
-  for (const ordered_json& row : committed_runs().at("runs")) {
+  const ordered_json committed = committed_runs();  // lives longer than the loop
+  for (const ordered_json& row : committed.at("runs")) {
     const std::string solver = row.at("solver"), precision = row.at("precision");
     for (const ordered_json& effect : row.at("effects"))
       seen.insert(effect.get<std::string>() + ' ' + solver + ' ' + precision);
