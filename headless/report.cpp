@@ -284,9 +284,9 @@ std::string title_text(const RunReport& report) {
   const std::string step = std::abs(rate - std::round(rate)) < 1e-9 * rate && rate > 1.5
                                ? fmt::format("1/{:.0f} s", rate)
                                : fmt::format("{} s", report.time_step);
-  std::string text =
-      fmt::format("{}: {} bodies{}{}; state {}, steps of {}", report.scene, grouped(report.final.bodies),
-                  report.variant.empty() ? "" : ", ", report.variant, grouped(report.final.step), step);
+  std::string text = fmt::format("{}: {} bodies{}{}; state {}, steps of {}", printable(report.scene, 200),
+                                 grouped(report.final.bodies), report.variant.empty() ? "" : ", ",
+                                 report.variant, grouped(report.final.step), step);
   if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
   return text +
          fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,

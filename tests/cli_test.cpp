@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "tests/run_program.h"
 
@@ -567,6 +568,56 @@ TEST(Capture, PrintsTheCountsOfTheStateWhateverIsDrawn) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
               HasSubstr("state 0  bodies 300  boxes drawn 0  touching " + pairs["touching"].dump() + "\n"));
+}
+
+TEST(Capture, DrawsWhatOpenGlAllowsWhereSamplesAreAutomatic) {
+  const TemporaryFolder folder;
+  for (const char* layers : {"spheres", "spheres,ui"}) {
+    const Outcome outcome = run_headless({"capture", "one_body", "--states", "0", "--quality", "quick",
+                                          "--size", "16384x16", "--layers", layers, "--out", folder.path()});
+    EXPECT_EQ(outcome.status, 0) << layers << ": " << outcome.err;
+  }
+}
+
+TEST(Cli, ASuiteRefusesFlagsThatItDoesNotRead) {
+  for (const auto& [suite, flag, value] : {std::tuple{"frames", "--csv", "x"},
+                                           {"frames", "--sizes", "10"},
+                                           {"solvers", "--plot", "x.png"},
+                                           {"solvers", "--methods", "brute_force"},
+                                           {"effects", "--variants", "paper"},
+                                           {"paper", "--frames", "3"}}) {
+    const Outcome outcome = run_headless({"bench", suite, flag, value});
+    EXPECT_EQ(outcome.status, 2) << suite << flag;
+    EXPECT_THAT(outcome.err, testing::StartsWith(std::string(flag) + ": bench " + suite +
+                                                 " does not take it; it takes --"));
+  }
+}
+
+TEST(Cli, HelpOffersWhatTheCommandTakes) {
+  EXPECT_THAT(run_headless({"capture", "--help"}).out, HasSubstr("--json FILE "));
+  EXPECT_THAT(run_headless({"compare", "--help"}).out, HasSubstr("--json - "));
+  EXPECT_THAT(run_headless({"run", "--help"}).out, HasSubstr("--json FILE|- "));
+  const Outcome automatic =
+      run_headless({"run", "one_body", "--steps", "1", "--substeps", "auto", "--json", "-"});
+  ASSERT_EQ(automatic.status, 0) << automatic.err;
+  EXPECT_EQ(json::parse(automatic.out)["substeps"], 4);
+}
+
+TEST(Cli, NamesInErrorsHoldNothingThatATerminalObeys) {
+  const Outcome outcome = run_headless({"run",
+                                        "a\u009Bb\u202Ec\x9b"
+                                        "d\u00e9"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, testing::StartsWith("a?b?c?d\u00e9: neither"));
+}
+
+TEST(Cli, AnEmptyNameToLoadIsTheOnlyFault) {
+  const Outcome outcome = run_headless({"run", "--load", ""});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  const Outcome unknown = run_headless({"stability", "nosuch"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, testing::ContainsRegex("unknown hard case \"nosuch\"; there are [0-9]+\n"));
 }
 
 }  // namespace
