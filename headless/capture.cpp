@@ -20,6 +20,7 @@
 #include "ui/overlay.h"
 #include "ui/shown_layers.h"
 #include "viewer/live/live_reference.h"
+#include "viewer/render/gl/target.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
@@ -158,8 +159,8 @@ int run_capture(const CaptureRequest& request, World& world) {
     width = static_cast<int>(rect.width);
     height = static_cast<int>(rect.height);
   }
-  const std::int64_t pixels = static_cast<std::int64_t>(request.width) * request.height;
-  Renderer renderer(width, height, still_options(request.draw, pixels));
+  Renderer renderer(width, height,
+                    still_options(request.draw, request.width, request.height, gl::largest_target()));
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
   DisplayLink link(world, request.display_path, say);
   GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)
