@@ -20,6 +20,7 @@
 #include "ui/overlay.h"
 #include "ui/shown_layers.h"
 #include "viewer/live/live_reference.h"
+#include "viewer/render/gl/target.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
@@ -56,7 +57,7 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   const FrameLayers& layers = request.layers;
   text.scene = world.scene().name;
   text.state = stats.step;
-  text.time = static_cast<double>(stats.step) * world.scene().physics.time_step;
+  text.time = world.time();
   text.bodies = stats.bodies;
   text.shape = world.launch_shape();
   text.variant = variant_name(world.scene());
@@ -101,6 +102,15 @@ std::string file_stem(const std::string& scene) {
   return stem.empty() ? "scene" : stem;
 }
 
+std::vector<std::int64_t> states_to_draw(const CaptureRequest& request, std::int64_t first) {
+  return request.states.empty() ? std::vector{first, first + 30, first + 60} : request.states;
+}
+
+std::string picture_file(const CaptureRequest& request, const Scene& scene, std::int64_t state) {
+  return (std::filesystem::path(request.out) / fmt::format("{}_{:04}.png", file_stem(scene.name), state))
+      .string();
+}
+
 std::vector<std::int64_t> parse_states(const std::string& text, const std::string& where) {
   std::vector<std::int64_t> states;
   std::vector<std::string> faults;
@@ -135,8 +145,7 @@ void parse_size(const std::string& text, CaptureRequest& request, const std::str
 
 int run_capture(const CaptureRequest& request, World& world) {
   ensure_writable_folder("--out", request.out);
-  std::vector<std::int64_t> states = request.states;
-  if (states.empty()) states = {world.steps(), world.steps() + 30, world.steps() + 60};
+  const std::vector<std::int64_t> states = states_to_draw(request, world.steps());
   if (states.front() < world.steps())
     throw InputError(fmt::format("--states: {} lies before state {}, at which the run starts", states.front(),
                                  world.steps()));
@@ -150,8 +159,8 @@ int run_capture(const CaptureRequest& request, World& world) {
     width = static_cast<int>(rect.width);
     height = static_cast<int>(rect.height);
   }
-  const std::int64_t pixels = static_cast<std::int64_t>(request.width) * request.height;
-  Renderer renderer(width, height, still_options(request.draw, pixels));
+  Renderer renderer(width, height,
+                    still_options(request.draw, request.width, request.height, gl::largest_target()));
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
   DisplayLink link(world, request.display_path, say);
   GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)
@@ -202,14 +211,12 @@ int run_capture(const CaptureRequest& request, World& world) {
                    static_cast<float>(request.width), static_cast<float>(request.height));
       gui.end(renderer.picture());
     }
-    const std::string file = (std::filesystem::path(request.out) /
-                              fmt::format("{}_{:04}.png", file_stem(world.scene().name), state))
-                                 .string();
+    const std::string file = picture_file(request, world.scene(), state);
     write_png(panels ? picture : renderer.read_picture(), file);
-    print(fmt::format("{}  {}x{}  state {}  bodies {}  boxes {}  touching {}\n", file, request.width,
-                      request.height, state, drawn.bodies,
+    print(fmt::format("{}  {}x{}  state {}  bodies {}  boxes drawn {}  touching {}\n", file, request.width,
+                      request.height, state, stats.bodies,
                       request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes,
-                      drawn.contacts));
+                      stats.touching));
     if (const ReferenceFacts& facts = reference.facts(); facts.known())
       print(fmt::format("{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n",
                         "", file.size(), facts.rms, facts.max, facts.name, facts.since,

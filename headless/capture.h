@@ -31,6 +31,10 @@ void parse_size(const std::string& text, CaptureRequest& request, const std::str
 /// A scene's name as part of a file's: letters in lower case, digits, '-' and '_'; never empty.
 std::string file_stem(const std::string& scene);
 
+/// Of a run that starts at state `first`, as the request has it.
+std::vector<std::int64_t> states_to_draw(const CaptureRequest& request, std::int64_t first);
+std::string picture_file(const CaptureRequest& request, const Scene& scene, std::int64_t state);
+
 /// Writes OUT/<scene>_<state>.png for each state, whole or not at all, and prints one line per picture on
 /// stdout; says on stderr which renderer and display path drew them. Returns 0; 1 where a guard paused the
 /// run, after a line on stderr. Throws InputError and MachineError.

@@ -10,6 +10,7 @@
 
 #include "headless/bench/suites.h"
 #include "headless/flag_value.h"
+#include "sim_cuda/changes.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -57,6 +58,14 @@ std::string program_help() {
          exit_codes;
 }
 
+/// compare writes JSON to stdout alone; capture, whose stdout lists its pictures, to a file alone.
+Flag as_taken_by(Command command, Flag flag) {
+  if (std::string_view(flag.name) != "--json") return flag;
+  if (command == Command::compare) flag.value = "-", flag.help = "the report as JSON, alone on stdout";
+  if (command == Command::capture) flag.value = "FILE", flag.help = "the report as JSON";
+  return flag;
+}
+
 std::string command_help(const CommandName& command) {
   std::string text = fmt::format("{}{} {} [FLAGS]: {}.\n\n",
                                  command.command == Command::view ? "" : "collidoscope-headless ",
@@ -65,10 +74,12 @@ std::string command_help(const CommandName& command) {
     for (const Suite& suite : suites()) text += fmt::format("  {:<30}{}\n", suite.name, suite.help);
     text += '\n';
   }
-  for (const Flag& flag : flags())
-    if (flag.commands & bit(command.command))
-      text += fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value ? flag.value : ""),
-                          flag.help);
+  for (const Flag& every : flags()) {
+    if (!(every.commands & bit(command.command))) continue;
+    const Flag flag = as_taken_by(command.command, every);
+    text +=
+        fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value ? flag.value : ""), flag.help);
+  }
   return text + "\n" + exit_codes;
 }
 
@@ -109,6 +120,16 @@ void take_suite(CommandLine& line, std::vector<std::string>& faults) {
   if (std::ranges::find(suites(), line.suite, [](const Suite& one) { return one.name; }) == suites().end())
     faults.push_back(fmt::format("bench: {} is no suite; there are {}", shown(line.suite), suite_names()));
   if (line.operands.empty()) line.operands.emplace_back("box_collider");
+}
+
+/// A flag that the suite does not read would be ignored.
+void check_suite_flag(const CommandLine& line, const Flag& flag, std::vector<std::string>& faults) {
+  const auto suite = std::ranges::find(suites(), line.suite, [](const Suite& one) { return one.name; });
+  if (suite == suites().end() || (flag.commands & bit(Command::run))) return;
+  const std::string padded = fmt::format(" {} ", suite->flags);
+  if (padded.find(fmt::format(" {} ", flag.name)) == std::string::npos)
+    faults.push_back(
+        fmt::format("{}: bench {} does not take it; it takes {}", flag.name, suite->name, suite->flags));
 }
 
 void check_files(const CommandLine& line, std::vector<std::string>& faults) {
@@ -188,8 +209,13 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
       faults.push_back(
           fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command.name));
   }
-  check_operands(command, line.operands, !line.options.load.empty(), faults);
+  const bool loads = std::ranges::any_of(taken, [](const auto& one) {
+    return std::string_view(one.first->name) == "--load" && one.second->count() > 0;
+  });
+  check_operands(command, line.operands, loads, faults);
   take_suite(line, faults);
+  for (const auto& [flag, option] : taken)
+    if (option->count() > 0) check_suite_flag(line, *flag, faults);
   check_files(line, faults);
   if (!faults.empty()) throw InputError(faults);
   return line;
@@ -225,6 +251,30 @@ Scene load_scene(const CommandLine& line) {
   return scene;
 }
 
+namespace {
+
+/// Flags that ask for other bodies than those of the snapshot. Throws InputError.
+void refuse_other_bodies(const Overrides& overrides, const std::string& file, const Scene& saved) {
+  std::vector<std::string> faults;
+  const auto check = [&](const char* flag, auto Overrides::*value) {
+    Overrides alone;
+    alone.*value = overrides.*value;
+    Scene scene = saved;
+    apply(alone, file, scene);
+    if (begins_another_run(saved, scene))
+      faults.push_back(
+          fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load", flag,
+                      shown(file), flag));
+  };
+  check("--bodies", &Overrides::bodies);
+  check("--variant", &Overrides::variant);
+  check("--spawn", &Overrides::spawn);
+  check("--seed", &Overrides::seed);
+  if (!faults.empty()) throw InputError(faults);
+}
+
+}  // namespace
+
 Start load_start(const CommandLine& line) {
   Start start;
   if (line.options.load.empty()) {
@@ -234,6 +284,7 @@ Start load_start(const CommandLine& line) {
   start.snapshot = read_snapshot(line.options.load);
   start.scene = start.snapshot->scene;
   apply(line.options.overrides, line.options.load, start.scene);
+  refuse_other_bodies(line.options.overrides, line.options.load, start.snapshot->scene);
   return start;
 }
 

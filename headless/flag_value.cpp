@@ -21,11 +21,7 @@ std::optional<Number> parse(std::string_view text) {
 
 std::string shown(std::string_view text) {
   constexpr std::size_t longest = 200;  // bytes: a line of a terminal or two
-  if (text.empty()) return "''";
-  std::string safe;
-  for (const char c : text.substr(0, longest))
-    safe += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return text.size() > longest ? safe + "..." : safe;
+  return text.empty() ? "''" : printable(text, longest);
 }
 
 void FlagValue::fault(std::string_view what) { faults_->push_back(fmt::format("{}: {}", flag_, what)); }

@@ -154,8 +154,14 @@ constexpr Reader readers[] = {
     {{"--gravity", "X,Y,Z", "m/s^2", stepping},
      [](FlagReading& in) { in.options.overrides.gravity = in.value.vector(limits::max_gravity, "m/s^2"); }},
     {{"--time-step", "S", "seconds, or 1/n", stepping}, [](FlagReading& in) { read_time_step(in); }},
-    {{"--substeps", "K", "each step in K parts, 4, or 1 with impulse", stepping},
-     [](FlagReading& in) { in.options.overrides.substeps = read_count(in.value, 1, limits::max_substeps); }},
+    {{"--substeps", "K", "each step in K parts, or auto: 4, 1 with impulse, more where joints call for it",
+      stepping},
+     [](FlagReading& in) {
+       if (in.value.text() == "auto")
+         in.options.overrides.substeps = std::optional<int>{};
+       else if (const auto k = read_count(in.value, 1, limits::max_substeps, or_auto))
+         in.options.overrides.substeps = std::optional<int>{*k};
+     }},
     {{"--iterations", "I", "sweeps of the solver over all contacts", stepping},
      [](FlagReading& in) {
        in.options.overrides.iterations = read_count(in.value, 1, limits::max_iterations);
@@ -263,7 +269,8 @@ constexpr Reader readers[] = {
     {{"--changes", "FILE", "what is changed on the way: settings, bodies added and removed", running},
      [](FlagReading& in) { read_path(in.value, in.options.changes); }},
 
-    {{"--states", "LIST", "states to draw [0,30,60; after --load, counted from there]", capturing},
+    {{"--states", "LIST",
+      "states to draw, counted from the run's state 0 [the first, and 30 and 60 steps after it]", capturing},
      [](FlagReading& in) {
        collect(in.faults, [&] { in.options.capture.states = parse_states(std::string(in.value.text())); });
      }},
@@ -378,7 +385,8 @@ constexpr Reader readers[] = {
      [](FlagReading& in) {
        in.options.accuracy.tolerance = in.value.number(limits::min_tolerance, limits::max_tolerance, "m");
      }},
-    {{"--seconds", "T", "simulated seconds to compare at most [60 steps, and at least 2]", studying},
+    {{"--seconds", "T", "simulated seconds to compare at most, 2 steps or more [60 steps, and at least 2 s]",
+      studying},
      [](FlagReading& in) {
        if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;
      }},

@@ -74,6 +74,10 @@ bool Interruption::wished() const { return noted != 0; }
 
 void Interruption::met() {
   requested = nullptr;
+  wait_for_work();
+}
+
+void Interruption::wait_for_work() {
   if (!timed.exchange(false)) return;
   set_timer(0);
   ::signal(SIGALRM, SIG_DFL);

@@ -20,6 +20,8 @@ class Interruption {
   Interruption& operator=(const Interruption&) = delete;
 
   bool wished() const;
+  /// The work ends by itself soon after a signal: the program is no longer ended after 0.9 s.
+  static void wait_for_work();
   /// Call when the work has ended: later signals are noted, and no longer end the program after 0.9 s.
   static void met();
   /// Ends the program as the signal would have, so that shells and scripts see that it was.

@@ -57,7 +57,7 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
 
   Physics& physics = scene.physics;
   set(physics.gravity, overrides.gravity);
-  if (overrides.substeps) physics.substeps = overrides.substeps;
+  set(physics.substeps, overrides.substeps);
   set(physics.iterations, overrides.iterations);
   set(physics.solver, overrides.solver);
   set(physics.integrator, overrides.integrator);

@@ -44,10 +44,11 @@ struct Overrides {
   std::optional<Variant> variant;
   std::optional<Spawn> spawn;
   std::optional<std::uint64_t> seed;
-  std::optional<Vector3d> gravity;      ///< m/s^2
-  std::optional<double> time_step;      ///< s
-  std::optional<int> steps_per_second;  ///< where the time step was given as 1/n
-  std::optional<int> substeps, iterations;
+  std::optional<Vector3d> gravity;             ///< m/s^2
+  std::optional<double> time_step;             ///< s
+  std::optional<int> steps_per_second;         ///< where the time step was given as 1/n
+  std::optional<std::optional<int>> substeps;  ///< inner unset: "auto"
+  std::optional<int> iterations;
   std::optional<Solver> solver;
   std::optional<Integrator> integrator;
   std::optional<RotationUpdate> rotation_update;

@@ -56,6 +56,13 @@ void OutputFile::commit() {
   file_.reset();
 }
 
+bool OutputFile::commit_new(const std::string& target) {
+  bool put = false;
+  with_file([&](WholeFile& file) { put = file.commit_new(target); });
+  if (put) file_.reset();
+  return put;
+}
+
 void ensure_writable_folder(const std::string& flag, const std::string& folder) {
   const auto refuse = [&](const std::string& why) {
     throw InputError(fmt::format("{}: {}; give a folder that can be written", flag, why));

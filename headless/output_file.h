@@ -20,6 +20,8 @@ class OutputFile {
   void write(std::string_view text);
   /// Puts the file in its place. Once, last.
   void commit();
+  /// As WholeFile::commit_new() does it.
+  bool commit_new(const std::string& target);
 
  private:
   /// Does it with the file, and names the flag in what it throws.

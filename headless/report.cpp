@@ -50,24 +50,27 @@ std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(coun
 std::string stage_table(const RunTimes& times) {
   constexpr const char* row = "  {:<22}{:>11}{:>11}{:>9}{:>10}\n";
   constexpr const char* total_row = "  {:<22}{:>11}{:>11}\n";
-  const auto ms = [](double value) { return fmt::format("{:.4f}", value); };
+  const auto ms = [](double value, int samples) { return samples > 0 ? fmt::format("{:.4f}", value) : "-"; };
   double sum = 0;
+  int timed = 0;
   bool own_shape = false;
   for (const StageTime& stage : times.stages) {
     sum += stage.median_ms;
+    timed += stage.samples;
     own_shape |= stage.own_shape;
   }
   std::string text = fmt::format(row, "stage", "median ms", "p95 ms", "share", "launches");
   int launches = 0;
   for (const StageTime& stage : times.stages) {
-    text +=
-        fmt::format(row, stage.name + (stage.own_shape ? " *" : ""), ms(stage.median_ms), ms(stage.p95_ms),
-                    sum > 0 ? fmt::format("{:.1f} %", 100 * stage.median_ms / sum) : "-", stage.launches);
+    text += fmt::format(row, stage.name + (stage.own_shape ? " *" : ""), ms(stage.median_ms, stage.samples),
+                        ms(stage.p95_ms, stage.samples),
+                        sum > 0 ? fmt::format("{:.1f} %", 100 * stage.median_ms / sum) : "-", stage.launches);
     launches += stage.launches;
   }
-  text += fmt::format(row, "sum of the stages", ms(sum), "", "", launches);
+  text += fmt::format(row, "sum of the stages", ms(sum, timed), "", "", launches);
   if (times.steps_timed > 0)
-    text += fmt::format(total_row, "whole step, plain", ms(times.step_median_ms), ms(times.step_p95_ms));
+    text += fmt::format(total_row, "whole step, plain", ms(times.step_median_ms, times.steps_timed),
+                        ms(times.step_p95_ms, times.steps_timed));
   text +=
       "  Stages are timed on odd steps, with a time taken after each; the whole step on\n"
       "  even ones, with none taken within. So the sum contains the cost of measuring,\n"
@@ -258,8 +261,8 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["stages"] = Json::array();
   for (const StageTime& stage : report.times.stages)
     json["stages"].push_back({{"name", stage.name},
-                              {"median_ms", stage.median_ms},
-                              {"p95_ms", stage.p95_ms},
+                              {"median_ms", time_json(stage.median_ms, stage.samples)},
+                              {"p95_ms", time_json(stage.p95_ms, stage.samples)},
                               {"launches", stage.launches},
                               {"own_shape", stage.own_shape},
                               {"launch", launch_json(stage.launch)}});
@@ -281,9 +284,9 @@ std::string title_text(const RunReport& report) {
   const std::string step = std::abs(rate - std::round(rate)) < 1e-9 * rate && rate > 1.5
                                ? fmt::format("1/{:.0f} s", rate)
                                : fmt::format("{} s", report.time_step);
-  std::string text =
-      fmt::format("{}: {} bodies{}{}; state {}, steps of {}", report.scene, grouped(report.final.bodies),
-                  report.variant.empty() ? "" : ", ", report.variant, grouped(report.final.step), step);
+  std::string text = fmt::format("{}: {} bodies{}{}; state {}, steps of {}", printable(report.scene, 200),
+                                 grouped(report.final.bodies), report.variant.empty() ? "" : ", ",
+                                 report.variant, grouped(report.final.step), step);
   if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
   return text +
          fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,

@@ -53,6 +53,43 @@ struct Outputs {
     open(snapshot, "--save", options.save);
     if (!faults.empty()) throw InputError(faults);
   }
+  bool any() const { return json || bodies || dynamics || energy || snapshot; }
+};
+
+/// A signal ends the stepping of a run that writes files, and not the program: on the CPU within the step,
+/// which then is not in the state; on a GPU, which cannot go on after that, behind it.
+class EarlyEnd {
+ public:
+  /// `cancellation`: null for a run that a signal ends at once.
+  explicit EarlyEnd(Cancellation* cancellation) : cancellation_(cancellation) {
+    if (cancellation_ == nullptr) return;
+    Interruption::wait_for_work();
+    cancellation_->hold(true);
+  }
+  ~EarlyEnd() {
+    if (cancellation_ != nullptr) cancellation_->hold(false);
+  }
+  EarlyEnd(const EarlyEnd&) = delete;
+  EarlyEnd& operator=(const EarlyEnd&) = delete;
+
+  void step(World& world, int count) {
+    if (cancellation_ == nullptr || world.on_gpu()) return world.step(count);
+    cancellation_->hold(false);
+    try {
+      world.step(count);
+    } catch (const Cancelled&) {
+      cancellation_->clear();
+      cancellation_->hold(true);
+      cancelled_ = true;
+      world.detect();  // back to the state before that step
+    }
+    cancellation_->hold(true);
+  }
+  bool wished() const { return cancelled_ || (cancellation_ != nullptr && cancellation_->requested()); }
+
+ private:
+  Cancellation* cancellation_;
+  bool cancelled_ = false;
 };
 
 World make_world(const Start& start, const RunOptions& options) {
@@ -71,39 +108,54 @@ std::string trace_row(const StepStats& s) {
 /// Seconds of the clock that stepping took, and of the time that was simulated; and what ended it early.
 struct Stepped {
   double seconds = 0, simulated = 0;
-  std::optional<std::string> failure;  ///< the world stands at the state before that step
+  std::optional<std::string> failure;  ///< the world stands at the state before that step,
+  bool failed_at_start = false;        ///< or at the first state, which fails itself
 };
 
 /// What is asked of a state that was just reached; where it breaks, the world goes back to the one before.
 class Breaks {
  public:
   Breaks(const BreakConditions& conditions, const StepStats& start)
-      : conditions_(conditions), watch_(start) {}
+      : conditions_(conditions), watch_(start), last_(start) {}
   bool any() const { return conditions_.any(); }
   void before_step(World& world) { rewind_.before_step(world); }
+  std::optional<std::string> look_at_start(World& world) { return found(world, {}); }
   std::optional<std::string> look(World& world, const StepStats& stats) {
-    std::optional<Broken> broken = watch_.look(conditions_, stats, world.latest_times());
-    if (!broken) return std::nullopt;
-    broken->body = culprit(world, broken->condition);
-    rewind_.to(world, stats.step - 1);
-    return describe(*broken);
+    last_ = stats;
+    std::optional<std::string> failure = found(world, world.latest_times());
+    if (failure) rewind_.to(world, stats.step - 1);
+    return failure;
   }
-  void world_changed() { rewind_.forget(); }
+  void world_changed(const StepStats& stats) {
+    rewind_.forget();
+    watch_.change(last_, stats);
+  }
 
  private:
+  std::optional<std::string> found(World& world, const RunTimes& times) {
+    std::optional<Broken> broken = watch_.look(conditions_, last_, times);
+    if (!broken) return std::nullopt;
+    broken->body = culprit(world, broken->condition);
+    return describe(*broken);
+  }
+
   BreakConditions conditions_;
   BreakWatch watch_;
+  StepStats last_;
   Rewind rewind_;
 };
 
 /// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
 /// progress. With a trace, or with breaks, every state is measured.
 Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace, bool residuals,
-                 Breaks& breaks) {
-  Progress progress("steps", steps);
+                 Breaks& breaks, EarlyEnd& early_end) {
   Stepped stepped;
+  stepped.failure = breaks.look_at_start(world);
+  stepped.failed_at_start = stepped.failure.has_value();
+  if (stepped.failure) return stepped;
+  Progress progress("steps", steps);
   std::int64_t stride = 1;
-  for (std::int64_t done = 0; done < steps;) {
+  for (std::int64_t done = 0; done < steps && !early_end.wished();) {
     const std::int64_t rest = std::min(steps - done, replay.steps_to_next(world));
     int count = static_cast<int>(trace || breaks.any() ? 1 : std::min(stride, rest));
     if (residuals && done + count == steps) {
@@ -116,7 +168,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
     const std::size_t frozen = world.frozen().size();
     const Clock::time_point start = Clock::now();
     if (breaks.any()) breaks.before_step(world);
-    world.step(count);
+    early_end.step(world, count);
     const double spent = seconds_since(start);
     stepped.seconds += spent;
     stepped.simulated += static_cast<double>(world.steps() - before) * world.scene().physics.time_step;
@@ -125,11 +177,12 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
                              describe(*world.finding()))
                      .c_str(),
                  stderr);
+    if (world.steps() == before && !world.paused()) break;  // it was cancelled
     if (world.paused()) stepped.failure = describe(*world.finding());
     if (!stepped.failure && breaks.any()) stepped.failure = breaks.look(world, world.measure());
     if (stepped.failure) return stepped;
-    done += count;
-    if (replay.make_due(world)) breaks.world_changed();
+    done += world.steps() - before;
+    if (replay.make_due(world) && breaks.any()) breaks.world_changed(world.measure());
     if (trace) *trace += trace_row(world.measure());
     if (spent < 0.05 && stride < 1 << 20) stride *= 2;
     if (spent > 0.2 && stride > 1) stride /= 2;
@@ -138,9 +191,9 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
   return stepped;
 }
 
-/// In the working folder, of a name that no file has yet.
-std::string failure_file(const World& world) {
-  const std::string stem = fmt::format("failure-{}-{}", file_stem(world.scene().name), world.steps() + 1);
+/// In the working folder, of a name that no file has yet; `step` led to the failure.
+std::string failure_file(const World& world, std::int64_t step) {
+  const std::string stem = fmt::format("failure-{}-{}", file_stem(world.scene().name), step);
   std::string file = stem + ".snapshot";
   std::error_code failed;
   for (int k = 2; std::filesystem::exists(file, failed); ++k) file = fmt::format("{}-{}.snapshot", stem, k);
@@ -179,10 +232,20 @@ int run_command(const CommandLine& line) {
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
   Breaks breaks(options.breaks, initial);
-  const Stepped stepped = step_all(world, options.steps_or(std::max<std::int64_t>(recorded, 0)), replay,
-                                   outputs.energy ? &trace : nullptr, options.residuals, breaks);
-  const std::string failed_at = stepped.failure && options.save.empty() ? failure_file(world) : options.save;
-  if (stepped.failure && options.save.empty()) outputs.snapshot.emplace("--save", failed_at);
+  EarlyEnd early_end(outputs.any() ? options.run.cancellation : nullptr);
+  const std::int64_t steps = options.steps_or(std::max<std::int64_t>(recorded, 0));
+  const std::int64_t last = world.steps() + steps;
+  const Stepped stepped =
+      step_all(world, steps, replay, outputs.energy ? &trace : nullptr, options.residuals, breaks, early_end);
+  const bool names_itself = stepped.failure && options.save.empty();
+  const std::int64_t failed_step = world.steps() + (stepped.failed_at_start ? 0 : 1);
+  std::string failed_at = names_itself ? failure_file(world, failed_step) : options.save;
+  if (names_itself) outputs.snapshot.emplace("--save", failed_at);
+  if (early_end.wished())
+    std::fputs(fmt::format("interrupted at state {} of {}; the files hold the run up to there\n",
+                           world.steps(), last)
+                   .c_str(),
+               stderr);
   RunReport report = make_report(world, initial, stepped.seconds);
   report.simulated_seconds = stepped.simulated;
   report.failure = stepped.failure.value_or("");
@@ -201,6 +264,10 @@ int run_command(const CommandLine& line) {
     if (outputs.snapshot) write_snapshot(snapshot_of(world), into(*outputs.snapshot));
     if (outputs.json) into (*outputs.json)(to_json(report));
     Interruption::met();
+    if (names_itself) {  // another run may have taken the name
+      while (!outputs.snapshot->commit_new(failed_at)) failed_at = failure_file(world, failed_step);
+      outputs.snapshot.reset();
+    }
     for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
       if (*file) (*file)->commit();
   });
@@ -212,18 +279,49 @@ int run_command(const CommandLine& line) {
     not_printed = std::current_exception();
   }
   if (stepped.failure) {
-    std::fputs(
-        fmt::format("{}; state {} before it is in {}\n", *stepped.failure, world.steps(), failed_at).c_str(),
-        stderr);
+    std::fputs(fmt::format("{}; state {} {}is in {}\n", *stepped.failure, world.steps(),
+                           stepped.failed_at_start ? "" : "before it ", failed_at)
+                   .c_str(),
+               stderr);
   }
   const bool good = !stepped.failure && as_recorded(world, replay, options.changes);
   if (not_printed) std::rethrow_exception(not_printed);
   return good ? 0 : 1;
 }
 
+namespace {
+
+/// One file for a picture and for something else would keep the last alone. Throws InputError.
+void refuse_files_of_pictures(const CommandLine& line, const Start& start) {
+  namespace fs = std::filesystem;
+  const Options& options = line.options;
+  std::vector<std::string> faults;
+  const auto whole = [](const std::string& file) {
+    std::error_code failed;
+    return fs::weakly_canonical(fs::absolute(file), failed);
+  };
+  const auto check = [&](const std::string& flag, const std::string& file) {
+    if (file.empty()) return;
+    const fs::path path = whole(file);
+    if (path.parent_path() != whole(options.capture.out)) return;
+    for (const std::int64_t state :
+         states_to_draw(options.capture, start.snapshot ? start.snapshot->state.steps : 0))
+      if (fs::path(picture_file(options.capture, start.scene, state)).filename() == path.filename())
+        faults.push_back(fmt::format("{}: {} is the picture of state {} too; give another file", flag,
+                                     shown(file), state));
+  };
+  check("--json", options.json);
+  check("--load", options.load);
+  if (!line.operands.empty()) check("the scene", scene_file(line.operands[0]));
+  if (!faults.empty()) throw InputError(faults);
+}
+
+}  // namespace
+
 int capture_command(const CommandLine& line) {
   const Options& options = line.options;
   const Start start = load_start(line);
+  refuse_files_of_pictures(line, start);
   const Outputs checked(options);
   ensure_writable_folder("--out", options.capture.out);
   World world = make_world(start, options.run);

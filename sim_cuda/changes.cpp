@@ -143,7 +143,8 @@ bool begins_another_run(const Scene& before, const Scene& after) {
   if (!same_box(box_in_effect(before), box_in_effect(after))) return true;
   for (std::size_t g = 0; g < std::min(before.generators.size(), after.generators.size()); ++g) {
     const BoxCollider &a = before.generators[g], &b = after.generators[g];
-    if (a.radius_max != b.radius_max || a.seed != b.seed || a.variant != b.variant) return true;
+    if (a.radius_max != b.radius_max || a.seed != b.seed || a.variant != b.variant || a.spawn != b.spawn)
+      return true;
     // Where spheres start apart, or at rest, each place depends on all the others.
     if (a.count != b.count && (a.spawn == Spawn::apart || a.variant == Variant::settled)) return true;
   }

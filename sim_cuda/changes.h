@@ -63,7 +63,7 @@ struct Change {
 BodyIds make_change(const Change& change, Scene& scene, RunOptions& options);
 
 /// Whether the bodies of `after` are others than those of `before`, so that a run with them begins at state
-/// 0: another box, seed, radius or variant, or another N where each place depends on all others.
+/// 0: another box, seed, radius, variant or spawn, or another N where each place depends on all others.
 bool begins_another_run(const Scene& before, const Scene& after);
 
 /// A run at a state: what the run after a change is made of.

@@ -59,7 +59,11 @@ class ChangesReader {
     ObjectReader reader(reading_, node, "\"end\"");
     RecordedEnd end;
     std::string hash;
-    reader.whole("step", end.step);
+    if (reader.whole("step", end.step) && end.step < start_)
+      reading_.fault(
+          *reader.member("step"),
+          fmt::format("lies before state {}, where the run goes on; it is that state or a later one",
+                      start_));
     if (reader.text("state_hash", hash)) {
       const auto [stop, error] = std::from_chars(hash.data(), hash.data() + hash.size(), end.state_hash, 16);
       if (error != std::errc{} || stop != hash.data() + hash.size() || hash.size() != 16)

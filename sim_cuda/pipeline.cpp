@@ -519,6 +519,7 @@ void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector
 
 std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
                                         Effects effects, int substeps) {
+  effects.joints &= !scene.joints.empty();
   if (scene.physics.precision == Precision::f64)
     return std::make_unique<TypedPipeline<double>>(executor, scene, bodies, effects, substeps);
   return std::make_unique<TypedPipeline<float>>(executor, scene, bodies, effects, substeps);

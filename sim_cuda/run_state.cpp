@@ -72,7 +72,8 @@ RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh)
                  by_new_id(state.ledgers, ids, count, WallLedger{}),
                  renumbered(state.memory, ids, count),
                  state.settings,
-                 {}};
+                 {},
+                 state.time};
   for (const std::uint32_t body : state.frozen)
     if (ids[body] != no_body) moved.frozen.push_back(ids[body]);
   for (std::size_t body = 0; body < ids.size(); ++body) {

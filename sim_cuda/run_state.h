@@ -20,6 +20,8 @@ struct RunState {
   /// Of all settings but N: a world of others lets nothing sleep on.
   std::uint64_t settings = 0;
   std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed where they are
+  /// s that were simulated since state 0; NaN: not known, of a snapshot that an older version wrote.
+  double time = 0;
 };
 
 /// The same with other bodies: those of `ids` (see World::adopt) with what is known of them, all others as

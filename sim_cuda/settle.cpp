@@ -208,6 +208,7 @@ void Settling::go_on(double milliseconds) {
 RunState Settling::take() {
   RunState& state = *impl_->state;
   state.steps = 0;
+  state.time = 0;
   state.ledgers.assign(state.ledgers.size(), WallLedger{});
   return std::move(state);
 }

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <system_error>
 
@@ -55,7 +56,7 @@ class Fingerprint {
 /// The members of a file in their order, for who writes and who reads them alike.
 template <class Archive, class SnapshotOrConst>
 void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
-  auto& [steps, bodies, ledgers, memory, settings, frozen] = snapshot.state;
+  auto& [steps, bodies, ledgers, memory, settings, frozen, time] = snapshot.state;
   archive.text(scene);
   archive.text(directory);
   archive.number(steps);
@@ -76,6 +77,7 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.list(memory.slow);
   archive.list(memory.joints);
   if (archive.version() >= 2) archive.list(frozen);
+  if (archive.version() >= 3) archive.number(time);
 }
 
 class Writer {
@@ -305,6 +307,8 @@ Snapshot read_snapshot(const std::string& file) {
     std::string scene, directory;
     visit(reader, scene, directory, snapshot);
     reader.end();
+    if (reader.version() < 3 && snapshot.state.steps > 0)
+      snapshot.state.time = std::numeric_limits<double>::quiet_NaN();
     if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
     snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
     return snapshot;

@@ -18,8 +18,8 @@
 namespace collidoscope {
 
 /// Of the format; it grows with every change of what a file holds, or of what it means. 2: the ids of frozen
-/// bodies come last. Files of version 1 have none, and are read.
-inline constexpr std::uint32_t snapshot_version = 2, oldest_snapshot_version = 1;
+/// bodies come after the rest. 3: the simulated time comes last. Files of versions 1 and 2 are read.
+inline constexpr std::uint32_t snapshot_version = 3, oldest_snapshot_version = 1;
 
 struct Snapshot {
   Scene scene;

@@ -49,6 +49,7 @@ struct StageTime {
   int launches = 0;        ///< kernels per step (CPU: parallel loops)
   bool own_shape = false;  ///< part of it runs in a library that ignores (B, T)
   StageLaunch launch{};    ///< what the rest of it was launched as
+  int samples = 0;         ///< steps that were timed; 0: the times are not known
 };
 
 /// Times of the whole step come from plain steps, times of stages from instrumented ones; they are never

@@ -118,7 +118,14 @@ struct World::Impl {
     runner.pipeline().set_bodies(state.bodies, state.ledgers);
     runner.pipeline().remember(state.memory);
     steps = state.steps;
+    // Where all steps were of this length, their number alone says it, without a sum's rounding.
+    const bool one_length = state.time == static_cast<double>(state.steps) * scene.physics.time_step;
+    known_time = one_length ? KnownTime{} : KnownTime{state.steps, state.time};
     detected = residuals_known = false;
+  }
+
+  double time() const {
+    return known_time.time + static_cast<double>(steps - known_time.step) * scene.physics.time_step;
   }
 
   /// Does one step; or what guards found in it, which then is neither in `steps` nor in a state of any use.
@@ -142,6 +149,10 @@ struct World::Impl {
   StepUndo undo;
   std::optional<std::int64_t> return_to;  // the state that resolve() was cancelled at
   std::int64_t steps = 0;
+  struct KnownTime {
+    std::int64_t step = 0;
+    double time = 0;    // s
+  } known_time;         // of a state from which on all steps are of the same length
   bool watched;         // guards look
   bool paused = false;  // at `finding`
   std::optional<Finding> finding;
@@ -194,6 +205,7 @@ std::int64_t World::allocated_bytes() const { return impl_->executor.allocated_b
 std::map<std::string, std::int64_t> World::buffers() const { return impl_->executor.bytes_by_name(); }
 LaunchShape World::launch_shape() const { return impl_->options.shape; }
 std::int64_t World::steps() const { return impl_->steps; }
+double World::time() const { return impl_->time(); }
 
 void World::step(int count) {
   Impl& w = *impl_;
@@ -360,9 +372,13 @@ std::uint64_t settings_hash(Scene scene) {
 
 RunState World::state() {
   Impl& w = *impl_;
-  return {
-      w.steps, w.pipeline().bodies(), w.pipeline().ledgers(), w.pipeline().memory(), settings_hash(w.scene),
-      w.frozen};
+  return {w.steps,
+          w.pipeline().bodies(),
+          w.pipeline().ledgers(),
+          w.pipeline().memory(),
+          settings_hash(w.scene),
+          w.frozen,
+          w.time()};
 }
 
 void World::adopt(World& other) { adopt(other.state()); }

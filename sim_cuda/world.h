@@ -74,6 +74,7 @@ class World {
   /// on a GPU the device is still at work, and the process is to end without waiting for it.
   void step(int count = 1);
   std::int64_t steps() const;
+  double time() const;  ///< s that were simulated since state 0; NaN: not known (RunState)
 
   /// The last one since the start, adopt() or dismiss().
   const std::optional<Finding>& finding() const;

@@ -101,6 +101,13 @@ TEST(AccuracyCommand, RefusesWhatItCannotMeasure) {
     }
 }
 
+TEST(AccuracyCommand, RefusesSecondsThatOneStepExceeds) {
+  const Outcome outcome = run_headless({"accuracy", "gas", "--time-step", "2", "--seconds", "3"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "--seconds: 3 s is shorter than 4 s, the largest step that is compared; give 4 or more\n");
+}
+
 TEST(AccuracyCommand, GoesOnAfterCtrlC) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.json";

@@ -117,6 +117,19 @@ TEST(BreakConditions, MeasureEnergyAgainstWhatThereWasToMove) {
   EXPECT_FALSE(watch.look(parse_break_conditions("energy-rise=1"), stats, {}));
 }
 
+TEST(BreakConditions, EnergyOfAChangeIsNoRise) {
+  BreakWatch watch(start());
+  const BreakConditions five = parse_break_conditions("energy-rise=5");
+  StepStats before = well(), after = well();
+  EXPECT_FALSE(watch.look(five, before, {}));
+  after.kinetic_energy += 30;
+  after.potential_energy += 10;
+  watch.change(before, after);
+  EXPECT_FALSE(watch.look(five, after, {}));
+  after.kinetic_energy += 10;  // of a scale of 70 J
+  EXPECT_TRUE(watch.look(five, after, {}));
+}
+
 class Culprits : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Culprits);
 

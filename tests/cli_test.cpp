@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "tests/run_program.h"
 
@@ -497,6 +498,126 @@ TEST(Cli, ChangesAreMadeAndCheckedAgainstWhatWasRecorded) {
                         {"run", "box_collider", "--changes", folder / "none.json"})
                 .status,
             2);
+}
+
+TEST(Run, EffectsWithNothingToActOnChangeNothing) {
+  const auto run = [](const std::string& scene, const std::string& effects) {
+    const Outcome outcome = run_headless(
+        {"run", scene, "--executor", "cpu", "--effects", effects, "--steps", "3", "--json", "-"});
+    EXPECT_EQ(outcome.status, 0) << scene << ", " << effects << ": " << outcome.err;
+    return outcome.status == 0 ? json::parse(outcome.out)["state_hash"] : json();
+  };
+  for (const std::string scene : {"one_body", "empty"}) {
+    const json plain = run(scene, "gravity");
+    for (const std::string effect : {"attractor", "joints", "continuous_collision", "guards", "drag"})
+      EXPECT_EQ(run(scene, "gravity," + effect), plain) << effect;
+    EXPECT_EQ(run(scene, "gravity,rotation,friction,rolling_resistance,joints"),
+              run(scene, "gravity,rotation"));
+  }
+  const TemporaryFolder folder;
+  std::ofstream(folder / "changes.json")
+      << R"({"format": "collidoscope-changes", "version": 1, "changes": [{"step": 2, "effects": ["joints"]}]})";
+  const Outcome changed =
+      run_headless({"run", "one_body", "--steps", "4", "--changes", folder / "changes.json"});
+  EXPECT_EQ(changed.status, 0) << changed.err;
+}
+
+TEST(Run, AnEndBeforeTheSnapshotIsRefused) {
+  const TemporaryFolder folder;
+  const std::string saved = folder / "s", changes = folder / "changes.json";
+  ASSERT_EQ(run_headless({"run", "one_body", "--steps", "2", "--save", saved}).status, 0);
+  const auto run = [&](int step) {
+    std::ofstream(changes) << R"({"format": "collidoscope-changes", "version": 1, "changes": [],
+"end": {"step": )" << step << R"(, "state_hash": "0123456789abcdef"}})";
+    return run_headless({"run", "--load", saved, "--changes", changes});
+  };
+  const Outcome early = run(1);
+  EXPECT_EQ(early.status, 2);
+  EXPECT_EQ(early.err,
+            changes + ":2:17: lies before state 2, where the run goes on; it is that state or a later one\n");
+  EXPECT_EQ(run(2).status, 1) << "another hash";
+}
+
+TEST(Run, ReportsNoStageTimeThatWasNotTaken) {
+  const Outcome outcome = run_headless({"run", "one_body", "--steps", "1", "--json", "-"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json stages = json::parse(outcome.out)["stages"];
+  for (const json& stage : stages) EXPECT_TRUE(stage["median_ms"].is_null()) << stage;
+}
+
+TEST(Capture, RefusesAFileThatIsAlsoAPicture) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path(), picture = folder / "one_body_0030.png";
+  const Outcome outcome = run_headless({"capture", "one_body", "--out", out, "--json", picture});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "--json: " + picture + " is the picture of state 30 too; give another file\n");
+  EXPECT_EQ(folder.files(), 0u);
+}
+
+TEST(Capture, PrintsTheCountsOfTheStateWhateverIsDrawn) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> scene{"box_collider", "--bodies", "300", "--executor", "cpu"};
+  std::vector<std::string> capture{"capture"}, run{"run"};
+  for (auto* command : {&capture, &run}) command->insert(command->end(), scene.begin(), scene.end());
+  run.insert(run.end(), {"--steps", "0", "--json", "-"});
+  const json pairs = json::parse(run_headless(run).out)["pairs"];
+  ASSERT_GT(pairs["touching"].get<int>(), 0);
+  capture.insert(capture.end(),
+                 {"--states", "0", "--size", "64x64", "--out", folder.path(), "--layers", "walls"});
+  const Outcome outcome = run_headless(capture);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr("state 0  bodies 300  boxes drawn 0  touching " + pairs["touching"].dump() + "\n"));
+}
+
+TEST(Capture, DrawsWhatOpenGlAllowsWhereSamplesAreAutomatic) {
+  const TemporaryFolder folder;
+  for (const char* layers : {"spheres", "spheres,ui"}) {
+    const Outcome outcome = run_headless({"capture", "one_body", "--states", "0", "--quality", "quick",
+                                          "--size", "16384x16", "--layers", layers, "--out", folder.path()});
+    EXPECT_EQ(outcome.status, 0) << layers << ": " << outcome.err;
+  }
+}
+
+TEST(Cli, ASuiteRefusesFlagsThatItDoesNotRead) {
+  for (const auto& [suite, flag, value] : {std::tuple{"frames", "--csv", "x"},
+                                           {"frames", "--sizes", "10"},
+                                           {"solvers", "--plot", "x.png"},
+                                           {"solvers", "--methods", "brute_force"},
+                                           {"effects", "--variants", "paper"},
+                                           {"paper", "--frames", "3"}}) {
+    const Outcome outcome = run_headless({"bench", suite, flag, value});
+    EXPECT_EQ(outcome.status, 2) << suite << flag;
+    EXPECT_THAT(outcome.err, testing::StartsWith(std::string(flag) + ": bench " + suite +
+                                                 " does not take it; it takes --"));
+  }
+}
+
+TEST(Cli, HelpOffersWhatTheCommandTakes) {
+  EXPECT_THAT(run_headless({"capture", "--help"}).out, HasSubstr("--json FILE "));
+  EXPECT_THAT(run_headless({"compare", "--help"}).out, HasSubstr("--json - "));
+  EXPECT_THAT(run_headless({"run", "--help"}).out, HasSubstr("--json FILE|- "));
+  const Outcome automatic =
+      run_headless({"run", "one_body", "--steps", "1", "--substeps", "auto", "--json", "-"});
+  ASSERT_EQ(automatic.status, 0) << automatic.err;
+  EXPECT_EQ(json::parse(automatic.out)["substeps"], 4);
+}
+
+TEST(Cli, NamesInErrorsHoldNothingThatATerminalObeys) {
+  const Outcome outcome = run_headless({"run",
+                                        "a\u009Bb\u202Ec\x9b"
+                                        "d\u00e9"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, testing::StartsWith("a?b?c?d\u00e9: neither"));
+}
+
+TEST(Cli, AnEmptyNameToLoadIsTheOnlyFault) {
+  const Outcome outcome = run_headless({"run", "--load", ""});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  const Outcome unknown = run_headless({"stability", "nosuch"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, testing::ContainsRegex("unknown hard case \"nosuch\"; there are [0-9]+\n"));
 }
 
 }  // namespace

@@ -18,9 +18,11 @@ TEST(DrawOptions, WhatIsAskedForIsDone) {
   const DrawWish wish{.supersampling = 3, .light = Quality::full, .spheres = SphereMethod::quads};
   const DrawOptions asked{3, Quality::full, SphereMethod::quads};
   EXPECT_EQ(live_options(wish, true, 10'000'000), asked);
-  EXPECT_EQ(still_options(wish, 1'000'000'000), asked);
-  EXPECT_EQ(still_options({}, 1280 * 720), DrawOptions{});
-  EXPECT_EQ(still_options({}, 100'000'000).supersampling, 1);
+  EXPECT_EQ(still_options(wish, 50'000, 20'000, 16384), asked);
+  EXPECT_EQ(still_options({}, 1280, 720, 16384), DrawOptions{});
+  EXPECT_EQ(still_options({}, 10'000, 10'000, 32768).supersampling, 1);
+  EXPECT_EQ(still_options({}, 16384, 16, 32768).supersampling, 2);
+  EXPECT_EQ(still_options({}, 16384, 16, 16384).supersampling, 1);
 }
 
 TEST(DrawOptions, NamesAreReadOrRefused) {

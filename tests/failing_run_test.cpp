@@ -89,6 +89,33 @@ TEST_F(FailingRun, SavesWhereItRunsAndOverwritesNothing) {
   EXPECT_TRUE(fs::exists(folder_ / "failure-one_falls-16-2.snapshot"));
 }
 
+TEST_F(FailingRun, SavesUnderANameOfItsOwnBesideOthers) {
+  constexpr int runs = 12;
+  const fs::path folder = folder_ / "runs", before = fs::current_path();
+  fs::create_directory(folder);
+  fs::current_path(folder);
+  std::vector<pid_t> children;
+  for (int k = 0; k < runs; ++k) {
+    const pid_t child = fork();
+    if (child == 0)
+      become_program(headless_program(), {"run", scene_, "--executor", "cpu", "--steps", "40"}, {},
+                     "/dev/null", "/dev/null");
+    children.push_back(child);
+  }
+  for (const pid_t child : children) {
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << status;
+  }
+  fs::current_path(before);
+  int snapshots = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    EXPECT_EQ(read_snapshot(entry.path()).state.steps, 15);
+    ++snapshots;
+  }
+  EXPECT_EQ(snapshots, runs);
+}
+
 TEST_F(FailingRun, GoesOnWithTheBodyFrozen) {
   const Outcome frozen = run_headless({"run", scene_, "--executor", "cpu", "--guards", "freeze", "--steps",
                                        "40", "--save", saved_, "--json", "-"});
@@ -117,6 +144,34 @@ TEST_F(FailingRun, BreaksOnAConditionAndGoesBackAStep) {
   const Outcome whole =
       run_headless({"run", plain_, "--executor", "cpu", "--break", "speed=50,escaped", "--steps", "40"});
   EXPECT_EQ(whole.status, 0) << whole.err;
+}
+
+TEST_F(FailingRun, BreaksAtTheFirstState) {
+  Scene scene;
+  scene.box = Box{Vector3d(0, 0, 0), Vector3d(20, 20, 20)};
+  scene.bodies = {sphere(0.5, Vector3d(25, 5, 5))};
+  write(plain_, scene);
+  for (const char* steps : {"0", "5"}) {
+    const Outcome broken = run_headless({"run", plain_, "--executor", "cpu", "--break", "escaped", "--steps",
+                                         steps, "--save", saved_, "--json", "-"});
+    EXPECT_EQ(broken.status, 1);
+    EXPECT_EQ(broken.err,
+              "escaped: at state 0 1 bodies, the first is body 0; state 0 is in " + saved_ + "\n");
+    EXPECT_EQ(json::parse(broken.out)["steps"], 0);
+    EXPECT_EQ(read_snapshot(saved_).state.steps, 0);
+  }
+}
+
+TEST_F(FailingRun, DoesNotTakeTheEnergyOfAChangeForAnError) {
+  Scene scene;
+  scene.physics.gravity = Vector3d(0, 0, 0);
+  scene.bodies = {sphere(0.5, Vector3d(0, 0, 0), Vector3d(1, 0, 0))};
+  write(plain_, scene);
+  std::ofstream(folder_ / "changes.json") << R"({"format": "collidoscope-changes", "version": 1, "changes": [
+{"step": 3, "add": [{"radius": 0.5, "position": [9, 0, 0], "velocity": [50, 0, 0]}]}]})";
+  const Outcome run = run_headless({"run", plain_, "--executor", "cpu", "--break", "energy-rise=5", "--steps",
+                                    "8", "--changes", folder_ / "changes.json"});
+  EXPECT_EQ(run.status, 0) << run.err;
 }
 
 TEST_F(FailingRun, IsToldWhatTheFlagsTake) {

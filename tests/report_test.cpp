@@ -38,8 +38,9 @@ RunReport example() {
            .median_ms = 0.25,
            .p95_ms = 0.5,
            .launches = 1,
-           .launch = {.items = 1000, .blocks = 2, .threads = 2, .chunk = 512, .limit = LaunchLimit::threads}},
-          {.name = "sort", .median_ms = 0.75, .p95_ms = 1, .launches = 7, .own_shape = true}}};
+           .launch = {.items = 1000, .blocks = 2, .threads = 2, .chunk = 512, .limit = LaunchLimit::threads},
+           .samples = 10},
+          {.name = "sort", .median_ms = 0.75, .p95_ms = 1, .launches = 7, .own_shape = true, .samples = 10}}};
   report.state_hash = 0xabc;
   report.wall_seconds = 0.5;
   return report;
@@ -122,6 +123,13 @@ TEST(Report, SaysWhatEachSweepLeft) {
 
 TEST(Report, ATimeThatWasNotTakenIsNull) {
   RunReport report = example();
+  for (StageTime& stage : report.times.stages) stage.samples = 0;
+  const json stages = json::parse(to_json(report))["stages"];
+  ASSERT_EQ(stages.size(), 2u);
+  EXPECT_TRUE(stages[0]["median_ms"].is_null() && stages[0]["p95_ms"].is_null()) << stages[0];
+  EXPECT_EQ(stages[0]["launches"], 1);
+  EXPECT_THAT(to_text(report), testing::ContainsRegex("bounds +- +- "));
+  EXPECT_THAT(to_text(report), testing::ContainsRegex("sum of the stages +- +8\n"));
   report.times = {};
   const json read = json::parse(to_json(report));
   EXPECT_TRUE(read["step_median_ms"].is_null());

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "sim_cuda/snapshot.h"
 #include "tests/run_program.h"
 
 namespace collidoscope {
@@ -68,6 +71,38 @@ TEST(Signals, LeaveNoFileOfARun) {
                       "--dump-bodies", folder / "b",   "--dump-dynamics", folder / "d"};
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
     EXPECT_GT(end_while_writing(run, folder, "", signal, 4), 0) << signal;
+}
+
+/// A run that writes files ends early by a signal, and the files hold the steps that were made.
+TEST(Signals, KeepWhatARunHasComeTo) {
+  const TemporaryFolder folder;
+  const std::string saved = folder / "s", json = folder / "j", trace = folder / "t", err = folder / "err";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const pid_t child = fork();
+    if (child == 0)
+      become_program(headless_program(),
+                     {"run", "box_collider", "--bodies", "3000", "--steps", "1000000", "--executor", "cpu",
+                      "--save", saved, "--json", json, "--energy-trace", trace},
+                     {}, "/dev/null", err);
+    usleep(1'500'000);
+    kill(child, signal);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
+    const Snapshot snapshot = read_snapshot(saved);
+    const std::int64_t steps = snapshot.state.steps;
+    EXPECT_GT(steps, 0);
+    EXPECT_THAT(text_of(err), testing::HasSubstr("interrupted at state " + std::to_string(steps) +
+                                                 " of 1000000; the files hold the run up to there\n"));
+    EXPECT_EQ(nlohmann::json::parse(text_of(json))["steps"], steps);
+    const std::string rows = text_of(trace);
+    EXPECT_EQ(std::ranges::count(rows, '\n'), steps + 2);
+    const Outcome whole = run_headless({"run", "box_collider", "--bodies", "3000", "--steps",
+                                        std::to_string(steps), "--executor", "cpu", "--json", "-"});
+    EXPECT_EQ(nlohmann::json::parse(whole.out)["state_hash"],
+              nlohmann::json::parse(text_of(json))["state_hash"]);
+    fs::remove(err);
+  }
 }
 
 /// Of suites each row's files are committed before the next is measured.

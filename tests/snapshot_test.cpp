@@ -4,10 +4,12 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
 
+#include "sim_cuda/changes.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/run_state.h"
@@ -224,12 +226,21 @@ class SpoiltSnapshot : public testing::Test {
 };
 
 TEST_F(SpoiltSnapshot, OfTheFirstVersionItIsReadWithoutFrozenBodies) {
-  // Its last list, empty here, was not there.
-  good_.erase(good_.size() - 16, 8);
+  // Its last list, empty here, and the time were not there.
+  good_.erase(good_.size() - 24, 16);
   const std::uint64_t size = good_.size();
   good_[24] = 1;
   EXPECT_EQ(line_of(with(32, size)), "read");
   EXPECT_EQ(read_snapshot(folder_ / "s").state.steps, 3);
+  EXPECT_TRUE(std::isnan(read_snapshot(folder_ / "s").state.time));
+}
+
+TEST_F(SpoiltSnapshot, OfTheSecondVersionItIsReadWithoutATime) {
+  good_.erase(good_.size() - 16, 8);
+  const std::uint64_t size = good_.size();
+  good_[24] = 2;
+  EXPECT_EQ(line_of(with(32, size)), "read");
+  EXPECT_TRUE(std::isnan(read_snapshot(folder_ / "s").state.time));
 }
 
 TEST_F(SpoiltSnapshot, WholeItIsRead) { EXPECT_EQ(line_of(good_), "read"); }
@@ -276,6 +287,48 @@ TEST_F(SpoiltSnapshot, AListLongerThanTheFileTakesNoMemory) {
   write_file(folder_ / "s", good_);
   std::filesystem::resize_file(folder_ / "s", std::uintmax_t{1} << 40);
   EXPECT_THAT(line(folder_ / "s"), HasSubstr("is damaged: it has 1099511627776 of"));
+}
+
+TEST(SnapshotOfARun, KnowsTheTimeAlsoOfStepsOfOtherLengths) {
+  const TemporaryFolder folder;
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  Scene scene = rubbing_box(20);
+  scene.physics.time_step = 0.125;
+  World first(scene, o);
+  first.step(4);
+  EXPECT_EQ(first.time(), 0.5);
+  write_file(folder / "s", bytes_of(snapshot_of(first)));
+  const Snapshot snapshot = read_snapshot(folder / "s");
+  scene.physics.time_step = 0.25;
+  World second = world_from(snapshot, scene, o);
+  second.step(2);
+  EXPECT_EQ(second.time(), 1);
+  Change shorter;
+  shorter.step = 6;
+  shorter.time_step = 0.0625;
+  const auto changed = changed_world(second, shorter, o);
+  changed->step(2);
+  EXPECT_EQ(changed->time(), 1.125);
+  EXPECT_EQ(changed->steps(), 8);
+}
+
+TEST(SnapshotOfARun, RefusesFlagsThatAskForOtherBodies) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "s";
+  ASSERT_EQ(run_headless({"run", "box_collider", "--bodies", "20", "--steps", "2", "--save", file}).status,
+            0);
+  for (const auto& [flag, value] :
+       {std::pair{"--seed", "5"}, {"--variant", "equal"}, {"--spawn", "centres"}}) {
+    const Outcome outcome = run_headless({"run", "--load", file, "--steps", "1", flag, value});
+    EXPECT_EQ(outcome.status, 2) << flag;
+    EXPECT_EQ(outcome.err, std::string(flag) + ": " + file + " has other bodies; leave out " + flag +
+                               ", or give the scene instead of --load\n");
+  }
+  for (const auto& [flag, value] : {std::pair{"--seed", "1"}, {"--bodies", "25"}, {"--time-step", "1/100"}}) {
+    const Outcome outcome = run_headless({"run", "--load", file, "--steps", "1", flag, value});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
 }
 
 TEST(SnapshotOfARun, SavedLoadedAndSavedAgain) {

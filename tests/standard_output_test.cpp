@@ -33,7 +33,7 @@ Arguments joined(Arguments arguments, const Arguments& more) {
 const Arguments run_one{"run", "one_body", "--steps", "3"};
 const Arguments grade{"bvh", "box_collider", "--bodies", "10", "--methods", "lbvh_ropes", "--repeats", "1"};
 const Arguments study{"accuracy", "box_collider", "--bodies", "2",          "--seconds",
-                      "0.04",     "--repeats",    "1",        "--executor", "cpu"};
+                      "0.07",     "--repeats",    "1",        "--executor", "cpu"};
 const Arguments analytic{"accuracy", "--integrator", "rk4", "--precision", "f64"};
 const Arguments test_case{"stability", "attractor_head_on", "--solver", "soft_step", "--precision", "f32"};
 

@@ -240,5 +240,26 @@ TEST(Suites, RefuseWhatCannotBeWrittenBeforeTheyMeasure) {
   EXPECT_EQ(run_headless({"bench", "scaling", "two_spheres_head_on", "--executor", "cpu"}).status, 2);
 }
 
+TEST(Suites, PrintNoNumberThatIsNotKnown) {
+  const TemporaryFolder folder;
+  const std::string csv = folder / "c", file = folder / "j", markdown = folder / "m";
+  const Outcome solvers = run_headless(
+      {"bench", "solvers", "empty", "--repeats", "1", "--csv", csv, "--json", file, "--markdown", markdown});
+  ASSERT_EQ(solvers.status, 0) << solvers.err;
+  for (const std::string& text : {solvers.out, text_of(csv), text_of(markdown)})
+    EXPECT_THAT(text, testing::Not(HasSubstr("nan")));
+  EXPECT_THAT(solvers.out,
+              testing::ContainsRegex("soft_step .*iteration[s]? +[0-9.]+ +1.00 \\(1.00-1.00\\) .* -\n"));
+  EXPECT_TRUE(json::parse(text_of(file))["rows"][0]["speed_rms"].is_null());
+
+  const Outcome scaling =
+      run_headless({"bench", "scaling", box, "--executor", "cpu", "--sizes", "10,20,40", "--methods",
+                    "brute_force", "--repeats", "1", "--json", file, "--markdown", markdown});
+  ASSERT_EQ(scaling.status, 0) << scaling.err;
+  EXPECT_THAT(scaling.out, testing::ContainsRegex("brute_force +[a-z]+ +- +too few sizes +- +[0-9.]+\n"));
+  EXPECT_THAT(text_of(markdown), HasSubstr("| - | too few sizes | - |"));
+  EXPECT_TRUE(json::parse(text_of(file))["growth"][0]["relative_error"].is_null());
+}
+
 }  // namespace
 }  // namespace collidoscope

@@ -60,6 +60,36 @@ TEST(WholeFile, ALinkStaysOne) {
   EXPECT_EQ(text_of(folder / "x"), "new");
 }
 
+TEST(WholeFile, ALinkToNothingYetStaysOne) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "sub");
+  fs::create_symlink("sub/second", folder / "link");
+  fs::create_symlink("x", folder / "sub/second");
+  write_whole_file(folder / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_TRUE(fs::is_symlink(folder / "sub/second"));
+  EXPECT_EQ(text_of(folder / "sub/x"), "new");
+
+  fs::create_symlink("b", folder / "a");
+  fs::create_symlink("a", folder / "b");
+  const Outcome outcome = run_headless({"run", "one_body", "--steps", "1", "--json", folder / "a"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, testing::HasSubstr("cannot be written: Too many levels of symbolic links"));
+  EXPECT_TRUE(fs::is_symlink(folder / "a"));
+}
+
+TEST(WholeFile, ANewOneReplacesNone) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "x") << "old";
+  WholeFile file(folder / "x");
+  file.write("new");
+  EXPECT_FALSE(file.commit_new(folder / "x"));
+  EXPECT_EQ(text_of(folder / "x"), "old");
+  EXPECT_TRUE(file.commit_new(folder / "y"));
+  EXPECT_EQ(text_of(folder / "y"), "new");
+  EXPECT_EQ(folder.files(), 2u);
+}
+
 TEST(WholeFile, WhatCannotBeWrittenIsSaidWithItsName) {
   const TemporaryFolder folder;
   const auto line = [](const std::string& file) -> std::string {

@@ -89,7 +89,10 @@ float draw_facts(const Writer& write, const OverlayText& text, float x, float y,
   const float line = write.size() * 1.45f;
   write.title(x, y, text.scene, bright);
   y += write.size() * 2.2f;
-  write.at(x, y, fmt::format("state {} · t = {:.2f} s", grouped(text.state), text.time), plain);
+  write.at(x, y,
+           fmt::format("state {}{}", grouped(text.state),
+                       std::isfinite(text.time) ? fmt::format(" · t = {:.2f} s", text.time) : ""),
+           plain);
   y += line * 1.25f;
   std::vector<std::pair<std::string, std::string>> rows{{"N", grouped(text.bodies)}};
   if (!text.variant.empty()) rows.emplace_back("variant", text.variant);

@@ -65,7 +65,8 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
       ImGui::EndCombo();
     }
     track(workspace, "run.speed");
-    row_text("state", fmt::format("{} · t = {:.3f} s", grouped_number(view.stats.step), view.time));
+    row_text("state", fmt::format("{}{}", grouped_number(view.stats.step),
+                                  std::isfinite(view.time) ? fmt::format(" · t = {:.3f} s", view.time) : ""));
     row_text("real time",
              view.with_times && view.frames_per_second > 0
                  ? fmt::format("{:.2f} × · {:.0f} frames/s", view.real_time_factor, view.frames_per_second)

@@ -16,6 +16,7 @@
 #include "headless/progress.h"
 #include "headless/standard_output.h"
 #include "sim_cuda/accuracy/study.h"
+#include "sim_cuda/accuracy/subject.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/text_file.h"
 
@@ -94,6 +95,11 @@ int accuracy_command(const CommandLine& line) try {
   const Options& options = line.options;
   const std::optional<double> tolerance = options.accuracy.tolerance;
   Scene scene = load_scene(line);
+  const double least = coarsest_step(scene.physics.time_step);
+  if (options.accuracy.seconds != 0 && options.accuracy.seconds < least)
+    throw InputError(fmt::format(
+        "--seconds: {} s is shorter than {} s, the largest step that is compared; give {} or more",
+        options.accuracy.seconds, least, least));
   const ResultFiles files(options);
   start_apart(line, scene);
   Cancellation cancellation;

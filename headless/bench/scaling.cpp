@@ -35,6 +35,8 @@ std::vector<Line> lines_of(const std::vector<MethodRow>& rows) {
   return lines;
 }
 
+bool is_fitted(const Growth& growth) { return growth.exponent > 0; }
+
 std::string scaling_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   Json json{{"suite", "scaling"},
             {"executor", machine.executor},
@@ -43,22 +45,28 @@ std::string scaling_json(const BenchMachine& machine, const std::vector<MethodRo
             {"threads", machine.shape.threads},
             {"growth", Json::array()},
             {"rows", Json::array()}};
-  for (const Line& line : lines_of(rows))
+  for (const Line& line : lines_of(rows)) {
+    const auto fitted = [&](double value) { return is_fitted(line.growth) ? Json(value) : Json(nullptr); };
     json["growth"].push_back({{"method", line.method},
                               {"variant", line.variant},
-                              {"fixed_us", line.growth.fixed},
-                              {"scale_us", line.growth.scale},
-                              {"exponent", line.growth.exponent},
-                              {"exponent_least", line.growth.exponent_least},
-                              {"exponent_most", line.growth.exponent_most},
-                              {"relative_error", line.growth.error}});
+                              {"fixed_us", fitted(line.growth.fixed)},
+                              {"scale_us", fitted(line.growth.scale)},
+                              {"exponent", fitted(line.growth.exponent)},
+                              {"exponent_least", fitted(line.growth.exponent_least)},
+                              {"exponent_most", fitted(line.growth.exponent_most)},
+                              {"relative_error", fitted(line.growth.error)}});
+  }
   for (const MethodRow& row : rows) json["rows"].push_back(json_of(row));
   return json_text(json);
 }
 
 std::string exponent_text(const Growth& g) {
-  if (g.exponent == 0) return "too few sizes";
+  if (!is_fitted(g)) return "too few sizes";
   return fmt::format("{:.2f} ({:.2f} to {:.2f})", g.exponent, g.exponent_least, g.exponent_most);
+}
+std::string fixed_text(const Growth& g) { return is_fitted(g) ? fmt::format("{:.1f}", g.fixed) : "-"; }
+std::string error_text(const Growth& g) {
+  return is_fitted(g) ? fmt::format("{:.1f} %", 100 * g.error) : "-";
 }
 double ns_a_body(const Line& line) { return 1000 * line.samples.back().time / line.samples.back().n; }
 
@@ -66,9 +74,9 @@ std::string growth_text(const std::vector<MethodRow>& rows) {
   std::string text = fmt::format("{:<20}{:<8}{:>12}{:>24}{:>12}{:>18}\n", "method", "variant", "fixed µs",
                                  "exponent of N", "fit within", "ns a body, last");
   for (const Line& line : lines_of(rows))
-    text +=
-        fmt::format("{:<20}{:<8}{:>11.1f}{:>24}{:>10.1f} %{:>18.2f}\n", line.method, line.variant,
-                    line.growth.fixed, exponent_text(line.growth), 100 * line.growth.error, ns_a_body(line));
+    text += fmt::format("{:<20}{:<8}{:>11}{:>24}{:>12}{:>18.2f}\n", line.method, line.variant,
+                        fixed_text(line.growth), exponent_text(line.growth), error_text(line.growth),
+                        ns_a_body(line));
   return text;
 }
 
@@ -79,8 +87,8 @@ std::string scaling_markdown(const BenchMachine& machine, const std::vector<Meth
       "|---|---|---:|---:|---:|---:|\n",
       text_of(machine), grouped(rows.back().bodies));
   for (const Line& line : lines_of(rows))
-    text += fmt::format("| `{}` | `{}` | {:.1f} | {} | {:.1f} % | {} |\n", line.variant, line.method,
-                        line.growth.fixed, exponent_text(line.growth), 100 * line.growth.error,
+    text += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", line.variant, line.method,
+                        fixed_text(line.growth), exponent_text(line.growth), error_text(line.growth),
                         line.samples.back().n == static_cast<double>(rows.back().bodies)
                             ? fmt::format("{:.2f}", ns_a_body(line))
                             : "–");
@@ -91,7 +99,7 @@ Chart scaling_chart(const BenchMachine& machine, const std::vector<MethodRow>& r
   Chart chart = chart_of_methods("Growth with N: from positions to the ordered list of pairs", machine, rows);
   const std::vector<Line> lines = lines_of(rows);  // in the order of the chart's series
   for (std::size_t k = 0; k < lines.size(); ++k)
-    if (lines[k].growth.exponent > 0)
+    if (is_fitted(lines[k].growth))
       chart.series[k].name += fmt::format("  N^{:.2f}", lines[k].growth.exponent);
   return chart;
 }

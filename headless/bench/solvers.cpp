@@ -123,7 +123,7 @@ struct SolverRow {
   std::string name, settings;
   Spread ms, ratio;  ///< a step; over the first contestant's of the same turn
   SolverResidual left;
-  double speed = 0;  ///< m/s, r.m.s. by mass
+  std::optional<double> speed;  ///< m/s, r.m.s. by mass; unset without a mass
 };
 
 std::vector<SolverRow> solver_rows(std::vector<Contestant>& all, const Scene& scene,
@@ -132,11 +132,15 @@ std::vector<SolverRow> solver_rows(std::vector<Contestant>& all, const Scene& sc
   for (Contestant& c : all) {
     std::vector<float> ratios;
     for (std::size_t k = 0; k < c.ms.size(); ++k) ratios.push_back(c.ms[k] / all[0].ms[k]);
-    SolverRow& row = rows.emplace_back(SolverRow{c.name, c.settings, spread_of(c.ms), spread_of(ratios),
-                                                 residual(scene, options, c.bodies()), 0});
-    row.speed = std::sqrt(2 * row.left.stats.kinetic_energy / mass);
+    SolverRow& row = rows.emplace_back(SolverRow{
+        c.name, c.settings, spread_of(c.ms), spread_of(ratios), residual(scene, options, c.bodies()), {}});
+    if (mass > 0) row.speed = std::sqrt(2 * row.left.stats.kinetic_energy / mass);
   }
   return rows;
+}
+
+std::string speed_text(const SolverRow& row, const char* format, const char* unknown) {
+  return row.speed ? fmt::format(fmt::runtime(format), *row.speed) : unknown;
 }
 
 struct SolversSetting {
@@ -170,7 +174,7 @@ std::string solvers_json(const SolversSetting& setting, const std::vector<Solver
                             {"overlap_rms", r.left.overlap},
                             {"max_penetration", r.left.stats.max_penetration},
                             {"kinetic_energy", r.left.stats.kinetic_energy},
-                            {"speed_rms", r.speed},
+                            {"speed_rms", r.speed ? Json(*r.speed) : Json(nullptr)},
                             {"energy_change", r.left.stats.energy() - setting.start.energy()},
                             {"escaped", r.left.stats.escaped}});
   return json_text(json);
@@ -183,7 +187,7 @@ std::string solvers_csv(const std::vector<SolverRow>& rows) {
   for (const SolverRow& r : rows)
     text += fmt::format("{},\"{}\",{},{},{},{},{},{},{},{},{},{}\n", r.name, r.settings, r.ms.median, r.ms.p5,
                         r.ms.p95, r.ratio.median, r.ratio.p5, r.ratio.p95, r.left.overlap,
-                        r.left.stats.max_penetration, r.left.stats.kinetic_energy, r.speed);
+                        r.left.stats.max_penetration, r.left.stats.kinetic_energy, speed_text(r, "{}", ""));
   return text;
 }
 
@@ -199,10 +203,11 @@ std::string solvers_markdown(const SolversSetting& setting, const std::vector<So
   for (const SolverRow& r : rows)
     text += fmt::format(
         "| {} | {} | {:.2f} ({:.2f} to {:.2f}) | {:.2f} ({:.2f} to {:.2f}) | {:.2g} % | {:.2g} | "
-        "{:.2g} | {:.2g} | {:.2g} |\n",
+        "{:.2g} | {} | {:.2g} |\n",
         r.name == "Bullet" ? r.name : fmt::format("`{}`", r.name), r.settings, r.ms.median, r.ms.p5, r.ms.p95,
         r.ratio.median, r.ratio.p5, r.ratio.p95, 100 * r.left.overlap, r.left.stats.max_penetration,
-        r.left.stats.kinetic_energy, r.speed, r.left.stats.energy() - setting.start.energy());
+        r.left.stats.kinetic_energy, speed_text(r, "{:.2g}", "-"),
+        r.left.stats.energy() - setting.start.energy());
   return text;
 }
 
@@ -211,13 +216,13 @@ std::string solvers_text(const SolversSetting& setting, const std::vector<Solver
       fmt::format("{}, N = {}, {} touching pairs; {} steps of {:.4g} s on {}, {} thread{}\n\n", setting.scene,
                   grouped(setting.start.bodies), grouped(setting.start.touching), setting.steps,
                   setting.time_step, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
-  text += fmt::format("{:<10}{:<40}{:>9}{:>20}{:>11}{:>9}{:>10}{:>10}\n", "solver", "", "ms",
+  text += fmt::format("{:<10}{:<39} {:>8} {:>21}{:>11}{:>9}{:>10}{:>10}\n", "solver", "", "ms",
                       "over soft_step", "overlap", "deepest", "J", "m/s");
   for (const SolverRow& r : rows)
     text += fmt::format(
-        "{:<10}{:<40}{:>9.2f}{:>20}{:>9.2g} %{:>9.2g}{:>10.2g}{:>10.2g}\n", r.name, r.settings, r.ms.median,
+        "{:<10}{:<39} {:>8.2f} {:>21}{:>9.2g} %{:>9.2g}{:>10.2g}{:>10}\n", r.name, r.settings, r.ms.median,
         fmt::format("{:.2f} ({:.2f}-{:.2f})", r.ratio.median, r.ratio.p5, r.ratio.p95), 100 * r.left.overlap,
-        r.left.stats.max_penetration, r.left.stats.kinetic_energy, r.speed);
+        r.left.stats.max_penetration, r.left.stats.kinetic_energy, speed_text(r, "{:.2g}", "-"));
   return text;
 }
 

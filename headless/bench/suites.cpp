@@ -13,14 +13,22 @@
 namespace collidoscope {
 namespace {
 
+constexpr std::string_view of_sweeps = "--methods --variants --sizes --repeats --csv --markdown --plot";
 constexpr Suite every[] = {
-    {"broad-phases", "each broad phase, over variants and numbers of bodies", bench_broad_phases},
-    {"scaling", "how the time of each broad phase grows with N, fitted", bench_scaling},
-    {"predictors", "which measure of a tree's quality predicts the time of its queries", bench_predictors},
-    {"paper", "the Tables 1 to 5 of the term project that this program carries on", bench_paper},
-    {"solvers", "our solvers and Bullet's on one pile: time, overlap, energy", bench_solvers},
-    {"effects", "that an effect which is off costs nothing; and what one that is on costs", bench_effects},
-    {"frames", "what a frame of the live view costs: simulate, publish, draw, panels", bench_frames},
+    {"broad-phases", "each broad phase, over variants and numbers of bodies", of_sweeps, bench_broad_phases},
+    {"scaling", "how the time of each broad phase grows with N, fitted", of_sweeps, bench_scaling},
+    {"predictors", "which measure of a tree's quality predicts the time of its queries", of_sweeps,
+     bench_predictors},
+    {"paper", "the Tables 1 to 5 of the term project that this program carries on",
+     "--sizes --repeats --csv --markdown --plot", bench_paper},
+    {"solvers", "our solvers and Bullet's on one pile: time, overlap, energy", "--repeats --csv --markdown",
+     bench_solvers},
+    {"effects", "that an effect which is off costs nothing; and what one that is on costs",
+     "--repeats --csv --markdown --effects-code", bench_effects},
+    {"frames", "what a frame of the live view costs: simulate, publish, draw, panels",
+     "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
+     "--sphere-method",
+     bench_frames},
 };
 
 }  // namespace

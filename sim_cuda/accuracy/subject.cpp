@@ -27,6 +27,10 @@ AccuracySetting AccuracySubject::own_setting() const {
           .continuous_collision = effects.continuous_collision};
 }
 
+double coarsest_step(double time_step) {
+  return 2 * time_step <= limits::max_time_step ? 2 * time_step : time_step;
+}
+
 AccuracySubject accuracy_subject(const Scene& given, const RunOptions& options, double seconds,
                                  const RunState* start) {
   constexpr int most_samples = 32;
@@ -41,12 +45,13 @@ AccuracySubject accuracy_subject(const Scene& given, const RunOptions& options, 
                           .initial = world.initial(),
                           .effects = world.effects(),
                           .substeps = world.substeps(),
-                          .coarsest = 2 * step <= limits::max_time_step ? 2 * step : step};
-  const int steps = std::max(1, static_cast<int>(std::lround(seconds / subject.coarsest)));
+                          .coarsest = coarsest_step(step)};
+  const int steps = std::max(1, static_cast<int>(std::min(seconds / subject.coarsest * (1 + 1e-12), 1e9)));
   subject.samples = std::min(steps, most_samples);
   subject.stride = (steps + subject.samples - 1) / subject.samples;
   subject.samples = steps / subject.stride;
   subject.start.steps = 0;
+  subject.start.time = 0;
   std::ranges::fill(subject.start.ledgers, WallLedger{});
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const int threads = options.cpu_threads > 0 ? options.cpu_threads : static_cast<int>(cores);

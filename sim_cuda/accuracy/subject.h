@@ -30,8 +30,11 @@ struct AccuracySubject {
   AccuracySetting own_setting() const;
 };
 
-/// `seconds`: how long about, 0: 60 of the scene's own steps, and at least 2 s; `start`: unset, state 0.
-/// Throws as World does.
+/// s, the longest time step that a study of such a scene compares.
+double coarsest_step(double time_step);
+
+/// `seconds`: how long at most, but for one coarsest step; 0: 60 of the scene's own steps, and at least 2 s;
+/// `start`: unset, state 0. Throws as World does.
 AccuracySubject accuracy_subject(const Scene& scene, const RunOptions& options, double seconds,
                                  const RunState* start = nullptr);
 

@@ -19,7 +19,7 @@ bool Cancellation::look() {
       next_ = Clock::now() + interval_;
     }
   }
-  return requested();
+  return requested() && !held_.load(std::memory_order_relaxed);
 }
 
 }  // namespace collidoscope

@@ -23,6 +23,9 @@ class Cancellation {
   /// Outside of cancellable work: work may begin again.
   void clear() noexcept { requested_.store(false, std::memory_order_relaxed); }
 
+  /// While held, look() does not see the request.
+  void hold(bool on) noexcept { held_.store(on, std::memory_order_relaxed); }
+
   /// Calls `poll` on this thread while cancellable work runs on it, about once in each `interval`; 0: as
   /// often as the work looks. `poll` may call request(); it must not throw, and must not touch a World.
   void set_poll(std::function<void()> poll, Clock::duration interval = std::chrono::milliseconds(20));
@@ -36,7 +39,7 @@ class Cancellation {
 
  private:
   static_assert(std::atomic<bool>::is_always_lock_free);
-  std::atomic<bool> requested_ = false;
+  std::atomic<bool> requested_ = false, held_ = false;
   std::function<void()> poll_;
   std::thread::id poller_;
   Clock::duration interval_{};

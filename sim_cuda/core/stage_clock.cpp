@@ -77,7 +77,7 @@ RunTimes StageClock::times() const {
   for (const Entry& e : entries_)
     times.stages.push_back({e.name, quantile(e.samples_ms.recent(), 0.5),
                             quantile(e.samples_ms.recent(), 0.95), e.samples_ms.last(), e.launches,
-                            e.own_shape, e.launch});
+                            e.own_shape, e.launch, static_cast<int>(e.samples_ms.count())});
   return times;
 }
 
@@ -86,7 +86,8 @@ RunTimes StageClock::latest() const {
   times.steps_timed = static_cast<int>(plain_ms_.count());
   times.step_last_ms = plain_ms_.last();
   for (const Entry& e : entries_)
-    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.own_shape, e.launch});
+    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.own_shape, e.launch,
+                            static_cast<int>(e.samples_ms.count())});
   return times;
 }
 

@@ -71,11 +71,8 @@ void remove_temporary_files() noexcept {
 }
 
 WholeFile::WholeFile(const std::string& target) : name_(target), target_(target) {
+  follow_links();
   std::error_code failed;
-  if (fs::is_symlink(target_, failed)) {
-    const fs::path resolved = fs::weakly_canonical(target_, failed);
-    if (!failed) target_ = resolved;
-  }
   const fs::file_status status = fs::status(target_, failed);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     stream_ = std::fopen(target_.c_str(), "we");
@@ -83,6 +80,24 @@ WholeFile::WholeFile(const std::string& target) : name_(target), target_(target)
     return;
   }
   open_temporary();
+}
+
+void WholeFile::follow_links() {
+  constexpr int most_links = 40;  // as the operating system has it
+  std::error_code failed;
+  if (fs::exists(target_, failed)) {
+    if (!fs::is_symlink(target_, failed)) return;
+    const fs::path resolved = fs::canonical(target_, failed);
+    if (!failed) target_ = resolved;
+    return;
+  }
+  // A link to a file that does not exist yet.
+  for (int links = 0; fs::is_symlink(target_, failed); ++links) {
+    if (links == most_links) fail(std::strerror(ELOOP));
+    const fs::path next = fs::read_symlink(target_, failed);
+    if (failed) fail(failed.message());
+    target_ = target_.parent_path() / next;
+  }
 }
 
 /// The first that nobody else has locked: a new one, or one that a killed program left.
@@ -129,19 +144,29 @@ void WholeFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail();
 }
 
-void WholeFile::commit() {
+void WholeFile::commit() { put(target_); }
+
+bool WholeFile::commit_new(const std::string& target) { return put(target, RENAME_NOREPLACE); }
+
+bool WholeFile::put(const fs::path& target, unsigned flags) {
   errno = 0;
   if (std::ferror(stream_) || std::fflush(stream_) != 0) fail();
   if (!in_place()) {
     // A file system may otherwise rename first, and write when the machine has long lost its power.
     if (::fsync(fileno(stream_)) != 0 && errno != EINVAL) fail();
     const ListHeld list;
-    if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+    int moved = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target.c_str(), flags);
+    if (moved != 0 && flags == RENAME_NOREPLACE && errno == EEXIST) return false;
+    // Some file systems and kernels know no flags.
+    if (moved != 0 && (errno == EINVAL || errno == ENOSYS))
+      moved = std::rename(temporary_.c_str(), target.c_str());
+    if (moved != 0) fail();
     remove_from_list(this, &WholeFile::next_);
     temporary_.clear();
   }
   std::FILE* const closed = std::exchange(stream_, nullptr);
   if (std::fclose(closed) != 0) fail();
+  return true;
 }
 
 void WholeFile::fail(const std::string& why) const {

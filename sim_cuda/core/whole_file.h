@@ -37,11 +37,16 @@ class WholeFile {
   void write(std::string_view bytes);
   /// Puts the file in its place. Once, last.
   void commit();
+  /// The same under the name `target`, in the same folder. If a file has that name, returns false and changes
+  /// nothing.
+  bool commit_new(const std::string& target);
   /// Throws, with `why` or the operating system's last words.
   [[noreturn]] void fail(const std::string& why = "") const;
 
  private:
+  void follow_links();
   void open_temporary();
+  bool put(const std::filesystem::path& target, unsigned flags = 0);
   bool in_place() const { return temporary_.empty(); }
 
   friend void remove_temporary_files() noexcept;

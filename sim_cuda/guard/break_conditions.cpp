@@ -144,6 +144,11 @@ std::optional<Broken> BreakWatch::look(const BreakConditions& conditions, const 
   return std::nullopt;
 }
 
+void BreakWatch::change(const StepStats& before, const StepStats& after) {
+  energy_ += energy_of(after) - energy_of(before);
+  potential_ += after.potential_energy - before.potential_energy;
+}
+
 std::optional<std::uint32_t> culprit(World& world, Condition condition) {
   if (condition == Condition::energy_rise || condition == Condition::stage_ms) return std::nullopt;
   if (condition == Condition::penetration) return deepest(world);
@@ -178,12 +183,13 @@ std::string describe(const Broken& broken) {
   if (!broken.stage.empty())
     return fmt::format("{}: stage {} of step {} took {:.4g} ms, over {:g} ms", name.name, broken.stage,
                        broken.step, broken.value, broken.limit);
+  const std::string when = broken.step > 0 ? fmt::format("after step {}", broken.step) : "at state 0";
   const std::string who = broken.body ? fmt::format(", body {}", *broken.body) : "";
   if (!name.has_limit)
-    return fmt::format("{}: after step {} {:.0f} {}{}", name.name, broken.step, broken.value, name.unit,
+    return fmt::format("{}: {} {:.0f} {}{}", name.name, when, broken.value, name.unit,
                        broken.body ? fmt::format(", the first is body {}", *broken.body) : "");
-  return fmt::format("{}: after step {} {:.6g} {}, over {:g} {}{}", name.name, broken.step, broken.value,
-                     name.unit, broken.limit, name.unit, who);
+  return fmt::format("{}: {} {:.6g} {}, over {:g} {}{}", name.name, when, broken.value, name.unit,
+                     broken.limit, name.unit, who);
 }
 
 }  // namespace collidoscope

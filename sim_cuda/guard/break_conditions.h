@@ -69,6 +69,8 @@ class BreakWatch {
   /// rise is over the largest kinetic energy and change of the potential one, together, of all states so far.
   std::optional<Broken> look(const BreakConditions& conditions, const StepStats& stats,
                              const RunTimes& times);
+  /// The run was changed at a state, measured before and after: energy that the change added is no rise.
+  void change(const StepStats& before, const StepStats& after);
 
  private:
   double energy_, potential_, scale_ = 0;  ///< J

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 #include "sim_cuda/scene/limits.h"
 
@@ -23,6 +25,47 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     }
   }
   return row[b.size()];
+}
+
+/// The first character, if it is UTF-8: its code and its bytes. Else 0 bytes.
+std::pair<std::uint32_t, std::size_t> first_character(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const std::size_t bytes = byte(0) < 0x80   ? 1
+                            : byte(0) < 0xC2 ? 0
+                            : byte(0) < 0xE0 ? 2
+                            : byte(0) < 0xF0 ? 3
+                            : byte(0) < 0xF5 ? 4
+                                             : 0;
+  if (bytes == 0 || bytes > text.size()) return {0, 0};
+  std::uint32_t code = bytes == 1 ? byte(0) : byte(0) & (0x7Fu >> bytes);
+  for (std::size_t k = 1; k < bytes; ++k) {
+    if ((byte(k) & 0xC0) != 0x80) return {0, 0};
+    code = code << 6 | (byte(k) & 0x3Fu);
+  }
+  const bool shortest = bytes < 3 || code >= (bytes == 3 ? 0x800u : 0x10000u);
+  return {code, shortest ? bytes : 0};
+}
+
+/// What a terminal obeys and does not show: control characters, line separators, marks that turn the
+/// direction of text.
+bool is_control(std::uint32_t code) {
+  const auto within = [code](std::uint32_t first, std::uint32_t last) {
+    return first <= code && code <= last;
+  };
+  return code < 0x20 || within(0x7F, 0x9F) || code == 0x61C || within(0x200E, 0x200F) ||
+         within(0x2028, 0x202E) || within(0x2066, 0x2069);
+}
+
+/// With ? for each of these, and for each byte that is no UTF-8.
+std::string without_controls(std::string_view text) {
+  std::string safe;
+  while (!text.empty()) {
+    const auto [code, bytes] = first_character(text);
+    const bool shown = bytes > 0 && !is_control(code);
+    safe += shown ? text.substr(0, bytes) : "?";
+    text.remove_prefix(bytes > 0 ? bytes : 1);
+  }
+  return safe;
 }
 
 /// One that stands in a file may be of anything, and as long as it likes.
@@ -60,8 +103,9 @@ std::string unknown_name(std::string_view what, std::string_view word,
   if (names.empty()) return text + "there is none";
   if (names.size() == 1) return text + fmt::format("\"{}\" is the only one", shown(names[0]));
   if (!nearest.empty()) text += fmt::format("did you mean \"{}\"? ", shown(nearest));
-  if (names.size() > 24) return text + fmt::format("(there are {})", names.size());
-  return text + (nearest.empty() ? "it is " + either_of(names) : "(" + either_of(names) + ")");
+  const std::string all = names.size() > 24 ? fmt::format("there are {}", names.size()) : either_of(names);
+  if (nearest.empty()) return text + (names.size() > 24 ? all : "it is " + all);
+  return text + "(" + all + ")";
 }
 
 std::string printable(std::string_view word, std::size_t longest) {
@@ -71,10 +115,7 @@ std::string printable(std::string_view word, std::size_t longest) {
     while (!text.empty() && (static_cast<unsigned char>(word[text.size()]) & 0xC0) == 0x80) text.pop_back();
     text += "...";
   }
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text;
+  return without_controls(text);
 }
 
 }  // namespace collidoscope

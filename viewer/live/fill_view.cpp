@@ -17,7 +17,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.substeps = world.substeps();
   view.key_bits = world.key_bits();
   view.stats = stats;
-  view.time = static_cast<double>(world.steps()) * world.scene().physics.time_step;
+  view.time = world.time();
   view.allocated_bytes = world.allocated_bytes();
   view.tree_nodes = world.tree_nodes();
   view.history = &history;

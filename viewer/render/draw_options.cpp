@@ -1,14 +1,17 @@
 #include "viewer/render/draw_options.h"
 
+#include <algorithm>
+
 #include "sim_cuda/core/error.h"
 
 namespace collidoscope {
 
-DrawOptions still_options(const DrawWish& wish, std::int64_t pixels) {
+DrawOptions still_options(const DrawWish& wish, int width, int height, int most_side) {
   // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
   constexpr std::int64_t most_pixels = 16'000'000;
-  return {wish.supersampling.value_or(pixels <= most_pixels ? 2 : 1), wish.light.value_or(Quality::full),
-          wish.spheres};
+  const bool fits =
+      std::int64_t{width} * height <= most_pixels && 2 * std::int64_t{std::max(width, height)} <= most_side;
+  return {wish.supersampling.value_or(fits ? 2 : 1), wish.light.value_or(Quality::full), wish.spheres};
 }
 
 DrawOptions live_options(const DrawWish& wish, bool software, std::int64_t bodies) {

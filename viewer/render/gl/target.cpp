@@ -1,5 +1,7 @@
 #include "viewer/render/gl/target.h"
 
+#include <algorithm>
+
 #include "sim_cuda/core/error.h"
 #include "viewer/render/gl/errors.h"
 
@@ -16,6 +18,13 @@ TextureHandle make_texture(const std::string& name, int width, int height, GLenu
   glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   check("a texture of " + std::to_string(width) + "x" + std::to_string(height) + " for '" + name + "'");
   return handle;
+}
+
+int largest_target() {
+  GLint texture = 0, viewport[2] = {};
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+  return std::min({texture, viewport[0], viewport[1]});
 }
 
 Target::Target(const std::string& name, int width, int height, const std::vector<GLenum>& formats,

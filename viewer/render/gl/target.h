@@ -29,6 +29,9 @@ class Target {
   FramebufferHandle framebuffer_;
 };
 
+/// Pixels: the largest width and height of a target that OpenGL allows here.
+int largest_target();
+
 /// A 2D texture with storage for one level, unfiltered and clamped.
 TextureHandle make_texture(const std::string& name, int width, int height, GLenum format);
 
