@@ -10,8 +10,8 @@
 namespace collidoscope {
 namespace {
 
-/// Whether the smaller bodies of the scene, heaped up, would share cells of a counting sort: on average over all
-/// bodies, with more others than half of what a cell should hold.
+/// Whether the smaller bodies of the scene, heaped up, would share cells of a counting sort: on average over
+/// all bodies, with more others than half of what a cell should hold.
 bool heap_crowds(const InitialBodies& bodies, const Box& box) {
   constexpr double packed = 0.64;  // volume fraction of random close packing of spheres
   std::vector<double> radii = bodies.radius;

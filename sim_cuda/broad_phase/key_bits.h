@@ -16,9 +16,8 @@ namespace collidoscope {
 ///   which takes the same time for 24; else 24 up to 2^24 bodies.
 /// - Longer where that many bits leave bodies at `position` (of all `bodies`, m) in crowds with equal keys.
 /// - 63 where crowds would make a counting sort slow: where they are now, or where the smaller bodies (a
-/// tenth
-///   to a half of all) would form one if they gathered, at the density of random close packing. And 63 where
-///   there is no box, since one body that flies away stretches the cells of all others.
+///   tenth to a half of all) would form one if they gathered, at the density of random close packing. And 63
+///   where there is no box, since one body that flies away stretches the cells of all others.
 int key_bits_called_for(const InitialBodies& bodies, const std::vector<Vector3d>& position,
                         SortMethod sort = SortMethod::automatic);
 inline int key_bits_called_for(const InitialBodies& bodies) {
