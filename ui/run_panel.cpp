@@ -31,15 +31,11 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     }
     const float gap = ImGui::GetStyle().ItemSpacing.x;
     const float third = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
-    if (ImGui::Button(workspace.playing ? "Pause" : "Play", {third, 0}))
-      workspace.playing = !workspace.playing;
+    if (ImGui::Button(workspace.playing ? "Pause" : "Play", {third, 0})) workspace.play_or_pause();
     track(workspace, "run.play");
     explain("Space");
     ImGui::SameLine();
-    if (ImGui::Button("Step", {third, 0})) {
-      workspace.playing = false;
-      ++workspace.step_wishes;
-    }
+    if (ImGui::Button("Step", {third, 0})) workspace.wish_step();
     track(workspace, "run.step");
     explain("S: one step, then pause");
     ImGui::SameLine();

@@ -136,6 +136,16 @@ struct Workspace {
   float largest_font_scale = 3;  ///< that acts on this screen; set by the owner
   Folds folds;
 
+  /// One step, then pause. A key that is held asks for no step while one is pending.
+  void wish_step(bool held = false) {
+    playing = false;
+    if (!held || step_wishes == 0) ++step_wishes;
+  }
+  /// Steps that are pending are dropped.
+  void play_or_pause() {
+    playing = !playing;
+    step_wishes = 0;
+  }
   /// By a factor, within what acts.
   void scale_font(float factor) {
     const float acts = std::min(font_scale, largest_font_scale);
