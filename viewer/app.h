@@ -103,6 +103,7 @@ class App {
   struct Left {
     Start start;
     RunOptions options;
+    LiveWorld::Record record;
   };
   std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
   std::optional<Settling> settling_;  ///< what is to begin next

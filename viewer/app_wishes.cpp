@@ -94,6 +94,7 @@ void App::restart(double seconds) {
   try {
     if (!live_.scripted() && !comes_to_rest(live_.world().scene(), seconds, rest)) return;
     live_.restart(rest ? &*rest : nullptr);
+    workspace_.settings = live_.settings();  // a script begins again with its first ones
   } catch (...) {
     workspace_.restart_wish = false;
     throw;
