@@ -16,6 +16,7 @@
 #include "sim_cuda/publish.h"
 #include "sim_cuda/residual.h"
 #include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/scene.h"
 #include "ui/accuracy_facts.h"
 #include "ui/break_facts.h"
@@ -167,6 +168,9 @@ struct WorkspaceView {
   std::string scene;
   bool generated = false;  ///< N, radius, seed and variant can be changed
   Settings in_effect;
+  double greatest_radius = limits::max_radius;  ///< m, that can be chosen: the spheres must fit in the box
+  /// Beside the N of a generator: removed of it; listed in the scene or added.
+  std::int64_t removed_bodies = 0, other_bodies = 0;
   bool edited = false;                    ///< a physical setting was changed since state 0
   std::int64_t changes = 0;               ///< that a replay would make
   std::string executor, device;           ///< "CPU" or "CUDA", and its name
