@@ -256,9 +256,11 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   }
 }
 
-void App::report_error(const std::string& line) {
-  workspace_.playing = false;
-  workspace_.step_wishes = 0;
+void App::report_error(const std::string& line, bool step) {
+  if (step) {
+    workspace_.playing = false;
+    workspace_.step_wishes = 0;
+  }
   // A fault of every frame is one fault.
   if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
   say_on_stderr(line);

@@ -41,10 +41,11 @@ class App {
 
   World prepared(const Start& start);
   void frame(double seconds);
-  /// Does it; an error goes to the window, and pauses. Returns whether there was none.
+  /// Does it; an error goes to the window, and pauses if it was one of a `step`. Returns whether there was
+  /// none.
   template <class Action>
-  bool guarded(Action action);
-  void report_error(const std::string& line);
+  bool guarded(Action action, bool step = false);
+  void report_error(const std::string& line, bool step);
 
   // Hands (app_input.cpp).
   void handle(const InputEvent& event);

@@ -37,7 +37,7 @@ void App::meet_wishes(double seconds) {
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
   guarded([&] { follow_reference(); });
-  guarded([&] { advance(seconds); });
+  guarded([&] { advance(seconds); }, true);
   guarded([&] { measure_effects(); });
   guarded([&] { measure_accuracy(seconds); });
   guarded([&] { follow_hard_cases(seconds); });
