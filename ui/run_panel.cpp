@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include <array>
 #include <cmath>
 
 #include "ui/panels.h"
@@ -61,18 +60,12 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     track(workspace, "run.restart");
     explain("R: back to state 0, with these settings");
 
-    static constexpr std::array<std::pair<double, const char*>, 6> speeds{{{0.1, "0.1 ×"},
-                                                                           {0.25, "0.25 ×"},
-                                                                           {0.5, "0.5 ×"},
-                                                                           {1, "1 × real time"},
-                                                                           {2, "2 ×"},
-                                                                           {0, "a step a frame"}}};
     const char* chosen = "";
-    for (const auto& [speed, name] : speeds)
+    for (const auto& [speed, name] : speed_choices)
       if (speed == workspace.speed) chosen = name;
     row_label("speed", "What is wished for; never more than one step in a drawn frame");
     if (begin_choice("##speed", chosen)) {
-      for (const auto& [speed, name] : speeds) {
+      for (const auto& [speed, name] : speed_choices) {
         if (ImGui::Selectable(name, speed == workspace.speed)) workspace.speed = speed;
         track(workspace, (std::string("run.speed.") + name).c_str());
       }

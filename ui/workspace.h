@@ -4,6 +4,7 @@
 // WorkspaceView from what it runs. No GL, no CUDA, no window.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -70,6 +71,17 @@ struct ShownLayers {
 enum class CameraWish { none, frame_all, frame_selection, front, side, top, orthographic };
 enum class Theme { dark, light };
 
+struct SpeedChoice {
+  double speed;  ///< simulated seconds in each second; 0: a step in every drawn frame
+  const char* name;
+};
+inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×"},
+                                                           {0.25, "0.25 ×"},
+                                                           {0.5, "0.5 ×"},
+                                                           {1, "1 × real time"},
+                                                           {2, "2 ×"},
+                                                           {0, "a step a frame"}}};
+
 /// Which panels are unfolded.
 struct Folds {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
@@ -101,7 +113,7 @@ struct Workspace {
   bool levels_chosen = false;  ///< else boxes start with the levels 2 to 4
 
   bool playing = true;
-  double speed = 1;  ///< simulated seconds wished for in each second; 0: a step in every drawn frame
+  double speed = 1;  ///< of speed_choices
   // Wishes, cleared by the owner once they are met.
   int step_wishes = 0;
   bool restart_wish = false, screenshot_wish = false, csv_wish = false, json_wish = false;

@@ -110,7 +110,8 @@ class App {
   std::optional<Settling> settling_;  ///< what is to begin next
   std::string settling_scene_;        ///< its scene, as text
   EffectCosts costs_;
-  int costs_generation_ = -1;  ///< of the World that costs_ speaks of
+  int costs_generation_ = -1;   ///< of the World that costs_ speaks of
+  bool keeps_settings_ = true;  ///< written at the end; set with workspace_
   Workspace workspace_;
   std::string renderer_name_, picture_file_;
   std::string cuda_lack_;  ///< why CUDA cannot be used; empty: it can
