@@ -78,10 +78,7 @@ std::int64_t bytes_of(Executor& executor, const Beginning& beginning, const Step
   return static_cast<std::int64_t>(std::min(static_cast<double>(listed) * beyond, 1e18));
 }
 
-std::string in_bytes(double bytes) {
-  return fmt::format("{:.0f} bytes ({:.1f} {})", bytes, bytes / (bytes < 1e9 ? 1e6 : 1e9),
-                     bytes < 1e9 ? "MB" : "GB");
-}
+std::string in_bytes(double bytes) { return fmt::format("{:.0f} bytes ({})", bytes, short_bytes(bytes)); }
 
 /// Of an estimate, three digits count.
 double rounded(double number) {
@@ -102,11 +99,15 @@ std::string in_groups(double number) {
                          const RunOptions& options) {
   const bool limited = options.memory_limit > 0;
   const bool generated = scene.generators.size() == 1;
-  throw MachineError(fmt::format(
-      "{} {}; there are {}, {}: use fewer bodies{}, or {}", what, in_bytes(rounded(needed)),
-      in_bytes(static_cast<double>(given)), limited ? "as --memory-limit says" : "80 % of what is available",
-      generated && scene.generators[0].variant == Variant::paper ? ", --variant scaled" : "",
-      limited ? "a higher --memory-limit" : "--allow-large"));
+  const bool paper = generated && scene.generators[0].variant == Variant::paper;
+  const double wanted = rounded(needed), there = static_cast<double>(given);
+  throw TooLarge(
+      fmt::format("{} {}; there are {}, {}: use fewer bodies{}, or {}", what, in_bytes(wanted),
+                  in_bytes(there), limited ? "as --memory-limit says" : "80 % of what is available",
+                  paper ? ", --variant scaled" : "", limited ? "a higher --memory-limit" : "--allow-large"),
+      fmt::format("{} {}; there are {}, {}: use fewer bodies{}", what, short_bytes(wanted),
+                  short_bytes(there), limited ? "as the memory limit says" : "80 % of what is available",
+                  paper ? ", or the variant scaled" : ""));
 }
 
 std::function<void(const std::string&)>& slow_step_report() {
@@ -123,6 +124,10 @@ void warn(const Executor& executor, const StepEstimate& expected) {
 }
 
 }  // namespace
+
+std::string short_bytes(double bytes) {
+  return fmt::format("{:.1f} {}", bytes / (bytes < 1e9 ? 1e6 : 1e9), bytes < 1e9 ? "MB" : "GB");
+}
 
 double seconds_to_solve(const Executor& executor, const Physics& physics, double bodies, double contacts,
                         int substeps) {

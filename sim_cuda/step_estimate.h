@@ -50,4 +50,7 @@ double seconds_to_solve(const Executor& executor, const Physics& physics, double
 /// made.
 void set_slow_step_news(std::function<void(const std::string& line)> told);
 
+/// "93.1 GB".
+std::string short_bytes(double bytes);
+
 }  // namespace collidoscope

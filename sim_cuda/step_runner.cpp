@@ -6,6 +6,7 @@
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/elapsed.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/step_estimate.h"
 
 namespace collidoscope {
 namespace {
@@ -119,14 +120,18 @@ bool StepRunner::grow() {
       const RunOptions& options = executor_.options();
       const std::int64_t given = executor_.allocated_bytes() + executor_.room_bytes();
       const bool by_rule = options.memory_limit == 0 && !options.allow_large;
-      throw MachineError(
+      const std::string found =
           "a step found " + std::to_string(control.pairs_needed) + " pairs" +
           (control.pairs > 0 ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
-                             : ", which take at least ") +
-          std::to_string(given + bytes) + " bytes with the rest of the scene; " + executor_.device_name() +
-          " gives " + std::to_string(given) + (by_rule ? " (80 % of its available memory)" : "") +
-          ": use fewer bodies, or a variant whose pairs grow as N (scaled)" +
-          (by_rule ? ", or --allow-large" : ""));
+                             : ", which take at least ");
+      const std::string rule = by_rule ? " (80 % of its available memory)" : "";
+      const std::string advice = ": use fewer bodies, or a variant whose pairs grow as N (scaled)";
+      throw TooLarge(found + std::to_string(given + bytes) + " bytes with the rest of the scene; " +
+                         executor_.device_name() + " gives " + std::to_string(given) + rule + advice +
+                         (by_rule ? ", or --allow-large" : ""),
+                     found + short_bytes(static_cast<double>(given + bytes)) +
+                         " with the rest of the scene; " + executor_.device_name() + " gives " +
+                         short_bytes(static_cast<double>(given)) + rule + advice);
     }
   }
   reserve(wanted);

@@ -9,6 +9,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/philox.h"
+#include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
 namespace {
@@ -173,6 +174,23 @@ TEST(BoxCollider, TheBoxInEffect) {
   const double side = scaled_side(5000, 5);
   EXPECT_EQ(box_in_effect(scene)->min, Vector3d(1, 2, 3));
   EXPECT_EQ(box_in_effect(scene)->max, Vector3d(1 + side, 2 + side, 3 + side));
+}
+
+TEST(BoxCollider, TheGreatestRadiusIsTheOneThatFits) {
+  Scene scene;
+  scene.box = Box{};
+  scene.generators.emplace_back();
+  BoxCollider& generator = scene.generators[0];
+  generator.count = 2;
+  for (const Variant variant : {Variant::paper, Variant::scaled, Variant::equal}) {
+    generator.variant = variant;
+    const double most = greatest_radius_max(generator, *scene.box);
+    generator.radius_max = most;
+    EXPECT_NO_THROW(valid(scene));
+    generator.radius_max = 1.001 * most;
+    EXPECT_THROW(valid(scene), InputError);
+    EXPECT_TRUE(variant != Variant::paper || std::abs(most - 50) < 1e-4) << most;
+  }
 }
 
 }  // namespace

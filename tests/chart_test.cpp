@@ -3,11 +3,15 @@
 #include "ui/chart.h"
 
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <cmath>
 
 #include "headless/chart_picture.h"
+#include "tests/gl_fixture.h"
 #include "tests/golden.h"
+#include "viewer/render/gui_pass.h"
+#include "viewer/render/window_frame.h"
 
 namespace collidoscope {
 namespace {
@@ -90,6 +94,25 @@ TEST(Chart, WritesShortNumbers) {
   EXPECT_EQ(short_number(0.0125), "0.0125");
   EXPECT_EQ(short_number(-3e9), "-3G");
   EXPECT_EQ(short_number(0), "0");
+}
+
+TEST(Chart, TheLevelsNameStandsBesideItsLine) {
+  Chart chart = growth(false);
+  chart.y.least = 0;
+  chart.y.most = 1000;
+  chart.level_name = "100 mm allowed";
+  test_context();
+  GuiPass gui(13);
+  WindowFrame frame(600, 400);
+  for (const double level : {1000.0, 990.0, 960.0, 500.0, 10.0}) {
+    chart.level = level;
+    gui.begin(600, 400);
+    const float line = ImGui::GetTextLineHeight();
+    const ChartHit hit = draw_chart("chart", 560, 360, chart);
+    gui.end(frame.target());
+    EXPECT_GE(hit.level_name_at, hit.top) << level;
+    EXPECT_TRUE(hit.level_name_at >= hit.level_at || hit.level_name_at + line <= hit.level_at) << level;
+  }
 }
 
 }  // namespace

@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "tests/executors.h"
+#include "tests/gl_fixture.h"
+#include "viewer/scene_view.h"
+
 namespace collidoscope {
 namespace {
 
@@ -58,6 +64,56 @@ TEST(FrameScene, NoBodiesAndTheGridsSteps) {
     bodies.box = Box{{0, 0, 0}, {side, side, side}};
     EXPECT_NEAR(frame_scene({}, bodies).grid_spacing, spacing, 1e-12) << side;
   }
+}
+
+TEST(FrameScene, AnAddedBodyLeavesTheSizeAlone) {
+  const double size = frame_scene({}, three_bodies()).size;
+  Scene scene;
+  scene.added.resize(1);
+  InitialBodies bodies = three_bodies();
+  bodies.position.push_back({1000, 0, 0});
+  bodies.radius.push_back(1);
+  const FrameScene more = frame_scene(scene, bodies);
+  EXPECT_EQ(more.size, size);
+  EXPECT_EQ(more.bounds.max.x(), 1001);
+}
+
+TEST(FrameScene, TheBoundsFollowTheBodies) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Vector3d> position{{0, 0, -50}, {none, 0, 0}};
+  const std::vector<double> radius{2, 1};
+  const Bounds bounds = scene_bounds({}, {}, position, radius);
+  EXPECT_EQ(bounds.min, Vector3d(-2, -2, -52));
+  EXPECT_EQ(bounds.max, Vector3d(2, 2, -48));
+}
+
+// A ball is thrown from the eye: if the camera framed it, the camera would go back with each ball.
+TEST(SceneView, AThrownBallLeavesTheCameraAndAllShowsWhereBodiesAre) {
+  test_context();
+  Scene scene;
+  scene.bodies.resize(2);
+  scene.bodies[1].position = {5, 0, 0};
+  LiveWorld live(scene, on_cpu());
+  SceneView view(DisplayPath::automatic, {}, [](const std::string&) {});
+  const Workspace workspace;
+  const TreeInspector tree;
+  LiveReference reference;
+  const auto draw = [&] { view.draw(live, workspace, tree, reference, 320, 240); };
+  draw();
+  const OrbitCamera before = view.camera();
+  const double size = view.scene_size();
+  for (int k = 0; k < 3; ++k) {
+    Change thrown;
+    thrown.add.resize(1);
+    thrown.add[0].position = view.camera().eye() + Vector3d(0, 0, 3 * k);
+    live.apply(std::move(thrown));
+    draw();
+    EXPECT_EQ(view.camera(), before);
+    EXPECT_EQ(view.scene_size(), size);
+  }
+  for (int k = 0; k < 60; ++k) live.step(false);  // they fall by about 20 m
+  view.meet_wish(CameraWish::frame_all, live);
+  EXPECT_LT(view.camera().target.z(), before.target.z() - 10);
 }
 
 }  // namespace

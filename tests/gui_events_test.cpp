@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <deque>
 #include <memory>
 #include <utility>
 #include <vector>
+
+#include "viewer/gui_input.h"
 
 namespace collidoscope {
 namespace {
@@ -133,6 +136,31 @@ TEST_F(GuiEventsTest, CodesOutsideAllRangesDoNothing) {
   }
   frame(events);
   for (int button = 0; button < ImGuiMouseButton_COUNT; ++button) EXPECT_FALSE(ImGui::IsMouseDown(button));
+}
+
+// A key that was held while frames were slow does not keep a click waiting.
+TEST(GuiInputTest, ARepeatedKeyTakesOneFrame) {
+  std::deque<InputEvent> events{key(GLFW_KEY_W, true)};
+  for (int k = 0; k < 100; ++k) {
+    events.push_back(key(GLFW_KEY_W, true));
+    events.back().repeat = true;
+    events.push_back(InputEvent{Kind::character});
+    events.back().character = 'w';
+  }
+  events.push_back(key(GLFW_KEY_W, false));
+  events.push_back(InputEvent{Kind::button});
+  events.back().down = true;
+  const std::vector<InputEvent> first = take_events_of_a_frame(events);
+  EXPECT_EQ(first.size(), 101u) << "one press, and every character";
+  EXPECT_FALSE(first.front().repeat);
+  const std::vector<InputEvent> second = take_events_of_a_frame(events);
+  ASSERT_EQ(second.size(), 2u) << "the release and the click";
+  EXPECT_FALSE(second[0].down);
+  EXPECT_EQ(second[1].kind, Kind::button);
+  EXPECT_TRUE(events.empty());
+  // A press after a release is no repeat: each has a frame of its own.
+  events = {key(GLFW_KEY_W, true), key(GLFW_KEY_W, false), key(GLFW_KEY_W, true)};
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(take_events_of_a_frame(events).size(), 1u);
 }
 
 }  // namespace

@@ -503,5 +503,25 @@ TEST(LiveWorld, HistoryKnowsBothKindsOfTimes) {
   EXPECT_GT(history.stages().size(), 4u);
 }
 
+TEST(LiveWorld, ARunThatComesBackKeepsItsRecord) {
+  LiveWorld live(box_of(50), on_cpu());
+  live.step(true);
+  change(live, [](Settings& s) { s.restitution = 0.5; });
+  live.step(true);
+  const std::string before = live.changes_text();
+  const LiveWorld::Record record = live.record();
+  const RunAt left = run_at(live.world());
+  live.open(World(box_of(20), on_cpu()));
+  EXPECT_TRUE(live.changes().empty());
+  live.open(World(left.scene, RunOptions(left.options), &left.state), record);
+  EXPECT_TRUE(live.edited());
+  EXPECT_EQ(live.changes_text(), before);
+  live.step(true);
+  EXPECT_EQ(replayed_hash(live, box_of(50)), live.state_hash());
+  live.restart();
+  ASSERT_EQ(live.changes().size(), 1u);
+  EXPECT_EQ(live.changes()[0].restitution, 0.5);
+}
+
 }  // namespace
 }  // namespace collidoscope

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sim_cuda/scene/limits.h"
 
@@ -40,7 +42,8 @@ TEST(NumberField, NothingWraps) {
 
 TEST(NumberField, WhatIsNoNumberIsNamed) {
   const NumberRange<std::int64_t> blocks{1, limits::max_blocks, "", true};
-  for (const char* text : {"abc", "", "7.5", "7 8", "1e2", "0x10", "--3", "seven"})
+  for (const char* text :
+       {"abc", "", "7.5", "7 8", "7e-1", "0x10", "1,2", "12,34,567", "1e", "1e15", "--3", "seven"})
     EXPECT_EQ(fault_of<std::int64_t>(text, blocks, 7),
               "'" + std::string(text) +
                   "' is not a whole number; allowed: a whole number from 1 to 2,147,483,647, or auto");
@@ -68,6 +71,26 @@ TEST(NumberField, TakesWhatPeopleType) {
   EXPECT_EQ(rate, 250);
   EXPECT_EQ(read_number<double>("60Hz", hertz, rate), "");
   EXPECT_EQ(rate, 60);
+}
+
+TEST(NumberField, TakesWhatIsPrinted) {
+  std::int64_t bodies = 7;
+  const NumberRange<std::int64_t> range{0, limits::max_bodies};
+  for (const auto& [text, value] : {std::pair{"134,217,728", 134'217'728},
+                                    {"1e3", 1000},
+                                    {"2.5e3", 2500},
+                                    {"1,000", 1000},
+                                    {"12.0", 12},
+                                    {"-0", 0}}) {
+    EXPECT_EQ(read_number<std::int64_t>(text, range, bodies), "") << text;
+    EXPECT_EQ(bodies, value) << text;
+  }
+  double restitution = 1;
+  EXPECT_EQ(read_number<double>("-0", {0, 1}, restitution), "");
+  EXPECT_FALSE(std::signbit(restitution));
+  double rate = 1;
+  EXPECT_EQ(read_number<double>("1e+06 Hz", {1e-3, 1e6, "Hz"}, rate), "");
+  EXPECT_EQ(rate, 1e6);
 }
 
 }  // namespace

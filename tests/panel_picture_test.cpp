@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <ranges>
 #include <set>
 
@@ -17,6 +18,7 @@
 #include "tests/golden.h"
 #include "tests/test_files.h"
 #include "ui/panels.h"
+#include "ui/plot.h"
 #include "ui/theme.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
@@ -523,6 +525,49 @@ TEST(PanelPicture, TheLayoutFitsAnyWindow) {
     EXPECT_LE(rect.height, static_cast<float>(h));
     EXPECT_TRUE(w < 1280 || rect.width > 0.4f * static_cast<float>(w));
   }
+}
+
+/// Twenty bars of 2 ms in the colour of faint text, one of `high` ms, and a mark at 1.5 ms.
+Image bars_with(float high, const char* mark = "") {
+  GuiPass gui(13);
+  WindowFrame frame(400, 200);
+  gui.begin(400, 200);
+  apply_theme(Theme::dark, ImGui::GetFontSize());
+  StackedBars bars;
+  bars.names = {"a"};
+  bars.colors = {ImGui::GetColorU32(ImGuiCol_TextDisabled)};
+  for (int k = 0; k < 20; ++k) {
+    bars.parts.push_back({k == 5 ? high : 2});
+    bars.line.push_back(std::numeric_limits<float>::quiet_NaN());
+  }
+  bars.marks = {{1.5f, mark}};
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize({400, 200});
+  ImGui::Begin("plot", nullptr, ImGuiWindowFlags_NoDecoration);
+  plot_stacked("bars", 380, 180, bars);
+  ImGui::End();
+  gui.end(frame.target());
+  return frame.read();
+}
+
+int light_pixels(const Image& image) {
+  int light = 0;
+  for (std::size_t at = 0; at + 3 < image.rgba.size(); at += 4)
+    light += image.rgba[at] > 190 && image.rgba[at + 1] > 190 && image.rgba[at + 2] > 190;
+  return light;
+}
+
+TEST(PanelPicture, ABarThatIsCutIsMarked) {
+  test_context();
+  EXPECT_EQ(stacked_axis({1, 4}), 4) << "both fit";
+  EXPECT_EQ(stacked_axis({2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 50}), 3) << "nine in ten fit";
+  EXPECT_GT(light_pixels(bars_with(50)), light_pixels(bars_with(3)) + 5) << "3 ms is the axis";
+}
+
+TEST(PanelPicture, AMarkIsReadableOnABar) {
+  test_context();
+  // In the bars' own colour, no digit would differ from another.
+  EXPECT_FALSE(bars_with(2, "60 Hz") == bars_with(2, "88 Hz"));
 }
 
 }  // namespace

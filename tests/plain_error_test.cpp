@@ -19,6 +19,7 @@ TEST(PlainError, HasNoWordsOfCpp) {
   EXPECT_EQ(plain_text(InputError("a.json:1:2: what, and what would be right")),
             "a.json:1:2: what, and what would be right");
   EXPECT_EQ(plain_text(MachineError("no GPU")), "no GPU");
+  EXPECT_EQ(plain_text(TooLarge("use --allow-large", "use fewer bodies")), "use fewer bodies");
   EXPECT_EQ(plain_text(OutOfMemory("making a step")),
             "out of memory while making a step; fewer bodies need less");
   EXPECT_EQ(plain_text(std::bad_alloc()),

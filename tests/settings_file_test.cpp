@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -68,6 +69,35 @@ TEST(SettingsFile, NonsenseIsLeftOut) {
   limits.limit(Condition::energy_rise) = 7;
   EXPECT_EQ(workspace.breaks.limits, limits.limits);
   EXPECT_FALSE(workspace.layers.grid);
+}
+
+TEST(SettingsFile, ASpeedIsOneOfTheList) {
+  Workspace workspace;
+  EXPECT_EQ(read_settings(R"({"format": "collidoscope-settings", "version": 1, "speed": 0.3})", workspace),
+            "");
+  EXPECT_EQ(workspace.speed, 1);
+  EXPECT_EQ(read_settings(R"({"format": "collidoscope-settings", "version": 1, "speed": 0.5})", workspace),
+            "");
+  EXPECT_EQ(workspace.speed, 0.5);
+}
+
+TEST(SettingsFile, OtherVersionsAndPipesAreLeftAlone) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "settings.json").string();
+  Workspace workspace;
+  EXPECT_EQ(read_settings_file(file, workspace).fault, "") << "there is none yet";
+  EXPECT_TRUE(read_settings_file(file, workspace).may_be_written);
+  std::ofstream(file) << R"({"format": "collidoscope-settings", "version": 99, "theme": "light"})";
+  EXPECT_THAT(read_settings_file(file, workspace).fault, testing::HasSubstr("another version"));
+  EXPECT_FALSE(read_settings_file(file, workspace).may_be_written);
+  EXPECT_EQ(workspace.theme, Theme::dark);
+  std::ofstream(file) << "nonsense";
+  EXPECT_THAT(read_settings_file(file, workspace).fault, testing::HasSubstr("ignored"));
+  EXPECT_TRUE(read_settings_file(file, workspace).may_be_written);
+  std::filesystem::remove(file);
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  EXPECT_THAT(read_settings_file(file, workspace).fault, testing::HasSubstr("not a regular file"));
+  EXPECT_FALSE(read_settings_file(file, workspace).may_be_written);
 }
 
 TEST(WholeFile, IsWrittenOrAsItWas) {

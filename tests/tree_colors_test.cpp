@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "headless/compare.h"
 #include "tests/gl_fixture.h"
 #include "tests/golden.h"
@@ -100,6 +102,18 @@ TEST(TreeColors, AMethodWithoutATreeIsDrawnWithoutOne) {
   EXPECT_EQ(range.boxes, 0);
   EXPECT_EQ(range.max, 0);
   renderer.draw(scene_camera({}, renderer.scene().bounds, 4.0 / 3), layers, range);
+}
+
+TEST(ErrorScale, TheGreatestErrorStaysInThePicture) {
+  std::vector<float> errors(100, 1e-4f);
+  EXPECT_EQ(automatic_error_scale(errors, 1, 100), 1e4) << "two bodies wide: 2 m";
+  errors[0] = 0.1f;
+  EXPECT_EQ(automatic_error_scale(errors, 1, 100), 100) << "25 m of 100 m";
+  errors[0] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(automatic_error_scale(errors, 1, 100), 1e4);
+  EXPECT_EQ(automatic_error_scale({}, 1, 100), 1);
+  EXPECT_EQ(automatic_error_scale({0, 0}, 1, 100), 1);
+  EXPECT_EQ(automatic_error_scale({1000}, 1, 100), 1);
 }
 
 }  // namespace

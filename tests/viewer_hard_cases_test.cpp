@@ -18,6 +18,8 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 3; }));
   EXPECT_TRUE(window.frame()["hard_cases"].is_null()) << "folded, nothing is read";
   const std::string scene = window.frame()["scene"];
+  window.type_into("settings.restitution.value", "0.5");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["edited"] == true && f["changes"] == 1; }));
   window.click("panel.timing");  // folded, it leaves room
   ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("timing.csv"); }));
   window.next_frame();
@@ -64,10 +66,17 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   for (int k = 0; k < 3; ++k) window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 3; }));
   EXPECT_EQ(window.frame()["time_step"], 0.05) << "its changes are made";
+  window.key("r");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 0; }));
+  window.next_frame();
+  EXPECT_EQ(window.frame()["time_step"], 0.1) << "it begins with its own settings";
+  EXPECT_EQ(window.frame()["edited"], false);
 
   window.click("hard_cases.back");
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["scene"] == scene; }));
   EXPECT_GE(window.frame()["step"], 3) << "where it was left";
+  EXPECT_EQ(window.frame()["edited"], true);
+  EXPECT_EQ(window.frame()["changes"], 1) << "with its record";
   EXPECT_EQ(cases("before"), "");
   EXPECT_TRUE(cases("shown").is_null());
   EXPECT_FALSE(window.sees("hard_cases.back"));

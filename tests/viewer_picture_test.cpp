@@ -79,6 +79,18 @@ TEST_F(Viewer, GoesOnWhereNothingCanBeWritten) {
     EXPECT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_null(); })) << widget;
   }
 
+  // It plays on.
+  window.move(560, 30);
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == true; }));
+  window.key("p");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_string(); }));
+  EXPECT_EQ(window.frame()["playing"], true);
+  window.click("error.dismiss");
+  window.move(560, 30);
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
+
   // As soon as it can, it does.
   std::filesystem::remove(window.file("captures"));
   window.move(560, 30);

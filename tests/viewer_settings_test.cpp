@@ -44,7 +44,8 @@ TEST_F(Viewer, ReportsNumbersThatItCannotUse) {
           "substeps: 1001 is out of range; allowed: a whole number from 1 to 1,000, or auto");
   refused("settings.iterations", "0",
           "iterations: 0 is out of range; allowed: a whole number from 1 to 1,000");
-  refused("settings.radius", "0", "radius: 0 is out of range; allowed: 0.001 to 1e+09 m");
+  refused("settings.radius", "0", "radius: 0 is out of range; allowed: 0.001 to 50 m");
+  refused("settings.radius", "60", "radius: 60 is out of range; allowed: 0.001 to 50 m");
   refused("settings.seed", "-1", "seed: -1 is out of range");
 
   // The report is in the window, in red below its row, until something else is typed.

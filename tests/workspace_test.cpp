@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "sim_cuda/history.h"
 #include "tests/gl_fixture.h"
 #include "ui/panels.h"
 #include "ui/theme.h"
@@ -128,6 +130,86 @@ TEST(Workspace, AHalfDrawnFrameIsEnded) {
   ImGui::TextUnformatted("as ever");
   ImGui::End();
   gui.end(frame.target());
+}
+
+TEST(Workspace, AHeldStepKeyLeavesNoBacklog) {
+  Workspace workspace;
+  workspace.wish_step();
+  for (int k = 0; k < 100; ++k) workspace.wish_step(/*held=*/true);
+  EXPECT_EQ(workspace.step_wishes, 1);
+  EXPECT_FALSE(workspace.playing);
+  workspace.wish_step();
+  EXPECT_EQ(workspace.step_wishes, 2) << "each press is a step";
+  workspace.play_or_pause();
+  EXPECT_EQ(workspace.step_wishes, 0);
+  EXPECT_TRUE(workspace.playing);
+}
+
+TEST(Workspace, ComponentsKeepSmallMotionAndHaveNoNegativeZero) {
+  EXPECT_EQ(component_text(12.3456), "   12.346");
+  EXPECT_EQ(component_text(-0.25), "   -0.250");
+  EXPECT_EQ(component_text(-0.0), "    0.000");
+  EXPECT_EQ(component_text(-4.2e-5), "-4.20e-05");
+  EXPECT_EQ(component_text(0.0123), " 1.23e-02");
+  EXPECT_EQ(component_text(1234567.0), " 1.23e+06");
+}
+
+TEST(Workspace, TheRowBelowNSaysWhatTheBodiesAre) {
+  WorkspaceView view;
+  view.in_effect.bodies = 60;
+  EXPECT_EQ(bodies_text(view), "");
+  view.other_bodies = 3;
+  EXPECT_EQ(bodies_text(view), "60 generated + 3 others = 63");
+  view.removed_bodies = 2;
+  EXPECT_EQ(bodies_text(view), "60 generated - 2 removed + 3 others = 61");
+}
+
+TEST(Workspace, TheHintStaysWithinTheView) {
+  test_context();
+  GuiPass gui(13);
+  WindowFrame frame(640, 480);
+  Workspace workspace;
+  WorkspaceView view;
+  History history(8);
+  view.history = &history;
+  gui.begin(640, 480);
+  draw_workspace(workspace, view);
+  const ScreenRect at = workspace.scene_view;
+  const ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  ASSERT_GT(list.VtxBuffer.Size, 0);
+  for (const ImDrawVert& vertex : list.VtxBuffer) {
+    ASSERT_GE(vertex.pos.x, at.x);
+    ASSERT_LE(vertex.pos.x, at.x + at.width);
+  }
+  gui.end(frame.target());
+}
+
+// With a long name, "edited" and the button stand in a row of their own.
+TEST(Workspace, EditedIsNotCoveredByTheChanges) {
+  test_context();
+  GuiPass gui(13);
+  WindowFrame frame(640, 480);
+  Workspace workspace;
+  WorkspaceView view;
+  view.edited = true;
+  view.changes = 7;
+  for (const char* scene : {"Box", "Box Collider, again", "a scene whose name is as long as the panel is"}) {
+    view.scene = scene;
+    gui.begin(640, 480);
+    workspace.widgets.clear();
+    ImGui::SetNextWindowSize({250, 400});
+    ImGui::Begin("controls");
+    draw_run_panel(workspace, view);
+    ImGui::End();
+    gui.end(frame.target());
+    const auto find = [&](const char* name) {
+      return std::ranges::find(workspace.widgets, name, [](const auto& one) { return one.first; });
+    };
+    const auto edited = find("run.edited"), changes = find("run.changes");
+    ASSERT_NE(edited, workspace.widgets.end()) << scene;
+    ASSERT_NE(changes, workspace.widgets.end()) << scene;
+    EXPECT_LE(edited->second.x + edited->second.width, changes->second.x) << scene;
+  }
 }
 
 }  // namespace

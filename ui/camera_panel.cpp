@@ -15,7 +15,8 @@ void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
     CameraWish wish;
   };
   static constexpr std::array<Button, 5> buttons{
-      {{"camera.all", "All", "F: see the whole scene", CameraWish::frame_all},
+      {{"camera.all", "All", "Shift+F: see the whole scene, with all bodies where they are",
+        CameraWish::frame_all},
        {"camera.front", "Front", "1", CameraWish::front},
        {"camera.side", "Side", "3", CameraWish::side},
        {"camera.top", "Top", "7", CameraWish::top},

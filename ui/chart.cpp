@@ -222,7 +222,9 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
   hit.right = right;
   hit.bottom = bottom;
   const auto write_at = [&](float px, float py, const std::string& text) {  // in a corner of what is drawn
-    list->AddText({px, std::clamp(py, top, std::max(bottom - line, top))}, faint, text.c_str());
+    py = std::clamp(py, top, std::max(bottom - line, top));
+    list->AddText({px, py}, faint, text.c_str());
+    return py;
   };
   if (std::isfinite(chart.floor) && chart.floor > ys.least) {
     const float at_floor = y.pixel(std::min(chart.floor, ys.most));
@@ -236,7 +238,8 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
     list->AddTriangleFilled({right - 0.7f * line, hit.level_at}, {right, hit.level_at + 0.4f * line},
                             {right, hit.level_at - 0.4f * line}, ImGui::GetColorU32(ImGuiCol_CheckMark));
     const float from = right - text_size(chart.level_name).x - 0.9f * line;
-    write_at(from, hit.level_at - 1.15f * line, chart.level_name);
+    const bool above = hit.level_at - 1.15f * line >= top;  // else the line would cross it
+    hit.level_name_at = write_at(from, hit.level_at + (above ? -1.15f : 0.15f) * line, chart.level_name);
   }
   float nearest = 1.2f * line;
   const ImVec2 mouse = ImGui::GetIO().MousePos;

@@ -57,6 +57,7 @@ struct ChartHit {
   bool level = false;                              ///< the pointer is at the line across, and at no point
   float left = 0, top = 0, right = 0, bottom = 0;  ///< of what the axes enclose, in pixels of the screen
   float level_at = 0;                              ///< where the line across lies; 0: nowhere
+  float level_name_at = 0;                         ///< the top of its name
   struct Place {
     int series, point;
     float x, y;

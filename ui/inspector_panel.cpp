@@ -11,10 +11,10 @@ namespace collidoscope {
 namespace {
 
 std::string vector_text(const Vector3d& v) {
-  return fmt::format("{:9.3f} {:9.3f} {:9.3f}", v.x(), v.y(), v.z());
+  return component_text(v.x()) + ' ' + component_text(v.y()) + ' ' + component_text(v.z());
 }
 std::string small_vector_text(const Vector3d& v) {
-  return fmt::format("{:9.2e} {:9.2e} {:9.2e}", v.x(), v.y(), v.z());
+  return fmt::format("{:9.2e} {:9.2e} {:9.2e}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);  // no -0
 }
 
 void draw_state(const BodyReport& body) {
@@ -24,8 +24,10 @@ void draw_state(const BodyReport& body) {
   row_text("X  m", vector_text(body.X), "Position of the centre of mass");
   row_text("v  m/s", vector_text(body.v), "Velocity");
   row_text("P  kg m/s", small_vector_text(body.P), "Linear momentum");
+  const auto part = [](double value) { return std::abs(value) < 5e-4 ? 0.0 : value; };  // no -0
   row_text("q",
-           fmt::format("  {:6.3f} {:6.3f} {:6.3f} {:6.3f}", body.q.w(), body.q.x(), body.q.y(), body.q.z()),
+           fmt::format("  {:6.3f} {:6.3f} {:6.3f} {:6.3f}", part(body.q.w()), part(body.q.x()),
+                       part(body.q.y()), part(body.q.z())),
            "Orientation w x y z, R as a quaternion");
   row_text("ω  rad/s", vector_text(body.w), "Angular velocity");
   row_text("L  kg m²/s", small_vector_text(body.L), "Angular momentum about the centre of mass");

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <string>
 #include <type_traits>
 
 #include "ui/widgets.h"
@@ -17,6 +19,25 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(blanks);
   if (first == text.npos) return "";
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// "134,217,728" without its commas, where they stand as number_text() puts them; else the text as it is.
+std::string ungrouped(std::string_view text) {
+  std::string digits(text);
+  std::erase(digits, ',');
+  std::int64_t read = 0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), read);
+  const bool whole = error == std::errc{} && stop == digits.data() + digits.size();
+  return whole && grouped_number(read) == text ? digits : std::string(text);
+}
+
+/// A whole number with a decimal point or an exponent, as "1e3", in plain digits; else the text as it is.
+std::string without_exponent(const std::string& text) {
+  double read = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), read);
+  const bool whole = error == std::errc{} && stop == text.data() + text.size() && read == std::trunc(read) &&
+                     std::abs(read) < 1e15 && text.find_first_of(".eE") != text.npos;
+  return whole ? fmt::format("{:.0f}", read) : text;
 }
 
 std::string number_text(std::int64_t value) { return grouped_number(value); }
@@ -48,7 +69,9 @@ std::string read_number(std::string_view text, const NumberRange<Number>& range,
     value = 0;
     return "";
   }
-  std::string_view digits = whole;
+  std::string plain = ungrouped(whole);
+  if (std::is_integral_v<Number>) plain = without_exponent(plain);
+  std::string_view digits = plain;
   if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
   Number read{};
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), read);
@@ -64,7 +87,7 @@ std::string read_number(std::string_view text, const NumberRange<Number>& range,
   }
   if (negative || error != std::errc{} || !(read >= range.low && read <= range.high))
     return fmt::format("{} is out of range; allowed: {}", whole, allowed_text(range));
-  value = read;
+  value = read == 0 ? Number{} : read;  // no negative zero
   return "";
 }
 

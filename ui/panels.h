@@ -2,6 +2,8 @@
 // The panels: each a free function over the workspace, in the file of its name. Drawn by draw_workspace(),
 // each within a window that is open.
 
+#include <string>
+
 #include "ui/workspace.h"
 
 namespace collidoscope {
@@ -29,5 +31,8 @@ void draw_stop_bar(
     const WorkspaceView& view);  ///< at what it has stopped; in a window of its own, over the 3D view
 void draw_error_bar(Workspace& workspace);  ///< in a window of its own, over the 3D view
 void draw_help(Workspace& workspace);       ///< the keys; so too
+
+/// How N and what was removed and added make up the bodies that there are; empty: N is all of them.
+std::string bodies_text(const WorkspaceView& view);
 
 }  // namespace collidoscope

@@ -129,6 +129,17 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
   area.list->PopClipRect();
 }
 
+float stacked_axis(std::vector<float> values) {
+  // One slow step (a page fault, another program) must not flatten all others.
+  float most = 0;
+  if (!values.empty()) {
+    std::sort(values.begin(), values.end());
+    const double place = std::ceil(0.9 * static_cast<double>(values.size() - 1));
+    most = std::min(values.back(), 1.5f * values[static_cast<std::size_t>(place)]);
+  }
+  return static_cast<float>(round_axis(static_cast<double>(most)));
+}
+
 int plot_stacked(const char* id, float width, float height, const StackedBars& bars) {
   const Area area = begin(id, width, height);
   const float line_height = ImGui::GetTextLineHeight(), pad = 0.35f * line_height;
@@ -141,17 +152,9 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   }
   for (float v : bars.line)
     if (std::isfinite(v)) tops.push_back(v);
-  // One slow step (a page fault, another program) must not flatten all others: the axis fits nine in ten of
-  // them.
-  float most = 0;
-  if (!tops.empty()) {
-    std::sort(tops.begin(), tops.end());
-    const float usual = tops[static_cast<std::size_t>(0.9 * static_cast<double>(tops.size() - 1))];
-    most = std::min(tops.back(), 1.5f * usual);
-  }
-  const float axis = static_cast<float>(round_axis(static_cast<double>(most)));
+  const float axis = stacked_axis(tops);
   const float top = area.at.y + 1.5f * line_height, bottom = area.at.y + height - pad;
-  const auto y_of = [&](float v) { return bottom - std::min(v / axis, 1.03f) * (bottom - top); };
+  const auto y_of = [&](float v) { return bottom - std::min(v / axis, 1.0f) * (bottom - top); };
   const float bar = (width - 2 * pad) / static_cast<float>(std::max<std::size_t>(count, 1));
   area.list->PushClipRect(area.at, {area.at.x + width, area.at.y + height}, true);
   int under = -1;
@@ -181,10 +184,24 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
       if (i == hovered_bar && mouse.y <= low && mouse.y > high) under = static_cast<int>(k);
     }
   }
+  // An arrowhead at the axis marks a value beyond it.
+  const ImU32 text_color = ImGui::GetColorU32(ImGuiCol_Text);
+  const auto mark_cut = [&](float x, float value) {
+    if (!(value > axis)) return;
+    const float half = std::max(0.22f * line_height, 2.0f);
+    area.list->AddTriangleFilled({x - half, top + 2 * half}, {x + half, top + 2 * half}, {x, top},
+                                 text_color);
+  };
   std::vector<ImVec2> run;
   for (std::size_t i = 0; i < bars.line.size(); ++i)
     if (std::isfinite(bars.line[i]))
       run.emplace_back(area.at.x + pad + bar * (static_cast<float>(i) + 0.5f), y_of(bars.line[i]));
+  for (std::size_t i = 0; i < count; ++i) {
+    const float line = i < bars.line.size() && std::isfinite(bars.line[i]) ? bars.line[i] : 0;
+    float parts = 0;
+    for (const float part : bars.parts[i]) parts += std::max(part, 0.0f);
+    mark_cut(area.at.x + pad + bar * (static_cast<float>(i) + 0.5f), std::max(line, parts));
+  }
   // A sharp corner's mitre would reach into the title.
   area.list->PushClipRect({area.at.x, top - 0.25f * line_height}, {area.at.x + width, area.at.y + height},
                           true);
@@ -214,8 +231,11 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
     const float y = y_of(mark.value);
     area.list->AddLine({area.at.x + pad, y}, {area.at.x + width - pad, y},
                        ImGui::GetColorU32(ImGuiCol_Text, 0.5f));
-    area.list->AddText({area.at.x + width - pad - ImGui::CalcTextSize(mark.label.c_str()).x, y - line_height},
-                       faint, mark.label.c_str());
+    const ImVec2 size = ImGui::CalcTextSize(mark.label.c_str());
+    const ImVec2 from{area.at.x + width - pad - size.x, y - line_height};
+    area.list->AddRectFilled({from.x - 0.2f * line_height, from.y}, {from.x + size.x, from.y + size.y},
+                             ImGui::GetColorU32(ImGuiCol_WindowBg, 0.85f), 2);
+    area.list->AddText(from, ImGui::GetColorU32(ImGuiCol_Text), mark.label.c_str());
   }
   area.list->AddText({area.at.x + pad, area.at.y + 0.15f * line_height}, ImGui::GetColorU32(ImGuiCol_Text),
                      title);

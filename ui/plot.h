@@ -46,4 +46,8 @@ struct StackedBars {
 /// Returns the part under the pointer, or -1.
 int plot_stacked(const char* id, float width, float height, const StackedBars& bars);
 
+/// The end of an axis from 0 for these values: it fits nine in ten of them, and all that are not much
+/// greater.
+float stacked_axis(std::vector<float> values);
+
 }  // namespace collidoscope

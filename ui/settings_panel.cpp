@@ -116,6 +116,11 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
            "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
            "then the run starts again",
            1, highest, limits::max_bodies});
+  const std::string sum = bodies_text(view);
+  if (sum.empty()) return;
+  faint_text(sum);
+  track(workspace, "settings.bodies.sum");
+  explain("N counts what the generator makes. The others are listed in the scene, or were thrown in with B.");
 }
 
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
@@ -186,6 +191,14 @@ void draw_motion(Workspace& workspace, const WorkspaceView& view) {
 }
 
 }  // namespace
+
+std::string bodies_text(const WorkspaceView& view) {
+  if (view.removed_bodies == 0 && view.other_bodies == 0) return "";
+  std::string text = grouped_number(view.in_effect.bodies) + " generated";
+  if (view.removed_bodies > 0) text += fmt::format(" - {} removed", grouped_number(view.removed_bodies));
+  if (view.other_bodies > 0) text += fmt::format(" + {} others", grouped_number(view.other_bodies));
+  return text + " = " + grouped_number(view.in_effect.bodies - view.removed_bodies + view.other_bodies);
+}
 
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "settings", "N · B · T", workspace.folds.settings)) return end_panel();
@@ -260,7 +273,7 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
     row_label("radius ≤", "Of the generated spheres");
     ImGui::PushID("radius");
     number_field(workspace, "settings.radius", "radius", s.radius_max,
-                 {limits::min_generated_radius, limits::max_radius, "m"}, "{:.4g} m");
+                 {limits::min_generated_radius, view.greatest_radius, "m"}, "{:.4g} m");
     ImGui::PopID();
     draw_input_fault(workspace, "settings.radius");
     row_label("seed", "Of all that is random at the start");

@@ -127,6 +127,12 @@ std::string with_prefix(double value, const char* unit) {
   return fmt::format("{:.3e} {}", value, unit);
 }
 
+std::string component_text(double value) {
+  const double size = std::abs(value);
+  if (value == 0) return fmt::format("{:9.3f}", 0.0);  // no negative zero
+  return size >= 0.0995 && size < 99999.9995 ? fmt::format("{:9.3f}", value) : fmt::format("{:9.2e}", value);
+}
+
 std::string bytes_text(std::int64_t bytes) {
   const double size = static_cast<double>(bytes);
   if (bytes < 1 << 20) return fmt::format("{:.1f} KiB", size / 1024);

@@ -45,6 +45,8 @@ std::string grouped_number(std::int64_t number);
 std::string short_time(double ms);
 /// 1.23e+06 J as "1.23 MJ".
 std::string with_prefix(double value, const char* unit);
+/// A component of a vector in nine columns: three decimals, or an exponent where they would hide the value.
+std::string component_text(double value);
 std::string bytes_text(std::int64_t bytes);
 
 /// The colour of a stage in graph and table, 0xAABBGGRR: more of them than a step has stages.

@@ -79,23 +79,21 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
   };
   for (const auto& around : view.frozen_outlines) outline(around, IM_COL32(120, 214, 255, 255));
   outline(view.outline, IM_COL32(255, 214, 92, 255));
-  const auto line = [&](const std::string& text, float y, ImU32 color) {
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-    const float pad = ImGui::GetFontSize() * 0.5f;
-    const ImVec2 from{at.x + 0.5f * (at.width - size.x), y};
+  float y = at.y + at.height - 0.5f * ImGui::GetFontSize();  // where the next text ends
+  const auto line = [&](const std::string& text, ImU32 color) {
+    const float pad = ImGui::GetFontSize() * 0.5f, wrap = std::max(at.width - 4 * pad, 1.0f);
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+    const ImVec2 from{at.x + 0.5f * (at.width - size.x), y - 0.5f * ImGui::GetFontSize() - size.y};
     list->AddRectFilled({from.x - pad, from.y - 0.5f * pad},
                         {from.x + size.x + pad, from.y + size.y + 0.5f * pad}, IM_COL32(16, 18, 22, 190),
                         pad * 0.6f);
-    list->AddText(from, color, text.c_str());
+    list->AddText(nullptr, 0, from, color, text.c_str(), nullptr, wrap);
+    y = from.y - 0.5f * ImGui::GetFontSize();
   };
-  const float step = ImGui::GetFontSize() * 2;
-  float y = at.y + at.height - step;
-  if (workspace.hint) {
-    line("Space plays and pauses · S steps · drag turns · wheel zooms · click selects · F1 keys", y,
+  if (workspace.hint)
+    line("Space plays and pauses · S steps · drag turns · wheel zooms · click selects · F1 keys",
          IM_COL32(235, 238, 242, 255));
-    y -= step;
-  }
-  if (!workspace.notice.empty()) line(workspace.notice, y, IM_COL32(255, 214, 92, 255));
+  if (!workspace.notice.empty()) line(workspace.notice, IM_COL32(255, 214, 92, 255));
   list->PopClipRect();
 }
 

@@ -4,6 +4,7 @@
 // WorkspaceView from what it runs. No GL, no CUDA, no window.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "sim_cuda/publish.h"
 #include "sim_cuda/residual.h"
 #include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/scene.h"
 #include "ui/accuracy_facts.h"
 #include "ui/break_facts.h"
@@ -69,6 +71,17 @@ struct ShownLayers {
 enum class CameraWish { none, frame_all, frame_selection, front, side, top, orthographic };
 enum class Theme { dark, light };
 
+struct SpeedChoice {
+  double speed;  ///< simulated seconds in each second; 0: a step in every drawn frame
+  const char* name;
+};
+inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×"},
+                                                           {0.25, "0.25 ×"},
+                                                           {0.5, "0.5 ×"},
+                                                           {1, "1 × real time"},
+                                                           {2, "2 ×"},
+                                                           {0, "a step a frame"}}};
+
 /// Which panels are unfolded.
 struct Folds {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
@@ -100,7 +113,7 @@ struct Workspace {
   bool levels_chosen = false;  ///< else boxes start with the levels 2 to 4
 
   bool playing = true;
-  double speed = 1;  ///< simulated seconds wished for in each second; 0: a step in every drawn frame
+  double speed = 1;  ///< of speed_choices
   // Wishes, cleared by the owner once they are met.
   int step_wishes = 0;
   bool restart_wish = false, screenshot_wish = false, csv_wish = false, json_wish = false;
@@ -136,6 +149,16 @@ struct Workspace {
   float largest_font_scale = 3;  ///< that acts on this screen; set by the owner
   Folds folds;
 
+  /// One step, then pause. A key that is held asks for no step while one is pending.
+  void wish_step(bool held = false) {
+    playing = false;
+    if (!held || step_wishes == 0) ++step_wishes;
+  }
+  /// Steps that are pending are dropped.
+  void play_or_pause() {
+    playing = !playing;
+    step_wishes = 0;
+  }
   /// By a factor, within what acts.
   void scale_font(float factor) {
     const float acts = std::min(font_scale, largest_font_scale);
@@ -157,6 +180,9 @@ struct WorkspaceView {
   std::string scene;
   bool generated = false;  ///< N, radius, seed and variant can be changed
   Settings in_effect;
+  double greatest_radius = limits::max_radius;  ///< m, that can be chosen: the spheres must fit in the box
+  /// Beside the N of a generator: removed of it; listed in the scene or added.
+  std::int64_t removed_bodies = 0, other_bodies = 0;
   bool edited = false;                    ///< a physical setting was changed since state 0
   std::int64_t changes = 0;               ///< that a replay would make
   std::string executor, device;           ///< "CPU" or "CUDA", and its name

@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <utility>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
-#include "sim_cuda/scene/text_file.h"
 #include "ui/shown_layers.h"
 #include "ui/widgets.h"
 #include "viewer/app_guard.h"
@@ -23,19 +21,16 @@ namespace {
 
 void say_on_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
-/// What was remembered, and over it what the command line says.
-Workspace first_workspace(const Options& options) {
+/// What was remembered, and over it what the command line says. `keeps`: whether it may be written at the
+/// end.
+Workspace first_workspace(const Options& options, bool& keeps) {
   Workspace workspace;
   const std::string file = settings_path();
-  std::error_code failed;
-  if (!options.view.reset_ui && !file.empty() && std::filesystem::exists(file, failed)) {
-    try {
-      const std::string fault =
-          read_settings(read_text_file(file, std::size_t{1} << 20, "a settings file"), workspace);
-      if (!fault.empty()) say_on_stderr(file + ": " + fault);
-    } catch (const InputError& error) {
-      say_on_stderr(error.what());
-    }
+  keeps = !file.empty();
+  if (!options.view.reset_ui && keeps) {
+    const RememberedSettings remembered = read_settings_file(file, workspace);
+    if (!remembered.fault.empty()) say_on_stderr(remembered.fault);
+    keeps = remembered.may_be_written;
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
@@ -68,7 +63,7 @@ App::App(const Start& start, const Options& options)
       live_(prepared(start)),
       scene_(options.capture.display_path, options.capture.draw, say_on_stderr),
       stability_(options.stability.cases, options.run),
-      workspace_(first_workspace(options)),
+      workspace_(first_workspace(options, keeps_settings_)),
       renderer_name_(gl::renderer_name()),
       software_(gl::is_software_renderer()) {
   cuda_available(&cuda_lack_);
@@ -119,8 +114,7 @@ bool App::run(const std::function<bool()>& ended) {
     frame(std::min(seconds, 0.25));
   }
   try {
-    if (const std::string file = settings_path(); !file.empty())
-      write_whole_file(file, settings_text(workspace_));
+    if (keeps_settings_) write_whole_file(settings_path(), settings_text(workspace_));
   } catch (const MachineError& error) {
     say_on_stderr(error.what());
   }
@@ -256,9 +250,11 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   }
 }
 
-void App::report_error(const std::string& line) {
-  workspace_.playing = false;
-  workspace_.step_wishes = 0;
+void App::report_error(const std::string& line, bool step) {
+  if (step) {
+    workspace_.playing = false;
+    workspace_.step_wishes = 0;
+  }
   // A fault of every frame is one fault.
   if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
   say_on_stderr(line);

@@ -41,10 +41,11 @@ class App {
 
   World prepared(const Start& start);
   void frame(double seconds);
-  /// Does it; an error goes to the window, and pauses. Returns whether there was none.
+  /// Does it; an error goes to the window, and pauses if it was one of a `step`. Returns whether there was
+  /// none.
   template <class Action>
-  bool guarded(Action action);
-  void report_error(const std::string& line);
+  bool guarded(Action action, bool step = false);
+  void report_error(const std::string& line, bool step);
 
   // Hands (app_input.cpp).
   void handle(const InputEvent& event);
@@ -103,12 +104,14 @@ class App {
   struct Left {
     Start start;
     RunOptions options;
+    LiveWorld::Record record;
   };
   std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
   std::optional<Settling> settling_;  ///< what is to begin next
   std::string settling_scene_;        ///< its scene, as text
   EffectCosts costs_;
-  int costs_generation_ = -1;  ///< of the World that costs_ speaks of
+  int costs_generation_ = -1;   ///< of the World that costs_ speaks of
+  bool keeps_settings_ = true;  ///< written at the end; set with workspace_
   Workspace workspace_;
   std::string renderer_name_, picture_file_;
   std::string cuda_lack_;  ///< why CUDA cannot be used; empty: it can

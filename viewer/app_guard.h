@@ -10,16 +10,16 @@
 namespace collidoscope {
 
 template <class Action>
-bool App::guarded(Action action) {
+bool App::guarded(Action action, bool step) {
   try {
     action();
     return true;
   } catch (const Cancelled&) {
     cancelled_ = true;
   } catch (const std::exception& error) {
-    report_error(plain_text(error));
+    report_error(plain_text(error), step);
   } catch (...) {
-    report_error("Internal error: no reason is known");
+    report_error("Internal error: no reason is known", step);
   }
   return false;
 }

@@ -19,7 +19,8 @@ void App::follow_hard_cases(double seconds) {
 
 void App::show_case(LiveStability::Opened opened) {
   if (!before_cases_)
-    before_cases_ = Left{Start{live_.world().scene(), snapshot_of(live_.world())}, live_.world().options()};
+    before_cases_ = Left{Start{live_.world().scene(), snapshot_of(live_.world())}, live_.world().options(),
+                         live_.record()};
   live_.open(std::move(opened.world), std::move(opened.script));
   stability_.shows_case(before_cases_->start.scene.name);
   show_another_scene();
@@ -30,7 +31,7 @@ void App::show_case(LiveStability::Opened opened) {
 
 void App::to_scene_before() {
   if (!before_cases_) return;
-  live_.open(before_cases_->start.world(before_cases_->options));
+  live_.open(before_cases_->start.world(before_cases_->options), std::move(before_cases_->record));
   before_cases_.reset();
   stability_.shows_none();
   show_another_scene();

@@ -53,12 +53,11 @@ void App::handle_key(const InputEvent& event) {
   workspace_.hint = false;
   switch (event.code) {
     case GLFW_KEY_SPACE:
-      if (!again) workspace_.playing = !workspace_.playing;
+      if (!again) workspace_.play_or_pause();
       break;
     case GLFW_KEY_S:
       if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
-      workspace_.playing = false;
-      ++workspace_.step_wishes;
+      workspace_.wish_step(again);
       break;
     case GLFW_KEY_R:
       workspace_.restart_wish |= !again;

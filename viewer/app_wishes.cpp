@@ -25,7 +25,7 @@ void App::meet_wishes(double seconds) {
     workspace_.notice.clear();
   if (std::exchange(workspace_.csv_wish, false)) guarded([&] { export_history(true); });
   if (std::exchange(workspace_.json_wish, false)) guarded([&] { export_history(false); });
-  guarded([&] { scene_.meet_wish(std::exchange(workspace_.camera_wish, CameraWish::none)); });
+  guarded([&] { scene_.meet_wish(std::exchange(workspace_.camera_wish, CameraWish::none), live_); });
   guarded([&] { apply_settings(seconds); });
   if (std::exchange(workspace_.changes_wish, false)) guarded([&] { export_changes(); });
   if (std::exchange(workspace_.throw_wish, false)) guarded([&] { throw_ball(); });
@@ -37,7 +37,7 @@ void App::meet_wishes(double seconds) {
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
   guarded([&] { follow_reference(); });
-  guarded([&] { advance(seconds); });
+  guarded([&] { advance(seconds); }, true);
   guarded([&] { measure_effects(); });
   guarded([&] { measure_accuracy(seconds); });
   guarded([&] { follow_hard_cases(seconds); });
@@ -94,6 +94,7 @@ void App::restart(double seconds) {
   try {
     if (!live_.scripted() && !comes_to_rest(live_.world().scene(), seconds, rest)) return;
     live_.restart(rest ? &*rest : nullptr);
+    workspace_.settings = live_.settings();  // a script begins again with its first ones
   } catch (...) {
     workspace_.restart_wish = false;
     throw;
@@ -169,9 +170,11 @@ void App::export_changes() {
 
 void App::throw_ball() {
   const Vector3d eye = scene_.camera().eye();
-  const std::optional<Body> ball =
-      thrown_ball(eye, scene_.camera().target - eye, scene_.scene_size(), live_.world().initial().box);
-  if (!ball) return say("from here a ball would not come between the walls");
+  World& world = live_.world();
+  const std::vector<Vector3d> position = world.bodies().position;
+  const BallRoom room{world.initial().box, world.scene().obstacles, position, world.initial().radius};
+  const std::optional<Body> ball = thrown_ball(eye, scene_.camera().target - eye, scene_.scene_size(), room);
+  if (!ball) return say("on this line of sight there is no room for a ball");
   Change change;
   change.add = {*ball};
   live_.apply(std::move(change));

@@ -25,17 +25,26 @@ void GuiInput::set_clipboard(void* self, const char* text) {
 }
 
 std::vector<InputEvent> GuiInput::feed() {
+  std::vector<InputEvent> taken = take_events_of_a_frame(window_.events());
+  for (const InputEvent& event : taken) gui_.add(event);
+  return taken;
+}
+
+std::vector<InputEvent> take_events_of_a_frame(std::deque<InputEvent>& events) {
   using Kind = InputEvent::Kind;
   std::vector<InputEvent> taken;
   std::set<int> keys, buttons;
   bool wheel = false, character = false;
-  std::deque<InputEvent>& events = window_.events();
   while (!events.empty()) {
     const InputEvent event = events.front();
+    // A held key repeats faster than slow frames are drawn: a frame takes one repeat, and drops the others.
+    if (event.kind == Kind::key && event.repeat && keys.contains(event.code)) {
+      events.pop_front();
+      continue;
+    }
     // A key or button changes once in a frame; the pointer does not move on after a button changed, nor text
     // come after a key that acts on it.
     if (event.kind == Kind::key && (keys.contains(event.code) || character)) break;
-    if (event.kind == Kind::character && !keys.empty() && character) break;
     if (event.kind == Kind::button && (buttons.contains(event.code) || wheel)) break;
     if ((event.kind == Kind::move || event.kind == Kind::wheel) && !buttons.empty()) break;
     if (event.kind == Kind::move && wheel) break;
@@ -45,7 +54,6 @@ std::vector<InputEvent> GuiInput::feed() {
     if (event.kind == Kind::button) buttons.insert(event.code);
     if (event.kind == Kind::character) character = true;
     if (event.kind == Kind::wheel) wheel = true;
-    gui_.add(event);
   }
   return taken;
 }

@@ -3,6 +3,7 @@
 // where frames are slow, cancel out in ImGui 1.86. So an event that one frame cannot hold waits for the next.
 // ImGui's own GLFW backend is not used: the camera must handle the same events in the same frame.
 
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "viewer/window.h"
 
 namespace collidoscope {
+
+/// Removes from `events` those that one frame can hold, and returns them.
+std::vector<InputEvent> take_events_of_a_frame(std::deque<InputEvent>& events);
 
 class GuiInput {
  public:

@@ -14,6 +14,7 @@ std::string plain_text(const std::exception& error) {
     return std::string("out of memory while ") + lacks->what() + "; fewer bodies need less";
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
     return "out of memory: the machine refused an allocation; fewer bodies need less";
+  if (const auto* large = dynamic_cast<const TooLarge*>(&error)) return large->plain();
   if (dynamic_cast<const InputError*>(&error) != nullptr ||
       dynamic_cast<const MachineError*>(&error) != nullptr)
     return error.what();

@@ -33,7 +33,9 @@ FrameLayers frame_layers(const ShownLayers& shown) {
   return layers;
 }
 
-bool same_bounds(const Bounds& a, const Bounds& b) { return a.min == b.min && a.max == b.max; }
+bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
+  return a && b ? a->min == b->min && a->max == b->max : a.has_value() == b.has_value();
+}
 
 }  // namespace
 
@@ -43,14 +45,14 @@ SceneView::SceneView(DisplayPath wish, const DrawWish& draw, DisplayLink::Say sa
 void SceneView::follow_world(LiveWorld& live) {
   if (generation_ == live.generation()) return;
   World& world = live.world();
-  const Bounds before = renderer_->scene().bounds;
+  const std::optional<Box> before = renderer_->scene().box;
   renderer_->set_scene(frame_scene(world.scene(), world.initial()));
   link_.emplace(world, wish_, say_);
   path_name_ = display_path_name(link_->path());
   generation_ = live.generation();
   scene_wish_ = world.scene().camera;
-  // In another box the same direction shows all of it.
-  if (camera_set_ && !same_bounds(before, renderer_->scene().bounds))
+  // In another box the same direction shows all of it. A body that is added leaves the camera alone.
+  if (camera_set_ && !same_box(before, renderer_->scene().box))
     camera_ = frame_all(renderer_->scene().bounds, aspect(), camera_);
 }
 
@@ -163,10 +165,9 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
   drawn_ = wanted;
 }
 
-void SceneView::meet_wish(CameraWish wish) {
+void SceneView::meet_wish(CameraWish wish, LiveWorld& live) {
   if (wish == CameraWish::none || !renderer_) return;
   camera_moved_ = true;
-  const Bounds& all = renderer_->scene().bounds;
   switch (wish) {
     case CameraWish::none:
       break;
@@ -182,7 +183,9 @@ void SceneView::meet_wish(CameraWish wish) {
       }
       [[fallthrough]];
     case CameraWish::frame_all:
-      camera_ = frame_all(all, aspect(), camera_);
+      camera_ = frame_all(scene_bounds(live.world().scene(), live.world().initial().box,
+                                       live.world().bodies().position, live.world().initial().radius),
+                          aspect(), camera_);
       break;
     case CameraWish::front:
       look_along(camera_, AxisView::front);

@@ -39,7 +39,7 @@ class SceneView {
   void camera_was_moved() { camera_moved_ = true; }
   /// Another scene: the camera looks as that one wishes.
   void forget_camera() { camera_set_ = camera_moved_ = false; }
-  void meet_wish(CameraWish wish);
+  void meet_wish(CameraWish wish, LiveWorld& live);
   /// The body at a pixel of the view; where there is none, the box whose edge is near.
   struct Picked {
     std::optional<std::uint32_t> body;
@@ -52,8 +52,8 @@ class SceneView {
   const Legend& box_legend() const { return box_legend_; }
   const ValueRange& range() const { return range_; }
   const std::optional<BodyReport>& selected() const { return selected_; }
-  /// Metres: of the scene's bounds.
-  double scene_size() const { return renderer_ ? renderer_->scene().bounds.diagonal() : 1; }
+  /// Metres: of the scene's bounds, without bodies that were added.
+  double scene_size() const { return renderer_ ? renderer_->scene().size : 1; }
   /// The selected body's outline in pixels of the view.
   std::vector<std::pair<double, double>> outline() const;
   /// So of what is frozen; of the first hundred such.

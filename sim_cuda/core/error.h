@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace collidoscope {
@@ -32,6 +33,17 @@ class InputError : public std::runtime_error {
 class MachineError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// What a run asks for is more memory than it may have.
+class TooLarge : public MachineError {
+ public:
+  /// `plain` says the same without flags of the command line.
+  TooLarge(const std::string& line, std::string plain) : MachineError(line), plain_(std::move(plain)) {}
+  const std::string& plain() const { return plain_; }
+
+ private:
+  std::string plain_;
 };
 
 }  // namespace collidoscope

@@ -10,6 +10,7 @@
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/philox.h"
+#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/sphere_grid.h"
 
 namespace collidoscope {
@@ -148,6 +149,26 @@ std::optional<Box> box_in_effect(const Scene& scene) {
     box->max = box->min + Vector3d(side, side, side);
   }
   return box;
+}
+
+double greatest_radius_max(const BoxCollider& generator, const Box& box) {
+  Scene scene;
+  scene.box = box;
+  scene.generators = {generator};
+  BoxCollider& one = scene.generators[0];
+  const auto fits = [&](double radius_max) {
+    one.radius_max = radius_max;
+    const Box in_effect = *box_in_effect(scene);
+    return 2 * largest_radius(one) <= (in_effect.max - in_effect.min).minCoeff() &&
+           (one.variant == Variant::paper || in_effect.max.cwiseAbs().maxCoeff() <= limits::max_coordinate);
+  };
+  double low = limits::min_generated_radius, high = limits::max_radius;
+  if (fits(high)) return high;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (fits(middle) ? low : high) = middle;
+  }
+  return low;
 }
 
 void append_box_collider(const BoxCollider& generator, const Box& box, const std::string& where,

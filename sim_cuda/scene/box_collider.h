@@ -39,6 +39,9 @@ double largest_radius(const BoxCollider& generator);
 /// of scaled_side() from its own min corner.
 std::optional<Box> box_in_effect(const Scene& scene);
 
+/// m, the greatest radius_max, within limits.h, with which the spheres of this generator fit in the box.
+double greatest_radius_max(const BoxCollider& generator, const Box& box);
+
 /// Appends the generator's spheres to position and radius, and to velocity where speed_max > 0 (bodies before
 /// them that have none get 0). `where` names the generator in faults. Throws InputError where `apart` finds
 /// no room, and Cancelled where `cancellation` (may be null) was requested.

@@ -1,5 +1,6 @@
 #include "viewer/live/fill_view.h"
 
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {
@@ -8,6 +9,13 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.scene = world.scene().name;
   view.generated = world.scene().generators.size() == 1;
   view.in_effect = settings_of(world);
+  view.removed_bodies = view.other_bodies = 0;
+  if (view.generated) {
+    const BoxCollider& generator = world.scene().generators[0];
+    view.removed_bodies = std::ssize(generator.without);
+    view.other_bodies = std::ssize(world.scene().bodies) + std::ssize(world.scene().added);
+    if (world.scene().box) view.greatest_radius = greatest_radius_max(generator, *world.scene().box);
+  }
   view.executor = world.on_gpu() ? "CUDA" : "CPU";
   view.device = world.device_name();
   view.broad_phases = broad_phase_names();

@@ -278,6 +278,15 @@ void LiveWorld::open(World world, Script script) {
   begin_record();
 }
 
+void LiveWorld::open(World world, Record record) {
+  open(std::move(world));
+  changes_ = std::move(record.changes);
+  first_scene_ = std::move(record.first_scene);
+  first_settings_ = std::move(record.first_settings);
+  began_ = record.began;
+  edited_ = record.edited;
+}
+
 void LiveWorld::play_script() {
   for (; next_in_script_ < script_.changes.size() && script_.changes[next_in_script_].step == world_->steps();
        ++next_in_script_)

@@ -63,6 +63,17 @@ class LiveWorld {
     std::vector<Change> changes;  ///< steps ascending
   };
   void open(World world, Script script = {});
+  /// What was changed of this run since it was made, apart from the World.
+  struct Record {
+    std::vector<Change> changes;
+    Scene first_scene;
+    Settings first_settings;
+    std::int64_t began;
+    bool edited;
+  };
+  Record record() const { return {changes_, first_scene_, first_settings_, began_, edited_}; }
+  /// A run that was left, at the state that it was in; its changes go on.
+  void open(World world, Record record);
   bool scripted() const { return !script_.changes.empty(); }
   /// Back to state 0, with the settings in effect.
   void restart(const RunState* rest = nullptr);

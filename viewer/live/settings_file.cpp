@@ -3,12 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/text_file.h"
 
 namespace collidoscope {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr int file_version = 1;
+
+bool is_settings(const Json& document) {
+  return document.is_object() && document.value("format", Json()) == "collidoscope-settings";
+}
 
 struct Switch {
   const char* name;
@@ -39,7 +49,7 @@ std::string settings_text(const Workspace& workspace) {
   ShownLayers layers = workspace.layers;
   Folds folds = workspace.folds;
   Json document = {{"format", "collidoscope-settings"},
-                   {"version", 1},
+                   {"version", file_version},
                    {"theme", workspace.theme == Theme::light ? "light" : "dark"},
                    {"font_scale", workspace.font_scale},
                    {"speed", workspace.speed},
@@ -57,8 +67,10 @@ std::string settings_text(const Workspace& workspace) {
 
 std::string read_settings(const std::string& text, Workspace& workspace) {
   const Json document = Json::parse(text, nullptr, false);
-  if (!document.is_object() || document.value("format", Json()) != "collidoscope-settings")
+  if (!is_settings(document))
     return "not a settings file of Collidoscope; it is ignored, and written anew at the end";
+  if (document.value("version", Json(file_version)) != file_version)
+    return "settings of another version of Collidoscope; they are neither read nor written";
   const auto number = [&](const char* name, double low, double high, auto& value) {
     const auto found = document.find(name);
     if (found == document.end() || !found->is_number()) return;
@@ -67,7 +79,10 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
   };
   if (document.value("theme", Json()) == "light") workspace.theme = Theme::light;
   number("font_scale", 0.6, 3, workspace.font_scale);
-  number("speed", 0, 2, workspace.speed);
+  double speed = workspace.speed;
+  number("speed", 0, 2, speed);
+  if (std::ranges::find(speed_choices, speed, &SpeedChoice::speed) != speed_choices.end())
+    workspace.speed = speed;
   int first = 0, last = 63, color = 0, box_color = 0;
   number("first_level", 0, 63, first);
   number("last_level", 0, 63, last);
@@ -92,6 +107,21 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
       workspace.breaks.limit(each.condition) = limit.get<double>();
   }
   return "";
+}
+
+RememberedSettings read_settings_file(const std::string& file, Workspace& workspace) {
+  std::error_code failed;
+  if (!std::filesystem::exists(file, failed)) return {};
+  if (!std::filesystem::is_regular_file(file, failed))
+    return {file + ": not a regular file; settings are neither read nor written", false};
+  try {
+    const std::string text = read_text_file(file, std::size_t{1} << 20, "a settings file");
+    const std::string fault = read_settings(text, workspace);
+    if (fault.empty()) return {};
+    return {file + ": " + fault, !is_settings(Json::parse(text, nullptr, false))};
+  } catch (const InputError& error) {
+    return {error.what()};
+  }
 }
 
 }  // namespace collidoscope

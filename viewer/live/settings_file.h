@@ -17,4 +17,11 @@ std::string settings_text(const Workspace& workspace);
 /// settings file at all, else nothing.
 std::string read_settings(const std::string& text, Workspace& workspace);
 
+struct RememberedSettings {
+  std::string fault;           ///< one line for stderr, or empty
+  bool may_be_written = true;  ///< at the end: false for what is no file of this version
+};
+/// The same from a file; one that is not there says nothing. A pipe or a folder is not opened.
+RememberedSettings read_settings_file(const std::string& file, Workspace& workspace);
+
 }  // namespace collidoscope

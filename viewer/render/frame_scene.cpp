@@ -15,17 +15,24 @@ double round_spacing(double width) {
   return 10 * power;
 }
 
-Bounds bounds_of(const InitialBodies& bodies) {
-  Bounds bounds;
-  if (bodies.size() == 0) return bounds;
-  bounds.min.setConstant(1e300);
-  bounds.max.setConstant(-1e300);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vector3d reach = Vector3d::Constant(bodies.radius[i]);
-    bounds.min = bounds.min.cwiseMin(bodies.position[i] - reach);
-    bounds.max = bounds.max.cwiseMax(bodies.position[i] + reach);
+Bounds bounds_of(std::span<const Vector3d> position, std::span<const double> radius) {
+  Bounds bounds{Vector3d::Constant(1e300), Vector3d::Constant(-1e300)};
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    if (!position[i].allFinite()) continue;
+    const Vector3d reach = Vector3d::Constant(radius[i]);
+    bounds.min = bounds.min.cwiseMin(position[i] - reach);
+    bounds.max = bounds.max.cwiseMax(position[i] + reach);
   }
-  return bounds;
+  return bounds.min.x() <= bounds.max.x() ? bounds : Bounds{};
+}
+
+/// The height of the highest level plane below bodies.
+std::optional<double> floor_of(const Scene& scene) {
+  std::optional<double> floor;
+  for (const Plane& plane : scene.obstacles)
+    if (plane.normal.z() >= 0.999 * plane.normal.norm())
+      floor = std::max(floor.value_or(plane.offset), plane.offset);
+  return floor;
 }
 
 // Where a body would come down: the first plane under `from` along gravity. `from` itself where there is
@@ -43,37 +50,41 @@ Vector3d landing(const Scene& scene, const Vector3d& from) {
 
 }  // namespace
 
+Bounds scene_bounds(const Scene& scene, const std::optional<Box>& box, std::span<const Vector3d> position,
+                    std::span<const double> radius) {
+  if (box) return {box->min, box->max};
+  Bounds bounds = bounds_of(position, radius);
+  // A floor among the obstacles is where the grid belongs.
+  if (const std::optional<double> floor = floor_of(scene)) bounds.min.z() = std::min(bounds.min.z(), *floor);
+  // Slopes let bodies fall out of the bounds of state 0: they reach down to where the bodies land.
+  Bounds lower = bounds;
+  const auto reach = [&](const Vector3d& from) {
+    const Vector3d place = landing(scene, from);
+    lower.min = lower.min.cwiseMin(place);
+    lower.max = lower.max.cwiseMax(place);
+  };
+  if (scene.obstacles.empty() || position.empty()) return lower;
+  for (const Vector3d& each : position)
+    if (each.allFinite()) reach(each);
+  reach(bounds.center());
+  return lower;
+}
+
 FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
   FrameScene result;
   result.box = bodies.box;
   result.planes = scene.obstacles;
   result.boxes = scene.boxes;
-  result.bounds = bodies.box ? Bounds{bodies.box->min, bodies.box->max} : bounds_of(bodies);
-  result.floor = result.bounds.min.z();
-  if (!bodies.box) {
-    // A floor among the obstacles is where the grid belongs; the highest one if there are several.
-    bool found = false;
-    for (const Plane& plane : scene.obstacles) {
-      if (plane.normal.z() < 0.999 * plane.normal.norm()) continue;
-      result.floor = found ? std::max(result.floor, plane.offset) : plane.offset;
-      found = true;
-    }
-    result.bounds.min.z() = std::min(result.bounds.min.z(), result.floor);
-    // Slopes let bodies fall out of the bounds of state 0: they reach down to where the bodies land.
-    Bounds lower = result.bounds;
-    const auto reach = [&](const Vector3d& from) {
-      const Vector3d place = landing(scene, from);
-      lower.min = lower.min.cwiseMin(place);
-      lower.max = lower.max.cwiseMax(place);
-    };
-    if (!scene.obstacles.empty() && bodies.size() > 0) {
-      for (const Vector3d& position : bodies.position) reach(position);
-      reach(result.bounds.center());
-    }
-    result.bounds = lower;
-  }
-  const Vector3d size = result.bounds.max - result.bounds.min;
-  result.grid_spacing = round_spacing(std::max(size.x(), size.y()));
+  const std::span<const Vector3d> position = bodies.position;
+  const std::span<const double> radius = bodies.radius;
+  result.bounds = scene_bounds(scene, bodies.box, position, radius);
+  const std::size_t own = bodies.size() - std::min(bodies.size(), scene.added.size());
+  result.size = own > 0 ? scene_bounds(scene, bodies.box, position.first(own), radius.first(own)).diagonal()
+                        : result.bounds.diagonal();
+  result.floor =
+      bodies.box ? bodies.box->min.z() : floor_of(scene).value_or(bounds_of(position, radius).min.z());
+  const Vector3d width = result.bounds.max - result.bounds.min;
+  result.grid_spacing = round_spacing(std::max(width.x(), width.y()));
   double sum = 0;
   for (double radius : bodies.radius) sum += radius;
   if (bodies.size()) result.body_size = sum / static_cast<double>(bodies.size());

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sim_cuda/scene/initial_bodies.h"
@@ -18,6 +19,7 @@ struct FrameScene {
     std::int64_t first = 0, count = 0;
   };
 
+  double size = 1;  ///< m, diagonal of the bounds without bodies that were added (Scene::added)
   Bounds bounds;  ///< of the box, else of the bodies at state 0 and of where they meet the planes below them
   std::optional<Box> box;          ///< whose edges are the walls
   std::vector<Plane> planes;       ///< the obstacles
@@ -33,5 +35,9 @@ struct FrameScene {
 };
 
 FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies);
+
+/// FrameScene::bounds with the bodies at these places; those that are no numbers are left out.
+Bounds scene_bounds(const Scene& scene, const std::optional<Box>& box, std::span<const Vector3d> position,
+                    std::span<const double> radius);
 
 }  // namespace collidoscope

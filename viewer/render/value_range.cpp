@@ -59,14 +59,6 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
   return {};
 }
 
-/// "auto": the power of ten that makes the greater errors about as long as a body is wide.
-double error_scale(int wish, const std::vector<float>& errors, double body_size) {
-  if (wish > 0) return wish;
-  const double error = quantile(errors, 0.9);
-  const double decades = error > 0 ? std::floor(std::log10(2 * body_size / error)) : 0;
-  return std::pow(10, std::clamp(decades, 0.0, 9.0));
-}
-
 // The edge of a bin that at most one node in fifty lies below.
 double low_end(const NodeSpread& spread) {
   std::int64_t below = 0;
@@ -95,11 +87,24 @@ void add_boxes(World& world, const FrameLayers& layers, ValueRange& range) {
 
 }  // namespace
 
+double automatic_error_scale(const std::vector<float>& errors, double body_size, double scene_size) {
+  double most = 0;
+  for (const float error : errors)
+    if (std::isfinite(error)) most = std::max(most, static_cast<double>(error));
+  const double error = quantile(errors, 0.9);
+  double scale = error > 0 ? 2 * body_size / error : 1;
+  if (most > 0) scale = std::min(scale, 0.25 * scene_size / most);
+  return std::pow(10, std::clamp(std::floor(std::log10(scale)), 0.0, 9.0));
+}
+
 ValueRange value_range(World& world, const FrameScene& scene, const FrameLayers& layers,
                        const StepStats& stats) {
   ValueRange range = layers.spheres ? color_range(world, scene, layers.color, stats) : ValueRange{};
   add_boxes(world, layers, range);
-  if (layers.errors) range.error_scale = error_scale(layers.error_scale, world.errors(), scene.body_size);
+  if (layers.errors)
+    range.error_scale = layers.error_scale > 0
+                            ? layers.error_scale
+                            : automatic_error_scale(world.errors(), scene.body_size, scene.bounds.diagonal());
   if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
   return range;
 }
