@@ -28,7 +28,8 @@ class Interruption {
   [[noreturn]] static void obey();
 };
 
-/// What `work` returns; a signal cancels it, within a second, and then ends the program as it would have.
+/// What `work` returns; a signal cancels it, within a second unless it says wait_for_work(), and then ends
+/// the program as it would have.
 int until_interrupted(const std::function<int(Cancellation&)>& work);
 
 }  // namespace collidoscope

@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(
                  2,
                  "--bodies: @/scene.json has no generators; .*"},
         BadInput{"FaultOfTwoFlagsTogether", "", run_with({"--time-step", "1e-9", "--substeps", "0"}), 2,
-                 "--substeps: 0 is not a whole number from 1 to 1000"}),
+                 "--substeps: 0 is not a whole number from 1 to 1000, or auto"}),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -52,6 +53,7 @@ class Started {
     if (!ended_) ended_ = waitpid(child_, &status_, WNOHANG) == child_;
     return !ended_;
   }
+  void send(int signal) const { kill(child_, signal); }
   /// Sends it; how long the program takes to end then.
   double end_by(int signal) {
     const Clock::time_point start = Clock::now();
@@ -70,11 +72,10 @@ class Started {
   int status_ = 0;
 };
 
-const std::vector<std::string> large_run{"run",     "box_collider",  "--bodies", "200000", "--allow-large",
-                                         "--steps", "1000",          "--json",   "report", "--save",
-                                         "end",     "--dump-bodies", "bodies"};
+const std::vector<std::string> large_run{"run",           "box_collider", "--bodies", "200000",
+                                         "--allow-large", "--steps",      "1000"};
 
-TEST(LargeRuns, EndWithinASecondOfASignalAndLeaveNoFile) {
+TEST(LargeRuns, EndWithinASecondOfASignal) {
   for (const int signal : {SIGINT, SIGTERM})
     for (const double wait : {0.02, 0.4, 1.1, 4.0}) {
       Started run(large_run);
@@ -82,23 +83,47 @@ TEST(LargeRuns, EndWithinASecondOfASignalAndLeaveNoFile) {
       ASSERT_TRUE(run.running());
       EXPECT_LT(run.end_by(signal), soon) << "after " << wait << " s";
       EXPECT_EQ(run.status(), 128 + signal);
-      EXPECT_EQ(run.folder().files(), 0u) << "after " << wait << " s";
     }
 }
 
-TEST(LargeRuns, LeaveNoFileWhereASignalComesWhileFilesAreWritten) {
-  Started run({"run", "box_collider", "--variant", "scaled", "--bodies", "300000", "--steps", "0",
-               "--dump-bodies", "bodies", "--dump-dynamics", "dynamics"});
-  const auto is_writing = [&] {
-    for (const auto& file : std::filesystem::directory_iterator(run.folder().path()))
-      if (std::error_code gone; file.file_size(gone) > 1'000'000 && !gone) return true;
-    return false;
-  };
-  while (!is_writing() && run.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  ASSERT_TRUE(run.running());
-  EXPECT_LT(run.end_by(SIGINT), soon);
-  EXPECT_EQ(run.status(), 128 + SIGINT);
-  EXPECT_EQ(run.folder().files(), 0u);
+/// The first signal lets it write the steps that were made, which may take longer.
+TEST(LargeRuns, WithFilesEndWithinASecondOfASecondSignalAndLeaveNoFile) {
+  std::vector<std::string> with_files = large_run;
+  with_files.insert(with_files.end(), {"--json", "report", "--save", "end", "--dump-bodies", "bodies"});
+  for (const double wait : {0.4, 4.0}) {
+    Started run(with_files);
+    std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+    ASSERT_TRUE(run.running());
+    run.send(SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_LT(run.end_by(SIGTERM), soon) << "after " << wait << " s";
+    EXPECT_EQ(run.status(), 128 + SIGTERM);
+    EXPECT_EQ(run.folder().files(), 0u) << "after " << wait << " s";
+  }
+}
+
+TEST(LargeRuns, FinishTheFilesThatTheyWriteWhenASignalComes) {
+  for (const bool again : {false, true}) {
+    Started run({"run", "box_collider", "--variant", "scaled", "--bodies", "300000", "--steps", "0",
+                 "--dump-bodies", "bodies", "--dump-dynamics", "dynamics"});
+    const auto is_writing = [&] {
+      for (const auto& file : std::filesystem::directory_iterator(run.folder().path()))
+        if (std::error_code gone; file.file_size(gone) > 1'000'000 && !gone) return true;
+      return false;
+    };
+    while (!is_writing() && run.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(run.running());
+    if (again) run.send(SIGINT);
+    if (again) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    run.end_by(SIGINT);
+    EXPECT_EQ(run.status(), 128 + SIGINT);
+    EXPECT_EQ(run.folder().files(), again ? 0u : 2u);
+    if (again) continue;
+    for (const char* name : {"bodies", "dynamics"}) {
+      const std::string text = text_of(run.folder() / name);
+      EXPECT_EQ(std::ranges::count(text, '\n'), 300'001) << name;
+    }
+  }
 }
 
 TEST(LargeRuns, OfCaptureEndWithinASecondOfASignal) {
