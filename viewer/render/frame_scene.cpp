@@ -86,7 +86,7 @@ FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
   const Vector3d width = result.bounds.max - result.bounds.min;
   result.grid_spacing = round_spacing(std::max(width.x(), width.y()));
   double sum = 0;
-  for (double radius : bodies.radius) sum += radius;
+  for (const double r : radius) sum += r;
   if (bodies.size()) result.body_size = sum / static_cast<double>(bodies.size());
   if (bodies.size()) result.largest_radius = *std::ranges::max_element(bodies.radius);
   for (double mass : bodies.mass) result.total_mass += mass;
