@@ -140,7 +140,7 @@ TEST(Report, ATimeThatWasNotTakenIsNull) {
 TEST(Report, ANameThatIsNotUtf8StaysJson) {
   RunReport report = example();
   report.scene = "bad \xff name";
-  EXPECT_NO_THROW(static_cast<void>(json::parse(to_json(report))));
+  EXPECT_TRUE(json::accept(to_json(report)));
 }
 
 TEST(Report, TheTableShowsSharesAndMarksOwnShapes) {
