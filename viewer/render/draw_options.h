@@ -35,7 +35,7 @@ struct DrawWish {
   SphereMethod spheres = SphereMethod::automatic;
 };
 
-/// Pictures that nobody waits for are as good as they get. `most_side`: what OpenGL allows, in pixels.
+/// For captures: the best quality. `most_side`: the largest texture side that OpenGL allows, in pixels.
 DrawOptions still_options(const DrawWish& wish, int width, int height, int most_side);
 /// Pictures that follow each other while somebody looks. Automatic is 2 x 2 samples in full light up to
 /// `most_supersampled` bodies on a GPU, 1 beyond; and 1 in quick light where the CPU draws.
