@@ -25,7 +25,8 @@ constexpr std::int64_t least_bytes_on_host = 60, least_bytes_in_buffers = 100;
 
 // What one core of a CPU takes, ns (Xeon at 2.x GHz, float).
 constexpr double ns_of_body = 500, ns_of_body_in_substep = 300, ns_of_pair = 130, ns_of_contact = 700,
-                 ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130;
+                 ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130, ns_of_comparison = 3,
+                 ns_of_comparison_in_tiles = 1;
 
 MovingSpheres spheres_of(const Beginning& beginning) {
   const auto& [scene, initial, effects, substeps, start, ids, capacity] = beginning;
@@ -51,11 +52,21 @@ MovingSpheres spheres_of(const Beginning& beginning) {
   return spheres;
 }
 
+/// What one core takes to find pairs, ns: from the pairs, and where all bodies are compared, from their
+/// square.
+double ns_to_find(const std::string& broad_phase, double bodies, double pairs) {
+  const double each = broad_phase == "brute_force"         ? ns_of_comparison
+                      : broad_phase == "brute_force_tiled" ? ns_of_comparison_in_tiles
+                                                           : 0;
+  return bodies * ns_of_body + pairs * ns_of_pair + each * bodies * bodies / 2;
+}
+
 /// Pipeline runs in a step.
 int runs_of(const Physics& physics, int substeps) { return physics.solver == Solver::impulse ? substeps : 1; }
 
 double seconds_of(const Executor& executor, const Physics& physics, const StepEstimate& of, int substeps) {
-  const double finding = 1e-9 * (static_cast<double>(of.bodies) * ns_of_body + of.pairs * ns_of_pair);
+  const double finding =
+      1e-9 * ns_to_find(executor.options().broad_phase, static_cast<double>(of.bodies), of.pairs);
   return runs_of(physics, substeps) *
          (finding / executor.equal_cores() +
           seconds_to_solve(executor, physics, static_cast<double>(of.bodies), of.contacts, substeps));

@@ -167,7 +167,7 @@ TEST(InitialBodies, RefusesWhatCannotBe) {
   scene.bodies[0].shape = Shape::mesh;
   scene.bodies[0].mesh = "missing.obj";
   EXPECT_THAT(fault_of(scene),
-              testing::StartsWith("missing.obj: cannot be opened (No such file or directory)"));
+              testing::StartsWith("a.json: bodies[0].mesh: missing.obj: cannot be opened (No such file or"));
 
   scene.directory = project_file("assets/scenes/meshes").string();
   scene.bodies[0].mesh = "l_block.obj";

@@ -13,6 +13,7 @@ namespace collidoscope {
 namespace {
 
 using testing::ElementsAre;
+using testing::MatchesRegex;
 using testing::StartsWith;
 
 /// What the program prints of a scene with this text, a line each, without the name of the file.
@@ -104,18 +105,38 @@ TEST(SceneFaults, OfDerivedMassesHaveALine) {
                           "6:3: bodies[2]: its mass would be 4.19e+42" + range,
                           "7:14: bodies[3].radius: must lie in [1e-09, 1e+09] m, not -1"));
   // What only the bodies themselves show: those that a generator makes, and where bodies turn.
-  const std::vector<std::string> generated =
-      lines_of(begin + R"( "box": {"min": [0, 0, 0], "max": [1e9, 1e9, 1e9]},
+  EXPECT_THAT(lines_of(begin + R"( "box": {"min": [0, 0, 0], "max": [1e9, 1e9, 1e9]},
  "materials": {"default": {"density": 1e18}},
  "generators": [{"kind": "box_collider", "count": 3,
   "radius_max": 1e6}]})",
-               {"--guards", "off"});
-  ASSERT_FALSE(generated.empty());
-  EXPECT_THAT(generated[0], testing::MatchesRegex("4:17: generators.0.: body 0: its mass would be .*"));
+                       {"--guards", "off"}),
+              ElementsAre("4:17: generators[0]: its largest sphere's mass would be 4.19e+36" + range));
   EXPECT_THAT(lines_of(begin + R"( "bodies": [
   {"radius": 1},
   {"radius": 1e-8, "position": [5, 0, 0], "angular_velocity": [1, 0, 0]}]})"),
               ElementsAre(StartsWith("4:3: bodies[1]: its moment of inertia would be 1.68e-37 kg m^2")));
+}
+
+// On 8efde11, a number that is none hid what follows from other values, and a mesh file that is missing had
+// no line.
+TEST(SceneFaults, OfDerivedValuesAreListedBesideOthers) {
+  EXPECT_THAT(lines_of(begin + R"( "time_step": NaN,
+ "box": {"min": [0, 0, 0], "max": [1e9, 1e9, 1e9]},
+ "materials": {"default": {}, "heavy": {"density": 1e18}},
+ "bodies": [
+  {"radius": 1e-8, "angular_velocity": [1, 0, 0]},
+  {"shape": "mesh", "mesh": "none.obj", "position": [5, 0, 0]},
+  {"shape": "mesh", "mesh": "s.json", "position": [9, 0, 0]}],
+ "generators": [{"kind": "box_collider", "count": 3, "radius_max": 1e6, "material": "heavy"}]})"),
+              ElementsAre(StartsWith("2:15: NaN is not a number"),
+                          StartsWith("6:3: bodies[0]: its moment of inertia would be 1.68e-37 kg m^2"),
+                          MatchesRegex("7:29: bodies.1..mesh: .*none.obj: cannot be opened .No such file.*"),
+                          MatchesRegex("8:29: bodies.2..mesh: .*s.json:1:1: .* .and [0-9]+ more., not .*"),
+                          StartsWith("9:17: generators[0]: its largest sphere's mass would be 4.19e+36 kg")));
+  EXPECT_THAT(lines_of(begin + R"( "bodies": [{"shape": "mesh", "mesh": "none.obj"},
+  {"shape": "mesh", "mesh": "nor_this.obj", "position": [5, 0, 0]}]})"),
+              ElementsAre(MatchesRegex("2:39: bodies.0..mesh: .*none.obj: cannot be opened .*"),
+                          MatchesRegex("3:29: bodies.1..mesh: .*nor_this.obj: cannot be opened .*")));
 }
 
 TEST(SceneFaults, OfASettingThatAFlagTurnsHaveALine) {

@@ -109,6 +109,17 @@ TEST_P(StepEstimates, RefuseWithFiguresAndAreOverruled) {
   EXPECT_EQ(world.steps(), 0);
 }
 
+TEST_P(StepEstimates, CountWhatComparingAllBodiesTakes) {
+  Scene scene = read_scene(project_file("assets/scenes/box_collider.json").string());
+  scene.generators[0].count = 40000;
+  scene.generators[0].variant = Variant::scaled;
+  RunOptions all = options();
+  const double tree = estimate_of(scene, all).seconds;
+  all.broad_phase = "brute_force";
+  const double brute = estimate_of(scene, all).seconds;
+  EXPECT_GT(brute, 5 * tree);
+}
+
 TEST_P(StepEstimates, NeverMindScenesOfTheProject) {
   std::vector<std::string> lines;
   set_slow_step_news([&](const std::string& line) { lines.push_back(line); });

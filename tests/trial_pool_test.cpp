@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/scenes.h"
 
 namespace collidoscope {
@@ -51,6 +53,18 @@ TEST(TrialPool, StopsWhereItIsTold) {
   std::vector<Trial> trials = trials_of_all(one);
   run_trials(trials, 2, [](std::int64_t) { return false; });
   for (const Trial& trial : trials) EXPECT_FALSE(trial.done());
+}
+
+TEST(TrialPool, RunsLargeTrialsOneAtATime) {
+  const HardCase one = gas(1'000'000'000);
+  for (const bool large : {true, false}) {
+    std::vector<Trial> trials = trials_of_all(one);
+    int calls = 0;
+    run_trials(
+        trials, 3, [&](std::int64_t) { return ++calls < 5; }, large ? 99 : 100);
+    EXPECT_EQ(std::ranges::count_if(trials, [](const Trial& trial) { return trial.progress() > 0; }),
+              large ? 1 : 3);
+  }
 }
 
 TEST(TrialPool, HasNothingToDoWithoutTrials) {

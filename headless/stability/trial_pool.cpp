@@ -10,14 +10,17 @@
 
 namespace collidoscope {
 
-void run_trials(std::span<Trial> trials, int jobs, const std::function<bool(std::int64_t done)>& told) {
+void run_trials(std::span<Trial> trials, int jobs, const std::function<bool(std::int64_t done)>& told,
+                std::int64_t most_bodies) {
   std::atomic<std::size_t> next{0};
   std::atomic<std::int64_t> done{0};
   std::atomic<bool> stop{false};
-  std::mutex mutex;
+  std::mutex mutex, large;
   std::condition_variable ended;
   const auto work = [&] {
     for (std::size_t k = next++; k < trials.size() && !stop; k = next++) {
+      std::unique_lock one_at_a_time(large, std::defer_lock);
+      if (trials[k].bodies() > most_bodies) one_at_a_time.lock();
       while (!stop && trials[k].go_on(20))
         ;
       if (!stop) ++done;

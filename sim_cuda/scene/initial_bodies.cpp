@@ -8,6 +8,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/fault_lines.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/limits.h"
@@ -18,11 +19,6 @@
 
 namespace collidoscope {
 namespace {
-
-Vector3d sphere_inertia(double mass, double radius) {
-  const double moment = 0.4 * mass * radius * radius;
-  return {moment, moment, moment};
-}
 
 bool is_identity(const Quaterniond& q) { return q.w() == 1 && q.x() == 0 && q.y() == 0 && q.z() == 0; }
 
@@ -35,6 +31,9 @@ class MeshStore {
     const auto [entry, is_new] = numbers_.try_emplace(path, 0);
     if (is_new) {
       const std::filesystem::path file = std::filesystem::path(scene_.directory) / path;
+      std::error_code ignored;
+      // A fault of the scene, whose line is known, unlike faults of the mesh.
+      if (!std::filesystem::exists(file, ignored)) throw InputError(fault_lines(scene_, mesh_faults(scene_)));
       bodies_.meshes.push_back(read_mesh(file.lexically_normal().string(), path));
       entry->second = static_cast<std::uint32_t>(bodies_.meshes.size());
     }
@@ -162,7 +161,7 @@ std::string path_of(const Scene& scene, std::size_t body, std::size_t size, std:
 
 /// Ranges that only hold for the numbers worked out here. Spin makes every body's inertia matter.
 void check_ranges(const Scene& scene, const InitialBodies& all) {
-  const bool rotation = scene.physics.effects.value_or(effects_called_for(scene, all)).rotation;
+  const bool rotation = bodies_turn(scene);
   std::vector<Fault> faults;
   const auto fault = [&](std::size_t body, const std::string& what) {
     std::string which;
@@ -170,20 +169,11 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
     faults.push_back({path, which + what});
   };
   for (std::size_t i = 0; i < all.size() && faults.size() < 100; ++i) {
-    if (!(all.mass[i] >= limits::min_mass && all.mass[i] <= limits::max_mass)) {
-      fault(i, fmt::format("its mass would be {:.3g} kg (density times volume); it lies in [{}, {}] kg",
-                           all.mass[i], limits::min_mass, limits::max_mass));
-    }
+    if (const auto wrong = mass_fault(all.mass[i])) fault(i, *wrong);
     if (rotation) {
       const Vector3d inertia =
           all.inertia.empty() ? sphere_inertia(all.mass[i], all.radius[i]) : all.inertia[i];
-      if (!(inertia.minCoeff() >= limits::min_inertia && inertia.maxCoeff() <= limits::max_inertia)) {
-        fault(i,
-              fmt::format("its moment of inertia would be {:.3g} kg m^2; where bodies turn it lies in "
-                          "[{}, {}] kg m^2",
-                          inertia.minCoeff() < limits::min_inertia ? inertia.minCoeff() : inertia.maxCoeff(),
-                          limits::min_inertia, limits::max_inertia));
-      }
+      if (const auto wrong = inertia_fault(inertia)) fault(i, *wrong);
     }
     const bool listed = i < scene.bodies.size() || i >= all.size() - scene.added.size();
     if (all.box && listed && !(2 * all.radius[i] <= (all.box->max - all.box->min).minCoeff())) {

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/json_document.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/object_reader.h"
@@ -20,8 +23,10 @@ namespace {
 
 class SceneReader {
  public:
-  SceneReader(const JsonDocument& document, Scene& scene)
-      : document_(document),
+  /// `with_meshes`: tells of the mesh files too, if there are other faults. Else initial_bodies() does.
+  SceneReader(const JsonDocument& document, Scene& scene, bool with_meshes)
+      : with_meshes_(with_meshes),
+        document_(document),
         reading_{document, document.faults()},
         scene_(scene),
         materials_(scene.materials) {}
@@ -316,7 +321,12 @@ class SceneReader {
   /// validate()'s faults, where the text has them; a value that is not in the text is a fault of what holds
   /// it.
   void locate_faults() {
-    for (Fault& fault : validate(scene_)) {
+    std::vector<Fault> faults = validate(scene_);
+    if (with_meshes_ && !(faults.empty() && reading_.faults.empty())) {
+      std::vector<Fault> more = mesh_faults(scene_);
+      std::ranges::move(more, std::back_inserter(faults));
+    }
+    for (Fault& fault : faults) {
       fault.path = path_in_file(fault.path);
       const auto [node, exact] = locate(document_, document_.root(), fault.path);
       std::string message = line_of(fault);
@@ -337,6 +347,7 @@ class SceneReader {
     return path;
   }
 
+  bool with_meshes_;
   const JsonDocument& document_;
   Reading reading_;
   Scene& scene_;
@@ -347,7 +358,9 @@ class SceneReader {
 
 }  // namespace
 
-Scene parse_scene(std::string text, const std::string& name, const std::string& directory) {
+namespace {
+
+Scene scene_of(std::string text, const std::string& name, const std::string& directory, bool with_meshes) {
   return while_doing("reading a scene", [&] {
     Scene scene;
     scene.directory = directory;
@@ -355,16 +368,22 @@ Scene parse_scene(std::string text, const std::string& name, const std::string& 
     JsonDocument document(std::move(text), name);
     document.read_all([&](bool first) {
       Scene other;
-      return SceneReader(document, first ? scene : other).read();
+      return SceneReader(document, first ? scene : other, with_meshes).read();
     });
     return scene;
   });
 }
 
+}  // namespace
+
+Scene parse_scene(std::string text, const std::string& name, const std::string& directory) {
+  return scene_of(std::move(text), name, directory, false);
+}
+
 Scene read_scene(const std::string& file) {
   std::string text = read_text_file(file, JsonDocument::max_bytes, "a scene file (.json)");
   const std::string directory = std::filesystem::path(file).parent_path().string();
-  return parse_scene(std::move(text), file, directory.empty() ? "." : directory);
+  return scene_of(std::move(text), file, directory.empty() ? "." : directory, true);
 }
 
 }  // namespace collidoscope

@@ -8,6 +8,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/json_syntax.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/mass_properties.h"
@@ -64,6 +65,7 @@ class Validator {
       fault({"", -1, "name"}, fmt::format("must be UTF-8 text of at most {} bytes without control characters",
                                           limits::max_name_length));
     }
+    turning_ = bodies_turn(scene_);
     if (scene_.box) check_box(*scene_.box);
     check_physics(scene_.physics);
     check_materials();
@@ -260,7 +262,7 @@ class Validator {
     if (body.shape == Shape::sphere) {
       if (number(path.at("radius"), body.radius, limits::min_radius, limits::max_radius, "m")) {
         must_fit(path.at("radius"), body.radius);
-        if (!body.mass) check_mass_of_sphere(body, path);
+        check_derived(body, path);
       }
     } else if (body.mesh.empty()) {
       fault(path.at("mesh"), "must name an OBJ file, relative to the scene file");
@@ -282,14 +284,25 @@ class Validator {
             "must be kinematic or dynamic where a velocity is given; static bodies have none");
   }
 
-  void check_mass_of_sphere(const Body& body, const Path& path) {
-    if (body.material < 0 || static_cast<std::size_t>(body.material) >= scene_.materials.size()) return;
-    const double density = scene_.materials[static_cast<std::size_t>(body.material)].density;
-    if (!(density >= limits::min_density && density <= limits::max_density)) return;  // has its own fault
-    const double mass = density * sphere_volume(body.radius);
-    if (!(mass >= limits::min_mass && mass <= limits::max_mass))
-      fault(path, fmt::format("its mass would be {:.3g} kg (density times volume); it lies in [{}, {}] kg",
-                              mass, limits::min_mass, limits::max_mass));
+  /// Its density, unless that or the index has a fault of its own.
+  std::optional<double> density_of(int material) const {
+    if (material < 0 || static_cast<std::size_t>(material) >= scene_.materials.size()) return std::nullopt;
+    const double density = scene_.materials[static_cast<std::size_t>(material)].density;
+    if (!(density >= limits::min_density && density <= limits::max_density)) return std::nullopt;
+    return density;
+  }
+
+  /// The mass and the moment of inertia of a sphere.
+  void check_derived(const Body& body, const Path& path) {
+    const std::optional<double> density = density_of(body.material);
+    if (!body.mass && !density) return;
+    const double mass = body.mass ? *body.mass : *density * sphere_volume(body.radius);
+    if (const auto wrong = mass_fault(mass)) {
+      if (!body.mass) fault(path, *wrong);  // check_body() tells of a mass that is given
+      return;
+    }
+    if (!turning_ || body.inertia) return;
+    if (const auto wrong = inertia_fault(sphere_inertia(mass, body.radius))) fault(path, *wrong);
   }
 
   void check_inertia(const Vector3d& inertia, const Path& path) {
@@ -353,6 +366,10 @@ class Validator {
       } else if (box_is_good_ && good_count && good_radius) {
         check_room(g, path);
       }
+      if (const std::optional<double> density = density_of(g.material); density && good_radius)
+        if (const auto wrong =
+                mass_fault(*density * sphere_volume(largest_radius(g)), "its largest sphere's"))
+          fault(path, *wrong);
     }
   }
 
@@ -487,7 +504,7 @@ class Validator {
 
   const Scene& scene_;
   std::vector<Fault> faults_;
-  bool box_is_good_ = false;
+  bool box_is_good_ = false, turning_ = false;
 };
 
 }  // namespace

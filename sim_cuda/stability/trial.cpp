@@ -336,6 +336,13 @@ double Trial::progress() const {
 }
 
 const TrialResult& Trial::result() const { return impl_->result; }
+std::int64_t Trial::bodies() const {
+  const Scene& scene = impl_->one.scene;
+  auto count = static_cast<std::int64_t>(scene.bodies.size() + scene.added.size());
+  for (const BoxCollider& generator : scene.generators) count += generator.count;
+  return count;
+}
+
 const TrialSetting& Trial::setting() const { return impl_->setting; }
 bool Trial::fault_shows() const {
   return impl_->fault != nullptr && !impl_->result.terms[impl_->fault->term].held;

@@ -68,6 +68,7 @@ class Trial {
   double progress() const;  ///< 0 to 1
   const TrialResult& result() const;
   const TrialSetting& setting() const;
+  std::int64_t bodies() const;  ///< of the case's scene
   /// Of a fault: whether the term that it is to fail did not hold.
   bool fault_shows() const;
 
