@@ -69,7 +69,8 @@ const std::vector<BadFile> bad_folders{{"missing", [](const fs::path&) {}},
 /// Names and sizes of all that lies in a folder.
 std::map<std::string, std::uintmax_t> contents(const fs::path& folder) {
   std::map<std::string, std::uintmax_t> all;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
+  for (const auto& entry :
+       fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied))
     all[entry.path().string()] = entry.is_regular_file() ? entry.file_size() : 0;
   return all;
 }
