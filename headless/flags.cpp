@@ -375,8 +375,6 @@ constexpr Reader readers[] = {
     {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching | studying},
      [](FlagReading& in) { read_path(in.value, in.options.bench.markdown); }},
 
-    {{"--effects-code", "FOLDER", "of bench effects: objects whose machine code is compared", benching},
-     [](FlagReading& in) { read_path(in.value, in.options.bench.effects_code); }},
     {{"--plot", "FILE.png", "a chart of the suite", benching | studying},
      [](FlagReading& in) { read_path(in.value, in.options.bench.plot); }},
 

@@ -34,7 +34,6 @@ struct BenchRequest {
   std::int64_t repeats = 50;          ///< of what is timed
   bool repeats_given = false;         ///< --repeats was
   std::string csv, markdown, plot;    ///< files, or empty
-  std::string effects_code;           ///< folder of the objects of effects_code, or empty
 };
 
 /// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows

@@ -140,7 +140,6 @@ INSTANTIATE_TEST_SUITE_P(
         Reader{"RunMesh", {"run", "#/mesh.json"}}, Reader{"CaptureScene", {"capture", "@", "--out", "#/out"}},
         Reader{"CaptureLoad", {"capture", "--load", "@", "--out", "#/out"}}, Reader{"BvhScene", {"bvh", "@"}},
         Reader{"AccuracyScene", {"accuracy", "@"}}, Reader{"BenchScene", {"bench", "solvers", "@"}},
-        Reader{"EffectsCode", {"bench", "effects", "--effects-code", "@"}, true},
         Reader{"CompareFirst", {"compare", "@", "#/a.png"}},
         Reader{"CompareSecond", {"compare", "#/a.png", "@"}},
         Reader{"StabilityCases", {"stability", "--cases", "@"}, true},

@@ -4,11 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 
-#include "headless/bench/machine_code.h"
 #include "headless/bench/result_files.h"
 #include "headless/bench/spread.h"
 #include "headless/bench/spread_json.h"
@@ -116,29 +113,20 @@ struct Runner {
   }
 };
 
-/// Kernels of all files that an effect touches, in a build without it and in one with all effects.
-struct CodeRow {
-  std::int64_t kernels = 0, bytes = 0;              ///< without the effect
-  std::int64_t different = 0;                       ///< of those, in the whole build
-  std::int64_t added_kernels = 0, added_bytes = 0;  ///< of the whole build
-};
-
 struct EffectRow {
   std::string effect;
   Footprint without, off, on;
   Spread ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
-  std::optional<CodeRow> code;
   bool decides = true;
 
   bool off_is_free() const {
-    return off.launches == without.launches && off.buffers == without.buffers && off.hash == without.hash &&
-           (!code || code->different == 0);
+    return off.launches == without.launches && off.buffers == without.buffers && off.hash == without.hash;
   }
   /// What decides no state leads to the same one.
   bool on_is_right() const { return decides || on.hash == without.hash; }
   bool on_is_seen() const {
     const bool seen = decides ? on.hash != without.hash : on.launches != without.launches;
-    return seen && on_is_right() && (!code || code->added_kernels > 0);
+    return seen && on_is_right();
   }
 };
 
@@ -183,54 +171,8 @@ EffectRow measure_effect(const EffectTrial& trial, const Scene& base, const RunO
     off_ratios.push_back(second.ms[k] / first.ms[k]);
     on_ratios.push_back(with.ms[k] / first.ms[k]);
   }
-  return {std::string(trial.effect),
-          first.footprint(),
-          second.footprint(),
-          with.footprint(),
-          spread_of(first.ms),
-          spread_of(off_ratios),
-          spread_of(on_ratios),
-          {},
-          trial.decides};
-}
-
-/// Adds up the objects of effects_code_<effect>.dir, beside those of the same files with all effects; and the
-/// effect's own files, of effects_code_own_<effect>.dir.
-CodeRow compare_code(const std::filesystem::path& folder, const std::string& effect) {
-  namespace fs = std::filesystem;
-  const fs::path without = folder / ("effects_code_" + effect + ".dir"),
-                 with = folder / "effects_code_all.dir";
-  CodeRow row;
-  std::error_code failed;
-  for (const auto& entry : fs::recursive_directory_iterator(without, failed)) {
-    if (entry.path().extension() != ".o") continue;
-    const auto lean = kernels_of(entry.path()),
-               whole = kernels_of(with / fs::relative(entry.path(), without));
-    for (const auto& [name, kernel] : lean) {
-      ++row.kernels;
-      row.bytes += static_cast<std::int64_t>(kernel.code.size());
-      const auto found = whole.find(name);
-      row.different += found == whole.end() || found->second != kernel;
-    }
-    for (const auto& [name, kernel] : whole) {
-      if (lean.contains(name)) continue;
-      ++row.added_kernels;
-      row.added_bytes += static_cast<std::int64_t>(kernel.code.size());
-    }
-  }
-  for (const auto& entry :
-       fs::recursive_directory_iterator(folder / ("effects_code_own_" + effect + ".dir"), failed)) {
-    if (entry.path().extension() != ".o") continue;
-    for (const auto& [name, kernel] : kernels_of(entry.path())) {
-      ++row.added_kernels;
-      row.added_bytes += static_cast<std::int64_t>(kernel.code.size());
-    }
-  }
-  if (row.kernels == 0)
-    throw InputError(without.string() +
-                     ": no objects; build the target effects_code, and name the folder that "
-                     "holds effects_code_all.dir");
-  return row;
+  return {std::string(trial.effect), first.footprint(),     second.footprint(),   with.footprint(),
+          spread_of(first.ms),       spread_of(off_ratios), spread_of(on_ratios), trial.decides};
 }
 
 Json footprint_json(const Footprint& print) {
@@ -258,16 +200,9 @@ std::string effects_json(const EffectsSetting& setting, const std::vector<Effect
              {"step_ms", spread_json(r.ms)},
              {"off_ratio", spread_json(r.off_ratio)},
              {"on_ratio", spread_json(r.on_ratio)},
-             {"machine_code", nullptr},
              {"without", footprint_json(r.without)},
              {"off", footprint_json(r.off)},
              {"on", footprint_json(r.on)}};
-    if (r.code)
-      one["machine_code"] = {{"kernels", r.code->kernels},
-                             {"bytes", r.code->bytes},
-                             {"different", r.code->different},
-                             {"added_kernels", r.code->added_kernels},
-                             {"added_bytes", r.code->added_bytes}};
     json["effects"].push_back(std::move(one));
   }
   return json_text(json);
@@ -281,34 +216,27 @@ std::vector<std::string> cells_of(const EffectRow& r) {
   std::vector<std::string> cells{
       r.effect,
       r.off_is_free() ? "same" : "DIFFERENT",
-      r.code ? fmt::format("{} of {} KiB {}", r.code->kernels, r.code->bytes / 1024,
-                           r.code->different == 0 ? "same" : "DIFFERENT")
-             : "-",
       fmt::format("{:.2f}", r.ms.median),
       ratio(r.off_ratio),
       ratio(r.on_ratio),
       fmt::format("{:+}", r.on.launch_count() - r.without.launch_count()),
       fmt::format("{:+.1f}",
                   static_cast<double>(r.on.bytes() - r.without.bytes()) / static_cast<double>(1 << 10)),
-      r.code ? fmt::format("{} of {} KiB", r.code->added_kernels, r.code->added_bytes / 1024) : "-",
       r.decides ? (r.on.hash != r.without.hash ? "another" : "THE SAME")
                 : (r.on_is_right() ? "same" : "DIFFERENT")};
   return cells;
 }
 const std::vector<std::string> heads{"effect",
                                      "off: launches, buffers, hash",
-                                     "off: kernels",
                                      "step, ms",
                                      "off, A/B (p5 to p95)",
                                      "on, A/B (p5 to p95)",
                                      "on: launches",
                                      "on: KiB",
-                                     "on: kernels",
                                      "on: hash"};
 
 std::string effects_markdown(const std::vector<EffectRow>& rows) {
-  std::string text =
-      fmt::format("| {} |\n|---|---|---|---:|---:|---:|---:|---:|---|---|\n", fmt::join(heads, " | "));
+  std::string text = fmt::format("| {} |\n|---|---|---:|---:|---:|---:|---:|---|\n", fmt::join(heads, " | "));
   for (const EffectRow& r : rows) {
     std::vector<std::string> cells = cells_of(r);
     cells[0] = "`" + cells[0] + "`";
@@ -320,16 +248,13 @@ std::string effects_markdown(const std::vector<EffectRow>& rows) {
 std::string effects_csv(const std::vector<EffectRow>& rows) {
   std::string text =
       "effect,off_costs_nothing,on_is_seen,step_ms,off_ratio,off_ratio_p5,off_ratio_p95,on_ratio,on_ratio_p5,"
-      "on_ratio_p95,launches_without,launches_off,launches_on,bytes_without,bytes_off,bytes_on,kernels,"
-      "kernels_"
-      "different,kernels_added\n";
+      "on_ratio_p95,launches_without,launches_off,launches_on,bytes_without,bytes_off,bytes_on\n";
   for (const EffectRow& r : rows) {
-    const CodeRow code = r.code.value_or(CodeRow{});
-    text += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_is_free(),
-        r.on_is_seen(), r.ms.median, r.off_ratio.median, r.off_ratio.p5, r.off_ratio.p95, r.on_ratio.median,
-        r.on_ratio.p5, r.on_ratio.p95, r.without.launch_count(), r.off.launch_count(), r.on.launch_count(),
-        r.without.bytes(), r.off.bytes(), r.on.bytes(), code.kernels, code.different, code.added_kernels);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_is_free(),
+                        r.on_is_seen(), r.ms.median, r.off_ratio.median, r.off_ratio.p5, r.off_ratio.p95,
+                        r.on_ratio.median, r.on_ratio.p5, r.on_ratio.p95, r.without.launch_count(),
+                        r.off.launch_count(), r.on.launch_count(), r.without.bytes(), r.off.bytes(),
+                        r.on.bytes());
   }
   return text;
 }
@@ -356,9 +281,6 @@ std::string effects_text(const EffectsSetting& setting, const std::vector<Effect
 
 int bench_effects(const CommandLine& line) {
   const ResultFiles files(line.options);
-  std::vector<CodeRow> codes;  // first: a wrong folder is reported before anything is measured
-  if (const std::string& folder = line.options.bench.effects_code; !folder.empty())
-    for (const EffectTrial& trial : trials) codes.push_back(compare_code(folder, std::string(trial.effect)));
   const Scene base = base_of(line);
   const std::int64_t turns = line.options.bench.repeats;
   World probe(base, line.options.run);
@@ -371,7 +293,6 @@ int bench_effects(const CommandLine& line) {
     std::int64_t done = 0;
     for (const EffectTrial& trial : trials) {
       rows.push_back(measure_effect(trial, base, line.options.run, turns, [&] { progress.update(++done); }));
-      if (!codes.empty()) rows.back().code = codes[rows.size() - 1];
       files.write(effects_json(setting, rows), effects_csv(rows), effects_markdown(rows));
     }
   }

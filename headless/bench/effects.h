@@ -1,20 +1,19 @@
 #pragma once
-// `bench effects`: that an effect which is off costs nothing, and what one that is on costs. For each effect
-// three runs of one scene: one that has never heard of it; one that calls for it, with the effect left out by
-// a list; one with the effect. The second must have the launches, the buffers, the bytes and the hash of the
-// first; the third must not, or the comparison proves nothing. They take turns, so that ratios of their times
-// compare neighbours.
-//
-// With --effects-code FOLDER, the objects of the target `effects_code` (sim_cuda/effects_code.cmake), also:
-// every kernel of a build without the effect is in the build with all of them byte for byte, with as many
-// registers and parameters; what that has beyond is what the effect adds.
+// `bench effects` checks that an effect which is off adds no launch and no buffer, and measures what one that
+// is on costs. It runs one scene three times for each effect: without anything that calls for the effect;
+// with what calls for it, but with the effect left out by a list; with the effect. The second run must have
+// the launches, the buffers, the bytes and the hash of the first. The third must have another hash; with
+// `guards`, which decide no state, the same hash and other launches. The runs take turns of a few steps, so
+// that a ratio of times compares neighbouring turns. All three test the same branches, so the ratios do not
+// show what a branch costs.
 
 #include "headless/command_line.h"
 
 namespace collidoscope {
 
-/// Exit status 1 where an effect that is off leaves a trace, or one that is on none. Throws InputError for a
-/// scene that calls for more than gravity or has no generator, and MachineError.
+/// Exit status 1 where a run with the effect off differs from the run without it, or a run with the effect on
+/// does not. Throws InputError for a scene that calls for more than gravity or has no generator, and
+/// MachineError.
 int bench_effects(const CommandLine& line);
 
 }  // namespace collidoscope

@@ -23,8 +23,8 @@ constexpr Suite every[] = {
      "--sizes --repeats --csv --markdown --plot", bench_paper},
     {"solvers", "our solvers and Bullet's on one pile: time, overlap, energy", "--repeats --csv --markdown",
      bench_solvers},
-    {"effects", "that an effect which is off costs nothing; and what one that is on costs",
-     "--repeats --csv --markdown --effects-code", bench_effects},
+    {"effects", "that an effect which is off adds no launch and no buffer; and what one that is on costs",
+     "--repeats --csv --markdown", bench_effects},
     {"frames", "what a frame of the live view costs: simulate, publish, draw, panels",
      "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
      "--sphere-method",
