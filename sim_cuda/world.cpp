@@ -36,16 +36,6 @@ RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies, const 
   return options;
 }
 
-/// Refuses what is not built.
-const Effects& built(const Effects& effects) {
-  for (const EffectName& effect : effect_names)
-    if (effects.*effect.flag && !(built_effects.*effect.flag))
-      throw MachineError(
-          "this program was built without " + std::string(effect.name) +
-          ", which the scene calls for (COLLIDOSCOPE_WITHOUT); leave it out by a list of effects");
-  return effects;
-}
-
 /// How long the lists of a pipeline are at first: about four times what a packing of such spheres shows, so
 /// that most scenes never grow.
 Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) {
@@ -63,7 +53,7 @@ struct World::Impl {
         options(asked),
         initial((expect_room_for_bodies(scene, options), initial_bodies(scene, options.cancellation))),
         executor(with_key_bits(asked, initial, start)),
-        effects(built(scene.physics.effects.value_or(effects_called_for(scene, initial)))),
+        effects(scene.physics.effects.value_or(effects_called_for(scene, initial))),
         substeps(substeps_of(scene, initial)),
         undo(executor),
         watched(effects.guards),

@@ -1,14 +1,7 @@
 #pragma once
-// The effects that a simulation can include. An effect that is off costs no launch, no byte and no
-// instruction: the stages that it touches take it as a template parameter, or it is a stage of its own. A
-// build may also leave some out altogether, which is how `bench effects` proves it.
-
-#include <string_view>
-
-// The names of effects that this build leaves out, with a space between.
-#ifndef SIM_WITHOUT
-#define SIM_WITHOUT ""
-#endif
+// The effects that a simulation can include. An effect that is off has no launch and no buffer. Stages of its
+// own are not launched; stages that it shares with other effects test a flag or a null pointer, which is the
+// same for all items. Precision and friction in the contact sweeps are template parameters.
 
 namespace collidoscope {
 
@@ -32,33 +25,10 @@ struct Effects {
   friend bool operator==(const Effects&, const Effects&) = default;
 };
 
-constexpr bool is_built(std::string_view effect, std::string_view without = SIM_WITHOUT) {
-  while (!without.empty()) {
-    const std::size_t end = without.find(' ');
-    if (without.substr(0, end) == effect) return false;
-    without.remove_prefix(end == without.npos ? without.size() : end + 1);
-  }
-  return true;
-}
-
-/// What this build can include.
-inline constexpr Effects built_effects{.gravity = is_built("gravity"),
-                                       .attractor = is_built("attractor"),
-                                       .drag = is_built("drag"),
-                                       .rotation = is_built("rotation"),
-                                       .friction = is_built("friction"),
-                                       .rolling_resistance = is_built("rolling_resistance"),
-                                       .joints = is_built("joints"),
-                                       .continuous_collision = is_built("continuous_collision"),
-                                       .sleeping = is_built("sleeping"),
-                                       .guards = is_built("guards")};
-
-/// Calls then<true>() where the effect is on, else then<false>(): a template for each. What is left out of
-/// the build is not compiled.
+/// Calls then<true>() where the effect is on, else then<false>(): a template for each.
 template <bool Effects::*effect, class Then>
 void with_effect(const Effects& effects, const Then& then) {
-  if constexpr (built_effects.*effect)
-    if (effects.*effect) return then.template operator()<true>();
+  if (effects.*effect) return then.template operator()<true>();
   then.template operator()<false>();
 }
 
