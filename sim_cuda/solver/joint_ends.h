@@ -1,7 +1,6 @@
 #pragma once
-// The two ends of a joint while it is worked on: the bodies, where it holds them, and what an impulse there
-// does. Bodies that nothing moves, and the world, take none. `turning`: with rotation; without it, bodies are
-// held at their centres.
+// The two ends of a joint while it is solved: the bodies, the anchors, and the effect of an impulse there.
+// Static bodies and the world take none. Without the effect rotation, bodies are held at their centres.
 
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/joint_state.h"
@@ -9,7 +8,7 @@
 
 namespace collidoscope {
 
-template <class Real, bool turning>
+template <class Real>
 struct JointEnd {
   Vector3<Real> center, velocity;  ///< m, m/s
   Real inverse_mass;               ///< 1/kg
@@ -18,14 +17,16 @@ struct JointEnd {
   Vector3<Real> rate;             ///< rad/s
   Vector3<Real> inverse_inertia;  ///< 1/(kg m^2), principal
   Quaternion<Real> axes;          ///< principal axes to world
+  bool turns;                     ///< the effect rotation is on
 
   SIM_HD static JointEnd of(const BodyView<Real>& bodies, std::uint32_t body, const Vector3<Real>& anchor) {
     JointEnd end;
+    end.turns = bodies.orientation != nullptr;
     end.center = bodies.position[body];
     end.velocity = bodies.velocity[body];
     end.inverse_mass = bodies.inverse_mass[body];
     end.arm = anchor;
-    if constexpr (turning) {
+    if (end.turns) {
       end.rate = bodies.angular_velocity[body];
       end.axes = bodies.orientation[body];
       const Vector3<Real> inertia = bodies.inertia[body];
@@ -36,8 +37,9 @@ struct JointEnd {
     }
     return end;
   }
-  SIM_HD static JointEnd of_world(const Vector3<Real>& place) {
+  SIM_HD static JointEnd of_world(const BodyView<Real>& bodies, const Vector3<Real>& place) {
     JointEnd end;
+    end.turns = bodies.orientation != nullptr;
     end.center = place;
     end.velocity = end.arm = end.rate = end.inverse_inertia = Vector3<Real>::Zero();
     end.inverse_mass = 0;
@@ -47,19 +49,19 @@ struct JointEnd {
   SIM_HD void store(const BodyView<Real>& bodies, std::uint32_t body) const {
     if (!(inverse_mass > 0)) return;
     bodies.velocity[body] = velocity;
-    if constexpr (turning) bodies.angular_velocity[body] = rate;
+    if (turns) bodies.angular_velocity[body] = rate;
   }
 
   /// m/s, of a point of the body, `from` its centre.
   SIM_HD Vector3<Real> speed_at(const Vector3<Real>& from) const {
-    if constexpr (turning)
+    if (turns)
       return velocity + rate.cross(from);
     else
       return velocity;
   }
   /// The same, as a mean over the next move of h seconds, which turns bodies by a Cayley map of h rate.
   SIM_HD Vector3<Real> mean_speed_at(const Vector3<Real>& from, Real h) const {
-    if constexpr (turning)
+    if (turns)
       return velocity + mean_turn(from, h);
     else
       return velocity;
@@ -79,7 +81,7 @@ struct JointEnd {
   }
   /// 1/kg, against an impulse along a unit vector, `from` the centre.
   SIM_HD Real ease_along(const Vector3<Real>& direction, const Vector3<Real>& from) const {
-    if constexpr (turning) {
+    if (turns) {
       const Vector3<Real> moment = from.cross(direction);
       return inverse_mass + moment.dot(eased(moment));
     } else {
@@ -91,7 +93,7 @@ struct JointEnd {
     ease.xx += inverse_mass;
     ease.yy += inverse_mass;
     ease.zz += inverse_mass;
-    if constexpr (turning) {
+    if (turns) {
       const Vector3<Real> x = eased(Vector3<Real>(0, from.z(), -from.y())).cross(from);
       const Vector3<Real> y = eased(Vector3<Real>(-from.z(), 0, from.x())).cross(from);
       const Vector3<Real> z = eased(Vector3<Real>(from.y(), -from.x(), 0)).cross(from);
@@ -105,20 +107,20 @@ struct JointEnd {
   }
   SIM_HD void push(const Vector3<Real>& impulse, const Vector3<Real>& from) {
     velocity += inverse_mass * impulse;
-    if constexpr (turning) rate += eased(from.cross(impulse));
+    if (turns) rate += eased(from.cross(impulse));
   }
   SIM_HD void turn(const Vector3<Real>& impulse) { rate += eased(impulse); }
 };
 
-template <class Real, bool turning>
+template <class Real>
 struct JointEnds {
-  JointEnd<Real, turning> a, b;
+  JointEnd<Real> a, b;
   Vector3<Real> apart;  ///< m, from a's anchor to b's
 
   SIM_HD JointEnds(const BodyView<Real>& bodies, const JointRow<Real>& joint)
-      : a(JointEnd<Real, turning>::of(bodies, joint.a, joint.anchor_a)),
-        b(joint.b == JointRow<Real>::world ? JointEnd<Real, turning>::of_world(joint.anchor_b)
-                                           : JointEnd<Real, turning>::of(bodies, joint.b, joint.anchor_b)),
+      : a(JointEnd<Real>::of(bodies, joint.a, joint.anchor_a)),
+        b(joint.b == JointRow<Real>::world ? JointEnd<Real>::of_world(bodies, joint.anchor_b)
+                                           : JointEnd<Real>::of(bodies, joint.b, joint.anchor_b)),
         apart((b.center - a.center) + (b.arm - a.arm)) {}
   SIM_HD void store(const BodyView<Real>& bodies, const JointRow<Real>& joint) const {
     a.store(bodies, joint.a);

@@ -24,16 +24,17 @@
 
 namespace collidoscope {
 
-template <class Real, bool turning>
+template <class Real>
 struct JointWork {
   const JointRow<Real>& joint;
   JointImpulse<Real>& given;
-  JointEnds<Real, turning>& ends;
+  JointEnds<Real>& ends;
   Real h;  ///< s, of a substep
+  JointPhase phase;
 
-  SIM_HD JointWork(const JointRow<Real>& row, JointImpulse<Real>& impulse, JointEnds<Real, turning>& both,
-                   Real substep)
-      : joint(row), given(impulse), ends(both), h(substep) {}
+  SIM_HD JointWork(const JointRow<Real>& row, JointImpulse<Real>& impulse, JointEnds<Real>& both,
+                   Real substep, JointPhase p)
+      : joint(row), given(impulse), ends(both), h(substep), phase(p) {}
 
   SIM_HD void warm_start() {
     if (whirls(ends.a) || whirls(ends.b)) {
@@ -46,33 +47,30 @@ struct JointWork {
     given.upper *= keep;
     if (joint.kind == JointKind::ball || joint.kind == JointKind::hinge) {
       push_point(given.linear);
-      if constexpr (turning)
-        if (joint.kind == JointKind::hinge) {
-          const Hinge hinge(*this);
-          given.across[0] *= keep;
-          given.across[1] *= keep;
-          turn(given.across[0] * hinge.side + given.across[1] * hinge.other +
-               (given.lower - given.upper) * hinge.axis);
-        }
+      if (ends.a.turns && joint.kind == JointKind::hinge) {
+        const Hinge hinge(*this);
+        given.across[0] *= keep;
+        given.across[1] *= keep;
+        turn(given.across[0] * hinge.side + given.across[1] * hinge.other +
+             (given.lower - given.upper) * hinge.axis);
+      }
     } else {
       const Real length = length_of(ends.apart);
       push_along(direction(length), given.linear.x() + given.lower - given.upper);
     }
   }
 
-  template <JointPhase phase>
   SIM_HD void sweep() {
-    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring) return line<phase>();
-    if constexpr (turning)
-      if (joint.kind == JointKind::hinge) hinge<phase>();
-    point<phase>();
+    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring) return line();
+    if (ends.a.turns && joint.kind == JointKind::hinge) hinge();
+    point();
   }
 
  private:
   /// It turns so far in a substep, by half a radian, that an impulse of the substep before is none for this
   /// one: carried over all the same, joints that contradict each other would bring energy without end.
-  SIM_HD bool whirls(const JointEnd<Real, turning>& end) const {
-    if constexpr (turning) return h * h * end.rate.dot(end.rate) > Real(0.25);
+  SIM_HD bool whirls(const JointEnd<Real>& end) const {
+    if (end.turns) return h * h * end.rate.dot(end.rate) > Real(0.25);
     return false;
   }
   static SIM_HD Real length_of(const Vector3<Real>& v) {
@@ -96,7 +94,6 @@ struct JointWork {
 
   SIM_HD Real bounded(Real speed) const { return clamp_to(speed, -joint.fastest, joint.fastest); }
   /// What is held from both sides: the new part of `impulse`.
-  template <JointPhase phase>
   SIM_HD Real hold(Real error, Real speed, Real mass, Real impulse) const {
     const JointStiffness<Real>& s = joint.stiffness;
     if (phase == JointPhase::relax) return -mass * speed;
@@ -104,10 +101,9 @@ struct JointWork {
     return -mass * (s.scale * speed + pull) - s.yield * impulse;
   }
   /// What is held from one side, by a gap that `speed` opens; < 0: too far. May close, and not more.
-  template <JointPhase phase>
   SIM_HD Real limit(Real gap, Real speed, Real mass, Real& impulse) const {
     if (phase == JointPhase::relax && gap > 0 && !(impulse > 0)) return 0;
-    const Real change = gap > 0 ? -mass * (speed + gap / h) : hold<phase>(gap, speed, mass, impulse);
+    const Real change = gap > 0 ? -mass * (speed + gap / h) : hold(gap, speed, mass, impulse);
     const Real next = max_of(impulse + change, Real(0)), given_now = next - impulse;
     impulse = next;
     return given_now;
@@ -115,7 +111,6 @@ struct JointWork {
 
   // ---- along the line from anchor to anchor ----
 
-  template <JointPhase phase>
   SIM_HD void line() {
     const bool spring = joint.kind == JointKind::spring;
     if (phase == JointPhase::relax && spring) return;
@@ -124,7 +119,7 @@ struct JointWork {
     const Real ease = ends.a.ease_along(normal, ends.a.arm) + ends.b.ease_along(normal, ends.b.arm);
     const Real mass = inverse(ease);
     Real speed = (ends.b.speed_at(ends.b.arm) - ends.a.speed_at(ends.a.arm)).dot(normal);
-    if constexpr (phase == JointPhase::solve) {
+    if (phase == JointPhase::solve) {
       const Vector3<Real> mean = ends.b.mean_speed_at(ends.b.arm, h) - ends.a.mean_speed_at(ends.a.arm, h);
       const Vector3<Real> then = ends.apart + h * mean;
       if (ends.apart.dot(then) > 0)  // else it passes through 0, which is no curve
@@ -132,12 +127,12 @@ struct JointWork {
     }
     Real change = 0;
     if (joint.low == joint.high) {
-      change = hold<phase>(length - joint.low, speed, mass, given.linear.x());
+      change = hold(length - joint.low, speed, mass, given.linear.x());
       given.linear.x() += change;
     } else {
-      if (joint.low > 0) change += limit<phase>(length - joint.low, speed, mass, given.lower);
+      if (joint.low > 0) change += limit(length - joint.low, speed, mass, given.lower);
       if (finite(joint.high))
-        change -= limit<phase>(joint.high - length, -(speed + change * ease), mass, given.upper);
+        change -= limit(joint.high - length, -(speed + change * ease), mass, given.upper);
     }
     push_along(normal, change);
   }
@@ -155,13 +150,12 @@ struct JointWork {
     ends.a.push(-impulse, arm_a());
   }
 
-  template <JointPhase phase>
   SIM_HD void point() {
     Symmetric3<Real> ease;
     ends.a.add_ease(arm_a(), ease);
     ends.b.add_ease(arm_b(), ease);
     Vector3<Real> wanted = ends.b.speed_at(arm_b()) - ends.a.speed_at(arm_a());
-    if constexpr (phase == JointPhase::solve) {
+    if (phase == JointPhase::solve) {
       const Vector3<Real> mean = ends.b.mean_speed_at(ends.b.arm, h) - ends.a.mean_speed_at(ends.a.arm, h);
       wanted += within<Real>(mean - wanted + joint.stiffness.pull * ends.apart, joint.fastest);
     }
@@ -181,15 +175,14 @@ struct JointWork {
           other(axis.cross(side)) {}
   };
 
-  template <JointPhase phase>
   SIM_HD void hinge() {
     const Hinge frame(*this);
     if (joint.limited) {
       const Real mass = inverse(frame.axis.dot(ends.a.eased(frame.axis) + ends.b.eased(frame.axis)));
       const HingeRoom<Real> room(joint, ends.a.axes, ends.b.axes);
       const auto rate = [&] { return (ends.b.rate - ends.a.rate).dot(frame.axis); };
-      turn(limit<phase>(room.above, rate(), mass, given.lower) * frame.axis);
-      turn(-limit<phase>(room.below, -rate(), mass, given.upper) * frame.axis);
+      turn(limit(room.above, rate(), mass, given.lower) * frame.axis);
+      turn(-limit(room.below, -rate(), mass, given.upper) * frame.axis);
     }
     const Vector3<Real> ease_side = ends.a.eased(frame.side) + ends.b.eased(frame.side);
     const Vector3<Real> ease_other = ends.a.eased(frame.other) + ends.b.eased(frame.other);
@@ -197,7 +190,7 @@ struct JointWork {
                k11 = frame.other.dot(ease_other);
     const Vector3<Real> error = frame.axis.cross(frame.axis_b);
     Vector3<Real> wanted = ends.b.rate - ends.a.rate;
-    if constexpr (phase == JointPhase::solve) {
+    if (phase == JointPhase::solve) {
       const Vector3<Real> a = ends.a.mean_turn(frame.axis, h), b = ends.b.mean_turn(frame.axis_b, h);
       const Vector3<Real> mean = a.cross(frame.axis_b) + frame.axis.cross(b) + h * a.cross(b);
       const Vector3<Real> across = wanted - wanted.dot(frame.axis) * frame.axis;

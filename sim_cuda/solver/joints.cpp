@@ -124,6 +124,7 @@ struct JointRounds {
   BodyView<Real> bodies;
   Real h;
   const StepControl* control;
+  const std::uint8_t* asleep;  ///< by body; null where the effect sleeping is off
   static constexpr bool planned = true;
   SIM_HD std::int64_t items(int round) const {
     return control->overflow ? 0 : joints.begin[round + 1] - joints.begin[round];
@@ -131,53 +132,48 @@ struct JointRounds {
   SIM_HD std::size_t place(int round, int item) const {
     return joints.begin[round] + static_cast<std::uint32_t>(item);
   }
+  SIM_HD bool sleeps(const JointRow<Real>& joint) const {
+    return asleep != nullptr && (asleep[joint.a] || (joint.b != PlacedJoint::world && asleep[joint.b]));
+  }
 };
 
 namespace {
 
-template <class Real, bool turning>
+template <class Real>
 struct WarmJoints : JointRounds<Real> {
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
+    if (this->sleeps(joint)) return;
     JointImpulse<Real> given = this->joints.impulses[place];
-    JointEnds<Real, turning> ends(this->bodies, joint);
-    JointWork<Real, turning>(joint, given, ends, this->h).warm_start();
+    JointEnds<Real> ends(this->bodies, joint);
+    JointWork<Real>(joint, given, ends, this->h, JointPhase::solve).warm_start();
     ends.store(this->bodies, joint);
     this->joints.impulses[place] = given;
   }
 };
 
-template <class Real, bool turning, JointPhase phase>
+template <class Real>
 struct SweepJoints : JointRounds<Real> {
+  JointPhase phase;
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
-    if (phase == JointPhase::relax && joint.kind == JointKind::spring) return;
+    if (this->sleeps(joint) || (phase == JointPhase::relax && joint.kind == JointKind::spring)) return;
     JointImpulse<Real> given = this->joints.impulses[place];
-    JointEnds<Real, turning> ends(this->bodies, joint);
-    JointWork<Real, turning>(joint, given, ends, this->h).template sweep<phase>();
+    JointEnds<Real> ends(this->bodies, joint);
+    JointWork<Real>(joint, given, ends, this->h, phase).sweep();
     ends.store(this->bodies, joint);
     this->joints.impulses[place] = given;
   }
 };
 
-template <class Rounds>
-struct OfAwakeJoints : Rounds {
-  const std::uint8_t* asleep;
-  SIM_HD void operator()(int round, int item) const {
-    const auto& joint = this->joints.rows[this->place(round, item)];
-    if (asleep[joint.a] || (joint.b != PlacedJoint::world && asleep[joint.b])) return;
-    Rounds::operator()(round, item);
-  }
-};
-
-template <class Real, bool turning>
+template <class Real>
 struct MeasureJoint {
   JointView<Real> joints;
   BodyView<Real> bodies;
   SIM_HD JointSums operator()(std::int64_t place) const {
-    return measure_joint<Real, turning>(bodies, joints.rows[place]);
+    return measure_joint<Real>(bodies, joints.rows[place]);
   }
 };
 
@@ -185,10 +181,9 @@ struct MeasureJoint {
 
 template <class Real>
 Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
-                     const BodyView<Real>& bodies, bool rotation, Real h, const StepControl* control)
+                     const BodyView<Real>& bodies, Real h, const StepControl* control)
     : executor_(executor),
       bodies_(bodies),
-      rotation_(rotation),
       h_(h),
       control_(control),
       rows_(executor, "joints"),
@@ -243,52 +238,32 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
 }
 
 template <class Real>
-template <class Rounds>
-void Joints<Real>::run(const Rounds& rounds) {
-  asleep_ != nullptr
-      ? executor_.run_rounds("joints", colours_, widest_, OfAwakeJoints<Rounds>{rounds, asleep_})
-      : executor_.run_rounds("joints", colours_, widest_, rounds);
+JointRounds<Real> Joints<Real>::rounds() const {
+  return {view(), bodies_, h_, control_, asleep_};
 }
 
 template <class Real>
 void Joints<Real>::warm_start() {
-  const JointRounds<Real> rounds{view(), bodies_, h_, control_};
-  if (rotation_)
-    run(WarmJoints<Real, true>{rounds});
-  else
-    run(WarmJoints<Real, false>{rounds});
-}
-
-template <class Real>
-template <JointPhase phase>
-void Joints<Real>::sweep() {
-  const JointRounds<Real> rounds{view(), bodies_, h_, control_};
-  if (rotation_)
-    run(SweepJoints<Real, true, phase>{rounds});
-  else
-    run(SweepJoints<Real, false, phase>{rounds});
+  executor_.run_rounds("joints", colours_, widest_, WarmJoints<Real>{rounds()});
 }
 
 template <class Real>
 void Joints<Real>::solve() {
-  sweep<JointPhase::solve>();
+  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real>{rounds(), JointPhase::solve});
 }
 
 template <class Real>
 void Joints<Real>::relax() {
-  sweep<JointPhase::relax>();
+  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real>{rounds(), JointPhase::relax});
 }
 
 template <class Real>
 void Joints<Real>::measure(StepStats& stats) {
-  const auto with = [&](const auto& load) {
-    JointSums sums;
-    executor_.copy_to_host(&sums, reduce<JointSums>(executor_, "measure", count(), load, sums_.data()),
-                           sizeof sums);
-    return sums;
-  };
-  const JointSums sums = rotation_ ? with(MeasureJoint<Real, true>{view(), bodies_})
-                                   : with(MeasureJoint<Real, false>{view(), bodies_});
+  JointSums sums;
+  executor_.copy_to_host(
+      &sums,
+      reduce<JointSums>(executor_, "measure", count(), MeasureJoint<Real>{view(), bodies_}, sums_.data()),
+      sizeof sums);
   stats.joints = count();
   stats.max_joint_error = sums.error;
   stats.max_joint_angle = sums.angle;

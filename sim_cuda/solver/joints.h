@@ -22,11 +22,14 @@
 namespace collidoscope {
 
 template <class Real>
+struct JointRounds;
+
+template <class Real>
 class Joints {
  public:
   /// `h`: s, of a substep. `control` and what `bodies` points to stay.
   Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
-         const BodyView<Real>& bodies, bool rotation, Real h, const StepControl* control);
+         const BodyView<Real>& bodies, Real h, const StepControl* control);
 
   std::int64_t count() const { return static_cast<std::int64_t>(rows_.size()); }
   int colours() const { return colours_; }
@@ -53,14 +56,10 @@ class Joints {
   void visit_memory(const ArrayVisit& visit) const { visit(impulses_.data(), impulses_.bytes()); }
 
  private:
-  template <JointPhase phase>
-  void sweep();
-  template <class Rounds>
-  void run(const Rounds& rounds);
+  JointRounds<Real> rounds() const;
 
   Executor& executor_;
   const BodyView<Real> bodies_;
-  const bool rotation_;
   const Real h_;
   const StepControl* control_;
   const std::uint8_t* asleep_ = nullptr;

@@ -36,8 +36,8 @@ SIM_HD inline std::uint32_t root_of(std::uint32_t* parent, std::uint32_t body) {
   return at;
 }
 
-/// Makes one island of two bodies. `turning`, here and below: bodies have a spin.
-template <class Real, bool turning>
+/// Makes one island of two bodies.
+template <class Real>
 struct Islands {
   BodyView<Real> bodies;
   std::uint32_t* parent;
@@ -46,7 +46,7 @@ struct Islands {
   SIM_HD bool moves(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
     bool some = v.dot(v) > 0;
-    if constexpr (turning) {
+    if (bodies.angular_velocity != nullptr) {
       const Vector3<Real> spin = bodies.angular_velocity[body];
       some = some || spin.dot(spin) > 0;
     }
@@ -70,17 +70,17 @@ struct Islands {
   }
 };
 
-template <class Real, bool turning>
+template <class Real>
 struct JoinByContacts {
   const Pair* contacts;
-  Islands<Real, turning> islands;
+  Islands<Real> islands;
   SIM_HD void operator()(int contact) const { islands.join(contacts[contact].a, contacts[contact].b); }
 };
 
-template <class Real, bool turning>
+template <class Real>
 struct JoinByJoints {
   const JointRow<Real>* rows;
-  Islands<Real, turning> islands;
+  Islands<Real> islands;
   SIM_HD void operator()(int joint) const {
     if (rows[joint].b != JointRow<Real>::world) islands.join(rows[joint].a, rows[joint].b);
   }
@@ -99,7 +99,7 @@ struct StirIslands {
   }
 };
 
-template <class Real, bool turning>
+template <class Real>
 struct FallAsleepOrWake {
   BodyView<Real> bodies;
   std::uint32_t* parent;
@@ -117,11 +117,11 @@ struct FallAsleepOrWake {
     slow[body] = sleeps ? slow_and_asleep : 0;
     if (!sleeps) return;
     bodies.velocity[body] = Vector3<Real>::Zero();
-    if constexpr (turning) bodies.angular_velocity[body] = Vector3<Real>::Zero();
+    if (bodies.angular_velocity != nullptr) bodies.angular_velocity[body] = Vector3<Real>::Zero();
   }
 };
 
-template <class Real, bool turning>
+template <class Real>
 struct CountSlowSteps {
   BodyView<Real> bodies;
   Real speed;
@@ -132,7 +132,7 @@ struct CountSlowSteps {
     if (control->overflow) return;
     const Vector3<Real> v = bodies.velocity[body];
     bool is_slow = v.dot(v) < speed * speed;
-    if constexpr (turning) {
+    if (bodies.angular_velocity != nullptr) {
       const Vector3<Real> surface = bodies.radius[body] * bodies.angular_velocity[body].load();
       is_slow = is_slow && surface.dot(surface) < speed * speed;
     }
@@ -152,12 +152,6 @@ struct CountSleepers {
     return {asleep, root, root & asleep};
   }
 };
-
-/// What decides stages here: bodies have a spin where the effect is on.
-template <class Real>
-Effects rotation_effect(const BodyView<Real>& bodies) {
-  return {.rotation = bodies.angular_velocity != nullptr};
-}
 
 /// Before the first run: no body is the root of an island.
 std::vector<std::uint32_t> no_islands(std::int64_t bodies) {
@@ -195,25 +189,21 @@ template <class Real>
 void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
                                   const JointView<Real>& joints) {
   executor_.run("islands", body_count_, BeginIslands{parent_.data(), restless_.data(), asleep_.data()});
-  with_effect<&Effects::rotation>(rotation_effect(bodies_), [&]<bool turning>() {
-    const Islands<Real, turning> islands{bodies_, parent_.data(), asleep_.data()};  // known anew at the end
-    executor_.run("islands", Count(&control_->contacts, contact_capacity),
-                  JoinByContacts<Real, turning>{contacts.bodies, islands});
-    executor_.run("islands", joints.count, JoinByJoints<Real, turning>{joints.rows, islands});
-    executor_.run("islands", body_count_,
-                  StirIslands{slow_.data(), needed_, parent_.data(), asleep_.data(), restless_.data()});
-    executor_.run("islands", body_count_,
-                  FallAsleepOrWake<Real, turning>{bodies_, parent_.data(), restless_.data(), slow_.data(),
-                                                  asleep_.data(), control_});
-  });
+  const Islands<Real> islands{bodies_, parent_.data(), asleep_.data()};  // known anew at the end
+  executor_.run("islands", Count(&control_->contacts, contact_capacity),
+                JoinByContacts<Real>{contacts.bodies, islands});
+  executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
+  executor_.run("islands", body_count_,
+                StirIslands{slow_.data(), needed_, parent_.data(), asleep_.data(), restless_.data()});
+  executor_.run("islands", body_count_,
+                FallAsleepOrWake<Real>{bodies_, parent_.data(), restless_.data(), slow_.data(),
+                                       asleep_.data(), control_});
 }
 
 template <class Real>
 void Sleeping<Real>::count() {
-  with_effect<&Effects::rotation>(rotation_effect(bodies_), [&]<bool turning>() {
-    run_awake_bodies(executor_, "islands", body_count_, asleep_.data(),
-                     CountSlowSteps<Real, turning>{bodies_, speed_, needed_, slow_.data(), control_});
-  });
+  run_awake_bodies(executor_, "islands", body_count_, asleep_.data(),
+                   CountSlowSteps<Real>{bodies_, speed_, needed_, slow_.data(), control_});
 }
 
 template <class Real>
