@@ -392,7 +392,7 @@ void expect_foreseen() {
     constexpr Course course = dragged ? Course::dragged : Course::straight;
     const StoredVector3<double> stored[2] = {v[0], v[1]};
     const Foresight<double> foresight{course, stored, dt, dt * dt * g.norm()};
-    EXPECT_TRUE((spheres_will_touch<double, course>(x[0], r[0], v[0], x[1], r[1], v[1], foresight)));
+    EXPECT_TRUE(spheres_will_touch<double>(x[0], r[0], v[0], x[1], r[1], v[1], foresight));
     Aabb boxes[2];
     const SweptBounds<double> bounds{x, stored, r, dt, foresight.slack, boxes};
     bounds(0);

@@ -2,67 +2,61 @@
 
 #include "sim_cuda/core/block.h"
 #include "sim_cuda/core/scan.h"
-#include "sim_cuda/scene/effects.h"
 
 namespace collidoscope {
 
 namespace {
 
 /// Whether a body touches others, or may soon.
-template <class Real, Course course>
+template <class Real>
 struct TouchTest {
-  static constexpr bool foreseeing = course != Course::rest;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
   Vector3<Real> x, v;
   Real r;
   SIM_HD TouchTest(const SphereView<Real>& all, const Foresight<Real>& soon, int body)
       : spheres(all), foresight(soon), x(all.position[body]), r(all.radius[body]) {
-    if constexpr (foreseeing) v = soon.velocity[body];
+    v = foresees() ? soon.velocity[body].load() : Vector3<Real>(Vector3<Real>::Zero());
   }
+  SIM_HD bool foresees() const { return foresight.course != Course::rest; }
   SIM_HD bool with(std::uint32_t other) const {
     const Vector3<Real> y = spheres.position[other];
     const Real s = spheres.radius[other];
-    if constexpr (foreseeing)
-      return spheres_will_touch<Real, course>(x, r, v, y, s, foresight.velocity[other], foresight);
-    else
-      return spheres_touch<Real>(x, r, y, s);
-  }
-};
-
-/// Pairs that have no contact, in scenes that have such.
-template <class Real>
-struct Apart {
-  PartedPairs joined;
-  const Real* inverse_mass;  ///< 1/kg; null: all bodies can be moved
-  SIM_HD bool hold(std::uint32_t a, std::uint32_t b) const {
-    if (inverse_mass != nullptr && inverse_mass[a] == 0 && inverse_mass[b] == 0) return true;
-    return joined.hold(a, b);
+    if (foresees()) return spheres_will_touch<Real>(x, r, v, y, s, foresight.velocity[other], foresight);
+    return spheres_touch<Real>(x, r, y, s);
   }
 };
 
 /// The pairs of a body, the smaller of their ids, and which of them are contacts.
-template <class Real, Course course, class Parted>
+template <class Real>
 struct TestedPairs {
   PairView pairs;
   SphereView<Real> spheres;
   Foresight<Real> foresight;
-  [[no_unique_address]] Parted parted;
+  PartedPairs parted;
   const StepControl* control;
 
-  SIM_HD TouchTest<Real, course> of(int body) const { return {spheres, foresight, body}; }
+  SIM_HD TouchTest<Real> of(int body) const { return {spheres, foresight, body}; }
   SIM_HD std::uint32_t begin(int body) const { return pairs.offset[body]; }
   SIM_HD std::uint32_t end(int body) const { return pairs.offset[body + 1]; }
-  SIM_HD bool is_contact(const TouchTest<Real, course>& touch, int body, std::uint32_t k) const {
+  SIM_HD bool is_contact(const TouchTest<Real>& touch, int body, std::uint32_t k) const {
     const std::uint32_t other = pairs.second[k];
-    return touch.with(other) && !parted.hold(static_cast<std::uint32_t>(body), other);
+    return touch.with(other) && !apart(static_cast<std::uint32_t>(body), other);
   }
   SIM_HD bool is_long(int body) const { return !control->overflow && end(body) - begin(body) > long_list; }
+
+ private:
+  /// Two bodies that no force moves, or that a joint holds, have no contact.
+  SIM_HD bool apart(std::uint32_t a, std::uint32_t b) const {
+    const Real* inverse_mass = spheres.inverse_mass;
+    if (inverse_mass != nullptr && inverse_mass[a] == 0 && inverse_mass[b] == 0) return true;
+    return parted.count > 0 && parted.hold(a, b);
+  }
 };
 
-template <class Tested>
+template <class Real>
 struct CountContacts {
-  Tested tested;
+  TestedPairs<Real> tested;
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
     if (tested.control->overflow) return;
@@ -100,9 +94,9 @@ struct AcceptContacts {
   }
 };
 
-template <class Real, class Tested>
+template <class Real>
 struct WriteContacts {
-  Tested tested;
+  TestedPairs<Real> tested;
   const std::uint32_t* offset;
   Pair* bodies_of;
   Vector3<Real>* normal;
@@ -132,8 +126,7 @@ struct WriteContacts {
   SIM_HD bool has_none(int body) const {
     return tested.control->overflow || offset[body] == offset[body + 1];
   }
-  template <class Touch>
-  SIM_HD void write(const Touch& touch, int body, std::uint32_t k, std::uint32_t at) const {
+  SIM_HD void write(const TouchTest<Real>& touch, int body, std::uint32_t k, std::uint32_t at) const {
     const std::uint32_t other = tested.pairs.second[k];
     bodies_of[at] = {static_cast<std::uint32_t>(body), other};
     normal[at] =
@@ -167,33 +160,13 @@ template <class Real>
 void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres,
                              const Foresight<Real>& foresight, const PartedPairs& parted,
                              StepControl* control) {
-  const auto list = [&]<Course course, class Parted>(const Parted& apart) {
-    using Tested = TestedPairs<Real, course, Parted>;
-    const Tested tested{pairs, spheres, foresight, apart, control};
-    executor_.run("contacts", bodies_, CountContacts<Tested>{tested, count_.data()});
-    exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
-                   temporary_.bytes());
-    executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
-    executor_.run("contacts", bodies_,
-                  WriteContacts<Real, Tested>{tested, offset_.data(), bodies_of_.data(), normal_.data()});
-  };
-  const auto with = [&]<Course course>() {
-    parted.count > 0 || spheres.inverse_mass != nullptr
-        ? list.template operator()<course>(Apart<Real>{parted, spheres.inverse_mass})
-        : list.template operator()<course>(NoPartedPairs{});
-  };
-  switch (foresight.course) {
-    case Course::rest:
-      return with.template operator()<Course::rest>();
-    case Course::straight:
-      return with.template operator()<Course::straight>();
-    case Course::dragged:
-      if constexpr (built_effects.drag) with.template operator()<Course::dragged>();
-      return;
-    case Course::any:
-      if constexpr (built_effects.continuous_collision) with.template operator()<Course::any>();
-      return;
-  }
+  const TestedPairs<Real> tested{pairs, spheres, foresight, parted, control};
+  executor_.run("contacts", bodies_, CountContacts<Real>{tested, count_.data()});
+  exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
+                 temporary_.bytes());
+  executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
+  executor_.run("contacts", bodies_,
+                WriteContacts<Real>{tested, offset_.data(), bodies_of_.data(), normal_.data()});
 }
 
 template class ContactList<float>;

@@ -45,11 +45,6 @@ struct PartedPairs {
   }
 };
 
-/// None: leaves nothing behind in what it is a member of.
-struct NoPartedPairs {
-  SIM_HD static constexpr bool hold(std::uint32_t, std::uint32_t) { return false; }
-};
-
 template <class Real>
 class ContactList {
  public:

@@ -39,22 +39,21 @@ struct Foresight {
 /// Euler's own K (K + 1) / (2 K^2) is at most 1). Attractors add at most their largest pull to each of the
 /// two. Drag leaves of each body's way any part: of |l_b v_b - l_a v_a|, l between 0 and 1, the largest is
 /// at a corner. Of two bodies on any course, each may come towards the other.
-template <class Real, Course course = Course::straight>
+template <class Real>
 SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& velocity_a,
                                const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
                                const Foresight<Real>& foresight) {
   using std::sqrt;
-  if constexpr (course == Course::any) {
+  if (foresight.course == Course::any) {
     const Real speeds = sqrt(velocity_a.dot(velocity_a)) + sqrt(velocity_b.dot(velocity_b));
     return spheres_touch<Real>(a, radius_a, b, radius_b + (foresight.time * speeds + 2 * foresight.slack));
-  } else {
-    const Vector3<Real> way = velocity_b - velocity_a;
-    Real squared = way.dot(way);
-    if constexpr (course == Course::dragged)
-      squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
-    const Real margin = foresight.time * sqrt(squared) + foresight.slack;
-    return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
   }
+  const Vector3<Real> way = velocity_b - velocity_a;
+  Real squared = way.dot(way);
+  if (foresight.course == Course::dragged)
+    squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
+  const Real margin = foresight.time * sqrt(squared) + foresight.slack;
+  return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
 }
 
 /// The unit normal from a to b, and the gap along it (m; negative where they overlap). Coincident centres, or
