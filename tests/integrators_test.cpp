@@ -22,8 +22,8 @@ template <class Fly>
 double spring_order(const Fly& fly) {
   const double eps = 1e6;
   const PullingPoint<double> center{Vector3d(0, 0, 0), eps * eps * eps, eps};  // 1 rad/s
-  const SmoothForces<double, true, false> forces{PullView<double>{&center, 1}, DragLaw<double>{},
-                                                 Vector3d(0, 0, 0), 1, 1};
+  const SmoothForces<double> forces{
+      PullView<double>{&center, 1}, DragLaw<double>{}, false, Vector3d(0, 0, 0), 1, 1};
   return order_of_error(
       [&](int steps) {
         Vector3d x(1, 0, 0), v(0, 0.5, 0);
@@ -73,8 +73,16 @@ double euler_order(double wrong_acceleration, double wrong_step) {
         bodies.position = &x;
         bodies.velocity = &v;
         const StepControl control{};
-        const MoveBodies<double, true, false, false, false> move{
-            bodies, wrong_acceleration * Vector3d(0, 0, -g), {}, {}, wrong_step * 2 / steps, {}, &control};
+        const MoveBodies<double> move{bodies,
+                                      wrong_acceleration * Vector3d(0, 0, -g),
+                                      {},
+                                      {},
+                                      wrong_step * 2 / steps,
+                                      {},
+                                      true,
+                                      false,
+                                      false,
+                                      &control};
         for (int k = 0; k < steps; ++k) move(0);
         return (x - Vector3d(6, 0, 8 - 2 * g)).norm();
       },

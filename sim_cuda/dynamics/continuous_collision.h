@@ -57,8 +57,9 @@ struct Leash {
 /// What a move must know of it.
 template <class Real>
 struct HeldMotion {
-  const Leash<Real>* leash;
-  const std::uint32_t* share;  ///< bits of a float from 0 to 1, which are in the order of the numbers
+  const Leash<Real>* leash = nullptr;  ///< null: the effect is off
+  const std::uint32_t* share =
+      nullptr;  ///< bits of a float from 0 to 1, which are in the order of the numbers
 
   /// m: what the body goes in `h` s unless a contact holds it: along its velocity, to the end of the leash.
   SIM_HD Vector3<Real> way(int body, const Vector3<Real>& x, const Vector3<Real>& v, Real h) const {

@@ -12,63 +12,53 @@
 // Both fly a parabola exactly. Pure functions of values in SI units; without libm, as all that reaches the
 // state. The coefficients are template arguments, so that a test can show what a wrong one does.
 
-#include "sim_cuda/core/only.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/drag.h"
 
 namespace collidoscope {
 
-/// What moves a free body. Effects that are off leave nothing.
-template <class Real, bool pulled, bool dragged>
+/// What moves a free body.
+template <class Real>
 struct SmoothForces {
-  [[no_unique_address]] Only<pulled, PullView<Real>> attractors;
-  [[no_unique_address]] Only<dragged, DragLaw<Real>> drag;
+  PullView<Real> attractors;  ///< none where the effect is off
+  DragLaw<Real> drag;
+  bool dragged;               ///< the effect drag is on
   Vector3<Real> gravity;      ///< m/s^2
   Real radius, inverse_mass;  ///< m, 1/kg: of the body
 
   /// m/s^2, all but drag.
   SIM_HD Vector3<Real> pull(const Vector3<Real>& x) const {
     Vector3<Real> sum = gravity;
-    if constexpr (pulled)
-      for (int k = 0; k < attractors.count; ++k) sum += attractors.points[k].pull(x);
+    for (int k = 0; k < attractors.count; ++k) sum += attractors.points[k].pull(x);
     return sum;
   }
   /// m/s^2, all of it; `pull` is what pull() says there.
   SIM_HD Vector3<Real> acceleration(const Vector3<Real>& pull, const Vector3<Real>& v) const {
-    if constexpr (dragged) {
-      using std::sqrt;
-      return pull - fading(sqrt(v.dot(v)), Real(1)) * v;
-    } else {
-      return pull;
-    }
+    if (!dragged) return pull;
+    using std::sqrt;
+    return pull - fading(sqrt(v.dot(v)), Real(1)) * v;
   }
   /// What drag would take of `speed` in `time` s if it stayed as it is, over that speed.
   SIM_HD Real fading(Real speed, Real time) const {
-    if constexpr (dragged)
-      return drag.rate(speed, radius, inverse_mass, time);
-    else
-      return 0;
+    return dragged ? drag.rate(speed, radius, inverse_mass, time) : Real(0);
   }
   /// v after `time` s of the acceleration a and of drag, to second order in time: with z = rate x time, the
   /// rate in the middle as drag.h has it, and Pade's (0, 2) for exp(-z), the part of v that is left. Exact
   /// where Newton's drag is all there is. As in drag.h, nothing is turned round, terminal speeds are exact,
   /// and no z is too large.
   SIM_HD Vector3<Real> kick(const Vector3<Real>& v, const Vector3<Real>& a, Real time) const {
-    if constexpr (dragged) {
-      const Vector3<Real> undragged = v + (time / 2) * a;
-      using std::sqrt;
-      const Real speed = sqrt(undragged.dot(undragged));
-      if (!(speed > 0)) return v + time * a;
-      const Real middle = (1 - drag.loss(speed, radius, inverse_mass, time / 2)) * speed;
-      const Real z = fading(middle, time);
-      const Real whole = 1 + z + z * z / 2;
-      // The same twice: so that a little is taken without a difference of numbers near 1, and nearly all
-      // without a rounding that takes more and turns the body round.
-      if (z > 1) return v / whole + (1 + z / 2) / whole * time * a;
-      return v + (1 + z / 2) / whole * (time * a - z * v);
-    } else {
-      return v + time * a;
-    }
+    if (!dragged) return v + time * a;
+    const Vector3<Real> undragged = v + (time / 2) * a;
+    using std::sqrt;
+    const Real speed = sqrt(undragged.dot(undragged));
+    if (!(speed > 0)) return v + time * a;
+    const Real middle = (1 - drag.loss(speed, radius, inverse_mass, time / 2)) * speed;
+    const Real z = fading(middle, time);
+    const Real whole = 1 + z + z * z / 2;
+    // The same twice: so that a little is taken without a difference of numbers near 1, and nearly all
+    // without a rounding that takes more and turns the body round.
+    if (z > 1) return v / whole + (1 + z / 2) / whole * time * a;
+    return v + (1 + z / 2) / whole * (time * a - z * v);
   }
 };
 

@@ -8,26 +8,12 @@ template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
                  const StepControl* control, const std::uint8_t* asleep, const HeldMotion<Real>& motion) {
-  const auto with = [&]<bool pulled, bool rotation, bool held, bool boxed>() {
-    const Vector3<Real> low = box ? box->min.cast<Real>() : Vector3<Real>(0, 0, 0);
-    const Vector3<Real> high = box ? box->max.cast<Real>() : Vector3<Real>(0, 0, 0);
-    run_awake_bodies(
-        executor, "move", body_count, asleep,
-        MoveBodies<Real, pulled, rotation, boxed, held>{bodies, gravity, low, high, h, motion, control});
-  };
-  const auto with_rotation = [&]<bool pulled, bool held>() {
-    with_effect<&Effects::rotation>(effects, [&]<bool rotation>() {
-      box ? with.template operator()<pulled, rotation, held, true>()
-          : with.template operator()<pulled, rotation, held, false>();
-    });
-  };
-  with_effect<&Effects::continuous_collision>(effects, [&]<bool held>() {
-    if constexpr (held)
-      with_rotation.template operator()<false, true>();
-    else
-      with_effect<&Effects::gravity>(
-          effects, [&]<bool pulled>() { with_rotation.template operator()<pulled, false>(); });
-  });
+  const Vector3<Real> low = box ? box->min.cast<Real>() : Vector3<Real>(0, 0, 0);
+  const Vector3<Real> high = box ? box->max.cast<Real>() : Vector3<Real>(0, 0, 0);
+  const bool held = effects.continuous_collision;
+  run_awake_bodies(executor, "move", body_count, asleep,
+                   MoveBodies<Real>{bodies, gravity, low, high, h, held ? motion : HeldMotion<Real>{},
+                                    effects.gravity && !held, box.has_value(), effects.rotation, control});
 }
 
 template void move_bodies(Executor&, const BodyView<float>&, std::int64_t, Effects, const Vector3<float>&,

@@ -7,7 +7,6 @@
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/linear_algebra.h"
-#include "sim_cuda/core/only.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
@@ -43,30 +42,32 @@ SIM_HD bool rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<R
   return true;
 }
 
-/// The effects are template parameters: what is off leaves no instruction.
-template <class Real, bool gravity, bool rotation, bool boxed, bool held>
+template <class Real>
 struct MoveBodies {
   BodyView<Real> bodies;
   Vector3<Real> acceleration;  ///< m/s^2
   Vector3<Real> low, high;     ///< m, the box
   Real h;                      ///< s
-  [[no_unique_address]] Only<held, HeldMotion<Real>> motion;
+  HeldMotion<Real> motion;     ///< without continuous collision: no leash
+  bool pulled;                 ///< adds the acceleration
+  bool boxed;                  ///< the box has walls
+  bool turns;                  ///< bodies rotate here
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     Vector3<Real> v = bodies.velocity[body];
-    if constexpr (gravity) {
+    if (pulled) {
       v += h * acceleration;
       bodies.velocity[body] = v;
     }
     const Vector3<Real> x = bodies.position[body];
     Vector3<Real> next;
-    if constexpr (held)
+    if (motion.leash != nullptr)
       next = x + motion.held_way(body, x, v, h);
     else
       next = x + h * v;
-    if constexpr (boxed) {
+    if (boxed) {
       // The walls have already stopped what would leave; this catches the last rounding of a sphere smaller
       // than that.
       for (int k = 0; k < 3; ++k)
@@ -74,7 +75,7 @@ struct MoveBodies {
           next[k] = clamp_to(next[k], low[k], high[k]);
     }
     bodies.position[body] = next;
-    if constexpr (rotation) {
+    if (turns) {
       Vector3<Real> w = bodies.angular_velocity[body];
       if (rotate_freely<Real>(bodies.orientation[body], w, bodies.inertia[body], h))
         bodies.angular_velocity[body] = w;
@@ -82,7 +83,7 @@ struct MoveBodies {
   }
 };
 
-/// Enqueues the stage "move" with just the effects that are on. `gravity` in m/s^2, `h` in s; `box`: none
+/// Enqueues the stage "move" with the effects that are on. `gravity` in m/s^2, `h` in s; `box`: none
 /// where there are no walls; `motion`: read with continuous_collision, which goes without gravity.
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,

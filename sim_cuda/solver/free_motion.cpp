@@ -17,37 +17,31 @@ struct NoteVelocities {
 };
 
 /// What all bodies fly by.
-template <class Real, bool pulled, bool dragged>
+template <class Real>
 struct SmoothField {
-  [[no_unique_address]] Only<pulled, PullView<Real>> attractors;
-  [[no_unique_address]] Only<pulled, const Vector3<Real>*> at_start;  ///< m/s^2, by body
-  [[no_unique_address]] Only<dragged, DragLaw<Real>> drag;
+  PullView<Real> attractors;
+  const Vector3<Real>* at_start;  ///< m/s^2, of attractors, by body; null where the effect is off
+  DragLaw<Real> drag;
+  bool dragged;
   Vector3<Real> gravity;  ///< m/s^2
 
-  SIM_HD SmoothForces<Real, pulled, dragged> on(const BodyView<Real>& bodies, int body) const {
-    return {attractors, drag, gravity, bodies.radius[body], bodies.inverse_mass[body]};
+  SIM_HD SmoothForces<Real> on(const BodyView<Real>& bodies, int body) const {
+    return {attractors, drag, dragged, gravity, bodies.radius[body], bodies.inverse_mass[body]};
   }
   SIM_HD Vector3<Real> pull(int body) const {
-    if constexpr (pulled)
-      return gravity + at_start[body];
-    else
-      return gravity;
+    return at_start != nullptr ? Vector3<Real>(gravity + at_start[body]) : gravity;
   }
   /// What the stages "drag" and "forces" make of v; or "drag" and "move".
   SIM_HD Vector3<Real> foreseen(const BodyView<Real>& bodies, int body, Vector3<Real> v, Real h) const {
-    if constexpr (dragged) {
-      const Vector3<Real>* field = nullptr;
-      if constexpr (pulled) field = at_start;
-      v = DragBodies<Real>{bodies, drag, gravity, field, h, nullptr}.slowed(body, v);
-    }
+    if (dragged) v = DragBodies<Real>{bodies, drag, gravity, at_start, h, nullptr}.slowed(body, v);
     return v + h * pull(body);
   }
 };
 
 /// The integrate stage: along which velocity each body goes, and which it has then.
-template <class Real, Integrator integrator, bool pulled, bool dragged>
+template <class Real, Integrator integrator>
 struct FlyBodies {
-  SmoothField<Real, pulled, dragged> field;
+  SmoothField<Real> field;
   BodyView<Real> bodies;
   const StoredVector3<Real>* before;
   StoredVector3<Real>* along;
@@ -135,26 +129,17 @@ BodyView<Real> FreeMotion<Real>::ways() const {
 template <class Real>
 void FreeMotion<Real>::fly(Real h, bool forced) {
   if (!flies()) return;
-  const auto with = [&]<Integrator integrator, bool pulled, bool dragged>() {
+  const auto with = [&]<Integrator integrator>() {
+    const Effects& effects = scene_.effects;
+    const SmoothField<Real> field{effects.attractor ? scene_.attractors : PullView<Real>{},
+                                  effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
+                                  scene_.gravity};
     executor_.run("integrate", scene_.body_count,
-                  FlyBodies<Real, integrator, pulled, dragged>{
-                      {scene_.attractors, scene_.field, scene_.drag, scene_.gravity},
-                      scene_.bodies,
-                      before_.data(),
-                      along_.data(),
-                      scene_.planes,
-                      scene_.plane_count,
-                      h,
-                      forced,
-                      scene_.control});
+                  FlyBodies<Real, integrator>{field, scene_.bodies, before_.data(), along_.data(),
+                                              scene_.planes, scene_.plane_count, h, forced, scene_.control});
   };
-  with_effect<&Effects::attractor>(scene_.effects, [&]<bool pulled>() {
-    with_effect<&Effects::drag>(scene_.effects, [&]<bool dragged>() {
-      scene_.integrator == Integrator::rk4
-          ? with.template operator()<Integrator::rk4, pulled, dragged>()
-          : with.template operator()<Integrator::velocity_verlet, pulled, dragged>();
-    });
-  });
+  scene_.integrator == Integrator::rk4 ? with.template operator()<Integrator::rk4>()
+                                       : with.template operator()<Integrator::velocity_verlet>();
 }
 
 template <class Real>
@@ -165,15 +150,13 @@ void FreeMotion<Real>::move(Real h, bool forced, const std::uint8_t* asleep, con
   if (turns) moving.rotation = false;
   move_bodies<Real>(executor_, ways(), scene_.body_count, moving, scene_.gravity, scene_.box, h,
                     scene_.control, asleep, held);
-  if constexpr (built_effects.rotation) {
-    const auto turn = [&]<class Parts>() {
-      run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
-                       TurnBodies<Real, Parts>{scene_.bodies, h, scene_.control});
-    };
-    if (turns)
-      scene_.integrator == Integrator::rk4 ? turn.template operator()<FourthOrderTurn>()
-                                           : turn.template operator()<SecondOrderTurn>();
-  }
+  const auto turn = [&]<class Parts>() {
+    run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
+                     TurnBodies<Real, Parts>{scene_.bodies, h, scene_.control});
+  };
+  if (turns)
+    scene_.integrator == Integrator::rk4 ? turn.template operator()<FourthOrderTurn>()
+                                         : turn.template operator()<SecondOrderTurn>();
 }
 
 template class FreeMotion<float>;
