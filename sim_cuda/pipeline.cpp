@@ -382,8 +382,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
   const auto time_step = static_cast<Real>(scene.physics.time_step);
   if (effects.joints)
     joints_ = std::make_unique<Joints<Real>>(executor, place_joints(scene, initial), initial, state_.view(),
-                                             effects.rotation, time_step / static_cast<Real>(substeps),
-                                             control_.data());
+                                             time_step / static_cast<Real>(substeps), control_.data());
   solver_ = make_contact_solver<Real>(
       scene.physics.solver, executor,
       {state_.view(),
@@ -412,9 +411,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
        control_.data(),
        joints_.get()});
 
-  if constexpr (built_effects.guards)
-    if (effects.guards)
-      guard_ = std::make_unique<StageGuard<Real>>(executor, scene.physics.guards.value_or(Guards{}));
+  if (effects.guards)
+    guard_ = std::make_unique<StageGuard<Real>>(executor, scene.physics.guards.value_or(Guards{}));
 
   boxes_.resize_discarding(n);
   if (box_)
@@ -428,17 +426,14 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
 
 template <class Real>
 void TypedPipeline<Real>::find_pairs(const Foresight<Real>& foresight) {
-  const auto foresee = [&]<bool anywhere>() {
-    executor_.run(
-        "bounds", body_count_,
-        SweptBounds<Real, anywhere>{state_.position.data(), foresight.velocity, state_.radius.data(),
-                                    foresight.time, foresight.slack, boxes_.data()});
-  };
   if (foresight.course == Course::rest)
     executor_.run("bounds", body_count_,
                   BodyBounds<Real>{state_.position.data(), state_.radius.data(), boxes_.data()});
   else
-    with_effect<&Effects::continuous_collision>(effects_, foresee);
+    executor_.run(
+        "bounds", body_count_,
+        SweptBounds<Real>{state_.position.data(), foresight.velocity, state_.radius.data(), foresight.time,
+                          foresight.slack, boxes_.data(), effects_.continuous_collision});
   const Aabb* extent = extent_.data();
   if (!box_ && body_count_ > 0)
     extent = reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());

@@ -36,7 +36,7 @@ struct BodyBounds {
 /// The box of all that the body will pass through in `time` while it moves smoothly: along its velocity, and
 /// aside by what an acceleration of at most `slack` / time^2 makes of it. `anywhere`: of all that it can come
 /// to at the speed that it has, whatever turns it.
-template <class Real, bool anywhere = false>
+template <class Real>
 struct SweptBounds {
   const Vector3<Real>* position;
   const StoredVector3<Real>* velocity;
@@ -44,6 +44,7 @@ struct SweptBounds {
   Real time;   ///< s
   Real slack;  ///< m
   Aabb* boxes;
+  bool anywhere = false;
 
   SIM_HD void operator()(int body) const {
     const Vector3<Real> x = position[body], way = time * velocity[body].load();
