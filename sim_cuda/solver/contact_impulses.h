@@ -47,15 +47,13 @@ struct ImpulseView {
   }
 };
 
-/// What a solver's stage does with the impulse of a contact; off, nothing, at no cost.
-template <class Real, bool on>
-struct ImpulseSum {
-  Real* impulse;
-  SIM_HD void add(std::uint32_t contact, Real more) const { impulse[contact] += more; }
-};
+/// Adds up the impulse of each contact, where that is recorded.
 template <class Real>
-struct ImpulseSum<Real, false> {
-  SIM_HD void add(std::uint32_t, Real) const {}
+struct ImpulseSum {
+  Real* impulse;  ///< N s; null: nothing is recorded
+  SIM_HD void add(std::uint32_t contact, Real more) const {
+    if (impulse != nullptr) impulse[contact] += more;
+  }
 };
 
 template <class Real>

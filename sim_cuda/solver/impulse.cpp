@@ -1,7 +1,5 @@
 #include "sim_cuda/solver/impulse.h"
 
-#include <type_traits>
-
 #include "sim_cuda/core/block.h"
 #include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
@@ -11,12 +9,13 @@ namespace collidoscope {
 namespace {
 
 /// Of contacts of one colour at a time: no two share a body.
-template <class Real, bool push, bool record>
+template <class Real>
 struct ResolveContact {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
   Restitution<Real> restitution;
-  ImpulseSum<Real, record> impulses;
+  ImpulseSum<Real> impulses;
+  bool push;  ///< overlaps apart
 
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts.bodies[contact];
@@ -31,7 +30,7 @@ struct ResolveContact {
       bodies.velocity[b] = v_b + impulse * w_b * normal;
       impulses.add(contact, impulse);
     }
-    if constexpr (push) {
+    if (push) {
       const Vector3<Real> x_a = bodies.position[a], x_b = bodies.position[b];
       const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
       const Separation<Real> now = separate<Real>(x_a, r_a, x_b, r_b);
@@ -56,14 +55,15 @@ struct ClearImpulses {
 // is resolved between such parts, all at once; then the parts of a body are averaged. Neither resolving nor
 // averaging raises the energy.
 
-template <class Real, bool push, bool record>
+template <class Real>
 struct ResolveSplit {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
   Restitution<Real> restitution;
   const std::uint32_t *order, *begin, *count;
   Real *impulse, *shift;
-  ImpulseSum<Real, record> impulses;
+  ImpulseSum<Real> impulses;
+  bool push;  ///< overlaps apart
 
   SIM_HD void operator()(int item) const {
     const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
@@ -75,7 +75,7 @@ struct ResolveSplit {
     const Real e = restitution.between(restitution.of_body(a), restitution.of_body(b), approach);
     impulse[contact] = approach > 0 ? (1 + e) * approach / w : Real(0);
     impulses.add(contact, impulse[contact]);
-    if constexpr (push) {
+    if (push) {
       const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
       const Real gap = separate<Real>(bodies.position[a], r_a, bodies.position[b], r_b).gap;
       shift[contact] = PushRule<Real>::correction(-gap, min_of(r_a, r_b)) / w;
@@ -84,12 +84,13 @@ struct ResolveSplit {
 };
 
 /// A body's share of all its contacts in the set, added in increasing id of the other body.
-template <class Real, bool push>
+template <class Real>
 struct ApplySplit {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
   ContactsByBodyView split;
   const Real *impulse, *shift;
+  bool push;
 
   SIM_HD void operator()(int body) const {
     const std::uint32_t n = split.count[body];
@@ -104,8 +105,8 @@ struct ApplySplit {
 #endif
 
  private:
-  /// Momentum and, where overlaps are pushed, mass times way.
-  using Given = std::conditional_t<push, OrderedSums<Real, 0, 1>, OrderedSums<Real, 0>>;
+  /// Momentum and, where overlaps are pushed, mass times displacement.
+  using Given = OrderedSums<Real, 0, 1>;
 
   SIM_HD auto entry(int body) const {
     return [this, body](std::uint32_t k, Vector3<Real>* given) {
@@ -113,12 +114,13 @@ struct ApplySplit {
       const Real sign = end.sign<Real>();
       const Vector3<Real> normal = contacts.normal[end.contact];
       given[0] = sign * impulse[end.contact] * normal;
-      if constexpr (push) given[1] = sign * shift[end.contact] * normal;
+      given[1] =
+          push ? Vector3<Real>(sign * shift[end.contact] * normal) : Vector3<Real>(Vector3<Real>::Zero());
     };
   }
   SIM_HD void apply(int body, const Given& given) const {
     bodies.velocity[body] += bodies.inverse_mass[body] * given.sum[0];
-    if constexpr (push) bodies.position[body] += bodies.inverse_mass[body] * given.sum[1];
+    if (push) bodies.position[body] += bodies.inverse_mass[body] * given.sum[1];
   }
 };
 
@@ -184,10 +186,7 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   record_sweep(contacts, 0);
   for (int iteration = 0; iteration < scene_.iterations; ++iteration) {
     const bool push = iteration + 1 == scene_.iterations;
-    if (impulses != nullptr)
-      push ? sweep<true, true>(contacts, {impulses}) : sweep<false, true>(contacts, {impulses});
-    else
-      push ? sweep<true, false>(contacts, {}) : sweep<false, false>(contacts, {});
+    sweep(contacts, {impulses}, push);
     record_sweep(contacts, iteration + 1);
   }
   free_motion_.begin();
@@ -195,34 +194,32 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
     executor_.run("walls", scene_.body_count,
                   ResolveWalls<Real>{scene_.bodies, scene_.planes, scene_.plane_count, scene_.restitution,
                                      scene_.gravity, h_, scene_.ledger, scene_.control});
-  if constexpr (built_effects.drag)
-    if (scene_.effects.drag)
-      executor_.run(
-          "drag", scene_.body_count,
-          DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
+  if (scene_.effects.drag)
+    executor_.run("drag", scene_.body_count,
+                  DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
   free_motion_.fly(h_, false);
   free_motion_.move(h_, false);
   prescribed_.hold(h_);
 }
 
 template <class Real>
-template <bool push, bool record>
-void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const ImpulseSum<Real, record>& impulses) {
+void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses,
+                                bool push) {
   const ColourView colours = colouring_.view();
   const ContactsByBodyView split = split_.view(split_degrees_);
   const BodyView<Real>& bodies = scene_.bodies;
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   const std::int64_t colour_capacity =
       contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
-  executor_.run_rounds("solve", Colouring::colours, colour_capacity,
-                       ColourByColour<ResolveContact<Real, push, record>>{
-                           colours, {contacts, bodies, scene_.restitution, impulses}});
+  executor_.run_rounds(
+      "solve", Colouring::colours, colour_capacity,
+      ColourByColour<ResolveContact<Real>>{colours, {contacts, bodies, scene_.restitution, impulses, push}});
   executor_.run("solve", Count(&scene_.control->split_contacts, contact_capacity_),
-                ResolveSplit<Real, push, record>{contacts, bodies, scene_.restitution, colours.order,
-                                                 colours.begin + Colouring::colours, split.count,
-                                                 split_impulse_.data(), split_push_.data(), impulses});
+                ResolveSplit<Real>{contacts, bodies, scene_.restitution, colours.order,
+                                   colours.begin + Colouring::colours, split.count, split_impulse_.data(),
+                                   split_push_.data(), impulses, push});
   executor_.run("solve", split_degrees_.bodies(),
-                ApplySplit<Real, push>{contacts, bodies, split, split_impulse_.data(), split_push_.data()});
+                ApplySplit<Real>{contacts, bodies, split, split_impulse_.data(), split_push_.data(), push});
 }
 
 template <class Real>

@@ -49,8 +49,8 @@ class ImpulseSolver final : public ContactSolver<Real> {
   std::vector<Residual> residuals() const override;
 
  private:
-  template <bool push, bool record>
-  void sweep(const ContactView<Real>& contacts, const ImpulseSum<Real, record>& impulses);
+  /// `push`: overlaps apart, too.
+  void sweep(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses, bool push);
   void record_sweep(const ContactView<Real>& contacts, int sweep);
 
   Executor& executor_;
