@@ -10,14 +10,13 @@
 
 namespace collidoscope {
 
-/// Items: all bodies, for what each touches by itself, then contacts by place. `soft`: of a sweep that
-/// solves; else of one that relaxes, and rubs where there is friction. It measures: what sleeping and
-/// continuous collision change is asked as it runs.
-template <class Real, bool soft, bool rubbed, bool boxed>
+/// Items: all bodies, for what each touches by itself, then contacts by place.
+template <class Real, bool rubbed, bool boxed>
 struct SoftResidual {
   SoftWalls<Real, rubbed, boxed> walls;
-  SweptContacts<Real, rubbed && !soft> contacts;
+  SweptContacts<Real, rubbed> contacts;
   Softness<Real> softness;
+  bool soft;  ///< of a sweep that solves; else of one that relaxes, with friction where there is any
   const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
   bool held;                   ///< as Solve's
   const StepControl* control;
@@ -44,13 +43,14 @@ struct SoftResidual {
     const bool passes =
         soft && held && k.gap > 0 &&
         k.passes(velocity, known.bodies.radius_a + known.bodies.radius_b, 1 / walls.inverse_h);
-    const Real change =
-        passes ? -k.impulse : k.template solve<soft>(velocity.dot(k.normal), 1 / (w_a + w_b), softness);
+    const Real change = passes ? -k.impulse
+                        : soft ? k.template solve<true>(velocity.dot(k.normal), 1 / (w_a + w_b), softness)
+                               : k.template solve<false>(velocity.dot(k.normal), 1 / (w_a + w_b), softness);
     const Real pressed = (w_a + w_b) * change;
     double squared = static_cast<double>(pressed) * static_cast<double>(pressed);
-    if constexpr (rubbed && !soft) {
+    if constexpr (rubbed) {
       Vector3<Real> given = known.grip.impulse;
-      if (k.impulse > 0 || given.dot(given) > 0) {
+      if (!soft && (k.impulse > 0 || given.dot(given) > 0)) {
         const RubbedPair<Real> pair(walls.bodies.angular_velocity[ids.a],
                                     walls.bodies.angular_velocity[ids.b], k, known.bodies, known.turned);
         const Real eases = w_a + w_b + pair.ease_a() + pair.ease_b();
@@ -76,15 +76,17 @@ struct SoftResidual {
           max_of(known - body.mass * (plane.normal.dot(body.v) + gap * walls.inverse_h), Real(0));
       const Real pressed = body.inverse_mass * (next - known);
       double squared = static_cast<double>(pressed) * static_cast<double>(pressed);
-      if constexpr (rubbed && !soft) {
-        Vector3<Real> given = walls.grips.impulse[at];
-        const Real ease = body.inverse_mass + body.radius * body.radius * body.spin.ease();
-        const Real mu = Friction<Real>::between(walls.grips.friction.of_body(static_cast<std::uint32_t>(id)),
-                                                plane.friction);
-        const Vector3<Real> slip =
-            across<Real>(body.v - body.radius * body.spin.rate.cross(plane.normal), plane.normal);
-        const Vector3<Real> change = ease * rub<Real>(slip, 1 / ease, mu * next, given);
-        squared += static_cast<double>(change.dot(change));
+      if constexpr (rubbed) {
+        if (!soft) {
+          Vector3<Real> given = walls.grips.impulse[at];
+          const Real ease = body.inverse_mass + body.radius * body.radius * body.spin.ease();
+          const Real mu = Friction<Real>::between(
+              walls.grips.friction.of_body(static_cast<std::uint32_t>(id)), plane.friction);
+          const Vector3<Real> slip =
+              across<Real>(body.v - body.radius * body.spin.rate.cross(plane.normal), plane.normal);
+          const Vector3<Real> change = ease * rub<Real>(slip, 1 / ease, mu * next, given);
+          squared += static_cast<double>(change.dot(change));
+        }
       }
       if (known > 0 || !(gap > 0) || squared > 0) sum.add(squared);
     }

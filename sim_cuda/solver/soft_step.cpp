@@ -14,38 +14,38 @@ namespace collidoscope {
 
 namespace {
 
-template <class Real, bool rubbed>
+template <class Real>
 struct FindBodies {
-  [[no_unique_address]] Only<rubbed, Friction<Real>> friction;
-  [[no_unique_address]] Only<rubbed, GrippedBody<Real>*> gripped;
+  Friction<Real> friction;
+  GrippedBody<Real>* gripped;  ///< null without friction
   BodyView<Real> bodies;
   FoundBody<Real>* found;
   SIM_HD void operator()(int body) const {
     store_whole(&found[body], FoundBody<Real>{bodies.position[body], bodies.radius[body],
                                               bodies.velocity[body], bodies.inverse_mass[body]});
-    if constexpr (rubbed)
+    if (gripped != nullptr)
       gripped[body] = GrippedBody<Real>::of(bodies, friction, static_cast<std::uint32_t>(body));
   }
 };
 
 /// Puts contacts in the order in which they are swept. New ones start from rest, known ones from what they
 /// last gave.
-template <class Real, bool rubbed>
+template <class Real>
 struct PrepareContacts {
   const Pair* contacts;
   const FoundBody<Real>* bodies;
-  [[no_unique_address]] Only<rubbed, const GrippedBody<Real>*> gripped;
+  const GrippedBody<Real>* gripped;  ///< null without friction, as known_grip, grips and turned
   KnownContacts known;
   const Real* known_impulse;
-  [[no_unique_address]] Only<rubbed, const Vector3<Real>*> known_grip;
+  const Vector3<Real>* known_grip;
   ColourView colours;
   std::uint32_t* place_of;
   Pair* ids_of;
   ContactBodies<Real>* bodies_of;
   Turns* turns;
   StoredContact<Real>* soft;
-  [[no_unique_address]] Only<rubbed, GripSums<Real>*> grips;
-  [[no_unique_address]] Only<rubbed, TurnedBodies<Real>*> turned;
+  GripSums<Real>* grips;
+  TurnedBodies<Real>* turned;
   ContactSums<Real>* sums;
 
   SIM_HD void operator()(int place) const {
@@ -69,7 +69,7 @@ struct PrepareContacts {
     sums[place] = {0, approach};
     StoredContact<Real> stored{now.normal, now.gap, found ? known_impulse[before] : Real(0),
                                Vector3<Real>::Zero()};
-    if constexpr (rubbed) {
+    if (grips != nullptr) {
       if (found) stored.rubbed = known_grip[before];
       const GrippedBody<Real> grip_a = gripped[a], grip_b = gripped[b];
       store_whole(&grips[place],
@@ -93,20 +93,17 @@ struct PlaceContacts {
   }
 };
 
-/// The acceleration of a substep.
-enum class Pull { none, uniform, field };
-
 /// Forces, the impulses of the substep before, and the first sweep over the planes.
-template <class Real, Pull pull, bool walled, bool rubbed, bool boxed>
+template <class Real, bool rubbed, bool boxed>
 struct BeginSubstep {
   BodyView<Real> bodies;
   const StoredContact<Real>* soft;
   ContactsByBodyView by_body;
   SoftWalls<Real, rubbed, boxed> walls;
-  Vector3<Real> gravity;  ///< m/s^2
-  /// m/s^2, by body
-  [[no_unique_address]] Only<pull == Pull::field, const Vector3<Real>*> field;
-  Real h;  ///< s
+  Vector3<Real> gravity;       ///< m/s^2
+  const Vector3<Real>* field;  ///< m/s^2, of attractors, by body; null where the effect is off
+  bool pulled;                 ///< gravity or attractors are on
+  Real h;                      ///< s
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
@@ -144,29 +141,29 @@ struct BeginSubstep {
     typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
     const Vector3<Real> before = body.v;
     SoftWalls<Real, rubbed, boxed> own = walls;
-    if constexpr (pull == Pull::field) own.gravity = gravity + field[id];
-    if constexpr (pull != Pull::none) body.v += h * own.gravity;
+    if (field != nullptr) own.gravity = gravity + field[id];
+    if (pulled) body.v += h * own.gravity;
     if constexpr (boxed) own.face_boxes(id, body);
-    if constexpr (walled) own.warm_start(id, body);
+    own.warm_start(id, body);
     if (contacts_of(id) > 0) {
       body.v += body.inverse_mass * given.sum[0];
       if constexpr (rubbed) body.spin.turn(given.sum[1]);
     }
-    if constexpr (walled) own.solve(id, body, false, &before);
+    own.solve(id, body, false, &before);
     body.given = true;
     walls.store(id, body);
   }
 };
 
-/// What the next run starts from. `record`: what the step gave, too.
-template <class Real, bool rubbed, bool record>
+/// What the next run starts from.
+template <class Real>
 struct KeepContacts {
   const Pair* contacts;
   const std::uint32_t* place_of;
   const StoredContact<Real>* soft;
   const ContactSums<Real>* sums;
-  [[no_unique_address]] Only<rubbed, Vector3<Real>*> known_grip;
-  [[no_unique_address]] Only<record, Real*> total;
+  Vector3<Real>* known_grip;  ///< null without friction
+  Real* total;                ///< N s, of the step; null: not recorded
   Pair* known_contacts;
   std::uint32_t* known_first;
   Real* known_impulse;
@@ -178,9 +175,9 @@ struct KeepContacts {
     if (KnownContacts::is_first(contacts, number)) known_first[ids.a] = number;
     const StoredContact<Real> kept = load_whole(&soft[place]);
     known_impulse[contact] = kept.impulse;
-    if constexpr (rubbed)
+    if (known_grip != nullptr)
       known_grip[contact] = kept.impulse > 0 ? kept.rubbed : Vector3<Real>(Vector3<Real>::Zero());
-    if constexpr (record) total[contact] = sums[place].total;
+    if (total != nullptr) total[contact] = sums[place].total;
   }
 };
 
@@ -397,31 +394,25 @@ template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
   prescribed_.begin();
-  if constexpr (built_effects.sleeping)
-    if (scene_.effects.sleeping)
-      sleeping_.find_islands(contacts, contact_capacity_,
-                             scene_.joints ? scene_.joints->view() : JointView<Real>{});
-  prepare<rubbed>(contacts);
-  if constexpr (built_effects.continuous_collision)
-    if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.slack);
+  if (scene_.effects.sleeping)
+    sleeping_.find_islands(contacts, contact_capacity_,
+                           scene_.joints ? scene_.joints->view() : JointView<Real>{});
+  prepare(contacts);
+  if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.slack);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
     executor_.begin_substep(substep);
     free_motion_.begin();
-    if constexpr (built_effects.rolling_resistance)
-      if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
+    if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
     begin_substep<rubbed>();
     prescribed_.hold();
-    if constexpr (built_effects.joints)
-      if (scene_.effects.joints) scene_.joints->warm_start();
-    record_sweep<rubbed, true>(substep, 0);
+    if (scene_.effects.joints) scene_.joints->warm_start();
+    record_sweep<rubbed>(substep, true, 0);
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
-      if constexpr (built_effects.joints)
-        if (scene_.effects.joints) scene_.joints->solve();
-      with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool held>() {
-        sweep("solve", Solve<Real, held>{scene_.bodies.radius, softness_});
-      });
+      if (scene_.effects.joints) scene_.joints->solve();
+      const Real* held = scene_.effects.continuous_collision ? scene_.bodies.radius : nullptr;
+      sweep("solve", Solve<Real>{held, softness_});
       sweep_walls<rubbed>("solve", false, false);
-      record_sweep<rubbed, true>(substep, sweeps);
+      record_sweep<rubbed>(substep, true, sweeps);
     }
     move();
     prescribed_.hold(h_);
@@ -429,17 +420,15 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
         executor_, "relax", Count(&scene_.control->contacts, contact_capacity_), swept_.data(),
         sleeping_.asleep(),
         PlaceContacts<Real>{swept_.data(), bodies_of_.data(), scene_.bodies.position, soft_.data()});
-    record_sweep<rubbed, false>(substep, 0);
+    record_sweep<rubbed>(substep, false, 0);
     for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
       const bool last = sweeps == scene_.iterations;
-      if constexpr (built_effects.joints)
-        if (scene_.effects.joints) scene_.joints->relax();
+      if (scene_.effects.joints) scene_.joints->relax();
       sweep_walls<rubbed>("relax", true, last);
       sweep("relax", Relax<Real, rubbed>{softness_, scene_.bodies.radius, last, scene_.restitution,
                                          last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
-      if constexpr (built_effects.rolling_resistance)
-        if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
-      record_sweep<rubbed, false>(substep, sweeps);
+      if (scene_.effects.rolling_resistance) rolling_.resist(rolling_source());
+      record_sweep<rubbed>(substep, false, sweeps);
     }
   }
   on_walls<rubbed>([&]<bool boxed>(const SoftWalls<Real, rubbed, boxed>& walls) {
@@ -453,9 +442,8 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     sweep("friction", Grip<Real>{bounces_.data()});
   }
   prescribed_.hold();
-  keep<rubbed>(contacts, impulses);
-  if constexpr (built_effects.sleeping)
-    if (scene_.effects.sleeping) sleeping_.count();
+  keep(contacts, impulses);
+  if (scene_.effects.sleeping) sleeping_.count();
 }
 
 template <class Real>
@@ -465,27 +453,25 @@ void SoftStepSolver<Real>::run_bodies(const char* name, const Stage& stage) {
 }
 
 template <class Real>
-template <bool rubbed>
 void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   StepControl* control = scene_.control;
   colouring_.colour(contacts.bodies, control, sleeping_.asleep());
   const ColourView colours = colouring_.view();
   const KnownContacts known{known_contacts_.data(), known_count_.data(), known_first_.data()};
   executor_.run("prepare", colouring_.degrees().bodies(),
-                FindBodies<Real, rubbed>{scene_.friction, gripped_.data(), scene_.bodies, found_.data()});
-  executor_.run("prepare", Count(&control->contacts, contact_capacity_),
-                PrepareContacts<Real, rubbed>{
-                    contacts.bodies, found_.data(), gripped_.data(), known, known_impulse_.data(),
-                    known_grip_.data(), colours, place_of_.data(), swept_.data(), bodies_of_.data(),
-                    turns_.data(), soft_.data(), grips_.data(), turned_.data(), sums_.data()});
+                FindBodies<Real>{scene_.friction, gripped_.data(), scene_.bodies, found_.data()});
+  executor_.run(
+      "prepare", Count(&control->contacts, contact_capacity_),
+      PrepareContacts<Real>{contacts.bodies, found_.data(), gripped_.data(), known, known_impulse_.data(),
+                            known_grip_.data(), colours, place_of_.data(), swept_.data(), bodies_of_.data(),
+                            turns_.data(), soft_.data(), grips_.data(), turned_.data(), sums_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
                          &control->split_contacts};
   split_degrees_.count("prepare", split);
   split_.list("prepare", split, split_degrees_, place_of_.data());
-  if constexpr (built_effects.rolling_resistance)
-    if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), known);
+  if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), known);
 }
 
 template <class Real>
@@ -502,44 +488,27 @@ RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
 template <class Real>
 template <bool rubbed>
 void SoftStepSolver<Real>::begin_substep() {
-  if constexpr (built_effects.attractor)
-    if (scene_.effects.attractor)
-      executor_.run("attractor", scene_.body_count,
-                    PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
-  if constexpr (built_effects.drag)
-    if (scene_.effects.drag)
-      run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
-                                          scene_.control});
-  const auto with = [&]<Pull pull, bool walled, bool boxed>() {
-    run_bodies("forces", BeginSubstep<Real, pull, walled, rubbed, boxed>{
-                             scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
-                             walls<rubbed, boxed>(), scene_.gravity, scene_.field, h_, scene_.control});
+  if (scene_.effects.attractor)
+    executor_.run("attractor", scene_.body_count,
+                  PullBodies<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
+  if (scene_.effects.drag)
+    run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
+                                        scene_.control});
+  const auto with = [&]<bool boxed>() {
+    run_bodies("forces",
+               BeginSubstep<Real, rubbed, boxed>{
+                   scene_.bodies, soft_.data(), all_.view(colouring_.degrees()), walls<rubbed, boxed>(),
+                   scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
+                   scene_.effects.gravity || scene_.effects.attractor, h_, scene_.control});
   };
-  const auto with_walls = [&]<Pull pull>() {
-    if (scene_.boxes.count > 0)
-      with.template operator()<pull, true, true>();
-    else if (scene_.plane_count > 0)
-      with.template operator()<pull, true, false>();
-    else
-      with.template operator()<pull, false, false>();
-  };
-  with_effect<&Effects::attractor>(scene_.effects, [&]<bool field>() {
-    // Both are named by the parameter, so that a build without the effect does not compile them.
-    if constexpr (field)
-      with_walls.template operator()<field ? Pull::field : Pull::none>();
-    else
-      with_effect<&Effects::gravity>(scene_.effects, [&]<bool gravity>() {
-        with_walls.template operator()<gravity ? Pull::uniform : Pull::none>();
-      });
-  });
+  scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
 }
 
 template <class Real>
 void SoftStepSolver<Real>::move() {
   free_motion_.fly(h_, true);
-  if constexpr (built_effects.continuous_collision)
-    if (scene_.effects.continuous_collision)
-      continuous_.hold(free_motion_.ways(), swept_.data(), contact_capacity_, h_);
+  if (scene_.effects.continuous_collision)
+    continuous_.hold(free_motion_.ways(), swept_.data(), contact_capacity_, h_);
   free_motion_.move(h_, true, sleeping_.asleep(), continuous_.motion());
 }
 
@@ -573,16 +542,15 @@ void SoftStepSolver<Real>::sweep(const char* stage, const Act& act) {
 /// In each substep: before the first of the sweeps that solve, after each of them, and the same of those that
 /// relax.
 template <class Real>
-template <bool rubbed, bool soft>
-void SoftStepSolver<Real>::record_sweep(int substep, int sweep) {
+template <bool rubbed>
+void SoftStepSolver<Real>::record_sweep(int substep, bool soft, int sweep) {
   if (!residuals_.on()) return;
-  constexpr bool rubs = rubbed && !soft;
   const int sums = scene_.iterations + 1, place = (2 * substep + (soft ? 0 : 1)) * sums + sweep;
   const auto with = [&]<bool boxed>() {
     residuals_.record(place, scene_.body_count + contact_capacity_,
-                      SoftResidual<Real, soft, rubbed, boxed>{
-                          walls<rubbed, boxed>(), swept<rubs>(), softness_, sleeping_.asleep(),
-                          scene_.effects.continuous_collision, scene_.control},
+                      SoftResidual<Real, rubbed, boxed>{walls<rubbed, boxed>(), swept<rubbed>(), softness_,
+                                                        soft, sleeping_.asleep(),
+                                                        scene_.effects.continuous_collision, scene_.control},
                       scene_.control);
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
@@ -641,17 +609,12 @@ void SoftStepSolver<Real>::sweep_walls(const char* stage, bool relaxing, bool la
 }
 
 template <class Real>
-template <bool rubbed>
 void SoftStepSolver<Real>::keep(const ContactView<Real>& contacts, Real* impulses) {
-  const auto with = [&]<bool record>() {
-    executor_.run("keep", Count(&scene_.control->contacts, contact_capacity_),
-                  KeepContacts<Real, rubbed, record>{
-                      contacts.bodies, place_of_.data(), soft_.data(), sums_.data(), known_grip_.data(),
-                      impulses, known_contacts_.data(), known_first_.data(), known_impulse_.data()});
-  };
-  impulses != nullptr ? with.template operator()<true>() : with.template operator()<false>();
-  if constexpr (built_effects.rolling_resistance)
-    if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
+  executor_.run(
+      "keep", Count(&scene_.control->contacts, contact_capacity_),
+      KeepContacts<Real>{contacts.bodies, place_of_.data(), soft_.data(), sums_.data(), known_grip_.data(),
+                         impulses, known_contacts_.data(), known_first_.data(), known_impulse_.data()});
+  if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
   executor_.run("keep", 1, EndStep{scene_.control, known_count_.data(), bounces_.data()});
 }
 

@@ -53,7 +53,6 @@ class SoftStepSolver final : public ContactSolver<Real> {
   // `rubbed`: with friction.
   template <bool rubbed>
   void advance(const ContactView<Real>& contacts, Real* impulses);
-  template <bool rubbed>
   void prepare(const ContactView<Real>& contacts);
   template <bool rubbed>
   void begin_substep();
@@ -69,13 +68,12 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void sweep_walls(const char* stage, bool relaxing, bool last);
   template <bool rubs>
   SweptContacts<Real, rubs> swept() const;
-  template <bool rubbed, bool soft>
-  void record_sweep(int substep, int sweep);
+  template <bool rubbed>
+  void record_sweep(int substep, bool soft, int sweep);
   RollingSource<Real> rolling_source() const;
   /// A stage over the bodies that are awake.
   template <class Stage>
   void run_bodies(const char* name, const Stage& stage);
-  template <bool rubbed>
   void keep(const ContactView<Real>& contacts, Real* impulses);
 
   Executor& executor_;

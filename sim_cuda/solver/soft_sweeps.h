@@ -14,7 +14,6 @@
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/block.h"
-#include "sim_cuda/core/only.h"
 #include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/core/whole_record.h"
 #include "sim_cuda/solver/colouring.h"
@@ -32,19 +31,18 @@ namespace collidoscope {
 /// A foreseen contact stops what would close its gap along today's normal, also of two that will fly past
 /// each other. `held`: with continuous collision, which foresees many such, and keeps them apart should they
 /// not: those are left alone.
-template <class Real, bool held>
+template <class Real>
 struct Solve {
   static constexpr bool rubs = false, sums = false;
-  [[no_unique_address]] Only<held, const Real*> radius;
+  const Real* radius;  ///< m, by body; null: not `held`
   Softness<Real> softness;
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
-    if constexpr (held)
-      if (contact.gap > 0 &&
-          contact.passes(velocity, radius[bodies.a] + radius[bodies.b], 1 / softness.inverse_h)) {
-        const Real change = -contact.impulse;
-        contact.impulse = 0;
-        return change;
-      }
+    if (radius != nullptr && contact.gap > 0 &&
+        contact.passes(velocity, radius[bodies.a] + radius[bodies.b], 1 / softness.inverse_h)) {
+      const Real change = -contact.impulse;
+      contact.impulse = 0;
+      return change;
+    }
     return contact.template solve<true>(velocity.dot(contact.normal), mass, softness);
   }
 };
@@ -125,23 +123,23 @@ struct SweptContacts {
   const ContactBodies<Real>* bodies;
   StoredContact<Real>* soft;
   ContactSums<Real>* sums;
-  [[no_unique_address]] Only<rubbed, GripSums<Real>*> grips;
-  [[no_unique_address]] Only<rubbed, const TurnedBodies<Real>*> turned;
+  GripSums<Real>* grips;              ///< null without friction, as
+  const TurnedBodies<Real>* turned;   ///< these
   const Turns* turns;                 ///< of those with a colour
   const std::uint32_t* begin;         ///< where colour c starts; c = Colouring::colours: the split set
   const std::uint32_t* count;         ///< how many it has
   ContactsByBodyView split;           ///< places of the split set, by body
   const std::uint32_t* split_bodies;  ///< all bodies, or 0 where the set is empty
-  [[no_unique_address]] Only<rubbed, Vector3<Real>*> split_rubbed;  ///< N s, across the normal
-  Real* split_change;                                               ///< N s, along it
+  Vector3<Real>* split_rubbed;        ///< N s, across the normal; null without friction
+  Real* split_change;                 ///< N s, along it
 
   /// A contact, and what a sweep knows with it.
   struct Known {
     Pair ids;
     ContactBodies<Real> bodies;
     SoftContact<Real> contact;
-    [[no_unique_address]] Only<rubbed, SoftGrip<Real>> grip;
-    [[no_unique_address]] Only<rubbed, TurnedBodies<Real>> turned;
+    SoftGrip<Real> grip;  // this and the next: read only with friction
+    TurnedBodies<Real> turned;
     std::uint32_t place;
   };
   SIM_HD Known load(std::uint32_t place) const {
@@ -210,8 +208,8 @@ struct Sweep {
   }
 
   struct Motion {
-    [[no_unique_address]] Only<Act::rubs, Vector3<Real>> spin;  ///< rad/s
-    Vector3<Real> v;                                            ///< m/s
+    Vector3<Real> spin;  ///< rad/s; read only with friction
+    Vector3<Real> v;     ///< m/s
   };
   SIM_HD Motion load(std::uint32_t body) const {
     Motion motion;

@@ -17,7 +17,6 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
-#include "sim_cuda/core/only.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/friction.h"
@@ -47,15 +46,15 @@ struct SoftWalls {
   Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
   std::uint32_t* at;  ///< by body: bit p where plane p gives something, or did since the step began; or null
-  [[no_unique_address]] Only<rubbed, WallGrips<Real>> grips;
-  [[no_unique_address]] Only<boxed, BoxContacts<Real>> boxes;
+  WallGrips<Real> grips;    ///< read only with friction
+  BoxContacts<Real> boxes;  ///< none unless `boxed`
   WallLedger* ledger;
 
   /// A body while its planes are resolved.
   struct Body {
     Vector3<Real> x, v;
     Real radius, mass, inverse_mass;
-    [[no_unique_address]] Only<rubbed, Spin<Real>> spin;
+    Spin<Real> spin;  ///< read only with friction
     std::uint32_t at;
     bool moved = false, given = false;
   };
