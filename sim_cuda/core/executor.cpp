@@ -528,21 +528,6 @@ void Executor::check_launch(const char* name, LaunchShape shape) {
   check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
                                    " blocks of " + std::to_string(shape.threads) + " threads");
 }
-
-void Executor::check_parameters(const void* kernel, const char* name,
-                                std::initializer_list<std::size_t> bytes) {
-  std::size_t index = 0;
-  for (const std::size_t given : bytes) {
-    std::size_t offset = 0, taken = 0;
-    check(cudaFuncGetParamInfo(kernel, index, &offset, &taken),
-          std::string("describe the parameters of stage ") + name);
-    if (taken != given)
-      throw MachineError("stage " + std::string(name) + ": its code for the device takes parameter " +
-                         std::to_string(index) + " as " + std::to_string(taken) + " bytes, the host gives " +
-                         std::to_string(given) + " (an absent member that comes last? see core/only.h)");
-    ++index;
-  }
-}
 #endif
 
 StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()> enqueue)

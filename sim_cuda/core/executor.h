@@ -276,9 +276,7 @@ class Executor {
   LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items, int blocks_each);
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
   void check_launch(const char* name, LaunchShape shape);
-  /// Whether host and device agree on the size of each parameter of a kernel.
-  void check_parameters(const void* kernel, const char* name, std::initializer_list<std::size_t> bytes);
-  std::map<std::pair<const void*, int>, KernelFit> fits_;
+  void std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
   int multiprocessors_ = 0;
   /// That kernels in need of 64 registers a thread have.
@@ -418,7 +416,6 @@ __global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const St
 template <class Stage>
 void Executor::launch(const char* name, const Count& count, const Stage& stage) {
   const auto kernel = reinterpret_cast<const void*>(&run_stage<Stage>);
-  check_parameters(kernel, name, {sizeof count, sizeof stage});
   // Where the count is only a capacity, no more than run at once: most would find nothing to do.
   const LaunchShape shape = choose_shape(kernel, name, count.bound, count.counter != nullptr, nullptr);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream_>>>(count, stage);
@@ -505,7 +502,6 @@ template <class Rounds>
 void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
   const auto launch_together = [&](void (*kernel)(int, Rounds), int blocks_each) {
     const auto all = reinterpret_cast<const void*>(kernel);
-    check_parameters(all, name, {sizeof rounds, sizeof stage});
     const LaunchShape shape = choose_waiting_shape(all, name, most, blocks_each);
     if (shape.blocks == 0) return false;
     const void* arguments[] = {&rounds, &stage};
@@ -521,7 +517,6 @@ void Executor::launch_rounds(const char* name, int rounds, std::int64_t most, co
       if (launch_together(&run_chain<Rounds>, 2)) return;
   if (launch_together(&run_all_rounds<Rounds>, 1)) return;
   const auto one = reinterpret_cast<const void*>(&run_one_round<Rounds>);
-  check_parameters(one, name, {sizeof rounds, sizeof stage});
   for (int round = 0; round < rounds; ++round) {
     const LaunchShape shape = choose_shape(one, name, most, true, nullptr);
     run_one_round<Rounds><<<shape.blocks, shape.threads, 0, stream_>>>(round, stage);
@@ -534,7 +529,6 @@ void Executor::run_kernel(const char* name, const KernelNeeds& needs, void (*ker
                           const Arguments&... arguments) {
   if (needs.threads == 0) return;
   begin_stage(name);
-  check_parameters(reinterpret_cast<const void*>(kernel), name, {sizeof(Parameters)...});
   const LaunchShape shape = choose_shape(reinterpret_cast<const void*>(kernel), name, needs.threads,
                                          needs.at_once, needs.shared_bytes);
   const std::size_t shared = needs.shared_bytes != nullptr ? needs.shared_bytes(shape.threads) : 0;
