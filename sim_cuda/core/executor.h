@@ -276,7 +276,7 @@ class Executor {
   LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items, int blocks_each);
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
   void check_launch(const char* name, LaunchShape shape);
-  void std::map<std::pair<const void*, int>, KernelFit> fits_;
+  std::map<std::pair<const void*, int>, KernelFit> fits_;
   MultiprocessorLimits limits_;
   int multiprocessors_ = 0;
   /// That kernels in need of 64 registers a thread have.
