@@ -1,7 +1,7 @@
 # Gives the files that launch kernels to nvcc; without CUDA they are ordinary C++. Changes ${sources}.
 file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS broad_phase/*.cpp solver/*.cpp)
 list(FILTER cuda_sources EXCLUDE REGEX  # these launch no kernel
-  "/broad_phase/(broad_phase|bullet_dbvt|key_bits|methods)[.]cpp$|/solver/(contact_solver|residuals)[.]cpp$")
+  "/broad_phase/(broad_phase|bullet_dbvt|key_bits|methods)[.]cpp$|/solver/(contact_cache|contact_solver|plane_contacts|residuals)[.]cpp$")
 foreach(file core/radix_sort core/sort core/scan dynamics/continuous_collision dynamics/measure dynamics/move guard/stage_guard
     narrow_phase/contact_list inspect pack pipeline)
   list(APPEND cuda_sources ${CMAKE_CURRENT_SOURCE_DIR}/${file}.cpp)

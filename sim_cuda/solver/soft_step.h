@@ -2,7 +2,7 @@
 // The solver `soft_step` (Macklin et al. 2019: substeps beat iterations; Catto, "Solver2D", 2024): contacts
 // are found once a step, with all that its motion may bring together; then K substeps of
 //
-//   forces, with the impulses of the substep before as a start -> solve -> move -> relax
+//   begin (forces, warm starts) -> solve -> move -> relax
 //
 // and at last the bounces, and the friction that they add. Impulses live on: within a step in the contact,
 // from step to step by the ids of its bodies. In the sweeps, contacts go colour by colour, then what the
@@ -17,11 +17,12 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
 #include "sim_cuda/solver/colouring.h"
+#include "sim_cuda/solver/contact_cache.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/free_motion.h"
-#include "sim_cuda/solver/known_contacts.h"
+#include "sim_cuda/solver/plane_contacts.h"
 #include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
@@ -50,38 +51,47 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void visit_memory(const ArrayVisit& visit) override;
 
  private:
-  // `rubbed`: with friction.
+  // The parts of a step, in order. `rubbed`: with friction.
   template <bool rubbed>
   void advance(const ContactView<Real>& contacts, Real* impulses);
+  void begin_step(const ContactView<Real>& contacts);
+  template <bool rubbed>
+  void begin_substep(int substep);
+  template <bool rubbed>
+  void solve(int substep);
+  void move();
+  template <bool rubbed>
+  void relax(int substep);
+  template <bool rubbed>
+  void bounce();
+  void friction_of_bounces();
+  void end_step(const ContactView<Real>& contacts, Real* impulses);
+
+  // What these are made of.
   void prepare(const ContactView<Real>& contacts);
   template <bool rubbed>
-  void begin_substep();
-  void move();
+  void apply_forces();
   template <class Act>
   void sweep(const char* stage, const Act& act);
-  template <bool rubbed, bool boxed>
-  SoftWalls<Real, rubbed, boxed> walls() const;
-  void ask_all_walls();
   template <bool rubbed, class With>
   void on_walls(const With& with);
   template <bool rubbed>
   void sweep_walls(const char* stage, bool relaxing, bool last);
-  template <bool rubs>
-  SweptContacts<Real, rubs> swept() const;
   template <bool rubbed>
   void record_sweep(int substep, bool soft, int sweep);
-  RollingSource<Real> rolling_source() const;
   /// A stage over the bodies that are awake.
   template <class Stage>
   void run_bodies(const char* name, const Stage& stage);
-  void keep(const ContactView<Real>& contacts, Real* impulses);
+  template <bool rubs>
+  SweptContacts<Real, rubs> swept() const;
+  RollingSource<Real> rolling_source() const;
+  Count contact_count() const { return Count(&scene_.control->contacts, contact_capacity_); }
 
   Executor& executor_;
   const SolverScene<Real> scene_;
   const Real h_;  ///< s, of a substep
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
-  std::size_t remembered_ = 0;  ///< contacts that remember() was given
   Colouring colouring_;
   ContactDegrees split_degrees_;
   ContactsByBody all_, split_;      ///< of all contacts; of the mass-split set
@@ -95,26 +105,17 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<ContactSums<Real>> sums_;
   Buffer<GripSums<Real>> grips_;  ///< empty without friction, as all that follows of it
   Buffer<TurnedBodies<Real>> turned_;
-  Buffer<Real> split_change_;                ///< N s
-  Buffer<Vector3<Real>> split_rubbed_;       ///< N s
-  Buffer<std::uint32_t> bounces_;            ///< one
-  Buffer<Real> wall_impulse_, wall_bounce_;  ///< planes and boxes x bodies; empty without them
-  Buffer<std::uint32_t> wall_at_;            ///< planes and boxes of a body, as bits; empty without them
-  Buffer<Vector3<Real>> wall_grip_, wall_grip_total_;
-  Buffer<Real> wall_pressed_;
-  Buffer<Face<Real>> box_face_;  ///< boxes x bodies; empty without boxes
-  Buffer<Vector3<Real>> box_touched_;
+  Buffer<Real> split_change_;           ///< N s
+  Buffer<Vector3<Real>> split_rubbed_;  ///< N s
+  Buffer<std::uint32_t> bounces_;       ///< one
+  PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   PrescribedMotion<Real> prescribed_;
   FreeMotion<Real> free_motion_;
   ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
   Residuals residuals_;
-  Buffer<Pair> known_contacts_;        ///< of the last committed run
-  Buffer<std::uint32_t> known_first_;  ///< of each body, among them; with
-  Buffer<Real> known_impulse_;         ///< the impulses of its last substep, N s
-  Buffer<Vector3<Real>> known_grip_;   ///< and its friction, N s
-  Buffer<std::uint32_t> known_count_;  ///< one
+  ContactCache<Real> cache_;
 };
 
 }  // namespace collidoscope
