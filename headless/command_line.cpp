@@ -10,7 +10,7 @@
 
 #include "headless/bench/suites.h"
 #include "headless/flag_value.h"
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"

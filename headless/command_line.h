@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "headless/options.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "headless/capture.h"
-#include "sim_cuda/guard/break_conditions.h"
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/run/break_conditions.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {

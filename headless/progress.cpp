@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "sim_cuda/settle.h"
-#include "sim_cuda/step_estimate.h"
+#include "sim_cuda/run/step_estimate.h"
+#include "sim_cuda/snapshot/settle.h"
 
 namespace collidoscope {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "headless/command_line.h"
-#include "sim_cuda/changes_file.h"
+#include "sim_cuda/changes/changes_file.h"
 
 namespace collidoscope {
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "sim_cuda/launch_json.h"
+#include "sim_cuda/measure/launch_json.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"

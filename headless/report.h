@@ -10,8 +10,8 @@
 
 #include "sim_cuda/core/launch_shape.h"
 #include "sim_cuda/guard/finding.h"
-#include "sim_cuda/residual.h"
-#include "sim_cuda/step_stats.h"
+#include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/solver/residual.h"
 
 namespace collidoscope {
 

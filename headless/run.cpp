@@ -20,7 +20,7 @@
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
-#include "sim_cuda/guard/rewind.h"
+#include "sim_cuda/run/rewind.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

@@ -7,9 +7,9 @@ set(touched_by_rotation dynamics/move.cpp solver/joints.cpp solver/sleeping.cpp 
 set(touched_by_friction solver/soft_step.cpp)
 set(touched_by_rolling_resistance solver/soft_step.cpp)
 set(touched_by_joints solver/soft_step.cpp)
-set(touched_by_continuous_collision solver/soft_step.cpp dynamics/move.cpp narrow_phase/contact_list.cpp pipeline.cpp)
+set(touched_by_continuous_collision solver/soft_step.cpp dynamics/move.cpp narrow_phase/contact_list.cpp run/pipeline.cpp)
 set(touched_by_sleeping solver/soft_step.cpp dynamics/move.cpp solver/free_motion.cpp solver/rolling_resistance.cpp)
-set(touched_by_guards pipeline.cpp)
+set(touched_by_guards run/pipeline.cpp)
 
 # Files of which nothing is left without the effect: they add to what it costs, and are compared with nothing.
 set(own_of_rolling_resistance solver/rolling_resistance.cpp)

@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/body_report.h"
+#include "sim_cuda/broad_phase/tree_quality.h"
 #include "sim_cuda/guard/finding.h"
-#include "sim_cuda/publish.h"
-#include "sim_cuda/residual.h"
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/measure/body_report.h"
+#include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/publish/publish.h"
 #include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/residual.h"
 #include "sim_cuda/solver/solver_memory.h"
-#include "sim_cuda/step_stats.h"
-#include "sim_cuda/tree_quality.h"
 
 namespace collidoscope {
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "sim_cuda/scene/names.h"
-#include "sim_cuda/settle.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/executors.h"
 #include "tests/random.h"
 #include "tests/scenes.h"

@@ -6,7 +6,7 @@
 
 #include <regex>
 
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"

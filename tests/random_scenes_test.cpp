@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/any_scene.h"
 #include "tests/executors.h"
 #include "tests/random.h"

@@ -1,6 +1,6 @@
 // Back to a state that a run came through, bit for bit.
 
-#include "sim_cuda/guard/rewind.h"
+#include "sim_cuda/run/rewind.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The variant `settled`: at rest before its first step, made once, and never in the way.
 
-#include "sim_cuda/settle.h"
+#include "sim_cuda/snapshot/settle.h"
 
 #include <gmock/gmock.h>
 

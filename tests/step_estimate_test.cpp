@@ -1,6 +1,6 @@
 // What a step is expected to take, against what it takes.
 
-#include "sim_cuda/step_estimate.h"
+#include "sim_cuda/run/step_estimate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/sampled_pairs.h"
+#include "sim_cuda/run/sampled_pairs.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "tests/executors.h"
 #include "tests/random.h"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "headless/command_line.h"
-#include "sim_cuda/settle.h"
+#include "sim_cuda/snapshot/settle.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
 #include "viewer/live/automation.h"

@@ -16,7 +16,7 @@
 #include "headless/report.h"
 #include "headless/standard_output.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {

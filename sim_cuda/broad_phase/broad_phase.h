@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/broad_phase/tree.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/executor.h"
 
 namespace collidoscope {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "sim_cuda/core/parallel_for.h"
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/run_options.h"
 
 namespace collidoscope {
 

@@ -24,7 +24,7 @@
 #include "sim_cuda/core/occupancy.h"
 #include "sim_cuda/core/parallel_for.h"
 #include "sim_cuda/core/stage_clock.h"
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/run_options.h"
 
 #if SIM_CUDA
 #include "sim_cuda/core/cuda_check.h"

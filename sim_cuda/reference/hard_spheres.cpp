@@ -11,7 +11,7 @@
 #include "sim_cuda/reference/contact_time.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/scene/names.h"
-#include "sim_cuda/settle.h"
+#include "sim_cuda/snapshot/settle.h"
 
 namespace collidoscope {
 namespace {

@@ -24,10 +24,10 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/joint_state.h"
-#include "sim_cuda/step_stats.h"
 
 namespace collidoscope {
 

@@ -2,8 +2,9 @@
 # the way that the design allows: sim_cuda <- viewer/render, viewer/live <- viewer, headless; ui sees plain data alone.
 cmake_minimum_required(VERSION 3.25)
 
-set(plain_data "sim_cuda/(run_options|step_stats|stage_launch|publish|tree_quality|history|body_report|residual)[.]h|sim_cuda/scene/(scene|effects|limits|names)[.]h"
-  "sim_cuda/guard/(break_conditions|finding)[.]h" "sim_cuda/accuracy/point[.]h" "sim_cuda/core/(launch_shape|linear_algebra|error)[.]h")
+set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|stage_launch)[.]h" "sim_cuda/scene/(effects|limits|names|run_options|scene)[.]h"
+  "sim_cuda/broad_phase/tree_quality[.]h" "sim_cuda/solver/residual[.]h" "sim_cuda/guard/finding[.]h" "sim_cuda/measure/(body_report|step_stats)[.]h"
+  "sim_cuda/publish/publish[.]h" "sim_cuda/run/(break_conditions|history)[.]h" "sim_cuda/accuracy/point[.]h")
 string(JOIN "|" plain_data ${plain_data})
 set(windows "GLFW/|X11/")
 set(drawing "${windows}|GL/|epoxy/|EGL/|KHR/|imgui|stb_|png")

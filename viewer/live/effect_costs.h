@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "ui/effect_facts.h"
 

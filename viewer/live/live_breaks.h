@@ -1,14 +1,14 @@
 #pragma once
 // Where a live run stops for somebody to look: at what its guards found, or where a condition is met. A step
 // is measured for the graphs anyway, so that conditions cost a comparison, and none at all while they are
-// off; but a copy of the run now and then (guard/rewind.h), to come back to the state before. Follows one
+// off; but a copy of the run now and then (run/rewind.h), to come back to the state before. Follows one
 // LiveWorld.
 
 #include <array>
 #include <optional>
 
-#include "sim_cuda/guard/rewind.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/run/rewind.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "ui/break_facts.h"
 #include "viewer/live/live_world.h"
 

@@ -7,11 +7,11 @@
 #include <exception>
 
 #include "sim_cuda/accuracy/point.h"
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/stage_clock.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {

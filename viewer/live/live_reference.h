@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/publish.h"
+#include "sim_cuda/publish/publish.h"
 #include "sim_cuda/reference/hard_spheres.h"
 #include "ui/reference_facts.h"
 

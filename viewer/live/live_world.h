@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/changes_file.h"
-#include "sim_cuda/history.h"
+#include "sim_cuda/changes/changes_file.h"
+#include "sim_cuda/run/history.h"
 #include "sim_cuda/world.h"
 #include "ui/workspace.h"
 

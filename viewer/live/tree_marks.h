@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim_cuda/body_report.h"
-#include "sim_cuda/publish.h"
+#include "sim_cuda/measure/body_report.h"
+#include "sim_cuda/publish/publish.h"
 #include "ui/workspace.h"
 
 namespace collidoscope {
