@@ -10,11 +10,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "headless/egl_context.h"
-#include "headless/output_file.h"
-#include "headless/panel_picture.h"
-#include "headless/progress.h"
-#include "headless/standard_output.h"
+#include "headless/cli/output_file.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/pictures/egl_context.h"
+#include "headless/pictures/panel_picture.h"
 #include "sim_cuda/core/error.h"
 #include "ui/chart.h"
 #include "ui/overlay.h"

@@ -7,15 +7,15 @@
 #include "headless/accuracy/accuracy.h"
 #include "headless/bench/suites.h"
 #include "headless/bvh.h"
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
+#include "headless/cli/exit_status.h"
+#include "headless/cli/interruption.h"
+#include "headless/cli/process.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
 #include "headless/compare.h"
-#include "headless/exit_status.h"
-#include "headless/interruption.h"
-#include "headless/process.h"
-#include "headless/progress.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
-#include "headless/standard_output.h"
 
 namespace collidoscope {
 namespace {

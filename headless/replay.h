@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 #include "sim_cuda/changes/changes_file.h"
 
 namespace collidoscope {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 #include "sim_cuda/snapshot/settle.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"

@@ -9,7 +9,7 @@
 // every kernel of a build without the effect is in the build with all of them byte for byte, with as many
 // registers and parameters; what that has beyond is what the effect adds.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

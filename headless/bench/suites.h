@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -14,7 +14,7 @@ set(folders viewer/render viewer/live viewer ui sim_cuda headless tests)
 set(viewer/render_may "^(sim_cuda|viewer/render)/")
 set(viewer/render_not "^(${windows})")
 # Of headless/ the viewer shares the command line, the progress bar, signals, the set-up of the process and its exit status.
-set(viewer_may "^(sim_cuda|viewer|ui)/|^headless/(command_line|exit_status|interruption|options|process|progress|standard_output)[.]h$")
+set(viewer_may "^(sim_cuda|viewer|ui|headless/cli)/")
 set(viewer_not "^(cuda|nlohmann/|CLI/)")
 set(ui_may "^(ui/|(${plain_data})$)")
 set(ui_not "^(cuda|${windows}|GL/|epoxy/|EGL/|cub/)")

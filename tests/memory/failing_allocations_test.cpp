@@ -13,8 +13,8 @@
 #include <functional>
 #include <set>
 
-#include "headless/command_line.h"
-#include "headless/exit_status.h"
+#include "headless/cli/command_line.h"
+#include "headless/cli/exit_status.h"
 #include "headless/run.h"
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"

@@ -1,4 +1,4 @@
-#include "headless/exit_status.h"
+#include "headless/cli/exit_status.h"
 
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "headless/standard_output.h"
+#include "headless/cli/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/core/whole_file.h"

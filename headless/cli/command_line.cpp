@@ -1,4 +1,4 @@
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "headless/bench/suites.h"
-#include "headless/flag_value.h"
+#include "headless/cli/flag_value.h"
 #include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "headless/bench/crowded_scenes.h"
-#include "headless/flag_value.h"
-#include "headless/options.h"
+#include "headless/cli/flag_value.h"
+#include "headless/cli/options.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"

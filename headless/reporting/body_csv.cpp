@@ -1,4 +1,4 @@
-#include "headless/body_csv.h"
+#include "headless/reporting/body_csv.h"
 
 #include <charconv>
 #include <cstdint>

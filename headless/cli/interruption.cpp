@@ -1,4 +1,4 @@
-#include "headless/interruption.h"
+#include "headless/cli/interruption.h"
 
 #include <signal.h>
 #include <sys/time.h>
@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "headless/standard_output.h"
+#include "headless/cli/standard_output.h"
 #include "sim_cuda/core/whole_file.h"
 
 namespace collidoscope {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "headless/options.h"
+#include "headless/cli/options.h"
 #include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/world.h"
 

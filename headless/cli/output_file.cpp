@@ -1,4 +1,4 @@
-#include "headless/output_file.h"
+#include "headless/cli/output_file.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "headless/flag_value.h"
+#include "headless/cli/flag_value.h"
 #include "sim_cuda/core/error.h"
 
 namespace collidoscope {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "headless/options.h"
+#include "headless/cli/options.h"
 #include "ui/chart.h"
 
 namespace collidoscope {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "headless/egl_context.h"
+#include "headless/pictures/egl_context.h"
 #include "ui/chart.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"

@@ -1,10 +1,10 @@
-#include "headless/options.h"
+#include "headless/cli/options.h"
 
 #include <fmt/format.h>
 
 #include <utility>
 
-#include "headless/flag_value.h"
+#include "headless/cli/flag_value.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/fault_lines.h"
 #include "sim_cuda/scene/scene_file.h"

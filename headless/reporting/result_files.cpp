@@ -1,7 +1,7 @@
-#include "headless/bench/result_files.h"
+#include "headless/reporting/result_files.h"
 
-#include "headless/chart_picture.h"
-#include "headless/output_file.h"
+#include "headless/cli/output_file.h"
+#include "headless/pictures/chart_picture.h"
 
 namespace collidoscope {
 namespace {

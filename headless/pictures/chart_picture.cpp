@@ -1,4 +1,4 @@
-#include "headless/chart_picture.h"
+#include "headless/pictures/chart_picture.h"
 
 #include "ui/widgets.h"
 

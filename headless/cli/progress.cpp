@@ -1,4 +1,4 @@
-#include "headless/progress.h"
+#include "headless/cli/progress.h"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>

@@ -1,4 +1,4 @@
-#include "headless/panel_picture.h"
+#include "headless/pictures/panel_picture.h"
 
 #include "ui/shown_layers.h"
 #include "viewer/live/fill_view.h"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "headless/bench/spread.h"
+#include "headless/reporting/spread.h"
 
 namespace collidoscope {
 

@@ -1,4 +1,4 @@
-#include "headless/process.h"
+#include "headless/cli/process.h"
 
 #include <fcntl.h>
 #include <signal.h>

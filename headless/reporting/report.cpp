@@ -1,4 +1,4 @@
-#include "headless/report.h"
+#include "headless/reporting/report.h"
 
 #include <fmt/format.h>
 

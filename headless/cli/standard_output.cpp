@@ -1,4 +1,4 @@
-#include "headless/standard_output.h"
+#include "headless/cli/standard_output.h"
 
 #include <cerrno>
 #include <cstdio>
