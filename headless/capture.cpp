@@ -19,13 +19,13 @@
 #include "ui/chart.h"
 #include "ui/overlay.h"
 #include "ui/shown_layers.h"
-#include "viewer/live/live_reference.h"
 #include "viewer/render/gl/target.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
 #include "viewer/render/value_range.h"
+#include "viewer/session/live_reference.h"
 
 namespace collidoscope {
 namespace {

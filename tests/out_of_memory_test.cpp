@@ -11,7 +11,7 @@
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

@@ -15,7 +15,7 @@
 #include "tests/executors.h"
 #include "tests/run_program.h"
 #include "tests/scenes.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

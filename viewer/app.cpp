@@ -12,9 +12,9 @@
 #include "ui/shown_layers.h"
 #include "ui/widgets.h"
 #include "viewer/app_guard.h"
-#include "viewer/live/fill_view.h"
-#include "viewer/live/settings_file.h"
 #include "viewer/render/gl/errors.h"
+#include "viewer/session/fill_view.h"
+#include "viewer/session/settings_file.h"
 
 namespace collidoscope {
 namespace {

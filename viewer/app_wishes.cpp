@@ -10,8 +10,8 @@
 #include "sim_cuda/scene/scene_file.h"
 #include "viewer/app_guard.h"
 #include "viewer/free_name.h"
-#include "viewer/live/thrown_ball.h"
 #include "viewer/render/image.h"
+#include "viewer/session/thrown_ball.h"
 
 namespace collidoscope {
 

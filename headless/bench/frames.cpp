@@ -16,9 +16,9 @@
 #include "headless/pictures/panel_picture.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/spread.h"
-#include "viewer/live/live_world.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

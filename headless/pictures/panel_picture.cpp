@@ -1,9 +1,9 @@
 #include "headless/pictures/panel_picture.h"
 
 #include "ui/shown_layers.h"
-#include "viewer/live/fill_view.h"
-#include "viewer/live/tree_marks.h"
 #include "viewer/render/legend.h"
+#include "viewer/session/fill_view.h"
+#include "viewer/session/tree_marks.h"
 
 namespace collidoscope {
 

@@ -7,15 +7,15 @@
 #include <string>
 
 #include "ui/workspace.h"
-#include "viewer/live/effect_costs.h"
-#include "viewer/live/live_world.h"
-#include "viewer/live/tree_inspector.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/frame_uniforms.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/image.h"
 #include "viewer/render/renderer.h"
 #include "viewer/render/window_frame.h"
+#include "viewer/session/effect_costs.h"
+#include "viewer/session/live_world.h"
+#include "viewer/session/tree_inspector.h"
 
 namespace collidoscope {
 

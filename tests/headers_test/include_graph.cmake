@@ -1,5 +1,5 @@
 # cmake -DROOT=<repository> -P include_graph.cmake: fails, and lists every offence, unless all includes point
-# the way that the design allows: sim_cuda <- viewer/render, viewer/live <- viewer, headless; ui sees plain data alone.
+# the way that the design allows: sim_cuda <- viewer/render, viewer/session <- viewer, headless; ui sees plain data alone.
 cmake_minimum_required(VERSION 3.25)
 
 set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|stage_launch)[.]h" "sim_cuda/scene/(effects|limits|names|run_options|scene)[.]h"
@@ -10,7 +10,7 @@ set(windows "GLFW/|X11/")
 set(drawing "${windows}|GL/|epoxy/|EGL/|KHR/|imgui|stb_|png")
 
 # Folder, what it may include of the project, what it may not include of the system; the first folder fits.
-set(folders viewer/render viewer/live viewer ui sim_cuda headless tests)
+set(folders viewer/render viewer/session viewer ui sim_cuda headless tests)
 set(viewer/render_may "^(sim_cuda|viewer/render)/")
 set(viewer/render_not "^(${windows})")
 # Of headless/ the viewer shares the command line, the progress bar, signals, the set-up of the process and its exit status.
@@ -18,11 +18,11 @@ set(viewer_may "^(sim_cuda|viewer|ui|headless/cli)/")
 set(viewer_not "^(cuda|nlohmann/|CLI/)")
 set(ui_may "^(ui/|(${plain_data})$)")
 set(ui_not "^(cuda|${windows}|GL/|epoxy/|EGL/|cub/)")
-set(viewer/live_may "^(sim_cuda|ui|viewer/live)/")
-set(viewer/live_not "^(${drawing}|CLI/)")
+set(viewer/session_may "^(sim_cuda|ui|viewer/session)/")
+set(viewer/session_not "^(${drawing}|CLI/)")
 set(sim_cuda_may "^sim_cuda/")
 set(sim_cuda_not "^(${drawing}|CLI/)")
-set(headless_may "^(sim_cuda|viewer/render|viewer/live|ui|headless)/")
+set(headless_may "^(sim_cuda|viewer/render|viewer/session|ui|headless)/")
 set(headless_not "^(${windows})")
 set(tests_may "^(sim_cuda|viewer|ui|headless|tests)/")
 set(tests_not "^$")
@@ -32,7 +32,7 @@ set(seen 0)
 foreach(folder IN LISTS folders)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.cpp)
   foreach(file IN LISTS files)
-    if(folder STREQUAL "viewer" AND file MATCHES "^viewer/(render|live)/")
+    if(folder STREQUAL "viewer" AND file MATCHES "^viewer/(render|session)/")
       continue()
     endif()
     math(EXPR seen "${seen} + 1")

@@ -10,7 +10,7 @@
 #include "sim_cuda/run/rewind.h"
 #include "sim_cuda/snapshot/snapshot.h"
 #include "ui/break_facts.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 

@@ -11,7 +11,7 @@
 #include "sim_cuda/stability/hard_run.h"
 #include "sim_cuda/stability/trial.h"
 #include "ui/hard_cases_facts.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 

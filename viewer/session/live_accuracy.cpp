@@ -1,4 +1,4 @@
-#include "viewer/live/live_accuracy.h"
+#include "viewer/session/live_accuracy.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sim_cuda/core/stage_clock.h"
-#include "viewer/live/live_reference.h"
+#include "viewer/session/live_reference.h"
 
 namespace collidoscope {
 

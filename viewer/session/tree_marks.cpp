@@ -1,4 +1,4 @@
-#include "viewer/live/tree_marks.h"
+#include "viewer/session/tree_marks.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "viewer/live/tree_inspector.h"
+#include "viewer/session/tree_inspector.h"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 // Fills what panels show of a run. A free function.
 
 #include "ui/workspace.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 

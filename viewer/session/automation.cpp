@@ -1,4 +1,4 @@
-#include "viewer/live/automation.h"
+#include "viewer/session/automation.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/live/settings_file.h"
+#include "viewer/session/settings_file.h"
 
 #include <algorithm>
 #include <cmath>

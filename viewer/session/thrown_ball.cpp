@@ -1,4 +1,4 @@
-#include "viewer/live/thrown_ball.h"
+#include "viewer/session/thrown_ball.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "viewer/live/live_breaks.h"
+#include "viewer/session/live_breaks.h"
 
 #include <algorithm>
 

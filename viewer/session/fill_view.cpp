@@ -1,4 +1,4 @@
-#include "viewer/live/fill_view.h"
+#include "viewer/session/fill_view.h"
 
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/names.h"

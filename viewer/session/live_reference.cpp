@@ -1,4 +1,4 @@
-#include "viewer/live/live_reference.h"
+#include "viewer/session/live_reference.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/live/live_stability.h"
+#include "viewer/session/live_stability.h"
 
 #include <fmt/format.h>
 

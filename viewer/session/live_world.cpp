@@ -1,4 +1,4 @@
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 #include <fmt/format.h>
 

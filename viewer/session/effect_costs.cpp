@@ -1,4 +1,4 @@
-#include "viewer/live/effect_costs.h"
+#include "viewer/session/effect_costs.h"
 
 #include <algorithm>
 #include <exception>
