@@ -69,16 +69,17 @@ struct World::Impl {
         watched(effects.guards),
         tree(executor, static_cast<std::int64_t>(initial.size())),
         runner(executor,
-               (expect_room_for_step(executor, {scene, initial, effects, substeps, start, ids,
-                                                first_capacity(options, initial)}),
+               (expect_room_for_step(executor, {options.broad_phase, scene, initial, effects, substeps, start,
+                                                ids, first_capacity(options, initial)}),
                 make()),
                first_capacity(options, initial)) {}
 
   /// A pipeline that has reserved nothing yet.
   std::unique_ptr<Pipeline> make() {
     auto next = frozen.empty()
-                    ? make_pipeline(executor, scene, initial, effects, substeps)
-                    : make_pipeline(executor, scene, with_frozen(initial, frozen), effects, substeps);
+                    ? make_pipeline(executor, options.broad_phase, scene, initial, effects, substeps)
+                    : make_pipeline(executor, options.broad_phase, scene, with_frozen(initial, frozen),
+                                    effects, substeps);
     next->before_writing([this](const StepControl& control) {
       undo.before_writing(runner.pipeline(), control,
                           seconds_to_solve(executor, scene.physics, static_cast<double>(initial.size()),

@@ -27,8 +27,9 @@ StepEstimate estimate_of(const Scene& scene, const RunOptions& options) {
   Executor executor(options);
   const Effects effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
   const BodyIds ids;
-  return estimate_step(executor, {scene, initial, effects, substeps_of(scene, initial), nullptr, ids, {}},
-                       true);
+  return estimate_step(
+      executor, {options.broad_phase, scene, initial, effects, substeps_of(scene, initial), nullptr, ids, {}},
+      true);
 }
 
 class StepEstimates : public OnEachExecutor {

@@ -6,8 +6,8 @@
 
 #include <vector>
 
+#include "sim_cuda/core/executor_options.h"
 #include "sim_cuda/scene/initial_bodies.h"
-#include "sim_cuda/scene/run_options.h"
 
 namespace collidoscope {
 

@@ -35,8 +35,8 @@ struct Commit {
 template <class Real>
 class TypedPipeline final : public Pipeline {
  public:
-  TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial, Effects effects,
-                int substeps);
+  TypedPipeline(Executor& executor, const std::string& broad_phase, const Scene& scene,
+                const InitialBodies& initial, Effects effects, int substeps);
 
   int runs_per_step() const override { return solver_->runs_per_step(); }
 
@@ -267,8 +267,8 @@ double bounce_threshold(const Physics& physics, int substeps, bool gravity) {
 }
 
 template <class Real>
-TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const InitialBodies& initial,
-                                   Effects effects, int substeps)
+TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_phase, const Scene& scene,
+                                   const InitialBodies& initial, Effects effects, int substeps)
     : executor_(executor),
       body_count_(static_cast<std::int64_t>(initial.size())),
       effects_(effects),
@@ -287,7 +287,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const Scene& scene, const
       box_surfaces_(executor, "box obstacles"),
       boxes_(executor, "boxes"),
       extent_(executor, "extent"),
-      broad_phase_(make_broad_phase(executor.options().broad_phase, executor)),
+      broad_phase_(make_broad_phase(broad_phase, executor)),
       pairs_(executor),
       contacts_(executor),
       impulses_(executor),
@@ -517,12 +517,13 @@ void TypedPipeline<Real>::set_bodies(const BodyStates& states, const std::vector
 
 }  // namespace
 
-std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
-                                        Effects effects, int substeps) {
+std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const std::string& broad_phase,
+                                        const Scene& scene, const InitialBodies& bodies, Effects effects,
+                                        int substeps) {
   effects.joints &= !scene.joints.empty();
   if (scene.physics.precision == Precision::f64)
-    return std::make_unique<TypedPipeline<double>>(executor, scene, bodies, effects, substeps);
-  return std::make_unique<TypedPipeline<float>>(executor, scene, bodies, effects, substeps);
+    return std::make_unique<TypedPipeline<double>>(executor, broad_phase, scene, bodies, effects, substeps);
+  return std::make_unique<TypedPipeline<float>>(executor, broad_phase, scene, bodies, effects, substeps);
 }
 
 }  // namespace collidoscope

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/aside.h"
@@ -94,8 +95,10 @@ class Pipeline {
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 
-/// Uploads the bodies; reserves nothing yet. `substeps` of a step, whatever the scene says.
-std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const Scene& scene, const InitialBodies& bodies,
-                                        Effects effects, int substeps);
+/// Uploads the bodies; reserves nothing yet. `broad_phase`: a name of methods.h; `substeps` of a step,
+/// whatever the scene says.
+std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const std::string& broad_phase,
+                                        const Scene& scene, const InitialBodies& bodies, Effects effects,
+                                        int substeps);
 
 }  // namespace collidoscope

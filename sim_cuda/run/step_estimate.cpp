@@ -29,7 +29,7 @@ constexpr double ns_of_body = 500, ns_of_body_in_substep = 300, ns_of_pair = 130
                  ns_of_comparison_in_tiles = 1;
 
 MovingSpheres spheres_of(const Beginning& beginning) {
-  const auto& [scene, initial, effects, substeps, start, ids, capacity] = beginning;
+  const auto& [broad_phase, scene, initial, effects, substeps, start, ids, capacity] = beginning;
   MovingSpheres spheres{initial.position, initial.radius, initial.velocity};
   if (start != nullptr) {
     const BodyStates& states = start->bodies;
@@ -64,9 +64,10 @@ double ns_to_find(const std::string& broad_phase, double bodies, double pairs) {
 /// Pipeline runs in a step.
 int runs_of(const Physics& physics, int substeps) { return physics.solver == Solver::impulse ? substeps : 1; }
 
-double seconds_of(const Executor& executor, const Physics& physics, const StepEstimate& of, int substeps) {
-  const double finding =
-      1e-9 * ns_to_find(executor.options().broad_phase, static_cast<double>(of.bodies), of.pairs);
+double seconds_of(const Executor& executor, const Beginning& beginning, const StepEstimate& of) {
+  const Physics& physics = beginning.scene.physics;
+  const int substeps = beginning.substeps;
+  const double finding = 1e-9 * ns_to_find(beginning.broad_phase, static_cast<double>(of.bodies), of.pairs);
   return runs_of(physics, substeps) *
          (finding / executor.equal_cores() +
           seconds_to_solve(executor, physics, static_cast<double>(of.bodies), of.contacts, substeps));
@@ -79,8 +80,8 @@ std::int64_t bytes_of(Executor& executor, const Beginning& beginning, const Step
                     static_cast<std::int64_t>(std::min(std::ceil(count), static_cast<double>(longest_list))));
   };
   const std::int64_t listed = executor.imagine([&] {
-    const auto pipeline =
-        make_pipeline(executor, beginning.scene, beginning.initial, beginning.effects, beginning.substeps);
+    const auto pipeline = make_pipeline(executor, beginning.broad_phase, beginning.scene, beginning.initial,
+                                        beginning.effects, beginning.substeps);
     pipeline->reserve(
         {entries(of.pairs, beginning.capacity.pairs), entries(of.contacts, beginning.capacity.contacts)});
   });
@@ -107,7 +108,7 @@ std::string in_groups(double number) {
 }
 
 [[noreturn]] void refuse(const Scene& scene, const std::string& what, double needed, std::int64_t given,
-                         const RunOptions& options) {
+                         const ExecutorOptions& options) {
   const bool limited = options.memory_limit > 0;
   const bool generated = scene.generators.size() == 1;
   const bool paper = generated && scene.generators[0].variant == Variant::paper;
@@ -158,7 +159,7 @@ StepEstimate estimate_step(Executor& executor, const Beginning& beginning, bool 
     const SampledPairs found = sample_pairs(executor.team(), spheres, samples);
     expected.pairs = found.pairs;
     expected.contacts = found.contacts;
-    expected.seconds = seconds_of(executor, beginning.scene.physics, expected, beginning.substeps);
+    expected.seconds = seconds_of(executor, beginning, expected);
   };
   constexpr std::int64_t few_samples = 64, most_samples = 4000, most_tests = 400'000'000;
   sample(few_samples);
@@ -178,7 +179,7 @@ void expect_room_for_step(Executor& executor, const Beginning& beginning) {
   if (static_cast<std::int64_t>(beginning.initial.size()) <= few_bodies) return;
   const StepEstimate expected = estimate_step(executor, beginning, false);
   const std::int64_t room = executor.room_bytes();
-  const RunOptions& options = executor.options();
+  const ExecutorOptions& options = executor.options();
   if (expected.bytes > room && !options.allow_large)
     refuse(beginning.scene,
            fmt::format("{} bodies have about {} pairs and {} contacts at first, which take about",

@@ -12,6 +12,7 @@
 #include "sim_cuda/run/pipeline.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
@@ -25,6 +26,7 @@ struct StepEstimate {
 
 /// Where and how a world is about to begin.
 struct Beginning {
+  const std::string& broad_phase;
   const Scene& scene;
   const InitialBodies& initial;
   Effects effects;

@@ -117,7 +117,7 @@ bool StepRunner::grow() {
     wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
               std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
     if (const std::int64_t bytes = lacking(wanted); bytes > 0) {
-      const RunOptions& options = executor_.options();
+      const ExecutorOptions& options = executor_.options();
       const std::int64_t given = executor_.allocated_bytes() + executor_.room_bytes();
       const bool by_rule = options.memory_limit == 0 && !options.allow_large;
       const std::string found =
