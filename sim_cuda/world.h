@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim_cuda/broad_phase/tree_quality.h"
+#include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/guard/finding.h"
 #include "sim_cuda/measure/body_report.h"
 #include "sim_cuda/measure/step_stats.h"

@@ -1,11 +1,7 @@
 #pragma once
-// What a run reports: plain data, SI units, read by panels, JSON and tests alike. No CUDA, no GL.
+// What a run reports of a state: plain data, SI units, read by panels, JSON and tests alike. No CUDA, no GL.
 
 #include <cstdint>
-#include <string>
-#include <vector>
-
-#include "sim_cuda/core/stage_launch.h"
 
 namespace collidoscope {
 
@@ -40,37 +36,6 @@ struct StepStats {
   std::int64_t non_finite = 0;         ///< bodies with a component that is not finite
   std::int64_t escaped = 0;            ///< centres outside the box
   double energy() const { return kinetic_energy + potential_energy; }
-};
-
-/// One stage's cost over the steps measured so far.
-struct StageTime {
-  std::string name;  ///< the same in profiler, NVTX, graphs and exports
-  double median_ms = 0, p95_ms = 0, last_ms = 0;
-  int launches = 0;        ///< kernels per step (CPU: parallel loops)
-  bool own_shape = false;  ///< part of it runs in a library that ignores (B, T)
-  StageLaunch launch{};    ///< what the rest of it was launched as
-  int samples = 0;         ///< steps that were timed; 0: the times are not known
-};
-
-/// Times of the whole step come from plain steps, times of stages from instrumented ones; they are never
-/// mixed.
-struct RunTimes {
-  double step_median_ms = 0, step_p95_ms = 0;  ///< 0 while no plain step was timed
-  double step_last_ms = 0;                     ///< the newest of them
-  int steps_timed = 0;
-  std::vector<StageTime> stages;  ///< in the order of the pipeline
-};
-
-/// How long the broad phase of one state takes, ms.
-struct BroadPhaseTimes {
-  std::vector<float> whole;  ///< each repeat, nothing measured within
-  struct Stage {
-    std::string name;
-    std::vector<float> ms;  ///< each repeat
-    int launches = 0;
-    bool own_shape = false;
-  };
-  std::vector<Stage> stages;  ///< of other repeats, with a time taken after each stage
 };
 
 }  // namespace collidoscope

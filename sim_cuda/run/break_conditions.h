@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/measure/step_stats.h"
 
 namespace collidoscope {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim_cuda/broad_phase/current_tree.h"
-#include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/run/pipeline.h"
 
 namespace collidoscope {

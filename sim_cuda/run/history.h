@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/measure/step_stats.h"
 
 namespace collidoscope {
