@@ -11,13 +11,9 @@
 #include "sim_cuda/broad_phase/tree.h"
 #include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/pair.h"
 
 namespace collidoscope {
-
-/// Two ids a < b whose boxes overlap.
-struct Pair {
-  std::uint32_t a, b;
-};
 
 struct PairSink;
 struct VisitSink;
