@@ -183,12 +183,4 @@ class World {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Names of the broad phases that `--broad-phase` accepts, the default first.
-std::vector<std::string> broad_phase_names();
-/// Of these, those that run on what `kind` comes to here: bullet_dbvt needs the CPU.
-std::vector<std::string> broad_phase_names(ExecutorKind kind);
-
-/// Whether this build and this machine can run CUDA; if not, `why` (where given) receives one line.
-bool cuda_available(std::string* why = nullptr);
-
 }  // namespace collidoscope

@@ -2,6 +2,7 @@
 // before the step. What follows is what would have been.
 
 #include "sim_cuda/core/cancellation.h"
+#include "sim_cuda/broad_phase/methods.h"
 
 #include <gtest/gtest.h>
 

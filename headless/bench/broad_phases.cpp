@@ -11,6 +11,7 @@
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/bounds.h"
 #include "sim_cuda/scene/initial_bodies.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/limits.h"
 

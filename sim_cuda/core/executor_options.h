@@ -3,6 +3,7 @@
 // first promise, and every field is there to be varied in a test of it. Plain data.
 
 #include <cstdint>
+#include <string>
 
 #include "sim_cuda/core/launch_shape.h"
 
@@ -18,6 +19,9 @@ enum class LaneOrder { contiguous, strided, shuffled };
 
 /// How Morton keys are sorted. automatic: by counting in cells where there are few bodies, else the library.
 enum class SortMethod { automatic, library, radix };  ///< radix: radix_sort.h, which obeys (B, T)
+
+/// Whether this build and this machine can run CUDA; if not, `why` (where given) receives one line.
+bool cuda_available(std::string* why = nullptr);
 
 struct ExecutorOptions {
   ExecutorKind executor = ExecutorKind::automatic;
