@@ -8,7 +8,6 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
-#include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/run/sampled_pairs.h"
 
 namespace collidoscope {
