@@ -210,6 +210,21 @@ std::uint64_t Measurer<Real>::state_hash(const BodyView<Real>& bodies, std::int6
   return hash.value;
 }
 
+void add(const JointSums& sums, std::int64_t count, StepStats& stats) {
+  stats.joints = count;
+  stats.max_joint_error = sums.error;
+  stats.max_joint_angle = sums.angle;
+  stats.spring_energy = sums.energy;
+  stats.potential_energy += sums.energy;
+}
+
+void add(const SleepSums& sums, StepStats& stats) {
+  stats.can_sleep = true;
+  stats.asleep = sums.asleep;
+  stats.islands = sums.islands;
+  stats.islands_asleep = sums.islands_asleep;
+}
+
 template class Measurer<float>;
 template class Measurer<double>;
 

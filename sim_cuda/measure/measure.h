@@ -13,6 +13,8 @@
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/contact_impulses.h"
+#include "sim_cuda/solver/joint_measure.h"
+#include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/walls.h"
 
 namespace collidoscope {
@@ -51,6 +53,10 @@ struct MeasureSource {
   std::int64_t contact_capacity;
   ImpulseView<Real> impulses;  ///< of the last step
 };
+
+/// Adds what joints, `count` of them, and sleepers say of the state.
+void add(const JointSums& sums, std::int64_t count, StepStats& stats);
+void add(const SleepSums& sums, StepStats& stats);
 
 /// Owns the scratch of the sums; one per world. Both calls wait for the device.
 template <class Real>

@@ -124,8 +124,8 @@ class TypedPipeline final : public Pipeline {
                        boxes(), gravity_.template cast<double>(), pulls(), box_, contacts_.view(),
                        control_.data(), contacts_.capacity(), impulses_.view()},
                       stats);
-    if (joints_) joints_->measure(stats);
-    if (const Sleeping<Real>* sleeping = solver_->sleeping()) sleeping->measure(stats);
+    if (joints_) add(joints_->measure(), joints_->count(), stats);
+    if (const Sleeping<Real>* sleeping = solver_->sleeping()) add(sleeping->measure(), stats);
   }
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
   BodyStates bodies() override;

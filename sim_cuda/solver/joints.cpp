@@ -280,20 +280,15 @@ void Joints<Real>::relax() {
 }
 
 template <class Real>
-void Joints<Real>::measure(StepStats& stats) {
+JointSums Joints<Real>::measure() {
   const auto with = [&](const auto& load) {
     JointSums sums;
     executor_.copy_to_host(&sums, reduce<JointSums>(executor_, "measure", count(), load, sums_.data()),
                            sizeof sums);
     return sums;
   };
-  const JointSums sums = rotation_ ? with(MeasureJoint<Real, true>{view(), bodies_})
-                                   : with(MeasureJoint<Real, false>{view(), bodies_});
-  stats.joints = count();
-  stats.max_joint_error = sums.error;
-  stats.max_joint_angle = sums.angle;
-  stats.spring_energy = sums.energy;
-  stats.potential_energy += sums.energy;
+  return rotation_ ? with(MeasureJoint<Real, true>{view(), bodies_})
+                   : with(MeasureJoint<Real, false>{view(), bodies_});
 }
 
 template <class Real>

@@ -12,7 +12,6 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
-#include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/solver/joint_measure.h"
@@ -43,8 +42,8 @@ class Joints {
   void solve();
   void relax();
 
-  /// Adds what joints say of the current state; waits for the device.
-  void measure(StepStats& stats);
+  /// What joints say of the current state; waits for the device.
+  JointSums measure();
 
   /// By the scene's order; waits for the device.
   std::vector<JointMemory> memory() const;

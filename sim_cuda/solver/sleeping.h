@@ -24,7 +24,6 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
-#include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/joint_state.h"
@@ -73,7 +72,7 @@ class Sleeping {
   void count();
 
   /// Counts who sleeps, and the islands of the last run: none before the first.
-  void measure(StepStats& stats) const;
+  SleepSums measure() const;
   SleepView view() const { return {slow_.data(), needed_}; }
 
   /// Steps for which each body has been slow, or slow_and_asleep; empty without the effect.
