@@ -15,6 +15,7 @@
 #include "sim_cuda/measure/body_report.h"
 #include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/publish/publish.h"
+#include "sim_cuda/run/body_states.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
@@ -23,18 +24,8 @@
 
 namespace collidoscope {
 
-/// The state of all bodies on the host, widened to double; bit-exact. Arrays that are not stored are filled
-/// in (q = 1, w = 0).
-struct BodyStates {
-  std::vector<Vector3d> position, velocity, angular_velocity;
-  std::vector<Quaterniond> orientation;
-};
-
 struct RunState;
 struct FirstFound;
-/// What became of bodies: the new id of each, or `no_body`. Ascending.
-using BodyIds = std::vector<std::uint32_t>;
-inline constexpr std::uint32_t no_body = 0xffffffffu;
 
 class World {
  public:

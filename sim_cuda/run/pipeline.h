@@ -13,13 +13,16 @@
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/guard/finding.h"
 #include "sim_cuda/guard/stage_guard.h"
+#include "sim_cuda/measure/body_report.h"
 #include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/publish/publish.h"
+#include "sim_cuda/run/body_states.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/residual.h"
 #include "sim_cuda/solver/solver_memory.h"
-#include "sim_cuda/world.h"
 
 namespace collidoscope {
 

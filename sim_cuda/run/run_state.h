@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/run/body_states.h"
 #include "sim_cuda/solver/solver_memory.h"
-#include "sim_cuda/world.h"
 
 namespace collidoscope {
 
