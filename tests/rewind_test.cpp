@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

@@ -9,6 +9,7 @@
 
 #include "sim_cuda/run/rewind.h"
 #include "sim_cuda/snapshot/snapshot.h"
+#include "sim_cuda/world.h"
 #include "ui/break_facts.h"
 #include "viewer/session/live_world.h"
 
