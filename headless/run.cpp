@@ -21,6 +21,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/run/rewind.h"
+#include "sim_cuda/stability/culprit.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

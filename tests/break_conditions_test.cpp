@@ -9,6 +9,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/run/run_state.h"
+#include "sim_cuda/stability/culprit.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

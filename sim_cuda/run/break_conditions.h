@@ -58,7 +58,7 @@ struct Broken {
   std::int64_t step = 0;  ///< that led to the state
   std::string stage;      ///< of stage_ms; else empty: it is the state that is measured
   double value = 0, limit = 0;
-  std::optional<std::uint32_t> body;  ///< culprit(); where there is one
+  std::optional<std::uint32_t> body;  ///< stability/culprit.h; where there is one
 };
 
 /// Watches one run from a state on.
@@ -76,12 +76,6 @@ class BreakWatch {
  private:
   double energy_, potential_, scale_ = 0;  ///< J
 };
-
-class World;
-/// The body that breaks it, at the state that the world is in: the lowest id of what is not finite or
-/// outside, the fastest, that of the deepest overlap (the lower id of two). Nobody, where it is no single
-/// body's.
-std::optional<std::uint32_t> culprit(World& world, Condition condition);
 
 /// "speed: after step 12 body 3 has 103 m/s, over 100 m/s".
 std::string describe(const Broken& broken);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/stability/culprit.h"
 
 namespace collidoscope {
 
