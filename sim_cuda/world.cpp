@@ -16,14 +16,15 @@
 #include "sim_cuda/run/frozen.h"
 #include "sim_cuda/run/rewind.h"
 #include "sim_cuda/run/run_state.h"
+#include "sim_cuda/run/settled_state.h"
 #include "sim_cuda/run/step_estimate.h"
 #include "sim_cuda/run/step_runner.h"
 #include "sim_cuda/run/step_undo.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot/settle.h"
 
 namespace collidoscope {
 

@@ -9,6 +9,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "ui/shown_layers.h"
 #include "ui/widgets.h"
 #include "viewer/app_guard.h"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "viewer/app_guard.h"
 #include "viewer/free_name.h"

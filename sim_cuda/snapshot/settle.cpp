@@ -14,6 +14,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/run/settled_state.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
 
@@ -125,11 +126,6 @@ void slow_down(World& world, double share) {
 }
 
 }  // namespace
-
-bool settles(const Scene& scene) {
-  return std::ranges::any_of(scene.generators,
-                             [](const BoxCollider& g) { return g.variant == Variant::settled; });
-}
 
 double energy_at_rest(double mass, double g, double radius) { return mass * g * lift * radius; }
 

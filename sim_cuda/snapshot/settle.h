@@ -26,13 +26,7 @@
 
 namespace collidoscope {
 
-/// Whether a generator is `settled`.
-bool settles(const Scene& scene);
-
-/// The state at rest, as step 0; from the cache, or made and kept. The scene is valid. Throws as World does.
-RunState settled_state(const Scene& scene, const RunOptions& options);
-
-/// The same in slices, for whoever has something else to do meanwhile.
+/// settled_state() in slices, for whoever has something else to do meanwhile.
 class Settling {
  public:
   /// Done at once where the cache has it.
