@@ -6,11 +6,11 @@
 #include <array>
 #include <limits>
 
-#include "headless/bench/crowded_scenes.h"
 #include "headless/cli/flag_value.h"
 #include "headless/cli/options.h"
 #include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"

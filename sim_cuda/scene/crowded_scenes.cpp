@@ -1,4 +1,4 @@
-#include "headless/bench/crowded_scenes.h"
+#include "sim_cuda/scene/crowded_scenes.h"
 
 #include <algorithm>
 #include <array>
