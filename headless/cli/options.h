@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "headless/capture.h"
+#include "headless/cli/capture_request.h"
 #include "sim_cuda/run/break_conditions.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
