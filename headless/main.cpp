@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
   collidoscope::end_with_a_line_where_memory_ends();
   return collidoscope::exit_status_of([&] {
     collidoscope::announce_long_work();
-    return collidoscope::perform(collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
+    return collidoscope::perform(
+        collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}, collidoscope::suites()));
   });
 }

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <limits>
 
-#include "headless/bench/suites.h"
 #include "headless/cli/flag_value.h"
 #include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/assets.h"
@@ -41,9 +40,9 @@ constexpr const char* exit_codes =
 
 constexpr CommandName viewer{"collidoscope", Command::view, "[SCENE]", 0, 1, "the window"};
 
-std::string suite_names() {
+std::string suite_names(std::span<const Suite> suites) {
   std::vector<std::string_view> names;
-  for (const Suite& suite : suites()) names.emplace_back(suite.name);
+  for (const Suite& suite : suites) names.emplace_back(suite.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -66,12 +65,12 @@ Flag as_taken_by(Command command, Flag flag) {
   return flag;
 }
 
-std::string command_help(const CommandName& command) {
+std::string command_help(const CommandName& command, std::span<const Suite> suites) {
   std::string text = fmt::format("{}{} {} [FLAGS]: {}.\n\n",
                                  command.command == Command::view ? "" : "collidoscope-headless ",
                                  command.name, command.operands, command.help);
   if (command.command == Command::bench) {
-    for (const Suite& suite : suites()) text += fmt::format("  {:<30}{}\n", suite.name, suite.help);
+    for (const Suite& suite : suites) text += fmt::format("  {:<30}{}\n", suite.name, suite.help);
     text += '\n';
   }
   for (const Flag& every : flags()) {
@@ -97,10 +96,10 @@ std::string missing_value(const std::string& words) {
              : shown(words);
 }
 
-void check_operands(const CommandName& command, const std::vector<std::string>& operands, bool loads,
-                    std::vector<std::string>& faults) {
+void check_operands(const CommandName& command, std::span<const Suite> suites,
+                    const std::vector<std::string>& operands, bool loads, std::vector<std::string>& faults) {
   if (command.command == Command::bench && operands.empty())
-    faults.push_back(fmt::format("bench: a suite is missing; there are {}", suite_names()));
+    faults.push_back(fmt::format("bench: a suite is missing; there are {}", suite_names(suites)));
   else if (loads && !operands.empty())
     faults.push_back(fmt::format("--load: a snapshot has its own scene; leave out {}", shown(operands[0])));
   else if (!loads && operands.size() < command.least)
@@ -113,19 +112,21 @@ void check_operands(const CommandName& command, const std::vector<std::string>& 
 }
 
 /// The first operand of bench is its suite, and its scene is the Box Collider unless it says otherwise.
-void take_suite(CommandLine& line, std::vector<std::string>& faults) {
+void take_suite(CommandLine& line, std::span<const Suite> suites, std::vector<std::string>& faults) {
   if (line.command != Command::bench || line.operands.empty()) return;
   line.suite = line.operands[0];
   line.operands.erase(line.operands.begin());
-  if (std::ranges::find(suites(), line.suite, [](const Suite& one) { return one.name; }) == suites().end())
-    faults.push_back(fmt::format("bench: {} is no suite; there are {}", shown(line.suite), suite_names()));
+  if (std::ranges::find(suites, line.suite, [](const Suite& one) { return one.name; }) == suites.end())
+    faults.push_back(
+        fmt::format("bench: {} is no suite; there are {}", shown(line.suite), suite_names(suites)));
   if (line.operands.empty()) line.operands.emplace_back("box_collider");
 }
 
 /// A flag that the suite does not read would be ignored.
-void check_suite_flag(const CommandLine& line, const Flag& flag, std::vector<std::string>& faults) {
-  const auto suite = std::ranges::find(suites(), line.suite, [](const Suite& one) { return one.name; });
-  if (suite == suites().end() || (flag.commands & bit(Command::run))) return;
+void check_suite_flag(const CommandLine& line, std::span<const Suite> suites, const Flag& flag,
+                      std::vector<std::string>& faults) {
+  const auto suite = std::ranges::find(suites, line.suite, [](const Suite& one) { return one.name; });
+  if (suite == suites.end() || (flag.commands & bit(Command::run))) return;
   const std::string padded = fmt::format(" {} ", suite->flags);
   if (padded.find(fmt::format(" {} ", flag.name)) == std::string::npos)
     faults.push_back(
@@ -171,7 +172,8 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
 }
 
 /// The arguments that follow the command.
-CommandLine parse_arguments(const CommandName& command, const std::vector<std::string>& arguments) {
+CommandLine parse_arguments(const CommandName& command, const std::vector<std::string>& arguments,
+                            std::span<const Suite> suites) {
   CommandLine line;
   line.command = command.command;
   if (line.command == Command::bench) line.options.capture.height = 720;
@@ -191,7 +193,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::CallForHelp&) {
-    return answer(command_help(command));
+    return answer(command_help(command, suites));
   } catch (const CLI::ParseError& error) {
     faults.push_back(missing_value(error.what()));
   }
@@ -212,10 +214,10 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
   const bool loads = std::ranges::any_of(taken, [](const auto& one) {
     return std::string_view(one.first->name) == "--load" && one.second->count() > 0;
   });
-  check_operands(command, line.operands, loads, faults);
-  take_suite(line, faults);
+  check_operands(command, suites, line.operands, loads, faults);
+  take_suite(line, suites, faults);
   for (const auto& [flag, option] : taken)
-    if (option->count() > 0) check_suite_flag(line, *flag, faults);
+    if (option->count() > 0) check_suite_flag(line, suites, *flag, faults);
   check_files(line, faults);
   if (!faults.empty()) throw InputError(faults);
   return line;
@@ -223,7 +225,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
 
 }  // namespace
 
-CommandLine parse_command_line(const std::vector<std::string>& arguments) {
+CommandLine parse_command_line(const std::vector<std::string>& arguments, std::span<const Suite> suites) {
   const std::string first = arguments.empty() ? "" : arguments[0];
   if (first == "--help" || first == "-h" || first == "help") return answer(program_help());
   if (first == "--version") return answer("collidoscope-headless " COLLIDOSCOPE_VERSION);
@@ -231,13 +233,13 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   if (command == commands.end())
     throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
                      "; there are run, capture, compare, bvh, bench, accuracy and stability, and --help");
-  return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()});
+  return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()}, suites);
 }
 
 CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
   if (std::ranges::find(arguments, "--version") != arguments.end())
     return answer("collidoscope " COLLIDOSCOPE_VERSION);
-  CommandLine line = parse_arguments(viewer, arguments);
+  CommandLine line = parse_arguments(viewer, arguments, {});
   if (line.operands.empty() && line.options.load.empty()) line.operands.emplace_back("box_collider");
   return line;
 }
