@@ -6,11 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "headless/bench/spread.h"
-#include "headless/output_file.h"
-#include "headless/progress.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
+#include "headless/cli/output_file.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/spread.h"
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/world.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // The `bvh` command: how good each method's hierarchy is at the state after --steps steps.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -4,36 +4,30 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 
-#include "headless/egl_context.h"
-#include "headless/output_file.h"
-#include "headless/panel_picture.h"
-#include "headless/progress.h"
-#include "headless/standard_output.h"
+#include "headless/cli/output_file.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/pictures/egl_context.h"
+#include "headless/pictures/panel_picture.h"
 #include "sim_cuda/core/error.h"
 #include "ui/chart.h"
 #include "ui/overlay.h"
 #include "ui/shown_layers.h"
-#include "viewer/live/live_reference.h"
 #include "viewer/render/gl/target.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
 #include "viewer/render/value_range.h"
+#include "viewer/session/live_reference.h"
 
 namespace collidoscope {
 namespace {
-
-bool whole_number(std::string_view text, std::int64_t& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() && !text.empty();
-}
 
 std::string variant_name(const Scene& scene) {
   if (scene.generators.empty()) return "";
@@ -109,38 +103,6 @@ std::vector<std::int64_t> states_to_draw(const CaptureRequest& request, std::int
 std::string picture_file(const CaptureRequest& request, const Scene& scene, std::int64_t state) {
   return (std::filesystem::path(request.out) / fmt::format("{}_{:04}.png", file_stem(scene.name), state))
       .string();
-}
-
-std::vector<std::int64_t> parse_states(const std::string& text, const std::string& where) {
-  std::vector<std::int64_t> states;
-  std::vector<std::string> faults;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t to = std::min(text.find(',', from), text.size());
-    const std::string part = text.substr(from, to - from);
-    from = to + 1;
-    std::int64_t state = -1;
-    if (!whole_number(part, state) || state < 0 || state > 1000000000)
-      faults.push_back(where + ": '" + part +
-                       "': not a state; whole numbers from 0 to 1000000000, such as 0,30,60");
-    else
-      states.push_back(state);
-  }
-  if (!faults.empty()) throw InputError(faults);
-  std::sort(states.begin(), states.end());
-  states.erase(std::unique(states.begin(), states.end()), states.end());
-  return states;
-}
-
-void parse_size(const std::string& text, CaptureRequest& request, const std::string& where) {
-  const std::size_t cross = text.find('x');
-  std::int64_t width = 0, height = 0;
-  const bool read = cross != text.npos && whole_number(std::string_view(text).substr(0, cross), width) &&
-                    whole_number(std::string_view(text).substr(cross + 1), height);
-  if (!read || width < 16 || width > 16384 || height < 16 || height > 16384)
-    throw InputError(where + ": '" + text +
-                     "': not a size; WIDTHxHEIGHT, each 16 to 16384, such as 1280x800");
-  request.width = static_cast<int>(width);
-  request.height = static_cast<int>(height);
 }
 
 int run_capture(const CaptureRequest& request, World& world) {

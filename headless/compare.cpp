@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "headless/standard_output.h"
+#include "headless/cli/standard_output.h"
 #include "sim_cuda/core/error.h"
 
 // The perceptual measure follows FLIP (Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom and Fairchild

@@ -7,15 +7,15 @@
 #include "headless/accuracy/accuracy.h"
 #include "headless/bench/suites.h"
 #include "headless/bvh.h"
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
+#include "headless/cli/exit_status.h"
+#include "headless/cli/interruption.h"
+#include "headless/cli/process.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
 #include "headless/compare.h"
-#include "headless/exit_status.h"
-#include "headless/interruption.h"
-#include "headless/process.h"
-#include "headless/progress.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
-#include "headless/standard_output.h"
 
 namespace collidoscope {
 namespace {
@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
   collidoscope::end_with_a_line_where_memory_ends();
   return collidoscope::exit_status_of([&] {
     collidoscope::announce_long_work();
-    return collidoscope::perform(collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
+    return collidoscope::perform(
+        collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}, collidoscope::suites()));
   });
 }

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "headless/command_line.h"
-#include "sim_cuda/changes_file.h"
+#include "headless/cli/command_line.h"
+#include "sim_cuda/changes/changes_file.h"
 
 namespace collidoscope {
 

@@ -9,18 +9,19 @@
 #include <filesystem>
 #include <optional>
 
-#include "headless/body_csv.h"
-#include "headless/flag_value.h"
-#include "headless/interruption.h"
-#include "headless/output_file.h"
-#include "headless/progress.h"
+#include "headless/cli/flag_value.h"
+#include "headless/cli/interruption.h"
+#include "headless/cli/output_file.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
 #include "headless/replay.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
+#include "headless/reporting/body_csv.h"
+#include "headless/reporting/report.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
-#include "sim_cuda/guard/rewind.h"
+#include "sim_cuda/run/rewind.h"
+#include "sim_cuda/stability/culprit.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

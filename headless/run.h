@@ -2,7 +2,7 @@
 // The commands that step a scene. Each returns the exit status of a run that came to its end, and throws
 // InputError or MachineError otherwise; nothing is written then.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

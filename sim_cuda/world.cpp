@@ -4,26 +4,27 @@
 #include <utility>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/current_tree.h"
 #include "sim_cuda/broad_phase/key_bits.h"
 #include "sim_cuda/broad_phase/methods.h"
-#include "sim_cuda/broad_phase_times.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/out_of_memory.h"
-#include "sim_cuda/current_tree.h"
-#include "sim_cuda/guard/frozen.h"
-#include "sim_cuda/guard/rewind.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/broad_phase_times.h"
+#include "sim_cuda/run/frozen.h"
+#include "sim_cuda/run/rewind.h"
+#include "sim_cuda/run/run_state.h"
+#include "sim_cuda/run/settled_state.h"
+#include "sim_cuda/run/step_estimate.h"
+#include "sim_cuda/run/step_runner.h"
+#include "sim_cuda/run/step_undo.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/settle.h"
-#include "sim_cuda/step_estimate.h"
-#include "sim_cuda/step_runner.h"
-#include "sim_cuda/step_undo.h"
 
 namespace collidoscope {
 
@@ -59,16 +60,17 @@ struct World::Impl {
         watched(effects.guards),
         tree(executor, static_cast<std::int64_t>(initial.size())),
         runner(executor,
-               (expect_room_for_step(executor, {scene, initial, effects, substeps, start, ids,
-                                                first_capacity(options, initial)}),
+               (expect_room_for_step(executor, {options.broad_phase, scene, initial, effects, substeps, start,
+                                                ids, first_capacity(options, initial)}),
                 make()),
                first_capacity(options, initial)) {}
 
   /// A pipeline that has reserved nothing yet.
   std::unique_ptr<Pipeline> make() {
     auto next = frozen.empty()
-                    ? make_pipeline(executor, scene, initial, effects, substeps)
-                    : make_pipeline(executor, scene, with_frozen(initial, frozen), effects, substeps);
+                    ? make_pipeline(executor, options.broad_phase, scene, initial, effects, substeps)
+                    : make_pipeline(executor, options.broad_phase, scene, with_frozen(initial, frozen),
+                                    effects, substeps);
     next->before_writing([this](const StepControl& control) {
       undo.before_writing(runner.pipeline(), control,
                           seconds_to_solve(executor, scene.physics, static_cast<double>(initial.size()),

@@ -9,31 +9,23 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/body_report.h"
+#include "sim_cuda/broad_phase/tree_quality.h"
+#include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/guard/finding.h"
-#include "sim_cuda/publish.h"
-#include "sim_cuda/residual.h"
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/measure/body_report.h"
+#include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/publish/publish.h"
+#include "sim_cuda/run/body_states.h"
 #include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/residual.h"
 #include "sim_cuda/solver/solver_memory.h"
-#include "sim_cuda/step_stats.h"
-#include "sim_cuda/tree_quality.h"
 
 namespace collidoscope {
 
-/// The state of all bodies on the host, widened to double; bit-exact. Arrays that are not stored are filled
-/// in (q = 1, w = 0).
-struct BodyStates {
-  std::vector<Vector3d> position, velocity, angular_velocity;
-  std::vector<Quaterniond> orientation;
-};
-
 struct RunState;
 struct FirstFound;
-/// What became of bodies: the new id of each, or `no_body`. Ascending.
-using BodyIds = std::vector<std::uint32_t>;
-inline constexpr std::uint32_t no_body = 0xffffffffu;
 
 class World {
  public:
@@ -181,13 +173,5 @@ class World {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Names of the broad phases that `--broad-phase` accepts, the default first.
-std::vector<std::string> broad_phase_names();
-/// Of these, those that run on what `kind` comes to here: bullet_dbvt needs the CPU.
-std::vector<std::string> broad_phase_names(ExecutorKind kind);
-
-/// Whether this build and this machine can run CUDA; if not, `why` (where given) receives one line.
-bool cuda_available(std::string* why = nullptr);
 
 }  // namespace collidoscope

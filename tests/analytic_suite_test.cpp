@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 #include "sim_cuda/core/error.h"
 #include "tests/run_program.h"
 

@@ -1,6 +1,6 @@
 // Conditions on which a run ends: how a list of them is read, when each is met, and whose fault it is.
 
-#include "sim_cuda/guard/break_conditions.h"
+#include "sim_cuda/run/break_conditions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
+#include "sim_cuda/stability/culprit.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/broad_phase/pair_list.h"
 #include "tests/executors.h"
 #include "tests/random.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/bounds.h"
 #include "tests/executors.h"

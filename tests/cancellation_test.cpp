@@ -2,6 +2,7 @@
 // before the step. What follows is what would have been.
 
 #include "sim_cuda/core/cancellation.h"
+#include "sim_cuda/broad_phase/methods.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +11,8 @@
 #include <thread>
 
 #include "sim_cuda/scene/names.h"
-#include "sim_cuda/settle.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/executors.h"
 #include "tests/random.h"
 #include "tests/scenes.h"

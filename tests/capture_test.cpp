@@ -5,7 +5,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "headless/output_file.h"
+#include "headless/cli/output_file.h"
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/gl_fixture.h"

@@ -1,6 +1,6 @@
 // What is changed while a run runs: the same everywhere, as little as it must be, and made again from a file.
 
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 
 #include <gmock/gmock.h>
 
@@ -8,8 +8,8 @@
 
 #include "headless/replay.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/run_state.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/run/run_state.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"

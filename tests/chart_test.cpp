@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "headless/chart_picture.h"
+#include "headless/pictures/chart_picture.h"
 #include "tests/gl_fixture.h"
 #include "tests/golden.h"
 #include "viewer/render/gui_pass.h"

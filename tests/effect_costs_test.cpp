@@ -1,6 +1,6 @@
 // What effects cost, measured beside a run that must not notice.
 
-#include "viewer/live/effect_costs.h"
+#include "viewer/session/effect_costs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

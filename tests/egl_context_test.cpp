@@ -1,4 +1,4 @@
-#include "headless/egl_context.h"
+#include "headless/pictures/egl_context.h"
 
 #include <epoxy/gl.h>
 #include <gmock/gmock.h>

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/run_program.h"
 #include "tests/scenes.h"
 

@@ -1,4 +1,4 @@
-#include "headless/flag_value.h"
+#include "headless/cli/flag_value.h"
 
 #include <gtest/gtest.h>
 

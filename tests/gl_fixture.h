@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "headless/egl_context.h"
+#include "headless/pictures/egl_context.h"
 #include "viewer/render/renderer.h"
 
 namespace collidoscope {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_cuda/changes.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/changes/changes.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

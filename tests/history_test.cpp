@@ -1,6 +1,6 @@
 // The ring of the last steps, and what is written of it.
 
-#include "sim_cuda/history.h"
+#include "sim_cuda/run/history.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

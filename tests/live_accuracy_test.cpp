@@ -1,6 +1,6 @@
 // A study of a running scene in slices: what it starts from, what it survives, what it says.
 
-#include "viewer/live/live_accuracy.h"
+#include "viewer/session/live_accuracy.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "tests/executors.h"
 #include "tests/scenes.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

@@ -1,6 +1,6 @@
 // Where a live run stops: at conditions, and at what guards find; and the ways on.
 
-#include "viewer/live/live_breaks.h"
+#include "viewer/session/live_breaks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

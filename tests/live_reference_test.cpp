@@ -1,7 +1,7 @@
 // Where bodies should be, beside where they are: what the reference is, what turns it and what does not,
 // where it ends; against formulas of the flight that Euler's method gets wrong.
 
-#include "viewer/live/live_reference.h"
+#include "viewer/session/live_reference.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "tests/executors.h"
 #include "tests/scenes.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

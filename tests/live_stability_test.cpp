@@ -1,6 +1,6 @@
 // Hard cases beside a running scene, in slices: their marks, and the way to the state where one failed.
 
-#include "viewer/live/live_stability.h"
+#include "viewer/session/live_stability.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // Settings turned while a world runs: what they may change of the result, and what not.
 
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
+#include "sim_cuda/broad_phase/methods.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

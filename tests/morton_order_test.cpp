@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "headless/bench/crowded_scenes.h"
 #include "sim_cuda/dynamics/bounds.h"
+#include "sim_cuda/scene/crowded_scenes.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

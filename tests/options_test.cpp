@@ -1,4 +1,4 @@
-#include "headless/options.h"
+#include "headless/cli/options.h"
 
 #include <gtest/gtest.h>
 

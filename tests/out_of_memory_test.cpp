@@ -6,12 +6,12 @@
 
 #include <regex>
 
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

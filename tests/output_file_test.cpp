@@ -1,4 +1,4 @@
-#include "headless/output_file.h"
+#include "headless/cli/output_file.h"
 
 #include <gtest/gtest.h>
 

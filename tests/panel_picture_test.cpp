@@ -1,6 +1,6 @@
 // The workspace as a picture: the panels that the viewer draws, by the same function, against goldens.
 
-#include "headless/panel_picture.h"
+#include "headless/pictures/panel_picture.h"
 
 #include <gtest/gtest.h>
 #include <imgui.h>

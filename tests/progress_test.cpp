@@ -1,4 +1,4 @@
-#include "headless/progress.h"
+#include "headless/cli/progress.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

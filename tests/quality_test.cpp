@@ -1,4 +1,5 @@
 #include "sim_cuda/broad_phase/quality.h"
+#include "sim_cuda/broad_phase/methods.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

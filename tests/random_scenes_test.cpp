@@ -7,8 +7,9 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/any_scene.h"
 #include "tests/executors.h"
 #include "tests/random.h"

@@ -1,4 +1,4 @@
-#include "headless/report.h"
+#include "headless/reporting/report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // What is recorded of each sweep: how far it left the contacts from a solution.
 
-#include "sim_cuda/residual.h"
+#include "sim_cuda/solver/residual.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,13 @@
 // Back to a state that a run came through, bit for bit.
 
-#include "sim_cuda/guard/rewind.h"
+#include "sim_cuda/run/rewind.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

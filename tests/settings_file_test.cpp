@@ -1,6 +1,6 @@
 // What is remembered of panels from one time to the next.
 
-#include "viewer/live/settings_file.h"
+#include "viewer/session/settings_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The variant `settled`: at rest before its first step, made once, and never in the way.
 
-#include "sim_cuda/settle.h"
+#include "sim_cuda/snapshot/settle.h"
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@
 #include "tests/executors.h"
 #include "tests/run_program.h"
 #include "tests/scenes.h"
-#include "viewer/live/live_world.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

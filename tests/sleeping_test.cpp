@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"

@@ -1,6 +1,6 @@
 // A run in a file: it goes on bit for bit, and no file that is not whole, ours and of today is believed.
 
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 
 #include <gmock/gmock.h>
 
@@ -9,10 +9,10 @@
 #include <fstream>
 #include <limits>
 
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "tests/executors.h"
 #include "tests/run_program.h"
 #include "tests/scenes.h"

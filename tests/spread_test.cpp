@@ -1,4 +1,4 @@
-#include "headless/bench/spread.h"
+#include "headless/reporting/spread.h"
 
 #include <gtest/gtest.h>
 

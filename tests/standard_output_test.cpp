@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/run_program.h"
 #include "tests/window_driver.h"
 #include "viewer/render/image.h"

@@ -1,6 +1,6 @@
 // What a step is expected to take, against what it takes.
 
-#include "sim_cuda/step_estimate.h"
+#include "sim_cuda/run/step_estimate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/sampled_pairs.h"
+#include "sim_cuda/run/sampled_pairs.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "tests/executors.h"
 #include "tests/random.h"
@@ -27,8 +27,9 @@ StepEstimate estimate_of(const Scene& scene, const RunOptions& options) {
   Executor executor(options);
   const Effects effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
   const BodyIds ids;
-  return estimate_step(executor, {scene, initial, effects, substeps_of(scene, initial), nullptr, ids, {}},
-                       true);
+  return estimate_step(
+      executor, {options.broad_phase, scene, initial, effects, substeps_of(scene, initial), nullptr, ids, {}},
+      true);
 }
 
 class StepEstimates : public OnEachExecutor {

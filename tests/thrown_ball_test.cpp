@@ -1,6 +1,6 @@
 // The ball that is thrown from the eye: where it starts, and when there is none.
 
-#include "viewer/live/thrown_ball.h"
+#include "viewer/session/thrown_ball.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What the panel of the tree asks of a world, and when.
 
-#include "viewer/live/tree_inspector.h"
+#include "viewer/session/tree_inspector.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "tests/brute_tree.h"
 #include "tests/scenes.h"
-#include "viewer/live/tree_marks.h"
+#include "viewer/session/tree_marks.h"
 
 namespace collidoscope {
 namespace {

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim_cuda/history.h"
+#include "sim_cuda/run/history.h"
 #include "tests/gl_fixture.h"
 #include "ui/panels.h"
 #include "ui/theme.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/guard/break_conditions.h"
+#include "sim_cuda/run/break_conditions.h"
 
 namespace collidoscope {
 

@@ -1,5 +1,6 @@
 // How far each sweep of the solver, in the last step, has left the contacts from a solution: the root mean
-// square of their residuals (sim_cuda/residual.h) by decades. Recorded only while the panel is unfolded.
+// square of their residuals (sim_cuda/solver/residual.h) by decades. Recorded only while the panel is
+// unfolded.
 
 #include <fmt/format.h>
 #include <imgui.h>

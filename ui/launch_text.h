@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/history.h"
+#include "sim_cuda/run/history.h"
 
 namespace collidoscope {
 

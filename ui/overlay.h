@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim_cuda/core/launch_shape.h"
-#include "sim_cuda/step_stats.h"
+#include "sim_cuda/core/stage_times.h"
 #include "ui/color_key.h"
 
 namespace collidoscope {

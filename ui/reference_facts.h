@@ -1,5 +1,5 @@
 #pragma once
-// What panels and pictures say of the reference that goes along with a run (viewer/live/live_reference.h).
+// What panels and pictures say of the reference that goes along with a run (viewer/session/live_reference.h).
 // Plain data; whoever runs the scene fills it.
 
 #include <cstdint>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim_cuda/tree_quality.h"
+#include "sim_cuda/broad_phase/tree_quality.h"
 
 namespace collidoscope {
 

@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "sim_cuda/body_report.h"
-#include "sim_cuda/history.h"
-#include "sim_cuda/publish.h"
-#include "sim_cuda/residual.h"
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/measure/body_report.h"
+#include "sim_cuda/publish/publish.h"
+#include "sim_cuda/run/history.h"
 #include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/residual.h"
 #include "ui/accuracy_facts.h"
 #include "ui/break_facts.h"
 #include "ui/color_key.h"

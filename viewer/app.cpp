@@ -9,12 +9,13 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "ui/shown_layers.h"
 #include "ui/widgets.h"
 #include "viewer/app_guard.h"
-#include "viewer/live/fill_view.h"
-#include "viewer/live/settings_file.h"
 #include "viewer/render/gl/errors.h"
+#include "viewer/session/fill_view.h"
+#include "viewer/session/settings_file.h"
 
 namespace collidoscope {
 namespace {

@@ -8,21 +8,21 @@
 #include <set>
 #include <string>
 
-#include "headless/command_line.h"
-#include "sim_cuda/settle.h"
+#include "headless/cli/command_line.h"
+#include "sim_cuda/snapshot/settle.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
-#include "viewer/live/automation.h"
-#include "viewer/live/effect_costs.h"
-#include "viewer/live/live_accuracy.h"
-#include "viewer/live/live_breaks.h"
-#include "viewer/live/live_reference.h"
-#include "viewer/live/live_stability.h"
-#include "viewer/live/live_world.h"
-#include "viewer/live/tree_inspector.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"
 #include "viewer/scene_view.h"
+#include "viewer/session/automation.h"
+#include "viewer/session/effect_costs.h"
+#include "viewer/session/live_accuracy.h"
+#include "viewer/session/live_breaks.h"
+#include "viewer/session/live_reference.h"
+#include "viewer/session/live_stability.h"
+#include "viewer/session/live_world.h"
+#include "viewer/session/tree_inspector.h"
 #include "viewer/window.h"
 
 namespace collidoscope {

@@ -7,11 +7,12 @@
 #include <utility>
 
 #include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "viewer/app_guard.h"
 #include "viewer/free_name.h"
-#include "viewer/live/thrown_ball.h"
 #include "viewer/render/image.h"
+#include "viewer/session/thrown_ball.h"
 
 namespace collidoscope {
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "headless/command_line.h"
-#include "headless/exit_status.h"
-#include "headless/interruption.h"
-#include "headless/process.h"
-#include "headless/progress.h"
-#include "headless/standard_output.h"
+#include "headless/cli/command_line.h"
+#include "headless/cli/exit_status.h"
+#include "headless/cli/interruption.h"
+#include "headless/cli/process.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
 #include "sim_cuda/stability/hard_case.h"
 #include "viewer/app.h"
 

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "viewer/camera_control.h"
-#include "viewer/live/tree_marks.h"
 #include "viewer/render/gl/errors.h"
 #include "viewer/render/value_range.h"
+#include "viewer/session/tree_marks.h"
 
 namespace collidoscope {
 namespace {

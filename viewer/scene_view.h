@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "ui/workspace.h"
-#include "viewer/live/live_reference.h"
-#include "viewer/live/live_world.h"
-#include "viewer/live/tree_inspector.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
+#include "viewer/session/live_reference.h"
+#include "viewer/session/live_world.h"
+#include "viewer/session/tree_inspector.h"
 #include "viewer/view_scale.h"
 
 namespace collidoscope {

@@ -3,7 +3,7 @@
 // scene, the analytic suite. Files are written anew each second and whole; Ctrl-C ends it with all that is
 // known, and the same command goes on from the file of --json.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "headless/bench/result_files.h"
-#include "headless/chart_picture.h"
-#include "headless/progress.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/pictures/chart_picture.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/scene/names.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 #include "sim_cuda/reference/analytic_case.h"
 #include "ui/chart.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "headless/report.h"
+#include "headless/reporting/report.h"
 #include "sim_cuda/accuracy/errors.h"
 #include "sim_cuda/scene/names.h"
 #include "ui/accuracy_chart.h"

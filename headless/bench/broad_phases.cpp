@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "headless/bench/crowded_scenes.h"
 #include "headless/bench/method_row.h"
 #include "headless/bench/peer_cubql.h"
-#include "headless/bench/result_files.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
+#include "headless/cli/standard_output.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/result_files.h"
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/bounds.h"
+#include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/world.h"
 

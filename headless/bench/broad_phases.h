@@ -3,7 +3,7 @@
 // variants and numbers of bodies, at the initial state of the Box Collider. Files are rewritten after every
 // row, so that a run that is cut short keeps what it has.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

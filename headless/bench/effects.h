@@ -7,7 +7,7 @@
 // that a ratio of times compares neighbouring turns. All three test the same branches, so the ratios do not
 // show what a branch costs.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -9,16 +9,16 @@
 #include <optional>
 #include <string_view>
 
-#include "headless/bench/spread.h"
-#include "headless/egl_context.h"
-#include "headless/output_file.h"
-#include "headless/panel_picture.h"
-#include "headless/progress.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
-#include "viewer/live/live_world.h"
+#include "headless/cli/output_file.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/pictures/egl_context.h"
+#include "headless/pictures/panel_picture.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/spread.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
+#include "viewer/session/live_world.h"
 
 namespace collidoscope {
 namespace {

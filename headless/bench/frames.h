@@ -4,7 +4,7 @@
 // panels around it. The GPU finishes each part before the next begins (glFinish), so parts add up to the
 // frame, and a window, where they overlap, is no slower.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "headless/bench/crowded_scenes.h"
-#include "headless/chart_picture.h"
-#include "headless/progress.h"
+#include "headless/cli/progress.h"
+#include "headless/pictures/chart_picture.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 

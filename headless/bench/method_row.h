@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "headless/bench/spread.h"
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
+#include "headless/reporting/spread.h"
 #include "sim_cuda/core/launch_shape.h"
 #include "ui/chart.h"
 

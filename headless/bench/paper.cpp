@@ -7,9 +7,9 @@
 #include <map>
 
 #include "headless/bench/paper_report.h"
-#include "headless/bench/result_files.h"
-#include "headless/progress.h"
-#include "headless/standard_output.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/world.h"
 

@@ -5,7 +5,7 @@
 // (radix_sort.h), unless --sort says otherwise. Tables 3 to 5 are measured twice: with the queries that the
 // paper describes, and with ours (PaperQuery).
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "headless/chart_picture.h"
-#include "headless/report.h"
+#include "headless/pictures/chart_picture.h"
+#include "headless/reporting/report.h"
 
 namespace collidoscope {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "headless/bench/paper_cells.h"
-#include "headless/bench/spread.h"
+#include "headless/reporting/spread.h"
 #include "sim_cuda/core/launch_shape.h"
 #include "ui/chart.h"
 

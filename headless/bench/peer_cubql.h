@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/aabb.h"
 
 namespace collidoscope {
 

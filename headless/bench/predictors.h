@@ -3,7 +3,7 @@
 // a tree, over variants and N: measured, its queries timed twice (the method's own, and one and the same
 // query over all trees), and Spearman's rank correlation of each measure with the time of a query.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

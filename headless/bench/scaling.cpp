@@ -7,9 +7,10 @@
 
 #include "headless/bench/growth.h"
 #include "headless/bench/method_row.h"
-#include "headless/bench/result_files.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
+#include "headless/cli/standard_output.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/result_files.h"
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

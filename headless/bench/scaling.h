@@ -2,7 +2,7 @@
 // `bench scaling`: how the time of each method, from positions to the ordered list of pairs, grows with N:
 // measured at many N, and fitted (growth.h). Files are rewritten after every row.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

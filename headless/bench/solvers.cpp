@@ -9,14 +9,14 @@
 #include <optional>
 
 #include "headless/bench/peer_bullet.h"
-#include "headless/bench/result_files.h"
-#include "headless/bench/spread.h"
-#include "headless/bench/spread_json.h"
-#include "headless/progress.h"
-#include "headless/report.h"
-#include "headless/standard_output.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/result_files.h"
+#include "headless/reporting/spread.h"
+#include "headless/reporting/spread_json.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {

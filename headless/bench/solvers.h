@@ -4,7 +4,7 @@
 // costs, and what overlap and energy are left at the end. Everybody takes turns, so that a ratio compares
 // neighbours in time.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -10,13 +10,13 @@
 #include <optional>
 #include <thread>
 
-#include "headless/interruption.h"
-#include "headless/output_file.h"
-#include "headless/progress.h"
+#include "headless/cli/interruption.h"
+#include "headless/cli/output_file.h"
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
 #include "headless/stability/stability_readme.h"
 #include "headless/stability/stability_report.h"
 #include "headless/stability/trial_pool.h"
-#include "headless/standard_output.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"

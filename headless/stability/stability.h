@@ -3,7 +3,7 @@
 // precisions; with --plant the faults that must fail their criteria; with --readme the table of what other
 // runs wrote.
 
-#include "headless/command_line.h"
+#include "headless/cli/command_line.h"
 
 namespace collidoscope {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "headless/output_file.h"
+#include "headless/cli/output_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/text_file.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "headless/report.h"
+#include "headless/reporting/report.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {

@@ -6,7 +6,7 @@
 
 #include "sim_cuda/accuracy/point.h"
 #include "sim_cuda/core/deadline.h"
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

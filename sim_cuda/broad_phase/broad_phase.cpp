@@ -5,7 +5,6 @@
 
 #include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/world.h"
 
 namespace collidoscope {
 

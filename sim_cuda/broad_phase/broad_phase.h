@@ -8,16 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/broad_phase/tree.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/pair.h"
 
 namespace collidoscope {
-
-/// Two ids a < b whose boxes overlap.
-struct Pair {
-  std::uint32_t a, b;
-};
 
 struct PairSink;
 struct VisitSink;

@@ -14,8 +14,8 @@
 
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/buffer.h"
 
 namespace collidoscope {

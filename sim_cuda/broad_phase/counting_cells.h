@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/core/executor_options.h"
 
 namespace collidoscope {
 

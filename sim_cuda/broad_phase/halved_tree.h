@@ -7,8 +7,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/aabb.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/whole_record.h"
 
 namespace collidoscope {

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/core/executor_options.h"
 #include "sim_cuda/scene/initial_bodies.h"
 
 namespace collidoscope {

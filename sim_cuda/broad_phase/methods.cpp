@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "sim_cuda/world.h"
-
 namespace collidoscope {
 
 std::vector<std::string> broad_phase_names() {

@@ -2,6 +2,9 @@
 // The names of the broad phases, and what of each is known without making one. Plain data.
 
 #include <string>
+#include <vector>
+
+#include "sim_cuda/core/executor_options.h"
 
 namespace collidoscope {
 
@@ -30,6 +33,11 @@ inline constexpr BroadPhaseMethod broad_phase_methods[] = {
     {"uniform_grid"},       // cells by the largest body
     {"hierarchical_grid"},  // cells for each size of bodies
 };
+
+/// Names of the broad phases that `--broad-phase` accepts, the default first.
+std::vector<std::string> broad_phase_names();
+/// Of these, those that run on what `kind` comes to here: bullet_dbvt needs the CPU.
+std::vector<std::string> broad_phase_names(ExecutorKind kind);
 
 /// Whether its order is that of Morton keys, whose length then decides how good its tree is.
 bool has_morton_keys(const std::string& name);

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/arithmetic.h"
 
 namespace collidoscope {

@@ -2,13 +2,13 @@
 // Bodies in the order of their Morton keys: where every tree over the z-order curve begins. Owns the keys;
 // belongs to a broad phase.
 //
-// Keys have 24, 30 or 63 bits (RunOptions::key_bits), and all of them are sorted; equal keys by id. So the
-// order depends on the boxes alone, whatever the sort, the launch shape and the order of lanes.
+// Keys have 24, 30 or 63 bits (ExecutorOptions::key_bits), and all of them are sorted; equal keys by id. So
+// the order depends on the boxes alone, whatever the sort, the launch shape and the order of lanes.
 //
 // Up to 2^21 bodies with 24- or 30-bit keys it is a counting sort: as many cells as bodies, one counter each,
 // and within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
 // place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LongItems). Beyond,
-// and for 63-bit keys, the library sorts; RunOptions::sort may say otherwise.
+// and for 63-bit keys, the library sorts; ExecutorOptions::sort may say otherwise.
 
 #include <cstdint>
 #include <type_traits>

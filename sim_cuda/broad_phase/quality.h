@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim_cuda/broad_phase/tree.h"
+#include "sim_cuda/broad_phase/tree_quality.h"
 #include "sim_cuda/core/buffer.h"
-#include "sim_cuda/tree_quality.h"
 
 namespace collidoscope {
 

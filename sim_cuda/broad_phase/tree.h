@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/buffer.h"
 
 namespace collidoscope {

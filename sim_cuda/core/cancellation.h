@@ -1,7 +1,8 @@
 #pragma once
-// A request to end long work before it is done. Worlds that were made with one (RunOptions::cancellation)
-// look at it between stages, and on the CPU between chunks of a stage; once it is requested they throw
-// Cancelled. A cancelled step commits nothing (World::step). Outlives those worlds.
+// A request to end long work before it is done. Worlds that were made with one
+// (ExecutorOptions::cancellation) look at it between stages, and on the CPU between chunks of a stage; once
+// it is requested they throw Cancelled. A cancelled step commits nothing (World::step). Outlives those
+// worlds.
 
 #include <atomic>
 #include <chrono>

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
+#include "sim_cuda/core/executor_options.h"
 #include "sim_cuda/core/parallel_for.h"
-#include "sim_cuda/run_options.h"
 
 namespace collidoscope {
 

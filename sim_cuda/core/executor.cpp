@@ -95,7 +95,8 @@ bool cuda_available(std::string* why) {
   return false;
 }
 
-Executor::Executor(const RunOptions& options) : options_(options), team_(cpu_threads(options.cpu_threads)) {
+Executor::Executor(const ExecutorOptions& options)
+    : options_(options), team_(cpu_threads(options.cpu_threads)) {
   team_.set_cancellation(options.cancellation);
   std::string why;
   on_device_ = options.executor != ExecutorKind::cpu && cuda_available(&why);

@@ -20,11 +20,11 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/cpu_lanes.h"
+#include "sim_cuda/core/executor_options.h"
 #include "sim_cuda/core/host_device.h"
 #include "sim_cuda/core/occupancy.h"
 #include "sim_cuda/core/parallel_for.h"
 #include "sim_cuda/core/stage_clock.h"
-#include "sim_cuda/run_options.h"
 
 #if SIM_CUDA
 #include "sim_cuda/core/cuda_check.h"
@@ -63,7 +63,7 @@ concept LongItems = requires(const Stage& stage) {
 class Executor {
  public:
   /// Throws MachineError where the device asked for is not there, InputError where an option makes no sense.
-  explicit Executor(const RunOptions& options);
+  explicit Executor(const ExecutorOptions& options);
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
@@ -73,7 +73,7 @@ class Executor {
   const std::string& device_name() const { return device_name_; }
   /// How many cores of a CPU would be about as fast.
   double equal_cores() const;
-  const RunOptions& options() const { return options_; }
+  const ExecutorOptions& options() const { return options_; }
   StageClock& clock() { return clock_; }
   ThreadTeam& team() { return team_; }
 
@@ -87,10 +87,10 @@ class Executor {
   std::int64_t allocated_bytes() const { return allocated_bytes_; }
   std::map<std::string, std::int64_t> bytes_by_name() const;  ///< what is allocated; names may share a sum
 
-  /// Bytes that may still be taken: what the machine has free, within RunOptions::memory_limit.
+  /// Bytes that may still be taken: what the machine has free, within ExecutorOptions::memory_limit.
   std::int64_t available_bytes() const;
-  /// Bytes that buffers may still take by rule: up to RunOptions::memory_limit, else up to 80 % of what the
-  /// machine has for this executor; with RunOptions::allow_large all that are available.
+  /// Bytes that buffers may still take by rule: up to ExecutorOptions::memory_limit, else up to 80 % of what
+  /// the machine has for this executor; with ExecutorOptions::allow_large all that are available.
   std::int64_t room_bytes() const;
   /// By how much allocated_bytes() would change if `reserve` were called. While it is, buffers keep their
   /// size and their contents, and fills do nothing.
@@ -109,8 +109,8 @@ class Executor {
   void fill(void* destination, int byte, std::size_t bytes);
   void synchronize();
 
-  // Cancellation (RunOptions::cancellation): stages throw Cancelled, on the CPU at their start or between
-  // chunks; on a GPU whatever waits for the device does, and leaves it at work.
+  // Cancellation (ExecutorOptions::cancellation): stages throw Cancelled, on the CPU at their start or
+  // between chunks; on a GPU whatever waits for the device does, and leaves it at work.
 
   /// Throws Cancelled if that was requested. For work between stages.
   void heed();
@@ -235,7 +235,7 @@ class Executor {
   /// Where a step was cancelled in its middle.
   void leave_stage();
 
-  RunOptions options_;
+  ExecutorOptions options_;
   bool on_device_ = false;
   std::string device_name_;
   std::int64_t allocated_bytes_ = 0;

@@ -2,7 +2,7 @@
 // Why no more of a kernel runs at once: the arithmetic behind StageLaunch::limit. Free functions; the counts
 // come from CUDA's occupancy calculator.
 
-#include "sim_cuda/stage_launch.h"
+#include "sim_cuda/core/stage_launch.h"
 
 namespace collidoscope {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/step_stats.h"
+#include "sim_cuda/core/stage_times.h"
 
 namespace collidoscope {
 

@@ -43,11 +43,6 @@ struct PullingPoint {
   }
 };
 
-/// m/s^2, the most that one attractor pulls anywhere.
-inline double largest_pull(const Attractor& attractor) {
-  return std::abs(attractor.strength) * 2 / (3 * std::sqrt(3.0) * attractor.softening * attractor.softening);
-}
-
 /// All that pull; in the executor's memory.
 template <class Real>
 struct PullView {

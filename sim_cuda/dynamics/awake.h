@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/pair.h"
 
 namespace collidoscope {
 

@@ -3,7 +3,7 @@
 // calls for are empty and their pointers null.
 //
 // The paper stores momenta (Baraff 1997). Here velocities are stored, as contacts need them; momenta are
-// derived from them where they are reported (dynamics/measure.h, inspect.h).
+// derived from them where they are reported (measure/measure.h, inspect.h).
 
 #include <cstdint>
 

@@ -1,7 +1,7 @@
 #pragma once
 // BodyBounds: the box of each body, where it is or for a while to come.
 
-#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/stored_vector.h"
 

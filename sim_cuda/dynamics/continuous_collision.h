@@ -22,10 +22,10 @@
 #include <bit>
 #include <cstdint>
 
-#include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/linear_algebra.h"
+#include "sim_cuda/core/pair.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 

@@ -22,7 +22,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim_cuda/broad_phase/aabb.h"
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"

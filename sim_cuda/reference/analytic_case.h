@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/run_options.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/world.h"
 

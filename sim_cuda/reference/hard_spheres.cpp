@@ -9,9 +9,9 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/reference/contact_time.h"
+#include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/scene/names.h"
-#include "sim_cuda/settle.h"
 
 namespace collidoscope {
 namespace {

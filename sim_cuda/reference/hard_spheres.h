@@ -30,13 +30,13 @@
 #include <vector>
 
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/reference/event_queue.h"
 #include "sim_cuda/reference/neighbour_grid.h"
+#include "sim_cuda/run/body_states.h"
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/walls.h"
-#include "sim_cuda/step_stats.h"
-#include "sim_cuda/world.h"
 
 namespace collidoscope {
 

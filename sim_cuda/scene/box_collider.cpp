@@ -151,6 +151,11 @@ std::optional<Box> box_in_effect(const Scene& scene) {
   return box;
 }
 
+bool settles(const Scene& scene) {
+  return std::ranges::any_of(scene.generators,
+                             [](const BoxCollider& g) { return g.variant == Variant::settled; });
+}
+
 double greatest_radius_max(const BoxCollider& generator, const Box& box) {
   Scene scene;
   scene.box = box;

@@ -3,6 +3,7 @@
 // not yet expanded and meshes are not yet loaded (initial_bodies.h does both). Everything that decides the
 // state of a run is in here; how and where it runs (executor, launch shape, broad phase) is in run_options.h.
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -102,6 +103,11 @@ struct Attractor {
   double strength = 0;         ///< m^3/s^2, G M; below 0 it repels
   double softening = 1;        ///< m, > 0: nearer than this the pull grows no more
 };
+
+/// m/s^2, the most that one attractor pulls anywhere.
+inline double largest_pull(const Attractor& attractor) {
+  return std::abs(attractor.strength) * 2 / (3 * std::sqrt(3.0) * attractor.softening * attractor.softening);
+}
 
 /// Where the pictures are taken from; unset fields frame the whole scene.
 struct Camera {

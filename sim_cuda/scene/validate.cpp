@@ -6,7 +6,6 @@
 #include <set>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/json_syntax.h"

@@ -17,7 +17,6 @@
 #include "sim_cuda/solver/joint_measure.h"
 #include "sim_cuda/solver/joint_state.h"
 #include "sim_cuda/solver/solver_memory.h"
-#include "sim_cuda/step_stats.h"
 
 namespace collidoscope {
 
@@ -46,8 +45,8 @@ class Joints {
   void solve();
   void relax();
 
-  /// Adds what joints say of the current state; waits for the device.
-  void measure(StepStats& stats);
+  /// What joints say of the current state; waits for the device.
+  JointSums measure();
 
   /// By the scene's order; waits for the device.
   std::vector<JointMemory> memory() const;

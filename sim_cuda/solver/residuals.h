@@ -8,7 +8,7 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/core/step_control.h"
-#include "sim_cuda/residual.h"
+#include "sim_cuda/solver/residual.h"
 
 namespace collidoscope {
 

@@ -214,18 +214,15 @@ void Sleeping<Real>::remember(std::vector<std::uint32_t> slow) {
 }
 
 template <class Real>
-void Sleeping<Real>::measure(StepStats& stats) const {
-  stats.can_sleep = true;
-  if (body_count_ == 0) return;
-  SleepSums sums;
+SleepSums Sleeping<Real>::measure() const {
+  SleepSums sums{};
+  if (body_count_ == 0) return sums;
   executor_.copy_to_host(
       &sums,
       reduce<SleepSums>(executor_, "measure", body_count_,
                         CountSleepers<Real>{bodies_, parent_.data(), slow_.data()}, sums_.data()),
       sizeof sums);
-  stats.asleep = sums.asleep;
-  stats.islands = sums.islands;
-  stats.islands_asleep = sums.islands_asleep;
+  return sums;
 }
 
 template class Sleeping<float>;

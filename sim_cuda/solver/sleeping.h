@@ -27,7 +27,6 @@
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/joint_state.h"
-#include "sim_cuda/step_stats.h"
 
 namespace collidoscope {
 
@@ -73,7 +72,7 @@ class Sleeping {
   void count();
 
   /// Counts who sleeps, and the islands of the last run: none before the first.
-  void measure(StepStats& stats) const;
+  SleepSums measure() const;
   SleepView view() const { return {slow_.data(), needed_}; }
 
   /// Steps for which each body has been slow, or slow_and_asleep; empty without the effect.

@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/launch_shape.h"
-#include "sim_cuda/run_options.h"
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {

@@ -7,7 +7,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "sim_cuda/change_reader.h"
+#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/changes/change_reader.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/text_file.h"

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "sim_cuda/changes_file.h"
+#include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"
 

@@ -1,6 +1,6 @@
 #include "sim_cuda/stability/hard_run.h"
 
-#include "sim_cuda/run_state.h"
+#include "sim_cuda/run/run_state.h"
 
 namespace collidoscope {
 namespace {

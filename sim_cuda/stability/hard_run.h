@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim_cuda/changes.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/stability/criterion.h"
 #include "sim_cuda/world.h"
 

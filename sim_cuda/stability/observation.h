@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/stability/criterion.h"
-#include "sim_cuda/step_stats.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

@@ -8,7 +8,8 @@
 #include <map>
 #include <new>
 
-#include "sim_cuda/changes_file.h"
+#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_run.h"

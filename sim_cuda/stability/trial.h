@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/run_options.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/scene/run_options.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/stability/hard_case.h"
 
 namespace collidoscope {

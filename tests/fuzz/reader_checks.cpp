@@ -9,12 +9,12 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "sim_cuda/changes_file.h"
+#include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/stability/criterion.h"
 
 namespace collidoscope {

@@ -11,12 +11,12 @@
 #include <functional>
 #include <thread>
 
-#include "sim_cuda/changes_file.h"
+#include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/json_document.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/memory/counted_new.h"
 #include "tests/test_files.h"
 

@@ -13,14 +13,14 @@
 #include <functional>
 #include <set>
 
-#include "headless/command_line.h"
-#include "headless/exit_status.h"
+#include "headless/cli/command_line.h"
+#include "headless/cli/exit_status.h"
 #include "headless/run.h"
-#include "sim_cuda/changes_file.h"
+#include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/snapshot.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/memory/counted_new.h"
 #include "tests/run_program.h"
 #include "tests/scenes.h"

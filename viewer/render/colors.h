@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sim_cuda/publish.h"
+#include "sim_cuda/publish/publish.h"
 
 namespace collidoscope {
 

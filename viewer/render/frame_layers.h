@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "sim_cuda/publish.h"
+#include "sim_cuda/publish/publish.h"
 
 namespace collidoscope {
 

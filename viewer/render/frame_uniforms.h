@@ -1,7 +1,7 @@
 #pragma once
 // The uniform block of all shaders (assets/shaders/frame.glsl), and how a camera and a scene fill it.
 
-#include "sim_cuda/publish.h"
+#include "sim_cuda/publish/publish.h"
 #include "viewer/render/frame_scene.h"
 #include "viewer/render/gl/buffer.h"
 #include "viewer/render/orbit_camera.h"

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "sim_cuda/publish.h"
+#include "sim_cuda/publish/publish.h"
 #include "viewer/render/gl/buffer.h"
 #include "viewer/render/gl/program.h"
 #include "viewer/render/gl/vertex_layout.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim_cuda/publish.h"
+#include "sim_cuda/publish/publish.h"
 #include "viewer/render/gl/buffer.h"
 
 namespace collidoscope {

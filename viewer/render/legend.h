@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/publish.h"
-#include "sim_cuda/step_stats.h"
+#include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/publish/publish.h"
 #include "viewer/render/frame_uniforms.h"
 
 namespace collidoscope {

@@ -1,0 +1,55 @@
+#pragma once
+// The command line as a whole: which command, on what, with which options; or text that was asked for.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "headless/cli/options.h"
+#include "sim_cuda/snapshot/snapshot.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+struct CommandLine {
+  Command command = Command::run;
+  std::string suite;                  ///< of bench; the name of one
+  std::vector<std::string> operands;  ///< of compare two pictures, else the scene
+  Options options;
+  std::string text;  ///< not empty: print this and do nothing else (--help, --version)
+};
+
+/// A suite of `bench`.
+struct Suite {
+  const char* name;
+  const char* help;
+  std::string_view flags;  ///< those it reads of the ones that bench has and run has not
+  /// The suite's operands are a scene, or nothing; flags are those of `bench`. Returns the exit status;
+  /// throws InputError or MachineError, and has written nothing then.
+  int (*run)(const CommandLine& line);
+};
+/// Reads the arguments that follow the program's name; `suites` are those of bench. Throws InputError with a
+/// line for each fault.
+CommandLine parse_command_line(const std::vector<std::string>& arguments, std::span<const Suite> suites = {});
+/// The same for the desktop program, which has one command; a scene that is not named is the Box Collider.
+CommandLine parse_viewer_line(const std::vector<std::string>& arguments);
+
+/// The scene of `run`, `capture`, `bench` and the viewer, with its overrides. Throws InputError.
+Scene load_scene(const CommandLine& line);
+
+/// Where a run starts: at state 0 of a scene, or at a snapshot, with the overrides in either case.
+struct Start {
+  Scene scene;
+  std::optional<Snapshot> snapshot;  ///< that --load names
+  World world(const RunOptions& options) const;
+};
+/// Throws InputError.
+Start load_start(const CommandLine& line);
+
+/// The file of a scene that was given as a path or as the bare name of one in assets/scenes, or in the folder
+/// `analytic` there. Throws InputError, which names the scenes there are.
+std::string scene_file(const std::string& given);
+
+}  // namespace collidoscope

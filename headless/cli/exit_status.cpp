@@ -1,0 +1,83 @@
+#include "headless/cli/exit_status.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "headless/cli/standard_output.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/core/whole_file.h"
+
+namespace collidoscope {
+namespace {
+
+/// Without its control characters, which a file's name may hold. Takes no memory.
+void print_line(std::string_view line) {
+  char block[1024];
+  while (!line.empty()) {
+    const std::size_t size = std::min(line.size(), sizeof block);
+    for (std::size_t k = 0; k < size; ++k)
+      block[k] = static_cast<unsigned char>(line[k]) < 0x20 || line[k] == 0x7f ? '?' : line[k];
+    std::fwrite(block, 1, size, stderr);
+    line.remove_prefix(size);
+  }
+  std::fputc('\n', stderr);
+}
+
+void print_faults(const std::vector<std::string>& faults) {
+  constexpr std::size_t most = 20;  // a broken file has thousands
+  for (std::size_t i = 0; i < faults.size() && i < most; ++i) print_line(faults[i]);
+  if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
+}
+
+void tell_of_memory(const char* doing) {
+  std::fprintf(stderr,
+               "out of memory%s%s: the machine refused an allocation; fewer bodies (--bodies) need less\n",
+               *doing != 0 ? " while " : "", doing);
+}
+
+}  // namespace
+
+void end_with_a_line_where_memory_ends() {
+  static const std::terminate_handler usual = std::get_terminate();
+  std::set_terminate([] {
+    remove_temporary_files();
+    try {
+      if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+    } catch (const OutOfMemory& error) {
+      tell_of_memory(error.what());
+      _exit(machine_lacks);
+    } catch (const std::bad_alloc&) {
+      tell_of_memory("");
+      _exit(machine_lacks);
+    } catch (...) {
+    }
+    usual();
+  });
+}
+
+int exit_status_of(const std::function<int()>& work) noexcept {
+  try {
+    const int status = work();
+    flush_stdout();
+    return status;
+  } catch (const InputError& error) {
+    print_faults(error.lines());
+    return bad_input;
+  } catch (const OutOfMemory& error) {
+    tell_of_memory(error.what());
+  } catch (const std::bad_alloc&) {
+    tell_of_memory("");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  return machine_lacks;
+}
+
+}  // namespace collidoscope

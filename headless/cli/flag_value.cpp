@@ -1,0 +1,83 @@
+#include "headless/cli/flag_value.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace collidoscope {
+namespace {
+
+/// The whole text as one number, or nothing. Knows no locale, no leading blank and no trailing word.
+template <class Number>
+std::optional<Number> parse(std::string_view text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t longest = 200;  // bytes: a line of a terminal or two
+  return text.empty() ? "''" : printable(text, longest);
+}
+
+void FlagValue::fault(std::string_view what) { faults_->push_back(fmt::format("{}: {}", flag_, what)); }
+
+void FlagValue::refuse(std::string_view right) { fault(fmt::format("{} is not {}", shown(text_), right)); }
+
+std::optional<std::int64_t> FlagValue::whole(std::int64_t min, std::int64_t max, std::string_view or_word) {
+  const auto number = parse<std::int64_t>(text_);
+  if (number && *number >= min && *number <= max) return number;
+  refuse(fmt::format("a whole number from {} to {}{}", min, max, or_word));
+  return std::nullopt;
+}
+
+std::optional<std::uint64_t> FlagValue::whole_u64() {
+  const auto number = parse<std::uint64_t>(text_);
+  if (!number) refuse(fmt::format("a whole number from 0 to {}", UINT64_MAX));
+  return number;
+}
+
+std::optional<double> FlagValue::number(double min, double max, std::string_view unit,
+                                        std::string_view or_word) {
+  const auto number = parse<double>(text_);
+  if (number && std::isfinite(*number) && *number >= min && *number <= max) return number;
+  refuse(fmt::format("a number from {} to {} {}{}", min, max, unit, or_word));
+  return std::nullopt;
+}
+
+std::optional<Vector3d> FlagValue::vector(double limit, std::string_view unit) {
+  Vector3d result;
+  std::string_view rest = text_;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t comma = rest.find(',');
+    const auto number = parse<double>(rest.substr(0, comma));
+    const bool more = comma != std::string_view::npos;
+    if (!number || !(std::abs(*number) <= limit) || more != (axis < 2)) {
+      refuse(fmt::format("x,y,z: three numbers from {} to {} {}", -limit, limit, unit));
+      return std::nullopt;
+    }
+    result[axis] = *number;
+    if (more) rest.remove_prefix(comma + 1);
+  }
+  return result;
+}
+
+std::optional<std::string> FlagValue::word(std::span<const std::string> words) {
+  std::vector<std::string_view> known;
+  for (const std::string& one : words) {
+    if (one == text_) return one;
+    known.push_back(one);
+  }
+  unknown(known);
+  return std::nullopt;
+}
+
+void FlagValue::unknown(std::span<const std::string_view> names) {
+  fault(unknown_name(flag_.substr(flag_.find_first_not_of('-')), text_, names));
+}
+
+}  // namespace collidoscope

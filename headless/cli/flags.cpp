@@ -1,0 +1,434 @@
+// The flags of the command line: what each is called, what --help says of it, and how its text is read.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "headless/cli/flag_value.h"
+#include "headless/cli/options.h"
+#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/crowded_scenes.h"
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::array<Named<ExecutorKind>, 3> executor_names{
+    {{"auto", ExecutorKind::automatic}, {"cpu", ExecutorKind::cpu}, {"cuda", ExecutorKind::cuda}}};
+constexpr std::array<Named<LaneOrder>, 3> lane_order_names{{{"contiguous", LaneOrder::contiguous},
+                                                            {"strided", LaneOrder::strided},
+                                                            {"shuffled", LaneOrder::shuffled}}};
+constexpr std::string_view or_auto = ", or auto";
+constexpr std::int64_t max_int = std::numeric_limits<int>::max();
+
+/// One flag being read: its text, and where the value or the faults go.
+struct FlagReading {
+  FlagValue value;
+  Options& options;
+  std::vector<std::string>& faults;
+};
+
+std::optional<int> read_count(FlagValue& value, std::int64_t min, std::int64_t max,
+                              std::string_view or_word = "") {
+  const auto number = value.whole(min, max, or_word);
+  return number ? std::optional(static_cast<int>(*number)) : std::nullopt;
+}
+
+void read_count_or_auto(FlagValue& value, std::int64_t max, int& count) {
+  if (value.text() == "auto") {
+    count = 0;
+  } else if (const auto number = value.whole(1, max, or_auto)) {
+    count = static_cast<int>(*number);
+  }
+}
+
+void read_time_step(FlagReading& in) {
+  Overrides& overrides = in.options.overrides;
+  overrides.time_step.reset();
+  overrides.steps_per_second.reset();
+  if (!in.value.text().starts_with("1/")) {
+    overrides.time_step = in.value.number(limits::min_time_step, limits::max_time_step, "s", ", or 1/n");
+    return;
+  }
+  FlagValue rate("--time-step", in.value.text().substr(2), in.faults);
+  if (const auto n = rate.whole(1, limits::max_steps_per_second))
+    overrides.steps_per_second = static_cast<int>(*n);
+}
+
+void read_effects(FlagValue& value, Overrides& overrides) {
+  if (value.text() == "auto") {
+    overrides.effects = std::optional<Effects>{};
+    return;
+  }
+  Effects effects;
+  std::string_view rest = value.text() == "none" ? "" : value.text();
+  bool more = value.text() != "none";
+  while (more) {
+    const std::size_t comma = rest.find(',');
+    const auto* known = std::ranges::find(effect_names, rest.substr(0, comma), &EffectName::name);
+    if (known == effect_names.end()) {
+      value.refuse(fmt::format("auto, none, or a list of {}", fmt::join(names_in(effect_names), ",")));
+      return;
+    }
+    effects.*(known->flag) = true;
+    more = comma != std::string_view::npos;
+    if (more) rest.remove_prefix(comma + 1);
+  }
+  overrides.effects = std::optional<Effects>{effects};
+}
+
+void read_restitution_threshold(FlagValue& value, Overrides& overrides) {
+  if (value.text() == "auto")
+    overrides.restitution_threshold = std::optional<double>{};
+  else if (const auto speed = value.number(0, limits::max_speed, "m/s", or_auto))
+    overrides.restitution_threshold = std::optional<double>{*speed};
+}
+
+void read_guards(FlagValue& value, Overrides& overrides) {
+  if (value.text() == "off")
+    overrides.guards = std::optional<OnFailure>{};
+  else if (const auto on_failure = value_of(on_failure_names, value.text()))
+    overrides.guards = std::optional<OnFailure>{*on_failure};
+  else
+    value.refuse("pause, freeze or off");
+}
+
+void read_path(FlagValue& value, std::string& path) {
+  if (value.text().empty() || value.text().find('\0') != std::string_view::npos)
+    value.refuse("the name of a file");
+  else
+    path = value.text();
+}
+
+/// Reads each part of a comma-separated list.
+template <class Read>
+void for_each_part(FlagReading& in, Read read) {
+  std::string_view rest = in.value.text();
+  for (bool more = true; more;) {
+    const std::size_t comma = rest.find(',');
+    FlagValue part(in.value.flag(), rest.substr(0, comma), in.faults);
+    read(part);
+    more = comma != std::string_view::npos;
+    if (more) rest.remove_prefix(comma + 1);
+  }
+}
+
+/// Some readers throw their faults.
+template <class Read>
+void collect(std::vector<std::string>& faults, Read read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    faults.insert(faults.end(), error.lines().begin(), error.lines().end());
+  }
+}
+
+constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
+constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench), grading = bit(Command::bvh);
+constexpr unsigned studying = bit(Command::accuracy), breaking = bit(Command::stability);
+constexpr unsigned drawing = capturing | viewing | benching,
+                   stepping = running | drawing | grading | studying;
+constexpr unsigned guarding = running | capturing | viewing;
+constexpr unsigned reporting =
+    running | capturing | benching | grading | studying | breaking | bit(Command::compare);
+
+struct Reader {
+  Flag flag;
+  void (*read)(FlagReading& in);
+};
+
+constexpr Reader readers[] = {
+    {{"--bodies", "N", "bodies of the scene's generator", stepping},
+     [](FlagReading& in) { in.options.overrides.bodies = in.value.whole(0, limits::max_bodies); }},
+    {{"--variant", "NAME", "paper, scaled, settled or equal: how the generator's box and radii go with N",
+      stepping},
+     [](FlagReading& in) { in.options.overrides.variant = in.value.one_of(variant_names); }},
+    {{"--spawn", "NAME", "inside, centres or apart: where generated bodies start", stepping},
+     [](FlagReading& in) { in.options.overrides.spawn = in.value.one_of(spawn_names); }},
+    {{"--seed", "S", "seed of the generator", stepping},
+     [](FlagReading& in) { in.options.overrides.seed = in.value.whole_u64(); }},
+    {{"--gravity", "X,Y,Z", "m/s^2", stepping},
+     [](FlagReading& in) { in.options.overrides.gravity = in.value.vector(limits::max_gravity, "m/s^2"); }},
+    {{"--time-step", "S", "seconds, or 1/n", stepping}, [](FlagReading& in) { read_time_step(in); }},
+    {{"--substeps", "K", "each step in K parts, or auto: 4, 1 with impulse, more where joints call for it",
+      stepping},
+     [](FlagReading& in) {
+       if (in.value.text() == "auto")
+         in.options.overrides.substeps = std::optional<int>{};
+       else if (const auto k = read_count(in.value, 1, limits::max_substeps, or_auto))
+         in.options.overrides.substeps = std::optional<int>{*k};
+     }},
+    {{"--iterations", "I", "sweeps of the solver over all contacts", stepping},
+     [](FlagReading& in) {
+       in.options.overrides.iterations = read_count(in.value, 1, limits::max_iterations);
+     }},
+    {{"--solver", "NAME", "impulse, soft_step or jacobi_split", stepping | breaking},
+     [](FlagReading& in) { in.options.overrides.solver = in.value.one_of(solver_names); }},
+    {{"--integrator", "NAME", "semi_implicit_euler, velocity_verlet or rk4: how free motion goes on",
+      stepping},
+     [](FlagReading& in) { in.options.overrides.integrator = in.value.one_of(integrator_names); }},
+    {{"--rotation-update", "NAME", "first_order or lie_group: how bodies turn", stepping},
+     [](FlagReading& in) { in.options.overrides.rotation_update = in.value.one_of(rotation_update_names); }},
+    {{"--precision", "NAME", "f32 or f64", stepping | breaking},
+     [](FlagReading& in) { in.options.overrides.precision = in.value.one_of(precision_names); }},
+    {{"--effects", "LIST", "auto, none, or a list such as gravity,rotation", stepping},
+     [](FlagReading& in) { read_effects(in.value, in.options.overrides); }},
+    {{"--restitution-threshold", "V", "m/s, or auto: slower approaches do not bounce", stepping},
+     [](FlagReading& in) { read_restitution_threshold(in.value, in.options.overrides); }},
+
+    {{"--guards", "NAME", "pause, freeze or off: what happens where a step goes wrong", guarding},
+     [](FlagReading& in) { read_guards(in.value, in.options.overrides); }},
+    {{"--break", "LIST",
+      "such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped: where it stops",
+      running | viewing},
+     [](FlagReading& in) {
+       collect(in.faults, [&] { in.options.breaks = parse_break_conditions(std::string(in.value.text())); });
+     }},
+
+    {{"--executor", "NAME", "auto, cpu or cuda", stepping | breaking},
+     [](FlagReading& in) {
+       if (const auto kind = in.value.one_of(executor_names)) in.options.run.executor = *kind;
+     }},
+    {{"--gpu", "I", "CUDA's number of the device", stepping | breaking},
+     [](FlagReading& in) {
+       if (const auto n = read_count(in.value, 0, 1023)) in.options.run.gpu = *n;
+     }},
+    {{"--blocks", "B", "blocks of a launch, or auto", stepping},
+     [](FlagReading& in) { read_count_or_auto(in.value, limits::max_blocks, in.options.run.shape.blocks); }},
+    {{"--threads", "T", "threads of a block, or auto", stepping},
+     [](FlagReading& in) {
+       read_count_or_auto(in.value, limits::max_threads, in.options.run.shape.threads);
+     }},
+    {{"--cpu-threads", "N", "threads of the CPU that run the B*T lanes, or auto", stepping},
+     [](FlagReading& in) { read_count_or_auto(in.value, 1024, in.options.run.cpu_threads); }},
+    {{"--lane-order", "NAME", "contiguous, strided or shuffled: which items a lane of the CPU takes",
+      stepping},
+     [](FlagReading& in) {
+       if (const auto order = in.value.one_of(lane_order_names)) in.options.run.lane_order = *order;
+     }},
+    {{"--broad-phase", "NAME", "how pairs are found", stepping},
+     [](FlagReading& in) {
+       if (const auto name = in.value.word(broad_phase_names())) in.options.run.broad_phase = *name;
+     }},
+    {{"--key-bits", "K", "bits of a Morton key, 24, 30 or 63, or auto: more where bodies crowd", stepping},
+     [](FlagReading& in) {
+       constexpr std::array<Named<int>, 4> widths{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
+       if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
+     }},
+    {{"--sort", "NAME", "auto, library or radix: how keys are sorted; radix keeps to (B, T)", stepping},
+     [](FlagReading& in) {
+       constexpr std::array<Named<SortMethod>, 3> methods{
+           {{"auto", SortMethod::automatic}, {"library", SortMethod::library}, {"radix", SortMethod::radix}}};
+       if (const auto sort = in.value.one_of(methods)) in.options.run.sort = *sort;
+     }},
+    {{"--memory-limit", "BYTES", "at most so much memory of the device, or auto: what there is", stepping},
+     [](FlagReading& in) {
+       if (in.value.text() == "auto")
+         in.options.run.memory_limit = 0;
+       else if (const auto n = in.value.whole(1, std::int64_t{1} << 50, or_auto))
+         in.options.run.memory_limit = *n;
+     }},
+    {{"--allow-large", nullptr, "steps may take all memory that is available, not only 80 % of it",
+      stepping | breaking},
+     [](FlagReading& in) { in.options.run.allow_large = true; }},
+    {{"--initial-pair-capacity", "N", "room for pairs at the start, or auto; it grows", stepping},
+     [](FlagReading& in) {
+       if (in.value.text() == "auto")
+         in.options.run.initial_pair_capacity = 0;
+       else if (const auto n = in.value.whole(1, std::int64_t{1} << 40, or_auto))
+         in.options.run.initial_pair_capacity = *n;
+     }},
+
+    {{"--steps", "K", "steps to run [300; bvh: 0]; the viewer pauses at this state",
+      running | viewing | grading},
+     [](FlagReading& in) {
+       const auto n = in.value.whole(0, 1'000'000'000);
+       if (n) in.options.steps = *n;
+       in.options.view.pause_at = n;
+     }},
+    {{"--json", "FILE|-", "the report as JSON; with -, alone on stdout", reporting},
+     [](FlagReading& in) { read_path(in.value, in.options.json); }},
+    {{"--dump-bodies", "FILE", "CSV: the state of every body at the end", running},
+     [](FlagReading& in) { read_path(in.value, in.options.dump_bodies); }},
+    {{"--dump-dynamics", "FILE", "CSV: mass, X, R, P, L, inverse inertia, F, T of every body at the end",
+      running},
+     [](FlagReading& in) { read_path(in.value, in.options.dump_dynamics); }},
+    {{"--energy-trace", "FILE", "CSV: energies, pairs and penetration at every state", running},
+     [](FlagReading& in) { read_path(in.value, in.options.energy_trace); }},
+    {{"--residuals", nullptr, "what each sweep of the last step's solver left, in the report", running},
+     [](FlagReading& in) { in.options.residuals = true; }},
+
+    {{"--save", "FILE", "a snapshot of the run at its end, from which --load goes on", running},
+     [](FlagReading& in) { read_path(in.value, in.options.save); }},
+    {{"--load", "FILE", "goes on from a snapshot, in place of a SCENE", running | capturing | viewing},
+     [](FlagReading& in) { read_path(in.value, in.options.load); }},
+    {{"--changes", "FILE", "what is changed on the way: settings, bodies added and removed", running},
+     [](FlagReading& in) { read_path(in.value, in.options.changes); }},
+
+    {{"--states", "LIST",
+      "states to draw, counted from the run's state 0 [the first, and 30 and 60 steps after it]", capturing},
+     [](FlagReading& in) {
+       collect(in.faults, [&] { in.options.capture.states = parse_states(std::string(in.value.text())); });
+     }},
+    {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", drawing},
+     [](FlagReading& in) {
+       collect(in.faults, [&] {
+         const FrameLayers before = in.options.capture.layers;
+         FrameLayers& layers = in.options.capture.layers;
+         layers = parse_layers(std::string(in.value.text()));
+         layers.color = before.color;
+         layers.box_color = before.box_color;
+         layers.box_low = before.box_low;
+         layers.box_high = before.box_high;
+       });
+     }},
+    {{"--color", "NAME",
+      "speed, radius, id, contacts, order, depth, visits, sleep or error: what colours the bodies", drawing},
+     [](FlagReading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });
+     }},
+    {{"--box-color", "NAME", "level, sah, overlap, empty or visits: what colours the boxes", drawing},
+     [](FlagReading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.layers.box_color = parse_box_color(std::string(in.value.text())); });
+     }},
+    {{"--box-range", "LOW,HIGH", "values of the boxes that are drawn, by what colours them; HIGH may be inf",
+      drawing},
+     [](FlagReading& in) {
+       collect(in.faults, [&] { parse_box_range(std::string(in.value.text()), in.options.capture.layers); });
+     }},
+    {{"--size", "WxH", "pixels of a picture", drawing},
+     [](FlagReading& in) {
+       collect(in.faults, [&] { parse_size(std::string(in.value.text()), in.options.capture); });
+     }},
+    {{"--out", "DIR", "where pictures go [captures]", capturing},
+     [](FlagReading& in) { read_path(in.value, in.options.capture.out); }},
+    {{"--display-path", "NAME", "auto, interop, copy or upload: how data reach the picture", drawing},
+     [](FlagReading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.display_path = parse_display_path(std::string(in.value.text())); });
+     }},
+    {{"--quality", "NAME", "full, quick or auto: ambient occlusion and soft shadows, or neither", drawing},
+     [](FlagReading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.draw.light = parse_quality(std::string(in.value.text())); });
+     }},
+    {{"--supersample", "K", "K x K samples for each pixel of the 3D view, 1 to 4, or auto", drawing},
+     [](FlagReading& in) {
+       in.options.capture.draw.supersampling.reset();
+       if (in.value.text() != "auto")
+         in.options.capture.draw.supersampling = read_count(in.value, 1, 4, or_auto);
+     }},
+    {{"--sphere-method", "NAME", "auto, quads or compute: what draws spheres; the picture is the same",
+      drawing},
+     [](FlagReading& in) {
+       collect(in.faults,
+               [&] { in.options.capture.draw.spheres = parse_sphere_method(std::string(in.value.text())); });
+     }},
+    {{"--timings", nullptr, "draw stage times too; such pictures differ from run to run", capturing},
+     [](FlagReading& in) { in.options.capture.timings = true; }},
+
+    {{"--frames", "K", "frames to measure [300], after some that warm up", benching},
+     [](FlagReading& in) {
+       if (const auto n = in.value.whole(1, 1'000'000)) in.options.frames = *n;
+     }},
+
+    {{"--methods", "LIST", "broad phases to compare, comma-separated [all]", benching | grading},
+     [](FlagReading& in) {
+       in.options.bench.methods.clear();
+       for_each_part(in, [&](FlagValue& part) {
+         static const std::vector<std::string> known = broad_phase_names();
+         if (const auto name = part.word(known)) in.options.bench.methods.push_back(*name);
+       });
+     }},
+    {{"--variants", "LIST",
+      "variants of the Box Collider to compare, and mixed, log_normal, clusters; comma-separated", benching},
+     [](FlagReading& in) {
+       in.options.bench.variants.clear();
+       for_each_part(in, [&](FlagValue& part) {
+         static const std::vector<std::string> known = compared_scenes();
+         if (const auto variant = part.word(known)) in.options.bench.variants.push_back(*variant);
+       });
+     }},
+    {{"--sizes", "LIST", "numbers of bodies to compare, comma-separated", benching},
+     [](FlagReading& in) {
+       in.options.bench.sizes.clear();
+       for_each_part(in, [&](FlagValue& part) {
+         if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
+       });
+     }},
+    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3; paper: 20, or what 2 s allow]",
+      benching | grading | studying},
+     [](FlagReading& in) {
+       if (const auto n = in.value.whole(1, 1'000'000)) {
+         in.options.bench.repeats = *n;
+         in.options.bench.repeats_given = true;
+       }
+     }},
+    {{"--csv", "FILE", "the rows of a suite as CSV", benching | studying},
+     [](FlagReading& in) { read_path(in.value, in.options.bench.csv); }},
+    {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching | studying},
+     [](FlagReading& in) { read_path(in.value, in.options.bench.markdown); }},
+
+    {{"--plot", "FILE.png", "a chart of the suite", benching | studying},
+     [](FlagReading& in) { read_path(in.value, in.options.bench.plot); }},
+
+    {{"--tolerance", "E", "m: names the cheapest setting whose error is no larger; 1 if there is none",
+      studying},
+     [](FlagReading& in) {
+       in.options.accuracy.tolerance = in.value.number(limits::min_tolerance, limits::max_tolerance, "m");
+     }},
+    {{"--seconds", "T", "simulated seconds to compare at most, 2 steps or more [60 steps, and at least 2 s]",
+      studying},
+     [](FlagReading& in) {
+       if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;
+     }},
+
+    {{"--long", nullptr, "the long variants of the cases that have one", breaking},
+     [](FlagReading& in) { in.options.stability.extended = true; }},
+    {{"--plant", nullptr, "in place of the trials: faults, each of which must fail its criterion", breaking},
+     [](FlagReading& in) { in.options.stability.plant = true; }},
+    {{"--jobs", "K", "trials side by side, or auto: one for each core", breaking},
+     [](FlagReading& in) { read_count_or_auto(in.value, 1024, in.options.stability.jobs); }},
+    {{"--cases", "DIR", "a folder of cases [assets/scenes/hard]", breaking | viewing},
+     [](FlagReading& in) { read_path(in.value, in.options.stability.cases); }},
+    {{"--save-failures", "DIR", "snapshots, from which --load goes on to what failed", breaking},
+     [](FlagReading& in) { read_path(in.value, in.options.stability.save_failures); }},
+    {{"--readme", "FILE", "in place of the trials: writes the table of stability in FILE anew", breaking},
+     [](FlagReading& in) { read_path(in.value, in.options.stability.readme); }},
+    {{"--from", "FILE", "of --readme: what --json wrote; once for each machine", breaking, true},
+     [](FlagReading& in) { read_path(in.value, in.options.stability.from.emplace_back()); }},
+
+    {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
+     [](FlagReading& in) { in.options.view.reset_ui = true; }},
+    {{"--automation", "FILE", "a line of JSON for each frame: state, and where each widget is", viewing},
+     [](FlagReading& in) { read_path(in.value, in.options.view.automation); }},
+};
+
+}  // namespace
+
+std::span<const Flag> flags() {
+  static const std::vector<Flag> every = [] {
+    std::vector<Flag> list;
+    for (const Reader& reader : readers) list.push_back(reader.flag);
+    return list;
+  }();
+  return every;
+}
+
+void read_flag(std::string_view flag, std::string_view text, Options& options,
+               std::vector<std::string>& faults) {
+  for (const Reader& reader : readers)
+    if (flag == reader.flag.name) {
+      FlagReading in{FlagValue(flag, text, faults), options, faults};
+      reader.read(in);
+    }
+}
+
+}  // namespace collidoscope

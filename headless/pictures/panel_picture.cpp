@@ -1,0 +1,96 @@
+#include "headless/pictures/panel_picture.h"
+
+#include "ui/shown_layers.h"
+#include "viewer/render/legend.h"
+#include "viewer/session/fill_view.h"
+#include "viewer/session/tree_marks.h"
+
+namespace collidoscope {
+
+PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings)
+    : frame_(width, height) {
+  workspace_.settings = settings_of(world);
+  workspace_.layers = shown_layers(layers);
+  workspace_.playing = false;
+  workspace_.hint = false;
+  if (layers.tree) {  // long as it is, it takes the others' room
+    Folds& folds = workspace_.folds;
+    folds.tree = true;
+    folds.timing = folds.numbers = folds.inspector = false;
+  }
+  workspace_.folds.convergence = layers.convergence;
+  view_.with_times = timings;
+}
+
+ScreenRect PanelPicture::scene_rect(int width, int height) {
+  return scene_view_rect(Workspace{}, static_cast<float>(width), static_cast<float>(height),
+                         workspace_font_size(width, height, 1));
+}
+
+void PanelPicture::set_renderer(const std::string& renderer, bool software, const std::string& display_path) {
+  view_.renderer = renderer;
+  view_.software = software;
+  view_.display_path = display_path;
+}
+
+void PanelPicture::refresh(World& world, Renderer& renderer, const ReferenceFacts& reference) {
+  view_.reference = reference;
+  tree_.refresh(world, 0, workspace_);
+  selected_.reset();
+  if (workspace_.selection) selected_ = world.inspect(*workspace_.selection);
+  renderer.set_marks(tree_marks(workspace_, selected_ ? &*selected_ : nullptr, tree_.facts()));
+}
+
+void PanelPicture::record(World& world) {
+  const StepStats stats = world.measure();
+  record_step(world, &stats, history_);
+}
+
+void PanelPicture::fill(World& world, const StepStats& stats, const History& history,
+                        const std::vector<std::int64_t>& level_sizes, const ValueRange& range) {
+  fill_view(world, stats, history, view_);
+  if (workspace_.folds.effects) {
+    if (!costs_.begun()) costs_.begin(world);
+    view_.effect_facts = costs_.facts(world);
+  }
+  view_.level_sizes = level_sizes;
+  const ShownLayers& layers = workspace_.layers;
+  view_.body_colors = layers.spheres ? color_key(body_legend(layers.color, range, stats)) : ColorKey{};
+  view_.box_colors = layers.boxes ? color_key(box_legend(layers.box_color, range)) : ColorKey{};
+  view_.boxes_drawn = range.boxes;
+  view_.contact_colors = contact_legend();
+  view_.max_impulse = range.max_impulse;
+  view_.error_scale = range.error_scale;
+  view_.mark_colors = mark_legend();
+  view_.tree = tree_.facts();
+  view_.selected = selected_ ? &*selected_ : nullptr;
+  const auto [first, last] = colored_levels(layers, level_sizes.size(), view_.selected);
+  view_.level_colors = level_legend(first, last);
+  // Pictures without times are the same on every machine.
+  if (!view_.with_times) view_.device = "this machine";
+}
+
+void PanelPicture::build(GuiPass& gui) {
+  gui.begin(frame_.width(), frame_.height());
+  draw_workspace(workspace_, view_);
+  gui.build();
+}
+
+void PanelPicture::rasterise(GuiPass& gui, const Renderer& renderer) {
+  const ScreenRect rect = scene_rect(frame_.width(), frame_.height());
+  frame_.place(renderer, static_cast<int>(rect.x), static_cast<int>(rect.y));
+  gui.rasterise(frame_.target());
+}
+
+Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
+                         const ValueRange& range) {
+  fill(world, stats, history_, world.tree_level_sizes(), range);
+  // ImGui lays out what sizes itself over its first frames.
+  for (int round = 0; round < 3; ++round) {
+    build(gui);
+    rasterise(gui, renderer);
+  }
+  return frame_.read();
+}
+
+}  // namespace collidoscope

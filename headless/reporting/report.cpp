@@ -1,0 +1,306 @@
+#include "headless/reporting/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "sim_cuda/measure/launch_json.h"
+#include "sim_cuda/scene/effect_reasons.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+std::string grouped(std::int64_t number) {
+  std::string digits = fmt::to_string(number);
+  const std::size_t first = digits.starts_with('-') ? 1 : 0;
+  for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, ",");
+  return digits;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no infinity: nlohmann writes null for what is not finite, and doubles in the shortest form that
+// reads back the same.
+Json vector_json(const double (&v)[3]) { return Json::array({v[0], v[1], v[2]}); }
+
+/// A time that was not measured is null, not 0.
+Json time_json(double ms, int steps_timed) { return steps_timed > 0 ? Json(ms) : Json(nullptr); }
+
+/// What is not finite is a word, so that it is not taken for what was not measured.
+Json finding_json(const Finding& finding) {
+  return {
+      {"stage", finding.stage},
+      {"step", finding.step},
+      {"substep", finding.substep},
+      {"body", finding.body},
+      {"quantity", name_of(finding.quantity)},
+      {"value", std::isfinite(finding.value) ? Json(finding.value) : Json(fmt::format("{}", finding.value))},
+      {"unit", unit_of(finding.quantity)},
+      {"before", finding.before}};
+}
+
+std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
+
+std::string stage_table(const RunTimes& times) {
+  constexpr const char* row = "  {:<22}{:>11}{:>11}{:>9}{:>10}\n";
+  constexpr const char* total_row = "  {:<22}{:>11}{:>11}\n";
+  const auto ms = [](double value, int samples) { return samples > 0 ? fmt::format("{:.4f}", value) : "-"; };
+  double sum = 0;
+  int timed = 0;
+  bool own_shape = false;
+  for (const StageTime& stage : times.stages) {
+    sum += stage.median_ms;
+    timed += stage.samples;
+    own_shape |= stage.own_shape;
+  }
+  std::string text = fmt::format(row, "stage", "median ms", "p95 ms", "share", "launches");
+  int launches = 0;
+  for (const StageTime& stage : times.stages) {
+    text += fmt::format(row, stage.name + (stage.own_shape ? " *" : ""), ms(stage.median_ms, stage.samples),
+                        ms(stage.p95_ms, stage.samples),
+                        sum > 0 ? fmt::format("{:.1f} %", 100 * stage.median_ms / sum) : "-", stage.launches);
+    launches += stage.launches;
+  }
+  text += fmt::format(row, "sum of the stages", ms(sum, timed), "", "", launches);
+  if (times.steps_timed > 0)
+    text += fmt::format(total_row, "whole step, plain", ms(times.step_median_ms, times.steps_timed),
+                        ms(times.step_p95_ms, times.steps_timed));
+  text +=
+      "  Stages are timed on odd steps, with a time taken after each; the whole step on\n"
+      "  even ones, with none taken within. So the sum contains the cost of measuring,\n"
+      "  the step does not, and as medians of different steps they need not add up.\n";
+  if (own_shape) text += "  * works in part in a launch shape of its own, not in (B, T)\n";
+  return text;
+}
+
+std::string numbers_text(const RunReport& report) {
+  const StepStats& first = report.initial;
+  const StepStats& last = report.final;
+  const auto line = [](const char* what, const std::string& value) {
+    return fmt::format("  {:<18}{}\n", what, value);
+  };
+  const auto vector = [](const double(&v)[3], const char* unit) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g} {}", v[0], v[1], v[2], unit);
+  };
+  std::string text = line("pairs", fmt::format("{} of boxes that overlap; {} touching", grouped(last.pairs),
+                                               grouped(last.touching)));
+  text += line("contacts", fmt::format("{} speculative, of the last step; {} mass-split",
+                                       grouped(last.speculative), grouped(last.split_contacts)));
+  text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
+  text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
+                               last.potential_energy + 0.0));
+  text += line("", fmt::format("{:.6g} J of it potential, from putting bodies back inside walls",
+                               last.push_work - first.push_work));
+  text += line("momentum", vector(last.momentum, "kg m/s"));
+  text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
+  if (last.joints > 0) {
+    text += line("joints", fmt::format("{}; {:.3g} m off at most, {:.3g} rad", grouped(last.joints),
+                                       last.max_joint_error, last.max_joint_angle));
+    if (last.spring_energy > 0) text += line("", fmt::format("{:.6g} J in springs", last.spring_energy));
+  }
+  if (last.can_sleep)
+    text += line("asleep",
+                 fmt::format("{} of {} bodies; islands {} of {}", grouped(last.asleep), grouped(last.bodies),
+                             grouped(last.islands_asleep), grouped(last.islands)));
+  if (!report.residuals.empty()) {
+    const Residual& left = report.residuals.back();
+    text += line("residual", fmt::format("{:.3g} m/s over {} contacts, {:.3g} m/s at the worst", left.rms,
+                                         grouped(left.contacts), left.max));
+  }
+  text += line("wall impulse", fmt::format("{:.6g} N s", last.wall_impulse));
+  text += line("penetration", fmt::format("{:.6g} m at the deepest", last.max_penetration));
+  text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
+                                     grouped(last.escaped)));
+  if (!report.frozen.empty())
+    text += line(
+        "frozen",
+        fmt::format("{} bodies: {}", grouped(std::ssize(report.frozen)),
+                    fmt::join(std::span(report.frozen).first(std::min<std::size_t>(report.frozen.size(), 10)),
+                              ", ")));
+  if (report.finding) text += line("found", describe(*report.finding));
+  text += line("memory", fmt::format("{} bytes", grouped(report.allocated_bytes)));
+  if (report.wall_seconds && *report.wall_seconds > 0 && last.step > first.step) {
+    text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", *report.wall_seconds,
+                                     report.simulated_seconds / *report.wall_seconds));
+  }
+  return text + line("state hash", fmt::format("{:016x}", report.state_hash));
+}
+
+}  // namespace
+
+namespace {
+
+std::vector<std::string> names_of(Effects effects) {
+  std::vector<std::string> names;
+  for (const EffectName& effect : effect_names)
+    if (effects.*(effect.flag)) names.emplace_back(effect.name);
+  return names;
+}
+
+}  // namespace
+
+RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds) {
+  const Scene& scene = world.scene();
+  // Before measure(), which finds contacts of its own.
+  std::vector<Residual> residuals = world.residuals();
+  RunReport report{
+      .scene = scene.name,
+      .variant = {},
+      .seed = {},
+      .executor = world.on_gpu() ? "cuda" : "cpu",
+      .device = world.device_name(),
+      .broad_phase = world.options().broad_phase,
+      .key_bits = world.key_bits(),
+      .solver = std::string(name_of(solver_names, scene.physics.solver)),
+      .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
+      .rotation_update = std::string(name_of(rotation_update_names, scene.physics.rotation_update)),
+      .precision = std::string(name_of(precision_names, scene.physics.precision)),
+      .effects = names_of(world.effects()),
+      .effect_reasons = {},
+      .shape = world.launch_shape(),
+      .substeps = world.substeps(),
+      .iterations = scene.physics.iterations,
+      .time_step = scene.physics.time_step,
+      .initial = initial,
+      .final = world.measure(),
+      .residuals = std::move(residuals),
+      .times = world.times(),
+      .state_hash = world.state_hash(),
+      .allocated_bytes = world.allocated_bytes(),
+      .guards = {},
+      .finding = world.finding(),
+      .frozen = world.frozen(),
+      .failure = {},
+      .wall_seconds = wall_seconds};
+  if (world.effects().guards)
+    report.guards = name_of(on_failure_names, scene.physics.guards.value_or(Guards{}).on_failure);
+  for (const EffectName& effect : effect_names)
+    report.effect_reasons.emplace_back(effect.name, effect_reason(scene, world.initial(), effect.flag).why);
+  report.simulated_seconds = static_cast<double>(report.final.step - initial.step) * report.time_step;
+  if (!scene.generators.empty()) {
+    report.variant = name_of(variant_names, scene.generators[0].variant);
+    report.seed = scene.generators[0].seed;
+  }
+  return report;
+}
+
+nlohmann::ordered_json json_of(const RunReport& report) {
+  const StepStats& last = report.final;
+  Json json = Json::object();  // from nothing, nlohmann 3.11 ends the program where it is refused memory
+  json["scene"] = report.scene;
+  json["variant"] = report.variant.empty() ? Json(nullptr) : Json(report.variant);
+  json["seed"] = report.seed ? Json(*report.seed) : Json(nullptr);
+  json["executor"] = report.executor;
+  json["device"] = report.device;
+  json["bodies"] = last.bodies;
+  json["blocks"] = report.shape.blocks;
+  json["threads"] = report.shape.threads;
+  json["steps"] = last.step;
+  json["time_step"] = report.time_step;
+  json["substeps"] = report.substeps;
+  json["iterations"] = report.iterations;
+  json["broad_phase"] = report.broad_phase;
+  json["key_bits"] = report.key_bits > 0 ? Json(report.key_bits) : Json(nullptr);
+  json["solver"] = report.solver;
+  json["integrator"] = report.integrator;
+  json["rotation_update"] = report.rotation_update;
+  json["precision"] = report.precision;
+  json["effects"] = report.effects;
+  json["effect_reasons"] = Json::object();
+  for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
+  json["state_hash"] = fmt::format("{:016x}", report.state_hash);
+  json["pairs"] = {{"aabb", last.pairs},
+                   {"contacts", last.touching},  // its name before there were two counts
+                   {"touching", last.touching},
+                   {"speculative", last.speculative},
+                   {"split_contacts", last.split_contacts}};
+  json["energy"] = {{"initial", report.initial.energy()},
+                    {"final", last.energy()},
+                    {"kinetic", last.kinetic_energy},
+                    {"potential", last.potential_energy},
+                    {"push_work", last.push_work}};
+  json["momentum"] = vector_json(last.momentum);
+  json["angular_momentum"] = vector_json(last.angular_momentum);
+  json["max_penetration"] = last.max_penetration;
+  json["max_speed"] = last.max_speed;
+  if (last.joints > 0)
+    json["joints"] = {{"count", last.joints},
+                      {"max_error", last.max_joint_error},
+                      {"max_angle", last.max_joint_angle},
+                      {"spring_energy", last.spring_energy}};
+  if (last.can_sleep)
+    json["sleep"] = {{"asleep", last.asleep},
+                     {"awake", last.bodies - last.asleep},
+                     {"islands", last.islands},
+                     {"islands_asleep", last.islands_asleep}};
+  if (!report.guards.empty() || !report.frozen.empty())
+    json["guards"] = {{"on_failure", report.guards.empty() ? Json(nullptr) : Json(report.guards)},
+                      {"finding", report.finding ? finding_json(*report.finding) : Json(nullptr)},
+                      {"frozen", report.frozen}};
+  if (!report.failure.empty()) json["failure"] = report.failure;
+  json["non_finite"] = last.non_finite;
+  json["escaped"] = last.escaped;
+  json["wall_impulse"] = last.wall_impulse;
+  json["wall_impulse_vector"] = vector_json(last.wall_impulse_vector);
+  if (!report.residuals.empty()) {
+    json["residuals"] = Json::array();
+    for (const Residual& r : report.residuals)
+      json["residuals"].push_back({{"stage", r.stage},
+                                   {"substep", r.substep},
+                                   {"sweep", r.sweep},
+                                   {"contacts", r.contacts},
+                                   {"rms", r.rms},
+                                   {"max", r.max}});
+  }
+  json["stages"] = Json::array();
+  for (const StageTime& stage : report.times.stages)
+    json["stages"].push_back({{"name", stage.name},
+                              {"median_ms", time_json(stage.median_ms, stage.samples)},
+                              {"p95_ms", time_json(stage.p95_ms, stage.samples)},
+                              {"launches", stage.launches},
+                              {"own_shape", stage.own_shape},
+                              {"launch", launch_json(stage.launch)}});
+  json["step_median_ms"] = time_json(report.times.step_median_ms, report.times.steps_timed);
+  json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);
+  json["wall_seconds"] = report.wall_seconds ? Json(*report.wall_seconds) : Json(nullptr);
+  json["allocated_bytes"] = report.allocated_bytes;
+  return json;
+}
+
+std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_json(const RunReport& report) { return json_text(json_of(report)); }
+
+std::string title_text(const RunReport& report) {
+  const double rate = 1 / report.time_step;
+  const std::string step = std::abs(rate - std::round(rate)) < 1e-9 * rate && rate > 1.5
+                               ? fmt::format("1/{:.0f} s", rate)
+                               : fmt::format("{} s", report.time_step);
+  std::string text = fmt::format("{}: {} bodies{}{}; state {}, steps of {}", printable(report.scene, 200),
+                                 grouped(report.final.bodies), report.variant.empty() ? "" : ", ",
+                                 report.variant, grouped(report.final.step), step);
+  if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
+  return text +
+         fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,
+                     count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
+                     report.broad_phase,
+                     report.key_bits > 0 ? fmt::format(" by keys of {} bits", report.key_bits) : "",
+                     report.solver, report.precision,
+                     report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
+}
+
+std::string to_text(const RunReport& report) {
+  std::string text = title_text(report) + "\n";
+  if (!report.times.stages.empty()) text += stage_table(report.times) + "\n";
+  return text + numbers_text(report);
+}
+
+}  // namespace collidoscope

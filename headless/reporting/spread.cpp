@@ -1,0 +1,11 @@
+#include "headless/reporting/spread.h"
+
+#include "sim_cuda/core/stage_clock.h"
+
+namespace collidoscope {
+
+Spread spread_of(const std::vector<float>& samples) {
+  return {quantile(samples, 0.5), quantile(samples, 0.05), quantile(samples, 0.95)};
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,329 @@
+#include "sim_cuda/changes/changes_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <unordered_set>
+
+#include "sim_cuda/changes/change_reader.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/text_file.h"
+
+namespace collidoscope {
+namespace {
+
+class ChangesReader {
+ public:
+  ChangesReader(const JsonDocument& document, const Scene& scene, const RunOptions& options,
+                std::int64_t start)
+      : document_(document),
+        reading_{document, document.faults()},
+        scene_(scene),
+        options_(options),
+        materials_(scene.materials),
+        start_(start) {}
+
+  /// All faults.
+  std::vector<JsonFault> read(ChangeList& list) {
+    ObjectReader root(reading_, document_.root(), "a list of changes");
+    if (root.is_object()) {
+      read_header(root);
+      if (const JsonNode* changes = root.member("changes", JsonKind::array))
+        for (const JsonNode& node : document_.children(*changes)) read_change(node, list.changes);
+      if (const JsonNode* node = root.member("end")) read_end(*node, list);
+    }
+    root.finish();
+    return std::move(reading_.faults);
+  }
+
+ private:
+  void read_header(ObjectReader& root) {
+    const JsonNode* format = root.member("format");
+    if (format == nullptr || format->kind != JsonKind::text ||
+        document_.text(*format) != "collidoscope-changes")
+      reading_.fault(format == nullptr ? document_.root() : *format,
+                     "a list of changes starts with \"format\": \"collidoscope-changes\"");
+    const JsonNode* version = root.member("version");
+    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0)
+      reading_.fault(version == nullptr ? document_.root() : *version,
+                     version == nullptr ? "\"version\" is missing; it is 1"
+                                        : "this version of the format is not known; it is 1");
+  }
+
+  void read_end(const JsonNode& node, ChangeList& list) {
+    ObjectReader reader(reading_, node, "\"end\"");
+    RecordedEnd end;
+    std::string hash;
+    if (reader.whole("step", end.step) && end.step < start_)
+      reading_.fault(
+          *reader.member("step"),
+          fmt::format("lies before state {}, where the run goes on; it is that state or a later one",
+                      start_));
+    if (reader.text("state_hash", hash)) {
+      const auto [stop, error] = std::from_chars(hash.data(), hash.data() + hash.size(), end.state_hash, 16);
+      if (error != std::errc{} || stop != hash.data() + hash.size() || hash.size() != 16)
+        reading_.fault(*reader.member("state_hash"), "\"state_hash\" is 16 hexadecimal digits");
+    }
+    reader.finish();
+    if (reader.is_object() && (reader.member("step") == nullptr || reader.member("state_hash") == nullptr))
+      reading_.fault(node, "\"end\" is a \"step\" and its \"state_hash\"");
+    list.end = end;
+  }
+
+  void read_change(const JsonNode& node, std::vector<Change>& changes) {
+    Change change;
+    ObjectReader reader(reading_, node, "a change");
+    if (!reader.is_object()) return;
+    read_step(node, reader, change);
+    read_settings(reading_, reader, change);
+    read_way_of_running(reading_, reader, change);
+    const JsonNode* remove = reader.member("remove", JsonKind::array);
+    if (remove != nullptr) read_ids(*remove, "remove", change.remove);
+    const JsonNode* add = reader.member("add", JsonKind::array);
+    if (add != nullptr)
+      for (const JsonNode& body : document_.children(*add))
+        read_body(reading_, body, materials_, change.add.emplace_back());
+    const JsonNode* freeze = reader.member("freeze", JsonKind::array);
+    if (freeze != nullptr) read_ids(*freeze, "freeze", change.freeze);
+    reader.finish();
+    if (!reading_.faults.empty()) return;  // what follows would be faults of these
+    if (freeze != nullptr && !can_freeze(change, *freeze)) return;
+    try_change(node, change, remove);
+    changes.push_back(std::move(change));
+  }
+
+  void read_step(const JsonNode& node, ObjectReader& reader, Change& change) {
+    if (!reader.whole("step", change.step)) {
+      if (reader.member("step") == nullptr)
+        reading_.fault(node, "a change has a \"step\", the number of the state at which it acts");
+      return;
+    }
+    if (change.step < 0)
+      reading_.fault(*reader.member("step"), "\"step\" is the number of a state, 0 or more");
+    else if (change.step < last_)
+      reading_.fault(*reader.member("step"),
+                     fmt::format("changes stand in the order of their steps, and one of state {} stands "
+                                 "before this one",
+                                 last_));
+    else if (change.step > 0 && change.step < start_)
+      reading_.fault(*reader.member("step"),
+                     fmt::format("lies before state {}, where the run goes on; changes are of that state or "
+                                 "later ones (of state 0 to begin anew)",
+                                 start_));
+    if (change.step == 0) start_ = 0;
+    last_ = std::max(last_, change.step);
+  }
+
+  void read_ids(const JsonNode& list, const char* key, std::vector<std::int64_t>& ids) {
+    for (const JsonNode& child : document_.children(list)) {
+      const std::string_view digits = document_.token(child);
+      std::int64_t id = -1;
+      const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id);
+      if (child.kind != JsonKind::number || error != std::errc{} || stop != digits.data() + digits.size())
+        reading_.fault(child, fmt::format("\"{}\" is a list of ids, which are whole numbers", key));
+      ids.push_back(id);
+    }
+  }
+
+  /// Makes it, and says what is wrong with what comes out.
+  void try_change(const JsonNode& node, const Change& change, const JsonNode* remove) {
+    if (!fits_generators(node, change) || !ids_exist(change, remove)) return;
+    const Scene before = scene_;
+    make_change(change, scene_, options_);
+    for (Fault& fault : validate(scene_)) {
+      const JsonNode* at = place_of(fault.path, node, before.added.size());
+      const bool is_value = at != &node && (at->kind == JsonKind::number || at->kind == JsonKind::text);
+      reading_.fault(
+          *at, line_of(fault) + (is_value ? fmt::format(", not {}", printable(document_.token(*at))) : ""));
+    }
+    if (reading_.faults.empty() && change.step > 0 && begins_another_run(before, scene_))
+      reading_.fault(node,
+                     "these are other bodies, or another box: a change that begins another run stands "
+                     "at \"step\": 0");
+    if (reading_.faults.empty() && !change.add.empty()) try_bodies(node);
+  }
+
+  bool fits_generators(const JsonNode& node, const Change& change) {
+    if (!(change.bodies || change.radius_max || change.seed || change.variant)) return true;
+    if (scene_.generators.size() == 1) return true;
+    const char* key = change.bodies       ? "bodies"
+                      : change.radius_max ? "radius_max"
+                      : change.seed       ? "seed"
+                                          : "variant";
+    reading_.fault(
+        *document_.find(node, key),
+        fmt::format("\"{}\" is of scenes with one generator; this one has {}", key,
+                    scene_.generators.empty() ? "none" : fmt::to_string(scene_.generators.size())));
+    return false;
+  }
+
+  bool ids_exist(const Change& change, const JsonNode* remove) {
+    if (remove == nullptr) return true;
+    Scene counted = scene_;
+    Change settings = change;
+    settings.remove.clear();
+    settings.add.clear();
+    RunOptions options = options_;
+    make_change(settings, counted, options);
+    return are_ids(change.remove, *remove, bodies_of(counted));
+  }
+
+  bool are_ids(const std::vector<std::int64_t>& ids, const JsonNode& list, std::int64_t bodies) {
+    std::unordered_set<std::int64_t> seen;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      const JsonNode& at = document_.children(list)[k];
+      if (ids[k] < 0 || ids[k] >= bodies)
+        reading_.fault(at, fmt::format("there is no body {}; ids are below {} here", ids[k], bodies));
+      if (!seen.insert(ids[k]).second)
+        reading_.fault(at, fmt::format("body {} stands twice in this list", ids[k]));
+    }
+    return reading_.faults.empty();
+  }
+
+  /// Only a body that forces move can be frozen. Those of generators are such.
+  bool can_freeze(const Change& change, const JsonNode& freeze) {
+    const std::int64_t bodies = bodies_of(scene_), listed = std::ssize(scene_.bodies),
+                       first_added = bodies - std::ssize(scene_.added);
+    if (!are_ids(change.freeze, freeze, bodies)) return false;
+    for (std::size_t k = 0; k < change.freeze.size(); ++k) {
+      const std::int64_t id = change.freeze[k];
+      const Body* body = id < listed        ? &scene_.bodies[static_cast<std::size_t>(id)]
+                         : id < first_added ? nullptr
+                                            : &scene_.added[static_cast<std::size_t>(id - first_added)];
+      if (body != nullptr && body->motion != Motion::dynamic)
+        reading_.fault(document_.children(freeze)[k],
+                       fmt::format("no force moves body {}; a body that is frozen is a dynamic one", id));
+    }
+    return reading_.faults.empty();
+  }
+
+  /// What only the bodies themselves show: meshes, masses that follow from densities.
+  void try_bodies(const JsonNode& node) {
+    if (bodies_of(scene_) > limits::max_listed) return;  // the run itself says so, then
+    try {
+      initial_bodies(scene_);
+    } catch (const InputError& error) {
+      for (const std::string& line : error.lines()) reading_.fault(node, line);
+    }
+  }
+
+  /// Of a fault in the scene that the change made; the change itself where no member of it is to blame. The
+  /// path becomes the one in the change.
+  const JsonNode* place_of(std::string& path, const JsonNode& change, std::size_t added_before) {
+    static constexpr std::pair<std::string_view, std::string_view> members[] = {
+        {"generators[0].count", "bodies"},
+        {"generators[0].radius_max", "radius_max"},
+        {"generators[0].variant", "variant"},
+        {"time_step", "time_step"},
+        {"steps_per_second", "steps_per_second"},
+        {"substeps", "substeps"},
+        {"iterations", "iterations"},
+        {"effects", "effects"},
+        {"materials.default.restitution", "restitution"}};
+    for (const auto& [of_scene, of_change] : members)
+      if (path == of_scene)
+        if (const JsonNode* node = document_.find(change, of_change)) {
+          path = of_change;
+          return node;
+        }
+    if (const JsonNode* add = document_.find(change, "add"); add != nullptr && path.starts_with("added[")) {
+      std::size_t index = 0;
+      const char* const digits = path.data() + std::string_view("added[").size();
+      const char* const stop = std::from_chars(digits, path.data() + path.size(), index).ptr;
+      if (index >= added_before && index - added_before < add->child_count && *stop == ']') {
+        const JsonNode& body = document_.children(*add)[index - added_before];
+        const std::string member(stop + 1);
+        path = fmt::format("add[{}]{}", index - added_before, member);
+        return locate(document_, body, member).first;
+      }
+    }
+    if (const JsonNode* solver = document_.find(change, "solver")) return solver;  // most faults are of it
+    return &change;
+  }
+
+  const JsonDocument& document_;
+  Reading reading_;
+  Scene scene_;  ///< as the changes so far have made it
+  RunOptions options_;
+  KnownMaterials materials_;
+  std::int64_t start_, last_ = 0;
+};
+
+std::string text_of(const Change& change, const Scene& scene) {
+  std::string text = fmt::format("{{\"step\": {}", change.step);
+  const auto number = [&](const char* key, const auto& value) {
+    if (value) text += fmt::format(", \"{}\": {}", key, *value);
+  };
+  const auto word = [&](const char* key, std::string_view value) {
+    text += fmt::format(", \"{}\": \"{}\"", key, value);
+  };
+  const auto or_auto = [&](const char* key, const std::optional<int>& value) {
+    if (value && *value == 0)
+      word(key, "auto");
+    else
+      number(key, value);
+  };
+  number("bodies", change.bodies);
+  number("radius_max", change.radius_max);
+  number("seed", change.seed);
+  if (change.variant) word("variant", name_of(variant_names, *change.variant));
+  number("time_step", change.time_step);
+  number("steps_per_second", change.steps_per_second);
+  if (change.substeps) *change.substeps ? number("substeps", *change.substeps) : word("substeps", "auto");
+  number("iterations", change.iterations);
+  number("restitution", change.restitution);
+  if (change.solver) word("solver", name_of(solver_names, *change.solver));
+  if (change.integrator) word("integrator", name_of(integrator_names, *change.integrator));
+  if (change.rotation_update)
+    word("rotation_update", name_of(rotation_update_names, *change.rotation_update));
+  if (change.precision) word("precision", name_of(precision_names, *change.precision));
+  if (change.effects) text += ", \"effects\": " + write_effects(*change.effects);
+  if (!change.remove.empty()) text += fmt::format(", \"remove\": [{}]", fmt::join(change.remove, ", "));
+  std::vector<std::string> bodies;
+  for (const Body& body : change.add) bodies.push_back(write_body(body, scene));
+  if (!bodies.empty()) text += fmt::format(", \"add\": [{}]", fmt::join(bodies, ", "));
+  if (!change.freeze.empty()) text += fmt::format(", \"freeze\": [{}]", fmt::join(change.freeze, ", "));
+  or_auto("blocks", change.blocks);
+  or_auto("threads", change.threads);
+  if (change.broad_phase) word("broad_phase", *change.broad_phase);
+  return text + "}";
+}
+
+}  // namespace
+
+ChangeList parse_changes(std::string text, const std::string& name, const Scene& scene,
+                         const RunOptions& options, std::int64_t start) {
+  return while_doing("reading a list of changes", [&] {
+    JsonDocument document(std::move(text), name);
+    ChangeList list;
+    document.read_all([&](bool first) {
+      ChangeList other;
+      return ChangesReader(document, scene, options, start).read(first ? list : other);
+    });
+    return list;
+  });
+}
+
+ChangeList read_changes(const std::string& file, const Scene& scene, const RunOptions& options,
+                        std::int64_t start) {
+  return parse_changes(read_text_file(file, JsonDocument::max_bytes, "a list of changes (.json)"), file,
+                       scene, options, start);
+}
+
+std::string write_changes(const ChangeList& list, const Scene& scene) {
+  std::string text = "{\n  \"format\": \"collidoscope-changes\",\n  \"version\": 1,\n  \"changes\": [";
+  for (std::size_t k = 0; k < list.changes.size(); ++k)
+    text += (k > 0 ? ",\n    " : "\n    ") + text_of(list.changes[k], scene);
+  text += list.changes.empty() ? "]" : "\n  ]";
+  if (list.end)
+    text += fmt::format(",\n  \"end\": {{\"step\": {}, \"state_hash\": \"{:016x}\"}}", list.end->step,
+                        list.end->state_hash);
+  return text + "\n}\n";
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,231 @@
+#include "sim_cuda/measure/measure.h"
+
+#include <cmath>
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/reduce.h"
+#include "sim_cuda/narrow_phase/sphere_sphere.h"
+
+namespace collidoscope {
+
+SIM_HD inline BodySums combine(const BodySums& a, const BodySums& b) {
+  BodySums s;
+  s.kinetic = a.kinetic + b.kinetic;
+  s.potential = a.potential + b.potential;
+  s.momentum = a.momentum + b.momentum;
+  s.angular_momentum = a.angular_momentum + b.angular_momentum;
+  s.wall_impulse = a.wall_impulse + b.wall_impulse;
+  s.wall_vector = a.wall_vector + b.wall_vector;
+  s.push_work = a.push_work + b.push_work;
+  s.max_speed_squared = max_of(a.max_speed_squared, b.max_speed_squared);
+  s.max_depth = max_of(a.max_depth, b.max_depth);
+  s.non_finite = a.non_finite + b.non_finite;
+  s.escaped = a.escaped + b.escaped;
+  return s;
+}
+
+template <class Real>
+struct MeasureBody {
+  BodyView<Real> bodies;
+  const WallLedger* ledger;  ///< null where there are no walls
+  const WallPlane<Real>* planes;
+  int plane_count;
+  BoxView<Real> boxes;
+  Vector3d gravity;  ///< m/s^2
+  PullView<Real> attractors;
+  double ground;  ///< m, z at which potential energy is zero
+  bool boxed;
+  Vector3d low, high;  ///< m, the box
+
+  SIM_HD BodySums operator()(std::int64_t body) const {
+    const Vector3d x = bodies.position[body].template cast<double>(),
+                   v = bodies.velocity[body].load().template cast<double>();
+    const bool moved = bodies.inverse_mass[body] == 0;  // by nothing that is counted
+    const double m = static_cast<double>(bodies.mass[body]), r = static_cast<double>(bodies.radius[body]);
+    BodySums s;
+    bool whole = true;
+    for (int k = 0; k < 3; ++k) whole = whole && finite(x[k]) && finite(v[k]);
+    s.kinetic = m * v.dot(v) / 2;
+    s.potential = -m * gravity.dot(x - Vector3d(0, 0, ground));
+    for (int k = 0; k < attractors.count; ++k) s.potential += m * attractors.points[k].potential(x);
+    s.momentum = m * v;
+    s.angular_momentum = x.cross(s.momentum);
+    if (bodies.orientation != nullptr) {
+      const Quaterniond q = bodies.orientation[body].template cast<double>();
+      const Vector3d w = bodies.angular_velocity[body].load().template cast<double>();
+      const Vector3d inertia =
+          moved ? Vector3d(0, 0, 0) : Vector3d(bodies.inertia[body].template cast<double>());
+      const Vector3d w_body = q.conjugate() * w;
+      const Vector3d l_body(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
+      s.kinetic += w_body.dot(l_body) / 2;
+      s.angular_momentum += q * l_body;
+      for (int k = 0; k < 3; ++k) whole = whole && finite(w[k]) && finite(q.coeffs()[k]);
+      whole = whole && finite(q.w());
+    }
+    s.wall_impulse = s.push_work = 0;
+    s.wall_vector = Vector3d(0, 0, 0);
+    if (ledger != nullptr) {
+      s.wall_impulse = ledger[body].impulse;
+      s.wall_vector = Vector3d(ledger[body].vector[0], ledger[body].vector[1], ledger[body].vector[2]);
+      s.push_work = ledger[body].push_work;
+    }
+    s.max_speed_squared = v.dot(v);
+    s.max_depth = 0;
+    for (int p = 0; !moved && p < plane_count; ++p) {
+      const double gap =
+          planes[p].normal.template cast<double>().dot(x) - static_cast<double>(planes[p].offset) - r;
+      s.max_depth = max_of(s.max_depth, -gap);
+    }
+    for (int b = 0; !moved && b < boxes.count; ++b)
+      s.max_depth = max_of(
+          s.max_depth, -static_cast<double>(boxes.boxes[b].gap(bodies.position[body], bodies.radius[body])));
+    s.non_finite = whole ? 0 : 1;
+    s.escaped = 0;
+    if (boxed) {
+      bool inside = true;
+      for (int k = 0; k < 3; ++k) inside = inside && x[k] >= low[k] && x[k] <= high[k];
+      s.escaped = inside || moved ? 0 : 1;
+    }
+    return s;
+  }
+};
+
+SIM_HD inline Largest combine(Largest a, Largest b) { return {max_of(a.value, b.value)}; }
+
+/// How deep the two bodies of a contact overlap at the current poses.
+template <class Real>
+struct MeasureDepth {
+  const Pair* contacts;
+  const StepControl* control;
+  SphereView<Real> spheres;
+  SIM_HD Largest operator()(std::int64_t contact) const {
+    if (contact >= static_cast<std::int64_t>(control->contacts)) return {0};
+    const auto [a, b] = contacts[contact];
+    const Real gap =
+        separate<Real>(spheres.position[a], spheres.radius[a], spheres.position[b], spheres.radius[b]).gap;
+    return {max_of(0.0, -static_cast<double>(gap))};
+  }
+};
+
+template <class Real>
+struct MeasureImpulse {
+  ImpulseView<Real> impulses;
+  SIM_HD Largest operator()(std::int64_t contact) const {
+    if (contact >= static_cast<std::int64_t>(*impulses.count)) return {0};
+    return {static_cast<double>(impulses.impulse[contact])};
+  }
+};
+
+SIM_HD inline HashSum combine(HashSum a, HashSum b) { return {a.value + b.value}; }
+
+template <class Real>
+struct HashBody {
+  BodyView<Real> bodies;
+  SIM_HD HashSum operator()(std::int64_t body) const {
+    std::uint64_t h = mix64(static_cast<std::uint64_t>(body));
+    const auto add = [&h](Real x) { h = mix64(h ^ hash_bits(x)); };
+    const auto add_vector = [&](const Vector3<Real>& x) {
+      for (int k = 0; k < 3; ++k) add(x[k]);
+    };
+    const bool turns = bodies.orientation != nullptr;
+    add_vector(bodies.position[body]);
+    const Quaternion<Real> q = turns ? bodies.orientation[body] : Quaternion<Real>(1, 0, 0, 0);
+    add(q.w());
+    add(q.x());
+    add(q.y());
+    add(q.z());
+    add_vector(bodies.velocity[body]);
+    add_vector(turns ? bodies.angular_velocity[body].load() : Vector3<Real>(0, 0, 0));
+    return {h};
+  }
+};
+
+template <class Real>
+Measurer<Real>::Measurer(Executor& executor)
+    : executor_(executor),
+      sums_(executor, "sums"),
+      largest_(executor, "extremes"),
+      hashes_(executor, "hashes") {}
+
+template <class Real>
+void Measurer<Real>::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
+  sums_.resize_discarding(reduce_scratch_size(bodies));
+  largest_.resize_discarding(reduce_scratch_size(contact_capacity));
+  hashes_.resize_discarding(reduce_scratch_size(bodies));
+}
+
+template <class Real>
+void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats) {
+  if (source.body_count == 0) return;
+  const std::optional<Box>& box = source.box;
+  const MeasureBody<Real> load{source.bodies,
+                               source.ledger,
+                               source.planes,
+                               source.plane_count,
+                               source.boxes,
+                               source.gravity,
+                               source.attractors,
+                               box ? box->min.z() : 0.0,
+                               box.has_value(),
+                               box ? box->min : Vector3d(0, 0, 0),
+                               box ? box->max : Vector3d(0, 0, 0)};
+  BodySums sums;
+  executor_.copy_to_host(&sums, reduce<BodySums>(executor_, "measure", source.body_count, load, sums_.data()),
+                         sizeof sums);
+  const auto largest = [&](const auto& load_contact) {
+    Largest result{0};
+    if (source.contact_capacity > 0)
+      executor_.copy_to_host(
+          &result,
+          reduce<Largest>(executor_, "measure", source.contact_capacity, load_contact, largest_.data()),
+          sizeof result);
+    return result.value;
+  };
+  const double depth = largest(MeasureDepth<Real>{
+      source.contacts.bodies, source.control, {source.bodies.position, source.bodies.radius}});
+  stats.max_impulse = source.impulses.count ? largest(MeasureImpulse<Real>{source.impulses}) : 0;
+  stats.kinetic_energy = sums.kinetic;
+  stats.potential_energy = sums.potential;
+  stats.push_work = sums.push_work;
+  for (int k = 0; k < 3; ++k) {
+    stats.momentum[k] = sums.momentum[k];
+    stats.angular_momentum[k] = sums.angular_momentum[k];
+    stats.wall_impulse_vector[k] = sums.wall_vector[k];
+  }
+  stats.wall_impulse = sums.wall_impulse;
+  stats.max_penetration = max_of(sums.max_depth, depth);
+  stats.max_speed = std::sqrt(sums.max_speed_squared);
+  stats.non_finite = sums.non_finite;
+  stats.escaped = sums.escaped;
+}
+
+template <class Real>
+std::uint64_t Measurer<Real>::state_hash(const BodyView<Real>& bodies, std::int64_t body_count) {
+  if (body_count == 0) return 0;
+  HashSum hash;
+  executor_.copy_to_host(
+      &hash, reduce<HashSum>(executor_, "hash", body_count, HashBody<Real>{bodies}, hashes_.data()),
+      sizeof hash);
+  return hash.value;
+}
+
+void add(const JointSums& sums, std::int64_t count, StepStats& stats) {
+  stats.joints = count;
+  stats.max_joint_error = sums.error;
+  stats.max_joint_angle = sums.angle;
+  stats.spring_energy = sums.energy;
+  stats.potential_energy += sums.energy;
+}
+
+void add(const SleepSums& sums, StepStats& stats) {
+  stats.can_sleep = true;
+  stats.asleep = sums.asleep;
+  stats.islands = sums.islands;
+  stats.islands_asleep = sums.islands_asleep;
+}
+
+template class Measurer<float>;
+template class Measurer<double>;
+
+}  // namespace collidoscope

@@ -1,0 +1,89 @@
+#include "sim_cuda/run/run_state.h"
+
+#include "sim_cuda/scene/placed_joint.h"
+
+namespace collidoscope {
+namespace {
+
+/// One value for each body, or `blank` where it is new; empty stays empty.
+template <class Value>
+std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIds& ids, std::size_t count,
+                             const Value& blank, std::size_t first = 0) {
+  std::vector<Value> moved(values.empty() ? 0 : count, blank);
+  for (std::size_t body = 0; body < ids.size() && !values.empty(); ++body)
+    if (ids[body] != no_body) moved[ids[body]] = values[first + body];
+  return moved;
+}
+
+SolverMemory renumbered(const SolverMemory& memory, const BodyIds& ids, std::size_t count) {
+  SolverMemory moved;
+  moved.slow = by_new_id(memory.slow, ids, count, 0u);
+  const auto wake = [&](std::uint32_t id) {
+    if (id < moved.slow.size()) moved.slow[id] = 0;
+  };
+  for (std::size_t k = 0; k < memory.contacts.size(); ++k) {
+    const ContactImpulse& contact = memory.contacts[k];
+    const std::uint32_t a = ids[contact.a], b = ids[contact.b];
+    if (a == no_body || b == no_body) {
+      wake(a);
+      wake(b);
+      continue;
+    }
+    moved.contacts.push_back({a, b, contact.impulse});
+    if (!memory.grips.empty()) moved.grips.push_back(memory.grips[k]);
+    if (!memory.rolls.empty()) moved.rolls.push_back(memory.rolls[k]);
+  }
+  for (JointMemory joint : memory.joints) {
+    const bool to_world = joint.b == PlacedJoint::world;
+    joint.a = ids[joint.a];
+    if (!to_world) joint.b = ids[joint.b];
+    if (joint.a != no_body && (to_world || joint.b != no_body)) {
+      moved.joints.push_back(joint);
+    } else {
+      wake(joint.a);
+      if (!to_world) wake(joint.b);
+    }
+  }
+  using Part = std::array<double, 3>;
+  for (std::size_t p = 0; p < memory.walls.size(); ++p) {
+    moved.walls.push_back(by_new_id(memory.walls[p], ids, count, 0.0));
+    const auto take = [&](const std::vector<Part>& from, std::vector<Part>& to) {
+      const std::vector<Part> plane = by_new_id(from, ids, count, Part{}, p * ids.size());
+      to.insert(to.end(), plane.begin(), plane.end());
+    };
+    take(memory.wall_grips, moved.wall_grips);
+    take(memory.wall_rolls, moved.wall_rolls);
+  }
+  return moved;
+}
+
+}  // namespace
+
+RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh) {
+  const std::size_t known = state.bodies.position.size(), count = fresh.position.size();
+  if (ids.empty()) {
+    BodyIds same(known);
+    for (std::size_t body = 0; body < known; ++body)
+      same[body] = body < count ? static_cast<std::uint32_t>(body) : no_body;
+    if (known > 0) return renumbered(state, same, std::move(fresh));
+  }
+  RunState moved{state.steps,
+                 std::move(fresh),
+                 by_new_id(state.ledgers, ids, count, WallLedger{}),
+                 renumbered(state.memory, ids, count),
+                 state.settings,
+                 {},
+                 state.time};
+  for (const std::uint32_t body : state.frozen)
+    if (ids[body] != no_body) moved.frozen.push_back(ids[body]);
+  for (std::size_t body = 0; body < ids.size(); ++body) {
+    if (ids[body] == no_body) continue;
+    moved.bodies.position[ids[body]] = state.bodies.position[body];
+    moved.bodies.velocity[ids[body]] = state.bodies.velocity[body];
+    moved.bodies.orientation[ids[body]] = state.bodies.orientation[body];
+    moved.bodies.angular_velocity[ids[body]] = state.bodies.angular_velocity[body];
+  }
+  return moved;
+}
+
+}  // namespace collidoscope

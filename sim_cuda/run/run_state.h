@@ -1,0 +1,32 @@
+#pragma once
+// Where a run stands: all that, beside its scene, decides how it goes on. On the host and in double, whatever
+// the run's precision; bit-exact. Taken by World::state(), given to another world by World::adopt(), kept in
+// files by snapshot.h.
+
+#include <cstdint>
+#include <vector>
+
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/run/body_states.h"
+#include "sim_cuda/solver/solver_memory.h"
+
+namespace collidoscope {
+
+struct RunState {
+  std::int64_t steps = 0;
+  BodyStates bodies;
+  std::vector<WallLedger> ledgers;  ///< by body; empty where there are no walls
+  SolverMemory memory;
+  /// Of all settings but N: a world of others lets nothing sleep on.
+  std::uint64_t settings = 0;
+  std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed where they are
+  /// s that were simulated since state 0; NaN: not known, of a snapshot that an older version wrote.
+  double time = 0;
+};
+
+/// The same with other bodies: those of `ids` (see World::adopt) with what is known of them, all others as
+/// they are in `fresh`, which holds all there are then. What was between a body that is gone and another goes
+/// with it, and the other has not been slow yet: it may have rested on what is gone.
+RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh);
+
+}  // namespace collidoscope

@@ -1,0 +1,211 @@
+#include "sim_cuda/run/step_estimate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/host_memory.h"
+#include "sim_cuda/run/sampled_pairs.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::int64_t few_bodies = 3000;  // all pairs of them fit, and are found in seconds
+constexpr double long_step = 5;            // s, that a warning is due for
+constexpr std::int64_t longest_list = 2147483647;
+
+// Of any solver, in any precision, with all effects: no more than so many bytes each.
+constexpr double most_bytes_of_body = 4096, most_bytes_of_pair = 64, most_bytes_of_contact = 1024;
+// Of any, no less: on the host as the scene has them, and in buffers.
+constexpr std::int64_t least_bytes_on_host = 60, least_bytes_in_buffers = 100;
+
+// What one core of a CPU takes, ns (Xeon at 2.x GHz, float).
+constexpr double ns_of_body = 500, ns_of_body_in_substep = 300, ns_of_pair = 130, ns_of_contact = 700,
+                 ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130, ns_of_comparison = 3,
+                 ns_of_comparison_in_tiles = 1;
+
+MovingSpheres spheres_of(const Beginning& beginning) {
+  const auto& [broad_phase, scene, initial, effects, substeps, start, ids, capacity] = beginning;
+  MovingSpheres spheres{initial.position, initial.radius, initial.velocity};
+  if (start != nullptr) {
+    const BodyStates& states = start->bodies;
+    spheres.velocity.resize(initial.size(), Vector3d(0, 0, 0));
+    for (std::size_t body = 0; body < states.position.size(); ++body) {
+      const std::size_t now = ids.empty() ? body : ids[body];
+      if (now >= initial.size()) continue;
+      spheres.position[now] = states.position[body];
+      spheres.velocity[now] = states.velocity[body];
+    }
+  }
+  const Physics& physics = scene.physics;
+  if (physics.solver == Solver::impulse) return spheres;
+  double pull = effects.gravity ? physics.gravity.norm() : 0;
+  for (const Attractor& attractor : physics.attractors)
+    if (effects.attractor) pull += 2 * largest_pull(attractor);
+  spheres.time = physics.time_step;
+  spheres.slack = spheres.time * spheres.time * pull;
+  spheres.anywhere = effects.continuous_collision;
+  return spheres;
+}
+
+/// What one core takes to find pairs, ns: from the pairs, and where all bodies are compared, from their
+/// square.
+double ns_to_find(const std::string& broad_phase, double bodies, double pairs) {
+  const double each = broad_phase == "brute_force"         ? ns_of_comparison
+                      : broad_phase == "brute_force_tiled" ? ns_of_comparison_in_tiles
+                                                           : 0;
+  return bodies * ns_of_body + pairs * ns_of_pair + each * bodies * bodies / 2;
+}
+
+/// Pipeline runs in a step.
+int runs_of(const Physics& physics, int substeps) { return physics.solver == Solver::impulse ? substeps : 1; }
+
+double seconds_of(const Executor& executor, const Beginning& beginning, const StepEstimate& of) {
+  const Physics& physics = beginning.scene.physics;
+  const int substeps = beginning.substeps;
+  const double finding = 1e-9 * ns_to_find(beginning.broad_phase, static_cast<double>(of.bodies), of.pairs);
+  return runs_of(physics, substeps) *
+         (finding / executor.equal_cores() +
+          seconds_to_solve(executor, physics, static_cast<double>(of.bodies), of.contacts, substeps));
+}
+
+/// Of buffers that hold so many pairs and contacts.
+std::int64_t bytes_of(Executor& executor, const Beginning& beginning, const StepEstimate& of) {
+  const auto entries = [](double count, std::int64_t at_first) {
+    return std::max(at_first,
+                    static_cast<std::int64_t>(std::min(std::ceil(count), static_cast<double>(longest_list))));
+  };
+  const std::int64_t listed = executor.imagine([&] {
+    const auto pipeline = make_pipeline(executor, beginning.broad_phase, beginning.scene, beginning.initial,
+                                        beginning.effects, beginning.substeps);
+    pipeline->reserve(
+        {entries(of.pairs, beginning.capacity.pairs), entries(of.contacts, beginning.capacity.contacts)});
+  });
+  // What is beyond the longest list there may be takes as much as the rest of it.
+  const double beyond = std::max(1.0, of.pairs / static_cast<double>(longest_list));
+  return static_cast<std::int64_t>(std::min(static_cast<double>(listed) * beyond, 1e18));
+}
+
+std::string in_bytes(double bytes) { return fmt::format("{:.0f} bytes ({})", bytes, short_bytes(bytes)); }
+
+/// Of an estimate, three digits count.
+double rounded(double number) {
+  if (number < 1000) return number;
+  const double unit = std::pow(10, std::floor(std::log10(number)) - 2);
+  return std::round(number / unit) * unit;
+}
+
+/// 12345678 as "12,345,678".
+std::string in_groups(double number) {
+  std::string digits = fmt::format("{:.0f}", number);
+  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), ",");
+  return digits;
+}
+
+[[noreturn]] void refuse(const Scene& scene, const std::string& what, double needed, std::int64_t given,
+                         const ExecutorOptions& options) {
+  const bool limited = options.memory_limit > 0;
+  const bool generated = scene.generators.size() == 1;
+  const bool paper = generated && scene.generators[0].variant == Variant::paper;
+  const double wanted = rounded(needed), there = static_cast<double>(given);
+  throw TooLarge(
+      fmt::format("{} {}; there are {}, {}: use fewer bodies{}, or {}", what, in_bytes(wanted),
+                  in_bytes(there), limited ? "as --memory-limit says" : "80 % of what is available",
+                  paper ? ", --variant scaled" : "", limited ? "a higher --memory-limit" : "--allow-large"),
+      fmt::format("{} {}; there are {}, {}: use fewer bodies{}", what, short_bytes(wanted),
+                  short_bytes(there), limited ? "as the memory limit says" : "80 % of what is available",
+                  paper ? ", or the variant scaled" : ""));
+}
+
+std::function<void(const std::string&)>& slow_step_report() {
+  static std::function<void(const std::string&)> for_all;
+  return for_all;
+}
+
+void warn(const Executor& executor, const StepEstimate& expected) {
+  if (expected.seconds < long_step || !slow_step_report()) return;
+  slow_step_report()(fmt::format("note: a step of {} bodies with about {} pairs will take about {} s on {}",
+                                 in_groups(static_cast<double>(expected.bodies)),
+                                 in_groups(rounded(expected.pairs)), in_groups(rounded(expected.seconds)),
+                                 executor.device_name()));
+}
+
+}  // namespace
+
+std::string short_bytes(double bytes) {
+  return fmt::format("{:.1f} {}", bytes / (bytes < 1e9 ? 1e6 : 1e9), bytes < 1e9 ? "MB" : "GB");
+}
+
+double seconds_to_solve(const Executor& executor, const Physics& physics, double bodies, double contacts,
+                        int substeps) {
+  const int within = substeps / runs_of(physics, substeps);
+  return 1e-9 / executor.equal_cores() *
+         (bodies * ns_of_body_in_substep * within +
+          contacts * (ns_of_contact +
+                      within * (ns_of_contact_in_substep + physics.iterations * ns_of_contact_in_sweep)));
+}
+
+StepEstimate estimate_step(Executor& executor, const Beginning& beginning, bool thorough) {
+  const MovingSpheres spheres = spheres_of(beginning);
+  const auto bodies = static_cast<std::int64_t>(beginning.initial.size());
+  StepEstimate expected;
+  expected.bodies = bodies;
+  const auto sample = [&](std::int64_t samples) {
+    const SampledPairs found = sample_pairs(executor.team(), spheres, samples);
+    expected.pairs = found.pairs;
+    expected.contacts = found.contacts;
+    expected.seconds = seconds_of(executor, beginning, expected);
+  };
+  constexpr std::int64_t few_samples = 64, most_samples = 4000, most_tests = 400'000'000;
+  sample(few_samples);
+  constexpr double safe = 4;  // that a small sample is not off by
+  const double most_bytes =
+      static_cast<double>(bodies) * most_bytes_of_body +
+      safe * (expected.pairs * most_bytes_of_pair + expected.contacts * most_bytes_of_contact);
+  const bool harmless =
+      safe * expected.seconds < long_step && most_bytes < static_cast<double>(executor.room_bytes());
+  if (harmless && !thorough) return expected;
+  sample(std::clamp(most_tests / std::max<std::int64_t>(bodies, 1), few_samples, most_samples));
+  expected.bytes = bytes_of(executor, beginning, expected);
+  return expected;
+}
+
+void expect_room_for_step(Executor& executor, const Beginning& beginning) {
+  if (static_cast<std::int64_t>(beginning.initial.size()) <= few_bodies) return;
+  const StepEstimate expected = estimate_step(executor, beginning, false);
+  const std::int64_t room = executor.room_bytes();
+  const ExecutorOptions& options = executor.options();
+  if (expected.bytes > room && !options.allow_large)
+    refuse(beginning.scene,
+           fmt::format("{} bodies have about {} pairs and {} contacts at first, which take about",
+                       in_groups(static_cast<double>(expected.bodies)), in_groups(rounded(expected.pairs)),
+                       in_groups(rounded(expected.contacts))),
+           static_cast<double>(expected.bytes), room, options);
+  warn(executor, expected);
+}
+
+void expect_room_for_bodies(const Scene& scene, const RunOptions& options) {
+  auto bodies = static_cast<std::int64_t>(scene.bodies.size() + scene.added.size());
+  for (const BoxCollider& generator : scene.generators) bodies += generator.count;
+  if (bodies <= few_bodies || options.allow_large) return;
+  // A GPU's own memory is asked about later.
+  const bool limited = options.memory_limit > 0,
+             on_gpu = options.executor != ExecutorKind::cpu && cuda_available();
+  const std::int64_t room = limited ? options.memory_limit : free_host_bytes() / 5 * 4;
+  const std::int64_t each = limited  ? least_bytes_in_buffers
+                            : on_gpu ? least_bytes_on_host
+                                     : least_bytes_on_host + least_bytes_in_buffers;
+  if (bodies <= room / each) return;
+  refuse(scene, fmt::format("{} bodies alone take at least", in_groups(static_cast<double>(bodies))),
+         static_cast<double>(each) * static_cast<double>(bodies), room, options);
+}
+
+void set_slow_step_news(std::function<void(const std::string& line)> told) {
+  slow_step_report() = std::move(told);
+}
+
+}  // namespace collidoscope

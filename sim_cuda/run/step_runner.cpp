@@ -1,0 +1,194 @@
+#include "sim_cuda/run/step_runner.h"
+
+#include <algorithm>
+#include <string>
+
+#include "sim_cuda/core/cancellation.h"
+#include "sim_cuda/core/elapsed.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/run/step_estimate.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::int64_t max_list_length = 2147483647;  // pairs and contacts are counted in 32 bits
+
+std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what, std::size_t bytes_each) {
+  if (needed <= static_cast<std::uint64_t>(capacity)) return capacity;
+  if (needed > static_cast<std::uint64_t>(max_list_length))
+    throw MachineError("a step found " + std::to_string(needed) + ' ' + what + ", which would take " +
+                       std::to_string(needed * bytes_each) + " bytes; this build counts up to " +
+                       std::to_string(max_list_length) +
+                       ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
+  return std::min<std::int64_t>(max_list_length, static_cast<std::int64_t>(needed + needed / 2));
+}
+
+}  // namespace
+
+StepRunner::StepRunner(Executor& executor, std::unique_ptr<Pipeline> pipeline, Capacity capacity)
+    : executor_(executor), pipeline_(std::move(pipeline)) {
+  reserve({std::min(capacity.pairs, max_list_length), std::min(capacity.contacts, max_list_length)});
+}
+
+void StepRunner::forget_recorded() {
+  plain_.reset();
+  timed_.reset();
+  executor_.synchronize();
+}
+
+void StepRunner::replace(std::unique_ptr<Pipeline> pipeline) {
+  forget_recorded();
+  pipeline_ = std::move(pipeline);
+  committed_ = 0;
+}
+
+void StepRunner::remake(const std::function<std::unique_ptr<Pipeline>()>& make) {
+  forget_recorded();
+  const Capacity capacity = pipeline_->capacity();
+  lost_ = true;
+  pipeline_->reserve({0, 0});
+  std::unique_ptr<Pipeline> next = make();
+  next->reserve(capacity);
+  replace(std::move(next));
+  lost_ = false;
+}
+
+void StepRunner::forget_runs() {
+  pipeline_->clear_overflow();
+  pipeline_->forget_found();
+  committed_ = pipeline_->control().committed;
+}
+
+std::optional<FirstFound> StepRunner::step(bool timed) {
+  expect_memory();
+  const std::uint32_t target = next();
+  for (bool done = false; !done;) {
+    done = timed ? run_timed(target) : run_plain(target);
+    if (auto found = pipeline_->found()) return found;
+    if (!done) grow();
+  }
+  return std::nullopt;
+}
+
+void StepRunner::detect() {
+  expect_memory();
+  do pipeline_->detect();
+  while (grow());
+}
+
+// ---- memory ----
+
+void StepRunner::expect_memory() const {
+  if (lost_)
+    throw MachineError(
+        "memory ran out in the middle of a step, and this run has no state to go on from; start it again");
+}
+
+void StepRunner::reserve(Capacity capacity) {
+  forget_recorded();
+  const Capacity before = pipeline_->capacity();
+  try {
+    pipeline_->reserve(capacity);
+  } catch (...) {
+    lost_ = true;
+    pipeline_->reserve(before);  // what was given back for more
+    lost_ = false;
+    throw;
+  }
+}
+
+/// Bytes beyond those that are free; 0: there is room.
+std::int64_t StepRunner::lacking(Capacity capacity) {
+  const std::int64_t more = executor_.rehearse([&] { pipeline_->reserve(capacity); });
+  executor_.rehearse([&] { pipeline_->reserve(pipeline_->capacity()); });
+  return std::max<std::int64_t>(more - executor_.room_bytes(), 0);
+}
+
+/// After an overflow: grows what was too small. Returns whether there was one.
+bool StepRunner::grow() {
+  const StepControl control = pipeline_->control();
+  if (!control.overflow) return false;
+  executor_.heed();
+  const Capacity now = pipeline_->capacity();
+  Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
+                  grown(control.contacts_needed, now.contacts, "contacts", 64)};
+  if (lacking(wanted) > 0) {
+    // Without room to spare, then. Where even that is too much, nothing has changed.
+    wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
+              std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
+    if (const std::int64_t bytes = lacking(wanted); bytes > 0) {
+      const ExecutorOptions& options = executor_.options();
+      const std::int64_t given = executor_.allocated_bytes() + executor_.room_bytes();
+      const bool by_rule = options.memory_limit == 0 && !options.allow_large;
+      const std::string found =
+          "a step found " + std::to_string(control.pairs_needed) + " pairs" +
+          (control.pairs > 0 ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
+                             : ", which take at least ");
+      const std::string rule = by_rule ? " (80 % of its available memory)" : "";
+      const std::string advice = ": use fewer bodies, or a variant whose pairs grow as N (scaled)";
+      throw TooLarge(found + std::to_string(given + bytes) + " bytes with the rest of the scene; " +
+                         executor_.device_name() + " gives " + std::to_string(given) + rule + advice +
+                         (by_rule ? ", or --allow-large" : ""),
+                     found + short_bytes(static_cast<double>(given + bytes)) +
+                         " with the rest of the scene; " + executor_.device_name() + " gives " +
+                         short_bytes(static_cast<double>(given)) + rule + advice);
+    }
+  }
+  reserve(wanted);
+  pipeline_->clear_overflow();
+  return true;
+}
+
+// ---- runs ----
+
+/// What ends in the middle of it leaves no state; what is cancelled, World undoes.
+void StepRunner::launch(StepGraph& graph) {
+  lost_ = true;
+  try {
+    graph.launch();
+  } catch (const Cancelled&) {
+    lost_ = false;
+    executor_.clock().discard_step();
+    throw;
+  }
+  lost_ = false;
+}
+
+StepGraph& StepRunner::graph(bool timed) {
+  std::unique_ptr<StepGraph>& wanted = timed ? timed_ : plain_;
+  if (!wanted) wanted = std::make_unique<StepGraph>(executor_, timed, [this] { pipeline_->run(); });
+  return *wanted;
+}
+
+/// Runs until `target` runs are committed; false where an overflow stopped it before.
+bool StepRunner::run_timed(std::uint32_t target) {
+  while (committed_ != target) {
+    StepGraph& g = graph(true);
+    launch(g);
+    executor_.synchronize();
+    const StepControl control = pipeline_->control();
+    if (control.overflow) {
+      executor_.clock().discard_step();
+      return false;
+    }
+    committed_ = control.committed;
+    g.collect();
+  }
+  executor_.clock().commit_step();
+  return true;
+}
+
+bool StepRunner::run_plain(std::uint32_t target) {
+  StepGraph& g = graph(false);
+  const bool whole = target - committed_ == static_cast<std::uint32_t>(pipeline_->runs_per_step());
+  const double milliseconds = milliseconds_of(executor_, [&] {
+    for (std::uint32_t run = committed_; run != target; ++run) launch(g);
+  });
+  const StepControl control = pipeline_->control();
+  committed_ = control.committed;
+  if (control.overflow) return false;
+  if (whole) executor_.clock().add_plain_step(milliseconds);
+  return true;
+}
+
+}  // namespace collidoscope

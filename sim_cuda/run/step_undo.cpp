@@ -1,0 +1,52 @@
+#include "sim_cuda/run/step_undo.h"
+
+#include <chrono>
+#include <new>
+
+namespace collidoscope {
+
+void StepUndo::begin_step(int runs) {
+  aside_.forget();
+  in_step_ = executor_.options().cancellation != nullptr && !executor_.on_device();
+  runs_ = runs;
+  if (in_step_ && runs > 1) start_ = Cancellation::Clock::now();
+}
+
+void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, double solve_seconds) {
+  if (!in_step_ || aside_.holds() || to_the_end_) return;
+  if (control.overflow) return;  // such a run writes nothing
+  double rest = runs_ * solve_seconds;
+  if (runs_ > 1) {  // later ones find their contacts anew, which takes as long as it took the first
+    const std::chrono::duration<double> found = Cancellation::Clock::now() - start_;
+    rest += (runs_ - 1) * found.count();
+  }
+  if (rest < executor_.options().cancellation->uninterrupted) {
+    to_the_end_.emplace(executor_);
+    return;
+  }
+  executor_.heed();
+  const Executor::Uninterrupted whole(executor_);
+  try {
+    aside_.put(executor_.team(), [&](const ArrayVisit& visit) { pipeline.visit_lasting(visit); });
+  } catch (const std::bad_alloc&) {  // no room for a copy
+    aside_.forget();
+    to_the_end_.emplace(executor_);
+  }
+}
+
+void StepUndo::end_step() {
+  aside_.forget();
+  leave_step();
+}
+
+void StepUndo::leave_step() {
+  to_the_end_.reset();
+  in_step_ = false;
+}
+
+void StepUndo::undo() {
+  aside_.put_back(executor_.team());
+  aside_.forget();
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,220 @@
+#include "sim_cuda/snapshot/settle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "sim_cuda/core/deadline.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/run/settled_state.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/snapshot/snapshot.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr int stride = 30;              // steps between two looks
+constexpr double lift = 1.0 / 20'000;   // of the largest radius
+constexpr double longest_falls = 20;    // from the top of the box
+constexpr double slower_in_a_fall = 4;  // of the drag
+
+SettleNews& settle_report() {
+  static SettleNews for_all;
+  return for_all;
+}
+
+void report_settling(const std::string& line) {
+  if (settle_report().say) settle_report().say(line);
+}
+
+/// What is simulated to rest. Names and views do not decide it.
+Scene falling(const Scene& scene) {
+  Scene inner = scene;
+  inner.name = "";
+  inner.camera = {};
+  for (BoxCollider& generator : inner.generators)
+    if (generator.variant == Variant::settled) generator.variant = Variant::scaled;
+  Physics& physics = inner.physics;
+  physics.sleep.reset();
+  if (physics.effects) physics.effects->sleeping = false;
+  leave_out_guards(physics);
+  if (physics.solver != Solver::impulse) return inner;
+  physics.solver = Solver::soft_step;
+  physics.substeps.reset();
+  physics.iterations = 1;
+  return inner;
+}
+
+std::uint64_t hash_of(const std::string& text, std::uint64_t hash = 0) {
+  for (const char letter : text) hash = mix64(hash ^ static_cast<unsigned char>(letter));
+  return hash;
+}
+
+/// What a small scene comes to under such physics: it changes with the program where steps do.
+std::uint64_t way_of_stepping(const Physics& physics) {
+  Scene probe;
+  probe.box = Box{{0, 0, 0}, {30, 30, 30}};
+  probe.physics = physics;
+  probe.materials[0].friction = 0.5;
+  probe.generators.push_back({.count = 120, .speed_max = 5});
+  RunOptions options;
+  options.executor = ExecutorKind::cpu;
+  options.cpu_threads = 1;
+  World world(probe, options);
+  world.step(30);
+  return world.state_hash();
+}
+
+/// Empty where the user has no such folder.
+std::filesystem::path cache_file(const Scene& inner) {
+  const auto folder_of = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    return std::filesystem::path(value != nullptr ? value : "");
+  };
+  std::filesystem::path folder = folder_of("XDG_CACHE_HOME");
+  if (!folder.is_absolute()) folder = folder_of("HOME").is_absolute() ? folder_of("HOME") / ".cache" : "";
+  if (folder.empty()) return folder;
+  std::uint64_t key = hash_of(write_scene(inner), way_of_stepping(inner.physics));
+  key = hash_of(
+      fmt::format("{} {} {} {} {}", snapshot_version, stride, lift, longest_falls, slower_in_a_fall), key);
+  return folder / "collidoscope" / "settled" / fmt::format("{:016x}.snapshot", key);
+}
+
+std::optional<RunState> cached(const std::filesystem::path& file, const Scene& inner) {
+  std::error_code failed;
+  if (file.empty() || !std::filesystem::exists(file, failed)) return std::nullopt;
+  try {
+    Snapshot kept = read_snapshot(file.string());
+    if (write_scene(kept.scene) == write_scene(inner) &&
+        kept.bodies_hash == hash_of_bodies(initial_bodies(inner)))
+      return std::move(kept.state);
+  } catch (const InputError& error) {
+    report_settling(std::string(error.what()) + "; it is made anew");
+  }
+  return std::nullopt;
+}
+
+void keep(const std::filesystem::path& file, const Snapshot& snapshot) {
+  if (file.empty()) return;
+  try {
+    std::string bytes;
+    write_snapshot(snapshot, [&](std::string_view more) { bytes += more; });
+    write_whole_file(file.string(), bytes);
+  } catch (const std::exception& error) {
+    report_settling(fmt::format("what settled is not kept for the next start: {}", error.what()));
+  }
+}
+
+double largest(const std::vector<double>& radii) {
+  return radii.empty() ? 0 : *std::ranges::max_element(radii);
+}
+
+/// `share` of all velocities and spins stays.
+void slow_down(World& world, double share) {
+  RunState state = world.state();
+  for (Vector3d& v : state.bodies.velocity) v *= share;
+  for (Vector3d& spin : state.bodies.angular_velocity) spin *= share;
+  world.adopt(state);
+}
+
+}  // namespace
+
+double energy_at_rest(double mass, double g, double radius) { return mass * g * lift * radius; }
+
+struct Settling::Impl {
+  Impl(const Scene& scene, const RunOptions& options) : inner(falling(scene)), file(cache_file(inner)) {
+    state = cached(file, inner);
+    if (!state) fall(options);
+  }
+  /// Begins to.
+  void fall(const RunOptions& options) {
+    world = std::make_unique<World>(inner, options);
+    const InitialBodies& bodies = world->initial();
+    const double g = inner.physics.gravity.norm(), step = inner.physics.time_step;
+    at_rest = energy_at_rest(std::accumulate(bodies.mass.begin(), bodies.mass.end(), 0.0), g,
+                             largest(bodies.radius));
+    const double side = (bodies.box->max - bodies.box->min).maxCoeff();
+    fall_time = std::sqrt(2 * side / g);
+    most = static_cast<std::int64_t>(std::clamp(std::ceil(longest_falls * fall_time / step), 1.0, 1e9));
+    share = 1 / (1 + stride * step * slower_in_a_fall / fall_time);
+  }
+  std::int64_t next_look() const { return std::min((world->steps() / stride + 1) * stride, most); }
+
+  /// Whether it lies, and if not, slower.
+  void look() {
+    const double energy = world->measure().kinetic_energy;
+    if (settle_report().progress) settle_report().progress(world->steps(), most);
+    const double time = static_cast<double>(world->steps()) * inner.physics.time_step;
+    const bool fallen = time > fall_time;  // else it has hardly begun
+    const bool rests = fallen && energy <= at_rest;
+    if (!rests && world->steps() < most) {
+      if (fallen) slow_down(*world, share);
+      return;
+    }
+    if (!rests)
+      report_settling(fmt::format(
+          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest", most,
+          energy, at_rest));
+    if (settle_report().progress) settle_report().progress(most, most);
+    Snapshot snapshot = snapshot_of(*world);
+    keep(file, snapshot);
+    state = std::move(snapshot.state);
+    world.reset();
+  }
+
+  Scene inner;
+  std::filesystem::path file;
+  std::optional<RunState> state;  // once it lies
+  std::unique_ptr<World> world;   // while it falls
+  double at_rest = 0;             // J
+  double fall_time = 0;           // s, from the top of the box
+  double share = 1;               // of the velocities, that a look leaves
+  std::int64_t most = 0;
+};
+
+Settling::Settling(const Scene& scene, const RunOptions& options)
+    : impl_(std::make_unique<Impl>(scene, options)) {}
+Settling::~Settling() = default;
+Settling::Settling(Settling&&) noexcept = default;
+Settling& Settling::operator=(Settling&&) noexcept = default;
+
+bool Settling::done() const { return impl_->state.has_value(); }
+std::int64_t Settling::steps() const { return impl_->world ? impl_->world->steps() : impl_->most; }
+std::int64_t Settling::most() const { return impl_->most; }
+
+void Settling::go_on(double milliseconds) {
+  const Deadline slice(milliseconds);
+  while (!done()) {
+    World& world = *impl_->world;
+    const std::int64_t look = impl_->next_look();
+    world.step(std::isfinite(milliseconds) ? 1 : static_cast<int>(look - world.steps()));
+    if (world.steps() == look) impl_->look();
+    if (slice.passed()) break;
+  }
+}
+
+RunState Settling::take() {
+  RunState& state = *impl_->state;
+  state.steps = 0;
+  state.time = 0;
+  state.ledgers.assign(state.ledgers.size(), WallLedger{});
+  return std::move(state);
+}
+
+RunState settled_state(const Scene& scene, const RunOptions& options) {
+  Settling settling(scene, options);
+  settling.go_on(std::numeric_limits<double>::infinity());
+  return settling.take();
+}
+
+void set_settle_news(SettleNews told) { settle_report() = std::move(told); }
+
+}  // namespace collidoscope

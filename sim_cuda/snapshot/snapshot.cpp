@@ -1,0 +1,318 @@
+#include "sim_cuda/snapshot/snapshot.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <system_error>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/scene/placed_joint.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "files are written as they lie in memory");
+static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(WallLedger) == 40 &&
+              sizeof(ContactImpulse) == 16 && sizeof(JointMemory) == 72);
+static_assert(sizeof(SolverMemory) == 8 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
+
+constexpr std::size_t word = 8;
+constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
+
+struct Header {
+  char kind[24] = "collidoscope-snapshot\n";
+  std::uint32_t version = snapshot_version;
+  std::uint32_t byte_order = 0x01020304;
+  std::uint64_t file_bytes = 0;
+};
+static_assert(sizeof(Header) == 40);
+
+/// Over whole words, one after the other.
+class Fingerprint {
+ public:
+  void add(const void* data, std::size_t bytes) {
+    for (std::size_t at = 0; at < bytes; at += word) {
+      std::uint64_t next = 0;
+      std::memcpy(&next, static_cast<const char*>(data) + at, word);
+      hash_ = mix64(hash_ ^ next);
+    }
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0;
+};
+
+/// The members of a file in their order, for who writes and who reads them alike.
+template <class Archive, class SnapshotOrConst>
+void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
+  auto& [steps, bodies, ledgers, memory, settings, frozen, time] = snapshot.state;
+  archive.text(scene);
+  archive.text(directory);
+  archive.number(steps);
+  archive.number(settings);
+  archive.number(snapshot.state_hash);
+  archive.number(snapshot.bodies_hash);
+  archive.list(bodies.position);
+  archive.list(bodies.velocity);
+  archive.list(bodies.angular_velocity);
+  archive.list(bodies.orientation);
+  archive.list(ledgers);
+  archive.list(memory.contacts);
+  archive.lists(memory.walls);
+  archive.list(memory.grips);
+  archive.list(memory.wall_grips);
+  archive.list(memory.rolls);
+  archive.list(memory.wall_rolls);
+  archive.list(memory.slow);
+  archive.list(memory.joints);
+  if (archive.version() >= 2) archive.list(frozen);
+  if (archive.version() >= 3) archive.number(time);
+}
+
+class Writer {
+ public:
+  explicit Writer(std::function<void(std::string_view)> write) : write_(std::move(write)) {}
+
+  void piece(const void* data, std::size_t bytes) {
+    const std::size_t whole = bytes / word * word;
+    put(data, whole);
+    if (whole == bytes) return;
+    std::array<char, word> last{};
+    std::memcpy(last.data(), static_cast<const char*>(data) + whole, bytes - whole);
+    put(last.data(), word);
+  }
+  template <class Number>
+  void number(Number value) {
+    static_assert(sizeof value == word);
+    piece(&value, word);
+  }
+  void text(const std::string& text) {
+    number(static_cast<std::uint64_t>(text.size()));
+    piece(text.data(), text.size());
+  }
+  template <class Item>
+  void list(const std::vector<Item>& items) {
+    number(static_cast<std::uint64_t>(items.size()));
+    piece(items.data(), items.size() * sizeof(Item));
+  }
+  template <class Item>
+  void lists(const std::vector<std::vector<Item>>& lists) {
+    number(static_cast<std::uint64_t>(lists.size()));
+    for (const std::vector<Item>& one : lists) list(one);
+  }
+  std::uint32_t version() const { return snapshot_version; }
+  std::uint64_t hash() const { return fingerprint_.value(); }
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  void put(const void* data, std::size_t bytes) {
+    fingerprint_.add(data, bytes);
+    bytes_ += bytes;
+    if (write_ && bytes > 0) write_({static_cast<const char*>(data), bytes});
+  }
+  std::function<void(std::string_view)> write_;
+  Fingerprint fingerprint_;
+  std::uint64_t bytes_ = 0;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& file) : file_(file) {
+    std::error_code failed;
+    if (std::filesystem::is_directory(file, failed)) refuse("is a folder; a snapshot is a file");
+    if (std::filesystem::is_fifo(file, failed)) refuse("is a pipe; a snapshot is a file, and is read twice");
+    errno = 0;
+    stream_.reset(std::fopen(file.c_str(), "rb"));
+    if (!stream_)
+      refuse("cannot be opened (" + std::generic_category().message(errno) + "); " + what_writes_one);
+    check_header();
+    check_hash();
+    left_ -= word;  // the hash
+    seek(sizeof(Header));
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const { throw InputError(file_ + ": " + what); }
+  [[noreturn]] void damaged(const std::string& what) const { refuse("is damaged: " + what); }
+
+  template <class Number>
+  void number(Number& value) {
+    static_assert(sizeof value == word);
+    piece(&value, word);
+  }
+  void text(std::string& text) {
+    text.resize(length(1));
+    piece(text.data(), text.size());
+  }
+  template <class Item>
+  void list(std::vector<Item>& items) {
+    items.resize(length(sizeof(Item)));
+    piece(items.data(), items.size() * sizeof(Item));
+  }
+  template <class Item>
+  void lists(std::vector<std::vector<Item>>& lists) {
+    lists.resize(length(word));
+    for (std::vector<Item>& one : lists) list(one);
+  }
+  std::uint32_t version() const { return version_; }
+  void end() {
+    if (left_ != 0) damaged(fmt::format("{} of its bytes belong to nothing", left_));
+    std::uint64_t hash = 0;
+    read(&hash, word);
+    if (hash != fingerprint_.value()) refuse("was changed while it was read; try again");
+  }
+
+ private:
+  static constexpr const char* what_writes_one = "\"collidoscope-headless run SCENE --save FILE\" writes one";
+
+  void check_header() {
+    const Header expected;
+    Header header;
+    const std::size_t got = std::fread(&header, 1, sizeof header, stream_.get());
+    if (got < sizeof header || std::memcmp(header.kind, expected.kind, sizeof header.kind) != 0)
+      refuse(std::string("is no snapshot; ") + what_writes_one);
+    if (header.byte_order != expected.byte_order)
+      refuse("was written by a machine of the other byte order, which this one cannot read");
+    if (header.version < oldest_snapshot_version || header.version > expected.version)
+      refuse(fmt::format("is a snapshot of version {}; this program reads versions {} to {}{}",
+                         header.version, oldest_snapshot_version, expected.version,
+                         header.version > expected.version ? ": a newer one can" : ": save it anew"));
+    version_ = header.version;
+    std::error_code failed;
+    const std::uintmax_t bytes = std::filesystem::file_size(file_, failed);
+    if (failed || bytes != header.file_bytes || bytes < sizeof header + word || bytes % word != 0)
+      damaged(fmt::format("it has {} of {} bytes", failed ? 0 : bytes, header.file_bytes));
+    left_ = bytes - sizeof header;
+    fingerprint_.add(&header, sizeof header);
+  }
+
+  void check_hash() {
+    seek(0);
+    Fingerprint fingerprint;
+    std::vector<char> block(1 << 16);
+    for (std::uint64_t rest = left_ + sizeof(Header) - word; rest > 0;) {
+      const std::size_t bytes = rest < block.size() ? static_cast<std::size_t>(rest) : block.size();
+      read(block.data(), bytes);
+      fingerprint.add(block.data(), bytes);
+      rest -= bytes;
+    }
+    std::uint64_t hash = 0;
+    read(&hash, word);
+    if (hash != fingerprint.value()) damaged("its contents are not those it was saved with");
+  }
+
+  /// Of the list that follows, in items of so many bytes each: never more than the file still has.
+  std::size_t length(std::size_t item_bytes) {
+    std::uint64_t items = 0;
+    number(items);
+    if (items > left_ / item_bytes) damaged("a list in it is longer than the file");
+    return static_cast<std::size_t>(items);
+  }
+  void piece(void* data, std::size_t bytes) {
+    if (padded(bytes) > left_) damaged("it ends within a list");
+    const std::size_t whole = bytes / word * word;
+    read(data, whole);
+    fingerprint_.add(data, whole);
+    if (whole < bytes) {
+      std::array<char, word> last{};
+      read(last.data(), word);
+      fingerprint_.add(last.data(), word);
+      std::memcpy(static_cast<char*>(data) + whole, last.data(), bytes - whole);
+    }
+    left_ -= padded(bytes);
+  }
+  void read(void* data, std::size_t bytes) {
+    if (bytes > 0 && std::fread(data, 1, bytes, stream_.get()) != bytes)
+      refuse("cannot be read to its end" +
+             (std::ferror(stream_.get()) ? " (" + std::generic_category().message(errno) + ")" : ""));
+  }
+  void seek(long to) {
+    if (std::fseek(stream_.get(), to, SEEK_SET) != 0) refuse("cannot be read twice; a snapshot is a file");
+  }
+
+  std::string file_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
+  std::uint32_t version_ = 0;
+  std::uint64_t left_ = 0;   ///< bytes that are not read yet, the hash not counted
+  Fingerprint fingerprint_;  ///< of what was read, this time
+};
+
+/// Whether the lists fit together, so that whoever uses them need not ask.
+bool fits(const RunState& state) {
+  const std::size_t n = state.bodies.position.size();
+  const SolverMemory& memory = state.memory;
+  const auto per = [](std::size_t size, std::size_t items) { return size == 0 || size == items; };
+  bool good = state.steps >= 0 && state.bodies.velocity.size() == n &&
+              state.bodies.angular_velocity.size() == n && state.bodies.orientation.size() == n &&
+              per(state.ledgers.size(), n) && per(memory.grips.size(), memory.contacts.size()) &&
+              per(memory.wall_grips.size(), memory.walls.size() * n) &&
+              per(memory.rolls.size(), memory.contacts.size()) &&
+              per(memory.wall_rolls.size(), memory.walls.size() * n) && per(memory.slow.size(), n);
+  for (const std::vector<double>& wall : memory.walls) good = good && wall.size() == n;
+  std::uint64_t before = 0;
+  for (const ContactImpulse& contact : memory.contacts) {
+    const std::uint64_t ids = static_cast<std::uint64_t>(contact.a) << 32 | contact.b;
+    good = good && contact.a < contact.b && contact.b < n && ids > before;
+    before = ids;
+  }
+  for (std::size_t k = 0; k < state.frozen.size(); ++k)
+    good = good && state.frozen[k] < n && (k == 0 || state.frozen[k - 1] < state.frozen[k]);
+  for (const JointMemory& joint : memory.joints)
+    good = good && joint.a < n && (joint.b < n || joint.b == PlacedJoint::world);
+  return good;
+}
+
+}  // namespace
+
+std::uint64_t hash_of_bodies(const InitialBodies& bodies) {
+  Fingerprint fingerprint;
+  fingerprint.add(bodies.radius.data(), bodies.radius.size() * sizeof(double));
+  fingerprint.add(bodies.mass.data(), bodies.mass.size() * sizeof(double));
+  fingerprint.add(bodies.inertia.data(), bodies.inertia.size() * sizeof(Vector3d));
+  return fingerprint.value();
+}
+
+void write_snapshot(const Snapshot& snapshot, const std::function<void(std::string_view)>& write) {
+  std::string scene = write_scene(snapshot.scene), directory;
+  for (const Body& body : snapshot.scene.bodies)
+    if (body.shape == Shape::mesh)  // their files stay where they are
+      directory = std::filesystem::absolute(snapshot.scene.directory).string();
+  Header header;
+  const auto write_all = [&](Writer& writer) {
+    writer.piece(&header, sizeof header);
+    visit(writer, scene, directory, snapshot);
+    writer.number(writer.hash());
+  };
+  Writer counter({});
+  write_all(counter);
+  header.file_bytes = counter.bytes();
+  Writer writer(write);
+  write_all(writer);
+}
+
+Snapshot read_snapshot(const std::string& file) {
+  return while_doing("reading a snapshot", [&] {
+    Reader reader(file);
+    Snapshot snapshot;
+    std::string scene, directory;
+    visit(reader, scene, directory, snapshot);
+    reader.end();
+    if (reader.version() < 3 && snapshot.state.steps > 0)
+      snapshot.state.time = std::numeric_limits<double>::quiet_NaN();
+    if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
+    snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
+    return snapshot;
+  });
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,197 @@
+#include "viewer/session/automation.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+
+namespace {
+
+/// What the panel of the tree says; null while it is folded.
+nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.tree == nullptr) return nullptr;
+  const TreeFacts& facts = *view.tree;
+  const TreeWishes& wishes = workspace.tree;
+  Json tree = {{"step", facts.step},
+               {"nodes", facts.quality.nodes},
+               {"sah", facts.quality.sah},
+               {"took_ms", facts.took_ms},
+               {"sort", static_cast<int>(wishes.sort)},
+               {"first", facts.first},
+               {"ranked", facts.ranked},
+               {"range", {workspace.layers.box_low, workspace.layers.box_high}},
+               {"inside", facts.spread.inside},
+               {"visit", static_cast<int>(wishes.visit)},
+               {"visits", facts.visits}};
+  tree["node"] = wishes.node ? Json(*wishes.node) : Json(nullptr);
+  for (const NodeReport& row : facts.rows)
+    tree["rows"].push_back({{"node", row.node}, {"visits", row.visits}});
+  return tree;
+}
+
+/// What the panel of effects says; null while it is folded.
+nlohmann::ordered_json effects_json(const WorkspaceView& view) {
+  nlohmann::ordered_json effects;
+  for (const EffectFacts& effect : view.effect_facts) {
+    auto& one = effects[effect.name];
+    one = {{"on", effect.on}, {"called_for", effect.called_for}};
+    if (effect.cost)
+      one["cost"] = {{"pairs", effect.cost->pairs},
+                     {"ms", effect.cost->ms},
+                     {"bytes", effect.cost->bytes},
+                     {"lack", effect.cost->lack}};
+  }
+  return effects;
+}
+
+/// What the panel of accuracy says; null while it is folded.
+nlohmann::ordered_json accuracy_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.accuracy == nullptr) return nullptr;
+  const AccuracyFacts& facts = *view.accuracy;
+  Json accuracy = {{"tolerance", workspace.accuracy.tolerance},
+                   {"running", workspace.accuracy.running},
+                   {"since", facts.since},
+                   {"done", facts.done},
+                   {"doing", facts.doing},
+                   {"lack", facts.lack},
+                   {"reference", facts.reference ? Json(facts.reference->description) : Json(nullptr)},
+                   {"cheapest", facts.cheapest ? Json(*facts.cheapest) : Json(nullptr)},
+                   {"no_choice", facts.no_choice},
+                   {"now", nullptr},
+                   {"points", Json::array()}};
+  for (std::size_t k = 0; k < facts.points.size(); ++k) {
+    const AccuracyPoint& p = facts.points[k];
+    if (p.setting == facts.now) accuracy["now"] = k;
+    if (p.has_error() && p.has_price())
+      accuracy["points"].push_back({{"point", k}, {"error", p.error}, {"ms", p.ms.median}});
+  }
+  for (const AccuracyPlace& place : workspace.accuracy.places)
+    accuracy["places"].push_back({{"point", place.point}, {"at", {place.x, place.y}}});
+  if (workspace.accuracy.line) accuracy["line"] = {workspace.accuracy.line->x, workspace.accuracy.line->y};
+  return accuracy;
+}
+
+/// What the panel of hard cases says; null while it is folded.
+nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.hard_cases == nullptr) return nullptr;
+  const HardCasesFacts& facts = *view.hard_cases;
+  Json cases = {{"lack", facts.lack},
+                {"doing", facts.doing},
+                {"opening", facts.opening ? Json(*facts.opening) : Json(nullptr)},
+                {"selected", workspace.hard_cases.selected},
+                {"before", facts.before},
+                {"shown", facts.shown ? Json(facts.cases[*facts.shown].name) : Json(nullptr)},
+                {"marks", Json::object()}};
+  for (const auto& [name, mark] : hard_mark_names) cases["counts"][std::string(name)] = facts.count(mark);
+  for (const HardCaseFacts& one : facts.cases)
+    for (const HardTrialFacts& trial : one.trials)
+      cases["marks"][one.name][fmt::format("{} {}", name_of(solver_names, trial.solver),
+                                           name_of(precision_names, trial.precision))] =
+          std::string(name_of(hard_mark_names, trial.mark));
+  return cases;
+}
+
+}  // namespace
+
+Automation::Automation(const std::string& file) : file_(file) {
+  errno = 0;
+  stream_.open(file, std::ios::trunc);
+  if (!stream_) throw InputError(fmt::format("{} cannot be written: {}", file, std::strerror(errno)));
+}
+
+void Automation::write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  const Settings& s = view.in_effect;
+  Json line = {{"frame", frame.frame},
+               {"scene", view.scene},
+               {"window", {frame.width, frame.height}},
+               {"step", view.stats.step},
+               {"playing", workspace.playing},
+               {"edited", view.edited},
+               {"changes", view.changes},
+               {"bodies", view.stats.bodies},
+               {"blocks", s.shape.blocks},
+               {"threads", s.shape.threads},
+               {"variant", std::string(name_of(variant_names, s.variant))},
+               {"seed", s.seed},
+               {"time_step", s.time_step},
+               {"restitution", s.restitution},
+               {"precision", std::string(name_of(precision_names, s.precision))},
+               {"solver", std::string(name_of(solver_names, s.solver))},
+               {"integrator", std::string(name_of(integrator_names, s.integrator))},
+               {"rotation_update", std::string(name_of(rotation_update_names, s.rotation_update))},
+               {"substeps", s.substeps ? Json(*s.substeps) : Json("auto")},
+               {"iterations", s.iterations},
+               {"broad_phase", s.broad_phase},
+               {"layers",
+                {{"spheres", workspace.layers.spheres},
+                 {"boxes", workspace.layers.boxes},
+                 {"contacts", workspace.layers.contacts},
+                 {"grid", workspace.layers.grid},
+                 {"walls", workspace.layers.walls},
+                 {"joints", workspace.layers.joints},
+                 {"ghosts", workspace.layers.ghosts},
+                 {"errors", workspace.layers.errors},
+                 {"error_scale", view.error_scale},
+                 {"first_level", workspace.layers.first_level},
+                 {"last_level", workspace.layers.last_level},
+                 {"color", static_cast<int>(workspace.layers.color)},
+                 {"box_color", static_cast<int>(workspace.layers.box_color)}}},
+               {"drawn", {{"spheres", frame.spheres}, {"boxes", frame.boxes}, {"contacts", frame.contacts}}},
+               {"max_impulse", view.max_impulse},
+               {"camera", frame.camera},
+               {"orthographic", view.orthographic},
+               {"ui_ms", frame.ui_ms},
+               {"frames_per_second", view.frames_per_second},
+               {"picture", frame.picture},
+               {"wants_mouse", frame.wants_mouse},
+               {"list_open", frame.list_open},
+               {"pressed", workspace.pressed},
+               {"help", workspace.help},
+               {"light", workspace.theme == Theme::light},
+               {"font_scale", workspace.font_scale},
+               {"hovered_level", workspace.hovered_level},
+               {"chosen_stage", workspace.chosen_stage},
+               {"contact_rows", workspace.contact_rows.others},
+               {"pairs", view.stats.pairs},
+               {"contacts", view.stats.touching},
+               {"notice", workspace.notice}};
+  line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
+  line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
+  line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
+  line["tree"] = tree_json(workspace, view);
+  line["effects"] = effects_json(view);
+  line["reference"] = {{"name", view.reference.name},   {"lack", view.reference.lack},
+                       {"since", view.reference.since}, {"rms", view.reference.rms},
+                       {"max", view.reference.max},     {"doubt", view.reference.doubt}};
+  line["accuracy"] = accuracy_json(workspace, view);
+  line["hard_cases"] = hard_cases_json(workspace, view);
+  line["stop"] = nullptr;
+  if (view.stop)
+    line["stop"] = {{"what", view.stop->what},
+                    {"found", view.stop->found},
+                    {"body", view.stop->body ? Json(*view.stop->body) : Json(nullptr)},
+                    {"before", view.stop->before}};
+  line["frozen"] = view.frozen;
+  line["guards"] = s.guards ? Json(std::string(name_of(on_failure_names, *s.guards))) : Json(nullptr);
+  line["measuring_effects"] = view.measuring_effects;
+  line["error"] = workspace.errors.empty() ? Json(nullptr) : Json(workspace.errors.front());
+  Json widgets = Json::object();
+  for (const auto& [name, rect] : workspace.widgets)
+    widgets[name] = {rect.x, rect.y, rect.width, rect.height};
+  line["widgets"] = widgets;
+  errno = 0;
+  stream_ << line.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
+  if (!stream_) throw MachineError(fmt::format("{} cannot be written: {}", file_, std::strerror(errno)));
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,138 @@
+#include "viewer/session/effect_costs.h"
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <stdexcept>
+
+#include "sim_cuda/core/deadline.h"
+#include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/scene_file.h"
+
+namespace collidoscope {
+namespace {
+
+/// ms of the next plain step: of two steps, one is. NaN where it had to be done again.
+float plain_step(World& world) {
+  const int before = world.latest_times().steps_timed;
+  world.step(2);
+  const RunTimes times = world.latest_times();
+  return times.steps_timed > before ? static_cast<float>(times.step_last_ms)
+                                    : std::numeric_limits<float>::quiet_NaN();
+}
+
+}  // namespace
+
+void EffectCosts::begin(const World& world) {
+  *this = {};
+  for (const EffectName& effect : effect_names)
+    reasons_.push_back(effect_reason(world.scene(), world.initial(), effect.flag));
+}
+
+void EffectCosts::take_stock(World& world) {
+  begun_ = true;
+  scene_ = world.scene();
+  options_ = world.options();
+  state_ = world.state();
+  now_ = world.effects();
+  for (std::size_t k = 0; k < reasons_.size(); ++k) {
+    const EffectName& effect = effect_names[k];
+    const EffectReason& reason = reasons_[k];
+    const bool on = now_.*effect.flag;
+    if (on || (reason.called_for && reason.cannot.empty()))
+      trials_.insert(trials_.begin(), {effect.flag, on, with_switched(now_, effect.flag, !on)});
+  }
+}
+
+bool EffectCosts::make_worlds() {
+  const Trial& trial = trials_.back();
+  EffectCost cost;
+  cost.step = state_.steps;
+  try {
+    Scene other = scene_;
+    scene_.physics.effects = now_;
+    other.physics.effects = trial.other;
+    for (const Fault& fault : validate(other)) throw std::runtime_error(line_of(fault));
+    with_ = std::make_unique<World>(trial.on ? scene_ : other, options_, &state_);
+    without_ = std::make_unique<World>(trial.on ? other : scene_, options_, &state_);
+    cost.bytes = with_->allocated_bytes() - without_->allocated_bytes();
+    // A plain step comes first in each pair.
+    if (state_.steps % 2 == 1) {
+      with_->step();
+      without_->step();
+    }
+    plain_step(*with_);  // warm
+    plain_step(*without_);
+  } catch (const std::exception& error) {  // no memory for two more worlds, or such a scene cannot be
+    with_.reset();
+    without_.reset();
+    cost.lack = error.what();
+  }
+  known_.emplace_back(trial.flag, std::move(cost));
+  return with_ != nullptr;
+}
+
+void EffectCosts::step_pair() {
+  turn_ = !turn_;
+  const float first = plain_step(turn_ ? *with_ : *without_), second = plain_step(turn_ ? *without_ : *with_);
+  const float with = turn_ ? first : second, without = turn_ ? second : first;
+  if (!(with > 0 && without > 0)) return;
+  differences_.push_back(with - without);
+  without_ms_.push_back(without);
+}
+
+void EffectCosts::finish() {
+  with_.reset();
+  without_.reset();
+  differences_.clear();
+  without_ms_.clear();
+  trials_.pop_back();
+  if (trials_.empty()) state_ = {};
+}
+
+void EffectCosts::go_on(World& world, double milliseconds) {
+  if (!begun_) take_stock(world);
+  const Deadline slice(milliseconds);
+  while (!trials_.empty()) {
+    if (with_ == nullptr && !make_worlds()) {
+      finish();
+      continue;
+    }
+    EffectCost& cost = known_.back().second;
+    try {
+      step_pair();
+    } catch (const std::exception& error) {  // no memory for what it grew to
+      cost.lack = error.what();
+      finish();
+      continue;
+    }
+    cost.pairs = static_cast<int>(differences_.size());
+    cost.ms = quantile(differences_, 0.5);
+    cost.ms_low = quantile(differences_, 0.25);
+    cost.ms_high = quantile(differences_, 0.75);
+    cost.without_ms = quantile(without_ms_, 0.5);
+    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->paused() && !without_->paused();
+    if (cost.pairs >= pairs || !moving) finish();
+    if (slice.passed()) break;
+  }
+}
+
+std::vector<EffectFacts> EffectCosts::facts(const World& world) const {
+  std::vector<EffectFacts> all;
+  for (std::size_t k = 0; k < reasons_.size(); ++k) {
+    const EffectName& effect = effect_names[k];
+    EffectFacts& facts = all.emplace_back();
+    facts.name = effect.name;
+    facts.flag = effect.flag;
+    facts.on = world.effects().*effect.flag;
+    facts.called_for = reasons_[k].called_for;
+    facts.why = reasons_[k].why;
+    facts.cannot = reasons_[k].cannot;
+    for (const auto& [flag, cost] : known_)
+      if (flag == effect.flag) facts.cost = cost;
+  }
+  return all;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,37 @@
+#include "viewer/session/fill_view.h"
+
+#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/names.h"
+
+namespace collidoscope {
+
+void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view) {
+  view.scene = world.scene().name;
+  view.generated = world.scene().generators.size() == 1;
+  view.in_effect = settings_of(world);
+  view.removed_bodies = view.other_bodies = 0;
+  if (view.generated) {
+    const BoxCollider& generator = world.scene().generators[0];
+    view.removed_bodies = std::ssize(generator.without);
+    view.other_bodies = std::ssize(world.scene().bodies) + std::ssize(world.scene().added);
+    if (world.scene().box) view.greatest_radius = greatest_radius_max(generator, *world.scene().box);
+  }
+  view.executor = world.on_gpu() ? "CUDA" : "CPU";
+  view.device = world.device_name();
+  view.broad_phases = broad_phase_names();
+  view.effects.clear();
+  for (const EffectName& effect : effect_names)
+    if (world.effects().*(effect.flag)) view.effects.emplace_back(effect.name);
+  view.substeps = world.substeps();
+  view.key_bits = world.key_bits();
+  view.stats = stats;
+  view.time = world.time();
+  view.allocated_bytes = world.allocated_bytes();
+  view.tree_nodes = world.tree_nodes();
+  view.history = &history;
+  view.residuals = world.residuals();
+  view.frozen = world.frozen();
+}
+
+}  // namespace collidoscope

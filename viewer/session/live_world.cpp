@@ -1,0 +1,354 @@
+#include "viewer/session/live_world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/stability/hard_run.h"
+
+namespace collidoscope {
+namespace {
+
+/// Guards decide no state, so they are no change of it.
+Settings without_guards(Settings wish) {
+  if (wish.effects) wish.effects->guards = wish.guards.has_value();
+  return wish;
+}
+
+using Clock = std::chrono::steady_clock;
+
+/// Whether a replay needs it.
+bool is_recorded(const Change& change) {
+  return change.physical() || change.broad_phase || change.blocks || change.threads;
+}
+
+/// What is to be said where the run begins again; `steps` were made of the one before.
+std::string restart_notice(const Change& change, const Scene& before, const World& next, std::int64_t steps) {
+  if (!begins_another_run(before, next.scene())) return "";
+  const bool new_bodies = change.radius_max || change.seed || change.variant;
+  const std::optional<Box> old_box = box_in_effect(before), box = next.initial().box;
+  if (!new_bodies && box && old_box && box->max != old_box->max)
+    return fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
+                       box->max.x() - box->min.x());
+  return steps > 0 ? "restarted: these are other bodies" : "";
+}
+
+}  // namespace
+
+Settings settings_of(const World& world) {
+  const Scene& scene = world.scene();
+  const RunOptions& options = world.options();
+  Settings s;
+  s.bodies = static_cast<std::int64_t>(world.initial().size());
+  if (scene.generators.size() == 1) {
+    const BoxCollider& generator = scene.generators[0];
+    s.bodies = generator.count;
+    s.radius_max = generator.radius_max;
+    s.seed = generator.seed;
+    s.variant = generator.variant;
+  }
+  s.time_step = scene.physics.time_step;
+  s.restitution = scene.materials[0].restitution;
+  s.integrator = scene.physics.integrator;
+  s.rotation_update = scene.physics.rotation_update;
+  s.precision = scene.physics.precision;
+  s.solver = scene.physics.solver;
+  s.substeps = scene.physics.substeps;
+  s.iterations = scene.physics.iterations;
+  s.effects = scene.physics.effects;
+  if (world.effects().guards) s.guards = scene.physics.guards.value_or(Guards{}).on_failure;
+  s.executor = options.executor;
+  s.shape = options.shape;
+  s.broad_phase = options.broad_phase;
+  return s;
+}
+
+Change change_between(const Settings& now, const Settings& wish) {
+  Change change;
+  const auto set = [](auto& member, const auto& before, const auto& after) {
+    if (before != after) member = after;
+  };
+  set(change.bodies, now.bodies, wish.bodies);
+  set(change.radius_max, now.radius_max, wish.radius_max);
+  set(change.seed, now.seed, wish.seed);
+  set(change.variant, now.variant, wish.variant);
+  set(change.time_step, now.time_step, wish.time_step);
+  set(change.restitution, now.restitution, wish.restitution);
+  set(change.integrator, now.integrator, wish.integrator);
+  set(change.rotation_update, now.rotation_update, wish.rotation_update);
+  set(change.precision, now.precision, wish.precision);
+  set(change.solver, now.solver, wish.solver);
+  if (now.substeps != wish.substeps) change.substeps.emplace(wish.substeps);
+  set(change.iterations, now.iterations, wish.iterations);
+  if (now.effects != wish.effects) change.effects.emplace(wish.effects);
+  set(change.blocks, now.shape.blocks, wish.shape.blocks);
+  set(change.threads, now.shape.threads, wish.shape.threads);
+  set(change.broad_phase, now.broad_phase, wish.broad_phase);
+  return change;
+}
+
+void record_step(World& world, const StepStats* measured, History& history) {
+  HistoryStep entry;
+  entry.step = world.steps();
+  // Worlds time even-numbered steps plain and odd-numbered ones stage by stage, counted from 0.
+  const bool instrumented = world.steps() % 2 == 0;
+  const RunTimes times = world.latest_times();
+  if (!instrumented && times.steps_timed > 0) entry.plain_ms = times.step_last_ms;
+  if (measured != nullptr) {
+    entry.stats = *measured;
+    entry.measured = true;
+  }
+  entry.nodes = world.tree_nodes();
+  entry.allocated_bytes = world.allocated_bytes();
+  history.add(std::move(entry), instrumented ? times.stages : std::vector<StageTime>{});
+}
+
+LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
+    : world_(std::make_unique<World>(scene, options)) {
+  begin_record();
+}
+
+LiveWorld::LiveWorld(World world) : world_(std::make_unique<World>(std::move(world))) { begin_record(); }
+
+/// From here on a replay would begin.
+void LiveWorld::begin_record() {
+  began_ = world_->steps();
+  first_scene_ = world_->scene();
+  first_settings_ = settings();
+  changes_.clear();
+  pending_.reset();
+  history_.clear();
+  last_ids_.clear();
+  edited_ = false;
+}
+
+void LiveWorld::replace(std::unique_ptr<World> world) {
+  world_ = std::move(world);
+  ++generation_;
+  stats_known_ = hash_known_ = false;
+  level_sizes_step_ = -1;
+}
+
+std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool goes_on) {
+  if (wish.guards != settings().guards) set_guards(wish.guards);
+  const Settings others = without_guards(wish), now = settings();
+  if (others == now) return "";
+  const Clock::time_point start = Clock::now();
+  const bool other_executor = others.executor != now.executor;
+  Change change = change_between(now, others);
+  change.step = world_->steps();
+  if (change.shape_alone() && !other_executor) {
+    changed_world(*world_, change, world_->options());
+    if (!pending_) {
+      record_change(changes_, change, goes_on);
+      return "";
+    }
+    Change& last = changes_.back();
+    if (change.blocks) last.blocks = change.blocks;
+    if (change.threads) last.threads = change.threads;
+    return "";
+  }
+  Scene after = world_->scene();
+  RunOptions unused;
+  BodyIds ids = make_change(change, after, unused);
+  const bool first = !pending_;
+  if (first) pending_.emplace(Pending{run_at(*world_), now, edited_});
+  if (!first) {
+    change = change_between(pending_->settings, others);
+    change.step = world_->steps();
+  }
+  RunOptions options = pending_->run.options;
+  options.executor = others.executor;
+  std::unique_ptr<World> next;
+  try {
+    next = changed_world(pending_->run, change, options, rest);
+  } catch (...) {
+    if (first) pending_.reset();
+    throw;
+  }
+  last_ids_ = std::move(ids);
+  if (!first) {
+    edited_ = pending_->edited;
+    changes_.pop_back();
+  }
+  const Scene before = world_->scene();
+  if (is_recorded(change))
+    changes_.push_back(change);
+  else
+    pending_.reset();
+  const std::string said = restart_notice(change, before, *next, world_->steps());
+  made(change, before, std::move(next));
+  change_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+  return said;
+}
+
+std::optional<Scene> LiveWorld::next_run(const Settings& wish) const {
+  Settings now = settings();
+  now.guards = wish.guards;
+  Change change = change_between(without_guards(now), without_guards(wish));
+  change.step = world_->steps();
+  std::optional<Scene> next = collidoscope::next_run(*world_, change);
+  return next ? std::optional(valid(*next)) : std::nullopt;
+}
+
+/// They decide no state, so they are no change.
+void LiveWorld::set_guards(std::optional<OnFailure> wish) {
+  Scene scene = world_->scene();
+  Physics& physics = scene.physics;
+  if (physics.guards) guards_ = *physics.guards;
+  if (wish) {
+    physics.guards = guards_;
+    physics.guards->on_failure = *wish;
+    if (physics.effects) physics.effects->guards = true;
+  } else {
+    leave_out_guards(physics);
+  }
+  const RunState state = world_->state();
+  replace(std::make_unique<World>(scene, RunOptions(world_->options()), &state));
+  pending_.reset();
+}
+
+void LiveWorld::freeze(std::uint32_t body) {
+  Change change;
+  change.freeze = {body};
+  apply(std::move(change));
+}
+
+std::string LiveWorld::apply(Change change) {
+  change.step = world_->steps();
+  const Scene before = world_->scene();
+  Scene after = before;
+  RunOptions unused;
+  BodyIds ids = make_change(change, after, unused);
+  std::unique_ptr<World> next = changed_world(*world_, change, world_->options());
+  last_ids_ = std::move(ids);
+  pending_.reset();
+  if (is_recorded(change)) record_change(changes_, change);
+  if (next == nullptr) return "";  // (B, T) alone
+  const std::string said = restart_notice(change, before, *next, world_->steps());
+  made(change, before, std::move(next));
+  return said;
+}
+
+/// `next` is the run after `change`, which is recorded, of a run with the scene `before`.
+void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<World> next) {
+  if (begins_another_run(before, next->scene())) {
+    history_.clear();
+    edited_ = false;
+    record_restart(changes_);
+  } else if (change.physical() && world_->steps() > 0) {
+    edited_ = true;
+  }
+  replace(std::move(next));
+  if (world_->steps() > 0) return;
+  pending_.reset();
+  collapse();
+}
+
+/// At state 0, where a change is as if the scene had said so: all of them as one, if one can be.
+void LiveWorld::collapse() {
+  if (changes_.empty() && began_ == 0) return;
+  if (!std::ranges::all_of(changes_, [](const Change& change) { return change.freeze.empty(); })) return;
+  Settings now = settings(), first = first_settings_;
+  first.guards = now.guards;
+  Change change = change_between(without_guards(first), without_guards(now));
+  if (!generated()) change.bodies.reset();  // it follows from the lists
+  std::optional<Change> one = one_change(first_scene_, world_->scene(), std::move(change));
+  if (!one) return;
+  changes_.clear();
+  // A change of state 0 begins anew where a snapshot was loaded.
+  if (is_recorded(*one) || began_ > 0) changes_.push_back(std::move(*one));
+}
+
+std::string LiveWorld::changes_text() {
+  return write_changes({changes_, RecordedEnd{world_->steps(), state_hash()}}, world_->scene());
+}
+
+void LiveWorld::open(World world, Script script) {
+  replace(std::make_unique<World>(std::move(world)));
+  script_ = std::move(script);
+  next_in_script_ = 0;
+  while (next_in_script_ < script_.changes.size() && script_.changes[next_in_script_].step <= world_->steps())
+    ++next_in_script_;
+  begin_record();
+}
+
+void LiveWorld::open(World world, Record record) {
+  open(std::move(world));
+  changes_ = std::move(record.changes);
+  first_scene_ = std::move(record.first_scene);
+  first_settings_ = std::move(record.first_settings);
+  began_ = record.began;
+  edited_ = record.edited;
+}
+
+void LiveWorld::play_script() {
+  for (; next_in_script_ < script_.changes.size() && script_.changes[next_in_script_].step == world_->steps();
+       ++next_in_script_)
+    apply(script_.changes[next_in_script_]);
+}
+
+void LiveWorld::restart(const RunState* rest) {
+  if (scripted()) {
+    HardRun again(script_.scene, script_.options, script_.changes);
+    return open(std::move(again.world()), Script(script_));
+  }
+  replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), rest));
+  pending_.reset();
+  record_restart(changes_);
+  if (began_ > 0 && changes_.empty()) changes_.emplace_back();
+  collapse();
+  history_.clear();
+  last_ids_.clear();
+  edited_ = false;
+}
+
+bool LiveWorld::step(bool measured) {
+  const std::int64_t before = world_->steps();
+  const std::vector<std::uint32_t> frozen = world_->frozen();
+  world_->step();
+  stats_known_ = hash_known_ = false;
+  pending_.reset();
+  if (world_->frozen().size() > frozen.size()) record_frozen(frozen, before);
+  if (world_->steps() == before) return false;  // a guard has paused it
+  record_step(*world_, measured ? &stats() : nullptr, history_);
+  play_script();
+  return true;
+}
+
+/// Guards have frozen bodies in the state before the step, which then was done again.
+void LiveWorld::record_frozen(const std::vector<std::uint32_t>& known, std::int64_t step) {
+  Change change;
+  change.step = step;
+  for (const std::uint32_t body : world_->frozen())
+    if (!std::ranges::binary_search(known, body)) change.freeze.push_back(body);
+  record_change(changes_, std::move(change));
+  edited_ = true;
+}
+
+const StepStats& LiveWorld::stats() {
+  if (!stats_known_) stats_ = world_->measure();
+  stats_known_ = true;
+  return stats_;
+}
+
+std::uint64_t LiveWorld::state_hash() {
+  if (!hash_known_) hash_ = world_->state_hash();
+  hash_known_ = true;
+  return hash_;
+}
+
+const std::vector<std::int64_t>& LiveWorld::level_sizes(bool exact) {
+  if (level_sizes_step_ < 0 || (exact && level_sizes_step_ != world_->steps())) {
+    level_sizes_ = world_->tree_level_sizes();
+    level_sizes_step_ = world_->steps();
+  }
+  return level_sizes_;
+}
+
+}  // namespace collidoscope

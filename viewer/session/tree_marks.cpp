@@ -1,0 +1,50 @@
+#include "viewer/session/tree_marks.h"
+
+#include <algorithm>
+
+namespace collidoscope {
+namespace {
+
+template <class Box>  // anything with min and max
+BoxInstance mark(const Box& box, std::size_t level, BoxMark kind) {
+  BoxInstance record{};
+  for (int axis = 0; axis < 3; ++axis) {
+    record.min[axis] = box.min[axis];
+    record.max[axis] = box.max[axis];
+  }
+  record.level = static_cast<float>(level);
+  record.value = static_cast<float>(kind);
+  return record;
+}
+
+}  // namespace
+
+std::vector<BoxInstance> tree_marks(const Workspace& workspace, const BodyReport* body,
+                                    const TreeFacts* facts) {
+  std::vector<BoxInstance> marks;
+  const auto add = [&](const NodeReport& node, BoxMark kind) {
+    marks.push_back(mark(node, static_cast<std::size_t>(node.level), kind));
+  };
+  if (facts != nullptr && facts->node) {
+    for (std::size_t k = 0; k < facts->children.size(); ++k)
+      add(facts->children[k], k % 2 == 0 ? BoxMark::left : BoxMark::right);
+    add(*facts->node, BoxMark::node);  // broader than theirs, its lines show beside those that they share
+  }
+  if (body == nullptr) return marks;
+  if (facts != nullptr && facts->queried == body->id) {
+    const auto shown = std::clamp(static_cast<std::size_t>(std::max(workspace.tree.visit, 1.0)),
+                                  std::size_t{0}, facts->visited.size());
+    for (std::size_t k = shown; k-- > 0;) {  // the last is on top
+      const auto& [node, met] = facts->visited[k];
+      add(node, met ? BoxMark::met : BoxMark::apart);
+      if (k + 1 == shown) add(node, BoxMark::current);  // shines from under it
+    }
+    return marks;
+  }
+  if (workspace.show_path)
+    for (std::size_t i = body->path.size(); i-- > 0;)  // from the root
+      marks.push_back(mark(body->path[i], body->path.size() - 1 - i, BoxMark::path));
+  return marks;
+}
+
+}  // namespace collidoscope
