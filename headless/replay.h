@@ -8,6 +8,7 @@
 
 #include "headless/cli/command_line.h"
 #include "sim_cuda/changes/changes_file.h"
+#include "sim_cuda/world.h"
 
 namespace collidoscope {
 

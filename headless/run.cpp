@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "headless/capture.h"
 #include "headless/cli/flag_value.h"
 #include "headless/cli/interruption.h"
 #include "headless/cli/output_file.h"

@@ -10,6 +10,7 @@
 #include "headless/cli/command_line.h"
 #include "headless/reporting/spread.h"
 #include "sim_cuda/core/launch_shape.h"
+#include "sim_cuda/world.h"
 #include "ui/chart.h"
 
 namespace collidoscope {

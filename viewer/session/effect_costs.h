@@ -9,6 +9,7 @@
 
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/effect_reasons.h"
+#include "sim_cuda/world.h"
 #include "ui/effect_facts.h"
 
 namespace collidoscope {

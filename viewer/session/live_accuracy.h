@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sim_cuda/accuracy/study.h"
+#include "sim_cuda/world.h"
 #include "ui/accuracy_facts.h"
 
 namespace collidoscope {

@@ -19,6 +19,7 @@
 
 #include "sim_cuda/publish/publish.h"
 #include "sim_cuda/reference/hard_spheres.h"
+#include "sim_cuda/world.h"
 #include "ui/reference_facts.h"
 
 namespace collidoscope {
