@@ -147,22 +147,21 @@ struct WarmJoints : JointRounds<Real> {
     if (this->sleeps(joint)) return;
     JointImpulse<Real> given = this->joints.impulses[place];
     JointEnds<Real> ends(this->bodies, joint);
-    JointWork<Real>(joint, given, ends, this->h, JointPhase::solve).warm_start();
+    JointWork<Real, JointPhase::solve>(joint, given, ends, this->h).warm_start();
     ends.store(this->bodies, joint);
     this->joints.impulses[place] = given;
   }
 };
 
-template <class Real>
+template <class Real, JointPhase phase>
 struct SweepJoints : JointRounds<Real> {
-  JointPhase phase;
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
     if (this->sleeps(joint) || (phase == JointPhase::relax && joint.kind == JointKind::spring)) return;
     JointImpulse<Real> given = this->joints.impulses[place];
     JointEnds<Real> ends(this->bodies, joint);
-    JointWork<Real>(joint, given, ends, this->h, phase).sweep();
+    JointWork<Real, phase>(joint, given, ends, this->h).sweep();
     ends.store(this->bodies, joint);
     this->joints.impulses[place] = given;
   }
@@ -249,12 +248,12 @@ void Joints<Real>::warm_start() {
 
 template <class Real>
 void Joints<Real>::solve() {
-  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real>{rounds(), JointPhase::solve});
+  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, JointPhase::solve>{rounds()});
 }
 
 template <class Real>
 void Joints<Real>::relax() {
-  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real>{rounds(), JointPhase::relax});
+  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, JointPhase::relax>{rounds()});
 }
 
 template <class Real>

@@ -160,8 +160,9 @@ void SoftStepSolver<Real>::solve(int substep) {
   record_sweep<rubbed>(substep, true, 0);
   for (int sweeps = 1; sweeps <= scene_.iterations; ++sweeps) {
     if (scene_.effects.joints) scene_.joints->solve();
-    const Real* held = scene_.effects.continuous_collision ? scene_.bodies.radius : nullptr;
-    sweep("solve", Solve<Real>{held, softness_});
+    with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool held>() {
+      sweep("solve", Solve<Real, held>{scene_.bodies.radius, softness_});
+    });
     sweep_walls<rubbed>("solve", false, false);
     record_sweep<rubbed>(substep, true, sweeps);
   }

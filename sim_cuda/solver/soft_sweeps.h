@@ -31,13 +31,16 @@ namespace collidoscope {
 /// A foreseen contact stops what would close its gap along today's normal, also of two that will fly past
 /// each other. `held`: with continuous collision, which foresees many such, and keeps them apart should they
 /// not: those are left alone.
-template <class Real>
+///
+/// `held` is a template parameter: as a run-time branch it costs 3 % of a step in double (50,000 bodies,
+/// H200).
+template <class Real, bool held>
 struct Solve {
   static constexpr bool rubs = false, sums = false;
-  const Real* radius;  ///< m, by body; null: not `held`
+  const Real* radius;  ///< m, by body; read only if `held`
   Softness<Real> softness;
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
-    if (radius != nullptr && contact.gap > 0 &&
+    if (held && contact.gap > 0 &&
         contact.passes(velocity, radius[bodies.a] + radius[bodies.b], 1 / softness.inverse_h)) {
       const Real change = -contact.impulse;
       contact.impulse = 0;
