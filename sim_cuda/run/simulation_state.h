@@ -1,0 +1,79 @@
+#pragma once
+// The buffers that one world simulates: bodies, materials, planes, boxes and attractors, as a scene has them
+// at its start. No stages.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/dynamics/attractor.h"
+#include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/narrow_phase/contact_list.h"
+#include "sim_cuda/run/body_states.h"
+#include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/scene.h"
+#include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/walls.h"
+
+namespace collidoscope {
+
+template <class Real>
+class SimulationState {
+ public:
+  SimulationState(Executor& executor, const Scene& scene, const InitialBodies& initial,
+                  const Effects& effects, int substeps);
+
+  std::int64_t body_count() const { return body_count_; }
+  const BodyBuffers<Real>& bodies() const { return bodies_; }
+  BodyView<Real> view() const { return bodies_.view(); }
+  const std::uint32_t* meshes() const { return mesh_.data(); }  ///< by body, 0: a sphere; null where all are
+  const std::optional<Box>& box() const { return box_; }
+  const Vector3<Real>& gravity() const { return gravity_; }     ///< m/s^2, zero where the effect is off
+  const Vector3<Real>* field() const { return field_.data(); }  ///< m/s^2, of attractors, by body; or null
+  const WallPlane<Real>* planes() const { return planes_.data(); }
+  int plane_count() const { return static_cast<int>(planes_.size()); }
+  BoxView<Real> boxes() const { return {box_surfaces_.data(), static_cast<int>(box_surfaces_.size())}; }
+  PullView<Real> attractors() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
+  SphereView<Real> spheres() const {
+    return {bodies_.position.data(), bodies_.radius.data(),
+            prescribed_.size() > 0 ? bodies_.inverse_mass.data() : nullptr};
+  }
+  /// m: what gravity and attractors add to the relative motion of two bodies in `time` s.
+  Real slack_in(Real time) const;
+  /// What a solver works on. `joints`: null where the effect is off.
+  SolverScene<Real> solver_scene(const Scene& scene, int substeps, StepControl* control,
+                                 Joints<Real>* joints) const;
+
+  // Copies from and to the host; outside of runs.
+  BodyStates download() const;
+  /// Overwrites bodies 0 .. states.position.size() - 1, and their ledgers if both worlds have walls.
+  void upload(const BodyStates& states, const std::vector<WallLedger>& ledgers);
+
+ private:
+  void upload_bodies(const InitialBodies& initial);
+  void upload_rotation(const InitialBodies& initial);
+  void upload_materials(const Scene& scene, const InitialBodies& initial, int substeps);
+  void upload_surfaces(const Scene& scene);
+  void upload_attractors(const Scene& scene);
+
+  Executor& executor_;
+  const std::int64_t body_count_;
+  const Effects effects_;
+  const std::optional<Box> box_;
+  const Vector3<Real> gravity_;            // m/s^2, zero where the effect is off
+  Buffer<PullingPoint<Real>> attractors_;  // empty where the effect is off, as is
+  Buffer<Vector3<Real>> field_;            // their pull on each body, m/s^2
+  Real largest_pull_ = 0;                  // m/s^2, of all attractors together
+  BodyBuffers<Real> bodies_;
+  Buffer<std::uint32_t> prescribed_;  // ids of static and kinematic bodies
+  Buffer<std::uint32_t> mesh_;        // by body, 0: a sphere; empty where all are
+  Buffer<Real> restitution_of_material_;
+  Buffer<Real> friction_of_material_;                    // empty where the effect is off
+  Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well
+  Buffer<WallPlane<Real>> planes_;
+  Buffer<BoxSurface<Real>> box_surfaces_;
+  Restitution<Real> restitution_;
+};
+
+}  // namespace collidoscope
