@@ -1,13 +1,13 @@
 // Distances of states and distributions, against values by hand.
 
 #include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/accuracy/record.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/statistics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "sim_cuda/accuracy/record.h"
-#include "sim_cuda/core/error.h"
 
 namespace collidoscope {
 namespace {
@@ -86,9 +86,9 @@ TEST(AccuracyErrors, OfDistributionsAreWhatMustBeMoved) {
 TEST(AccuracyErrors, FitAnOrderAndAQuantile) {
   EXPECT_NEAR(fitted_order({1, 0.5, 0.25}, {3, 0.75, 0.1875}), 2, 1e-12);
   EXPECT_TRUE(std::isnan(fitted_order({1}, {1})));
-  EXPECT_DOUBLE_EQ(quantile_of({4, 1, 3, 2}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile_of({4, 1, 3, 2, 5}, 0.25), 2);
-  EXPECT_TRUE(std::isnan(quantile_of({}, 0.5)));
+  EXPECT_DOUBLE_EQ(quantile<double>({4, 1, 3, 2}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile<double>({4, 1, 3, 2, 5}, 0.25), 2);
+  EXPECT_TRUE(std::isnan(quantile<double>({}, 0.5, NAN)));
 }
 
 TEST(AccuracyRecord, ReadsWhatItWroteAndRefusesTheRest) {

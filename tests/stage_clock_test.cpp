@@ -1,4 +1,5 @@
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +7,11 @@ namespace collidoscope {
 namespace {
 
 TEST(Quantile, InterpolatesBetweenOrderStatistics) {
-  EXPECT_EQ(quantile({}, 0.5), 0);
-  EXPECT_EQ(quantile({7}, 0.95), 7);
-  EXPECT_DOUBLE_EQ(quantile({4, 1, 3, 2}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile({1, 2, 3, 4, 5}, 0.25), 2);
-  EXPECT_DOUBLE_EQ(quantile({5, 1}, 1), 5);
+  EXPECT_EQ(quantile<float>({}, 0.5), 0);
+  EXPECT_EQ(quantile<float>({7}, 0.95), 7);
+  EXPECT_DOUBLE_EQ(quantile<float>({4, 1, 3, 2}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(quantile<float>({1, 2, 3, 4, 5}, 0.25), 2);
+  EXPECT_DOUBLE_EQ(quantile<float>({5, 1}, 1), 5);
 }
 
 TEST(TimeSamples, KeepTheMostRecentOnes) {

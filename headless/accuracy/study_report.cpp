@@ -7,6 +7,7 @@
 
 #include "headless/reporting/report.h"
 #include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/core/statistics.h"
 #include "sim_cuda/scene/names.h"
 #include "ui/accuracy_chart.h"
 
@@ -119,7 +120,7 @@ std::string float_text(const AccuracyRecord& record) {
   }
   if (pairs == 0 || ratios.empty()) return "";
   return fmt::format("double costs {:.2f} times what float does (median of {} settings); {}\n",
-                     quantile_of(ratios, 0.5), ratios.size(),
+                     quantile(ratios, 0.5, not_known), ratios.size(),
                      departs > 0 ? fmt::format("float stops paying at {} m: there its error is first more "
                                                "than a quarter above double's",
                                                number(departs))

@@ -1,6 +1,7 @@
 #include "headless/reporting/spread.h"
 
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 
 namespace collidoscope {
 

@@ -99,13 +99,4 @@ double fitted_order(const std::vector<double>& x, const std::vector<double>& y) 
   return xy / xx;
 }
 
-double quantile_of(std::vector<double> values, double share) {
-  if (values.empty()) return not_known;
-  std::ranges::sort(values);
-  const double place = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  if (below + 1 >= values.size() || values[below] == values[below + 1]) return values[below];
-  return values[below] + (place - static_cast<double>(below)) * (values[below + 1] - values[below]);
-}
-
 }  // namespace collidoscope

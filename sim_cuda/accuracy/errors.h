@@ -42,7 +42,4 @@ double distribution_distance(std::vector<double> a, std::vector<double> b);
 /// The slope of log y over log x by least squares; `not_known` of fewer than two points.
 double fitted_order(const std::vector<double>& x, const std::vector<double>& y);
 
-/// The value that a share of `values` lies below, between neighbours in proportion; `not_known` of none.
-double quantile_of(std::vector<double> values, double share);
-
 }  // namespace collidoscope

@@ -9,6 +9,7 @@
 #include "sim_cuda/accuracy/settings.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/statistics.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -203,11 +204,11 @@ bool AccuracyStudy::work_on_price(const Deadline& slice) {
     price_run_->rewind(subject_.start);
     return false;
   }
-  point.ms_runs.push_back(quantile_of(prices_, 0.5));
+  point.ms_runs.push_back(quantile(prices_, 0.5, not_known));
   prices_.clear();
   price_steps_ = 0;
-  point.ms = {quantile_of(point.ms_runs, 0.5), quantile_of(point.ms_runs, 0.25),
-              quantile_of(point.ms_runs, 0.75)};
+  point.ms = {quantile(point.ms_runs, 0.5, not_known), quantile(point.ms_runs, 0.25, not_known),
+              quantile(point.ms_runs, 0.75, not_known)};
   price_run_.reset();
   mark_front(points_);
   return true;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "sim_cuda/accuracy/errors.h"
+#include "sim_cuda/core/statistics.h"
 #include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
@@ -79,7 +80,7 @@ bool SampledRun::reach_next(const Deadline& slice) {
   } while (done_ % between_ != 0 && !slice.passed());
   if (done_ % between_ != 0) return false;
   ++sample_;
-  if (!stretch_.empty()) medians_.push_back(quantile_of(stretch_, 0.5));
+  if (!stretch_.empty()) medians_.push_back(quantile(stretch_, 0.5));
   stretch_.clear();
   return true;
 }

@@ -166,18 +166,15 @@ struct WriteRopedTree {
 };
 
 template <class Key>
-class LbvhRopes final : public BroadPhase {
+class LbvhRopes final : public RopeTreeMethod<Key> {
+  using Base = RopeTreeMethod<Key>;
+  using Base::executor_, Base::n_, Base::nodes_, Base::order_;
+
  public:
-  explicit LbvhRopes(Executor& executor)
-      : executor_(executor),
-        order_(executor),
-        nodes_(executor, "tree nodes"),
-        words_(executor, "words of tree climbers") {}
+  explicit LbvhRopes(Executor& executor) : Base(executor), words_(executor, "words of tree climbers") {}
 
   void reserve(std::int64_t bodies) override {
-    n_ = static_cast<std::uint32_t>(bodies);
-    order_.reserve(bodies);
-    nodes_.resize_discarding(n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0);
+    Base::reserve(bodies);
     words_.resize_discarding(n_);
     executor_.fill(words_.data(), 0xff, words_.bytes());  // nobody
   }
@@ -191,20 +188,11 @@ class LbvhRopes final : public BroadPhase {
 #endif
     executor_.run("build", n_, build);
   }
-  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
-  void count_visits(const VisitSink& sink) const override {
-    count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
-  }
-  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
-    executor_.run("tree", tree_nodes(), WriteRopedTree{nodes_.data(), n_, sink});
+    executor_.run("tree", Base::tree_nodes(), WriteRopedTree{nodes_.data(), n_, sink});
   }
 
  private:
-  Executor& executor_;
-  std::uint32_t n_ = 0;
-  MortonOrder<Key> order_;
-  Buffer<RopedNode> nodes_;
   Buffer<std::uint64_t> words_;
 };
 

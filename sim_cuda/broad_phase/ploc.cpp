@@ -156,12 +156,13 @@ struct Round {
 };
 
 template <class Key>
-class Ploc final : public BroadPhase {
+class Ploc final : public RopeTreeMethod<Key> {
+  using Base = RopeTreeMethod<Key>;
+  using Base::executor_, Base::n_, Base::nodes_, Base::order_;
+
  public:
   explicit Ploc(Executor& executor)
-      : executor_(executor),
-        order_(executor),
-        nodes_(executor, "tree nodes"),
+      : Base(executor),
         link_(executor, "links of nodes"),
         clusters_(executor, "clusters"),
         next_(executor, "clusters"),
@@ -172,11 +173,8 @@ class Ploc final : public BroadPhase {
         temporary_(executor, "scan workspace") {}
 
   void reserve(std::int64_t bodies) override {
-    n_ = static_cast<std::uint32_t>(bodies);
-    order_.reserve(bodies);
-    const std::size_t nodes = n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0;
-    nodes_.resize_discarding(nodes);
-    link_.resize_discarding(nodes);
+    Base::reserve(bodies);
+    link_.resize_discarding(nodes_.size());
     for (Buffer<Cluster>* each : {&clusters_, &next_}) each->resize_discarding(n_);
     nearest_.resize_discarding(n_);
     for (Buffer<std::uint32_t>* each : {&merged_, &before_})
@@ -204,23 +202,14 @@ class Ploc final : public BroadPhase {
                                   count + 1, nodes_.data(), links});
       std::swap(clusters, next);
     }
-    executor_.run("build", tree_nodes(), TieRopes{links, nodes_.data()});
+    executor_.run("build", Base::tree_nodes(), TieRopes{links, nodes_.data()});
   }
 
-  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
-  void count_visits(const VisitSink& sink) const override {
-    count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
-  }
-  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     if (n_ > 0) write_rope_tree(executor_, n_, nodes_.data(), {link_.data()}, sink);
   }
 
  private:
-  Executor& executor_;
-  std::uint32_t n_ = 0;
-  MortonOrder<Key> order_;
-  Buffer<RopedNode> nodes_;
   Buffer<std::uint32_t> link_;
   Buffer<Cluster> clusters_, next_;
   Buffer<std::uint32_t> nearest_, merged_, before_, counts_;

@@ -120,33 +120,31 @@ struct Judge {
 };
 
 template <class Key>
-class RefitBvh final : public BroadPhase {
+class RefitBvh final : public RopeTreeMethod<Key> {
+  using Base = RopeTreeMethod<Key>;
+  using Base::executor_, Base::n_, Base::nodes_, Base::order_;
+
  public:
   explicit RefitBvh(Executor& executor)
-      : executor_(executor),
-        order_(executor),
-        nodes_(executor, "tree nodes"),
+      : Base(executor),
         link_(executor, "links of nodes"),
         met_(executor, "tree climbers"),
         sums_(executor, "sums of areas"),
         upkeep_(executor, "upkeep of the tree") {}
 
   void reserve(std::int64_t bodies) override {
-    n_ = static_cast<std::uint32_t>(bodies);
-    order_.reserve(bodies);
-    const std::size_t nodes = n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0;
-    nodes_.resize_discarding(nodes);
-    link_.resize_discarding(nodes);
+    Base::reserve(bodies);
+    link_.resize_discarding(nodes_.size());
     met_.resize_discarding(n_);
     executor_.fill(met_.data(), 0xff, met_.bytes());
     sums_.resize_discarding(reduce_scratch_size(bodies));
-    upkeep_.upload({Upkeep{n_, static_cast<std::uint32_t>(nodes), 0}});
+    upkeep_.upload({Upkeep{n_, static_cast<std::uint32_t>(nodes_.size()), 0}});
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
     Upkeep* upkeep = upkeep_.data();
-    const Count leaves(&upkeep->leaves, n_), nodes(&upkeep->nodes, tree_nodes());
+    const Count leaves(&upkeep->leaves, n_), nodes(&upkeep->nodes, Base::tree_nodes());
     const TreeLinks links{link_.data()};
     order_.sort(boxes, extent, PlaceLeafBody{nodes_.data()}, leaves);
     executor_.run("build", leaves, LinkNodes<Key>{order_.keys(), n_, nodes_.data(), links, met_.data()});
@@ -158,20 +156,11 @@ class RefitBvh final : public BroadPhase {
     executor_.run("build", 1, Judge{area, n_, upkeep});
   }
 
-  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
-  void count_visits(const VisitSink& sink) const override {
-    count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
-  }
-  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
     if (n_ > 0) write_rope_tree(executor_, n_, nodes_.data(), {link_.data()}, sink);
   }
 
  private:
-  Executor& executor_;
-  std::uint32_t n_ = 0;
-  MortonOrder<Key> order_;
-  Buffer<RopedNode> nodes_;
   Buffer<std::uint32_t> link_, met_;
   Buffer<AreaSum> sums_;
   Buffer<Upkeep> upkeep_;

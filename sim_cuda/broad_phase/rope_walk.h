@@ -7,7 +7,10 @@
 
 #include <cstdint>
 
+#include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
+#include "sim_cuda/core/buffer.h"
 
 namespace collidoscope {
 
@@ -40,5 +43,30 @@ void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32
 /// BroadPhase::count_visits of it. Lanes of a warp that share a walk read the same nodes as one lane alone.
 void count_visits_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n,
                            const VisitSink& sink);
+
+/// What broad phases with such a tree share. They sort bodies by Morton keys and build nodes in update().
+template <class Key>
+class RopeTreeMethod : public BroadPhase {
+ public:
+  explicit RopeTreeMethod(Executor& executor)
+      : executor_(executor), order_(executor), nodes_(executor, "tree nodes") {}
+
+  void reserve(std::int64_t bodies) override {
+    n_ = static_cast<std::uint32_t>(bodies);
+    order_.reserve(bodies);
+    nodes_.resize_discarding(n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0);
+  }
+  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
+  void count_visits(const VisitSink& sink) const override {
+    count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
+  }
+  std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
+
+ protected:
+  Executor& executor_;
+  std::uint32_t n_ = 0;
+  MortonOrder<Key> order_;
+  Buffer<RopedNode> nodes_;
+};
 
 }  // namespace collidoscope

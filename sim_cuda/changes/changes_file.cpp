@@ -32,7 +32,7 @@ class ChangesReader {
   std::vector<JsonFault> read(ChangeList& list) {
     ObjectReader root(reading_, document_.root(), "a list of changes");
     if (root.is_object()) {
-      read_header(root);
+      root.header("collidoscope-changes", "a list of changes");
       if (const JsonNode* changes = root.member("changes", JsonKind::array))
         for (const JsonNode& node : document_.children(*changes)) read_change(node, list.changes);
       if (const JsonNode* node = root.member("end")) read_end(*node, list);
@@ -42,19 +42,6 @@ class ChangesReader {
   }
 
  private:
-  void read_header(ObjectReader& root) {
-    const JsonNode* format = root.member("format");
-    if (format == nullptr || format->kind != JsonKind::text ||
-        document_.text(*format) != "collidoscope-changes")
-      reading_.fault(format == nullptr ? document_.root() : *format,
-                     "a list of changes starts with \"format\": \"collidoscope-changes\"");
-    const JsonNode* version = root.member("version");
-    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0)
-      reading_.fault(version == nullptr ? document_.root() : *version,
-                     version == nullptr ? "\"version\" is missing; it is 1"
-                                        : "this version of the format is not known; it is 1");
-  }
-
   void read_end(const JsonNode& node, ChangeList& list) {
     ObjectReader reader(reading_, node, "\"end\"");
     RecordedEnd end;

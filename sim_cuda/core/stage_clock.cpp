@@ -2,17 +2,9 @@
 
 #include <algorithm>
 
-namespace collidoscope {
+#include "sim_cuda/core/statistics.h"
 
-double quantile(std::vector<float> samples, double q) {
-  if (samples.empty()) return 0;
-  const double place = q * static_cast<double>(samples.size() - 1);
-  const auto low = static_cast<std::size_t>(place);
-  const std::size_t high = std::min(low + 1, samples.size() - 1);
-  std::sort(samples.begin(), samples.end());
-  const double t = place - static_cast<double>(low);
-  return (1 - t) * samples[low] + t * samples[high];
-}
+namespace collidoscope {
 
 void TimeSamples::add(float milliseconds) {
   last_ = milliseconds;

@@ -68,7 +68,4 @@ class StageClock {
   TimeSamples plain_ms_;
 };
 
-/// The q-quantile (0 to 1) by linear interpolation between order statistics; 0 of nothing.
-double quantile(std::vector<float> samples, double q);
-
 }  // namespace collidoscope

@@ -32,16 +32,7 @@ struct PartedPairs {
   std::uint32_t count = 0;
 
   SIM_HD bool hold(std::uint32_t a, std::uint32_t b) const {
-    std::uint32_t low = 0, high = count;
-    while (low < high) {
-      const std::uint32_t middle = low + (high - low) / 2;
-      const Pair pair = pairs[middle];
-      if (pair.a < a || (pair.a == a && pair.b < b))
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    return low < count && pairs[low].a == a && pairs[low].b == b;
+    return find_pair(pairs, 0, count, a, b) != no_pair;
   }
 };
 

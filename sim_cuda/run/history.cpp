@@ -8,6 +8,7 @@
 
 #include "sim_cuda/core/finite_or_null.h"
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 #include "sim_cuda/measure/launch_json.h"
 
 namespace collidoscope {

@@ -153,6 +153,19 @@ bool ObjectReader::vector(std::string_view key, Vector3d& value) {
   return true;
 }
 
+void ObjectReader::header(std::string_view format, std::string_view whose) {
+  const JsonDocument& document = reading_.document;
+  const JsonNode* name = member("format");
+  if (name == nullptr || name->kind != JsonKind::text || document.text(*name) != format)
+    reading_.fault(name == nullptr ? node_ : *name,
+                   fmt::format("{} starts with \"format\": \"{}\"", whose, format));
+  const JsonNode* version = member("version");
+  if (version == nullptr || version->kind != JsonKind::number || document.number(*version) != 1.0)
+    reading_.fault(version == nullptr ? node_ : *version,
+                   version == nullptr ? "\"version\" is missing; it is 1"
+                                      : "this version of the format is not known; it is 1");
+}
+
 void ObjectReader::finish() {
   if (!is_object_) return;
   for (const JsonNode& child : reading_.document.children(node_)) {

@@ -70,6 +70,9 @@ class ObjectReader {
     return found.has_value();
   }
 
+  /// Checks "format" and "version": 1 of a file. `whose`: "a scene", for the message.
+  void header(std::string_view format, std::string_view whose);
+
   /// Notes every key that was not named.
   void finish();
 

@@ -35,7 +35,7 @@ class SceneReader {
   std::vector<JsonFault> read() {
     ObjectReader root(reading_, document_.root(), "a scene");
     if (root.is_object()) {
-      read_header(root);
+      root.header("collidoscope-scene", "a scene");
       root.text("name", scene_.name);
       if (const JsonNode* node = root.member("box")) read_box(*node);
       read_physics(root);
@@ -53,21 +53,6 @@ class SceneReader {
   }
 
  private:
-  void read_header(ObjectReader& root) {
-    const JsonNode* format = root.member("format");
-    if (format == nullptr || format->kind != JsonKind::text ||
-        document_.text(*format) != "collidoscope-scene") {
-      reading_.fault(format == nullptr ? document_.root() : *format,
-                     "a scene starts with \"format\": \"collidoscope-scene\"");
-    }
-    const JsonNode* version = root.member("version");
-    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0) {
-      reading_.fault(version == nullptr ? document_.root() : *version,
-                     version == nullptr ? "\"version\" is missing; it is 1"
-                                        : "this version of the format is not known; it is 1");
-    }
-  }
-
   void read_box(const JsonNode& node) {
     ObjectReader reader(reading_, node, "a box");
     scene_.box.emplace();

@@ -22,28 +22,14 @@ struct ImpulseView {
   const Real* impulse = nullptr;         ///< N s, >= 0
   const std::uint32_t* count = nullptr;  ///< null: none are known
 
-  static constexpr std::uint32_t none = 0xffffffffu;
-  /// Where a pair stands in the list, or `none`.
+  /// Where a pair stands in the list, or `no_pair`.
   SIM_HD std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
-    if (count == nullptr) return none;
-    const std::uint64_t wanted = static_cast<std::uint64_t>(a) << 32 | b;
-    std::uint32_t low = 0, high = *count;
-    while (low < high) {
-      const std::uint32_t middle = low + (high - low) / 2;
-      const Pair pair = contacts[middle];
-      const std::uint64_t here = static_cast<std::uint64_t>(pair.a) << 32 | pair.b;
-      if (here == wanted) return middle;
-      if (here < wanted)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    return none;
+    return count == nullptr ? no_pair : find_pair(contacts, 0, *count, a, b);
   }
   /// 0 for a pair that the list lacks.
   SIM_HD Real of(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t place = find(a, b);
-    return place == none ? Real(0) : impulse[place];
+    return place == no_pair ? Real(0) : impulse[place];
   }
 };
 

@@ -15,28 +15,16 @@ struct KnownContacts {
   const std::uint32_t* count;  ///< one
   const std::uint32_t* first;  ///< by body a; of no meaning where it has none
 
-  static constexpr std::uint32_t none = 0xffffffffu;
-
-  /// Where a pair stands, or `none`. Looks in steps that double from a's first contact on: most bodies have a
-  /// few, and one may have thousands.
+  /// Where a pair stands, or `no_pair`. Looks in steps that double from a's first contact on: most bodies
+  /// have a few, and one may have thousands.
   SIM_HD std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t size = *count;
     std::uint32_t low = first[a], high = low;
-    for (std::uint32_t stride = 1; high < size && precedes(contacts[high], a, b); stride *= 2) {
+    for (std::uint32_t stride = 1; high < size && contacts[high].precedes(a, b); stride *= 2) {
       low = high + 1;
       high = size - low > stride ? low + stride : size;
     }
-    while (low < high) {
-      const std::uint32_t middle = low + (high - low) / 2;
-      if (precedes(contacts[middle], a, b))
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    return low < size && contacts[low].a == a && contacts[low].b == b ? low : none;
-  }
-  SIM_HD static bool precedes(Pair pair, std::uint32_t a, std::uint32_t b) {
-    return pair.a < a || (pair.a == a && pair.b < b);
+    return find_pair(contacts, low, high < size ? high + 1 : size, a, b);
   }
   /// Whether contact k is the first of its body a: what `first` is made from.
   SIM_HD static bool is_first(const Pair* contacts, std::uint32_t k) {

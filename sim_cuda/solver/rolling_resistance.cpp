@@ -21,7 +21,7 @@ struct PrepareRolls {
   SIM_HD void operator()(int place) const {
     const auto [a, b] = contacts[place];
     const std::uint32_t before = known.find(a, b);
-    const bool found = before != KnownContacts::none;
+    const bool found = before != no_pair;
     const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
     rolls[place] = {found ? known_impulse[before] : Vector3<Real>(Vector3<Real>::Zero()),
                     max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};

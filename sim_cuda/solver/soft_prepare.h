@@ -58,7 +58,7 @@ struct PrepareContacts {
     if (colours.colour[place] < Colouring::colours)
       turns[place] = Turns::of(colours.bodies[a].used, colours.bodies[b].used, colours.colour[place]);
     const std::uint32_t before = known.find(a, b);
-    const bool found = before != KnownContacts::none;
+    const bool found = before != no_pair;
     const Separation<Real> now = of.at(body_a.position, body_b.position);
     SoftContact<Real> k;
     k.normal = now.normal;

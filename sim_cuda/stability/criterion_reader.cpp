@@ -39,7 +39,7 @@ class CriterionReader {
   std::vector<JsonFault> read(Criterion& criterion) {
     ObjectReader root(reading_, document_.root(), "a criterion");
     if (root.is_object()) {
-      read_header(root);
+      root.header("collidoscope-criterion", "a criterion");
       read_what(root);
       if (const JsonNode* refused = root.member("refused", JsonKind::array))
         read_refused(*refused, root);
@@ -52,19 +52,6 @@ class CriterionReader {
   }
 
  private:
-  void read_header(ObjectReader& root) {
-    const JsonNode* format = root.member("format");
-    if (format == nullptr || format->kind != JsonKind::text ||
-        document_.text(*format) != "collidoscope-criterion")
-      reading_.fault(format == nullptr ? document_.root() : *format,
-                     "a criterion starts with \"format\": \"collidoscope-criterion\"");
-    const JsonNode* version = root.member("version");
-    if (version == nullptr || version->kind != JsonKind::number || document_.number(*version) != 1.0)
-      reading_.fault(version == nullptr ? document_.root() : *version,
-                     version == nullptr ? "\"version\" is missing; it is 1"
-                                        : "this version of the format is not known; it is 1");
-  }
-
   void read_what(ObjectReader& root) {
     if (!root.text("what", criterion_.what) && root.member("what") == nullptr)
       reading_.fault(document_.root(), "\"what\" is missing: a line that says what must hold");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 
 namespace collidoscope {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/scene_file.h"
 

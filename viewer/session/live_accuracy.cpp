@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 #include "viewer/session/live_reference.h"
 
 namespace collidoscope {

@@ -11,6 +11,7 @@
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/stage_clock.h"
+#include "sim_cuda/core/statistics.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/scene_file.h"
 
