@@ -7,6 +7,7 @@
 #include "sim_cuda/solver/soft_prepare.h"
 #include "sim_cuda/solver/soft_residual.h"
 #include "sim_cuda/solver/soft_sweeps.h"
+#include "sim_cuda/solver/soft_wall_stages.h"
 
 namespace collidoscope {
 
