@@ -17,7 +17,6 @@
 #include "sim_cuda/core/error.h"
 #include "ui/chart.h"
 #include "ui/overlay.h"
-#include "ui/shown_layers.h"
 #include "viewer/render/gl/target.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/interop/display_link.h"
@@ -64,8 +63,8 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.stages = times.stages;
   text.step_ms = times.step_median_ms;
   text.timings = request.timings;
-  if (layers.spheres) text.body_colors = color_key(body_legend(layers.color, values, stats));
-  if (layers.boxes) text.box_colors = color_key(box_legend(layers.box_color, values));
+  if (layers.spheres) text.body_colors = body_legend(layers.color, values, stats);
+  if (layers.boxes) text.box_colors = box_legend(layers.box_color, values);
   text.boxes_drawn = layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes;
   if (layers.boxes && layers.box_color == NodeMetric::level) {
     const int last = std::min(layers.last_level, static_cast<int>(world.tree_level_sizes().size()) - 1);
@@ -141,7 +140,7 @@ int run_capture(const CaptureRequest& request, World& world) {
   world.record_impulses(request.layers.contacts);
   world.record_residuals(request.layers.convergence);
   LiveReference reference;
-  const bool asked = shown_layers(request.layers).ask_a_reference();
+  const bool asked = request.layers.ask_a_reference();
   if (asked) reference.follow(world, 0);
   const double time_step = world.scene().physics.time_step;
   Progress progress("capture", states.back());

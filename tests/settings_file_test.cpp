@@ -50,7 +50,7 @@ TEST(SettingsFile, NonsenseIsLeftOut) {
   for (const char* text : {"", "{", "[]", "{}", R"({"format": 3})", "\xff\xfe"}) {
     Workspace workspace;
     EXPECT_THAT(read_settings(text, workspace), testing::HasSubstr("ignored")) << text;
-    EXPECT_EQ(workspace.layers, ShownLayers{});
+    EXPECT_EQ(workspace.layers, window_layers());
   }
   Workspace workspace;
   EXPECT_EQ(

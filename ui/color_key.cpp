@@ -17,18 +17,18 @@ std::string number(double value) {
 
 }  // namespace
 
-std::string title_text(const ColorKey& key) {
+std::string title_text(const Legend& key) {
   std::string text = key.title;
   if (!key.unit.empty()) text += " · " + key.unit;
   if (key.logarithmic) text += " · log";
   return text;
 }
 
-std::string low_text(const ColorKey& key) {
+std::string low_text(const Legend& key) {
   if (!key.low_word.empty()) return key.low_word;
   return (key.goes_below ? "≤ " : "") + number(key.min);
 }
-std::string high_text(const ColorKey& key) {
+std::string high_text(const Legend& key) {
   if (!key.high_word.empty()) return key.high_word;
   return (key.goes_on ? "≥ " : "") + number(key.max);
 }

@@ -48,7 +48,7 @@ void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
 
 // What should be, beside what is.
 void draw_reference(Workspace& workspace, const WorkspaceView& view, float column) {
-  ShownLayers& layers = workspace.layers;
+  FrameLayers& layers = workspace.layers;
   const ReferenceFacts& reference = view.reference;
   const auto reference_switch = [&](const char* name, const char* label, bool& on, const char* help) {
     ImGui::BeginDisabled(!on && !reference.lack.empty());
@@ -97,7 +97,7 @@ void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
 
 void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "layers", "Layers", workspace.folds.layers)) return end_panel();
-  ShownLayers& layers = workspace.layers;
+  FrameLayers& layers = workspace.layers;
   const float column = ImGui::GetContentRegionAvail().x / 3 + ImGui::GetStyle().WindowPadding.x;
   layer_switch(workspace, "spheres", "spheres", layers.spheres);
   ImGui::SameLine(column);

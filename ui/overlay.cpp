@@ -137,7 +137,7 @@ void draw_times(const Writer& write, const OverlayText& text, float right, float
 }
 
 // Returns where it ends.
-float draw_color_bar(const Writer& write, const ColorKey& key, float x, float bottom) {
+float draw_color_bar(const Writer& write, const Legend& key, float x, float bottom) {
   const float size = write.size(), width = std::max(size * 13, write.width(title_text(key))),
               height = size * 0.6f;
   const float y = bottom - size * 1.3f - height;
@@ -205,7 +205,7 @@ void draw_overlay(const OverlayText& text, float width, float height) {
   draw_times(write, text, width - margin, margin, legend);
   write.end_plate();
   float keys_from = margin;
-  for (const ColorKey* key : {&text.body_colors, &text.box_colors}) {
+  for (const Legend* key : {&text.body_colors, &text.box_colors}) {
     if (key->title.empty()) continue;
     write.begin_plate();
     keys_from = draw_color_bar(write, *key, keys_from, height - margin * 0.7f) + write.size() * 2;

@@ -29,7 +29,7 @@ struct OverlayText {
   double step_ms = 0;    ///< median of whole steps
   bool timings = false;  ///< false: times are drawn as a dash, so that pictures repeat
 
-  ColorKey body_colors, box_colors;  ///< colour bars
+  Legend body_colors, box_colors;  ///< colour bars
   struct Level {
     int level;
     PackedColor color;

@@ -12,7 +12,7 @@
 namespace collidoscope {
 namespace {
 
-ImU32 color_of(const ColorKey& key, float value) {
+ImU32 color_of(const Legend& key, float value) {
   if (key.colors.empty()) return 0xffa0a0a0u;
   const auto place = [&](double v) { return key.logarithmic ? std::log(std::max(v, 1e-30)) : v; };
   const double from = place(key.min), width = place(key.max) - from;
@@ -24,7 +24,7 @@ ImU32 color_of(const ColorKey& key, float value) {
 
 void draw_tree_spread(Workspace& workspace, const WorkspaceView& view) {
   const NodeSpread& spread = view.tree->spread;
-  ShownLayers& layers = workspace.layers;
+  FrameLayers& layers = workspace.layers;
   constexpr int bins = static_cast<int>(NodeSpread::bins);
   if (spread.count == 0) {
     faint_text(layers.box_color == NodeMetric::level ? "colour them by a metric to see how it spreads"

@@ -46,7 +46,7 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
     faint_text("no tree here");
     return;
   }
-  ShownLayers& layers = workspace.layers;
+  FrameLayers& layers = workspace.layers;
   int first = std::clamp(layers.first_level, 0, count - 1),
       last = std::clamp(layers.last_level, first, count - 1);
   const float height = ImGui::GetFontSize() * 1.3f, width = ImGui::GetContentRegionAvail().x;
@@ -123,7 +123,7 @@ void draw_color_bar(const std::vector<std::uint32_t>& colors, const std::string&
   faint_text(high);
 }
 
-void draw_color_key(const ColorKey& key) {
+void draw_color_key(const Legend& key) {
   if (!key.colors.empty()) draw_color_bar(key.colors, low_text(key), title_text(key), high_text(key));
 }
 
@@ -151,7 +151,7 @@ void choose_box_color(Workspace& workspace, const char* name) {
        {NodeMetric::sibling_overlap, "sibling overlap"},
        {NodeMetric::empty_space, "empty space"},
        {NodeMetric::visits, "visits"}}};
-  ShownLayers& layers = workspace.layers;
+  FrameLayers& layers = workspace.layers;
   const auto* chosen =
       std::ranges::find(choices, layers.box_color, &std::pair<NodeMetric, const char*>::first);
   if (begin_choice((std::string("##") + name).c_str(), chosen->second)) {

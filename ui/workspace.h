@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim_cuda/measure/body_report.h"
+#include "sim_cuda/publish/frame_layers.h"
 #include "sim_cuda/publish/publish.h"
 #include "sim_cuda/run/history.h"
 #include "sim_cuda/scene/limits.h"
@@ -54,20 +55,6 @@ struct Settings {
 };
 
 /// What the 3D view shows.
-struct ShownLayers {
-  bool spheres = true, boxes = false, contacts = false, grid = true, walls = true, joints = true;
-  bool ghosts = false;                   ///< of the reference: spheres where it has them at the same time
-  bool errors = false;                   ///< lines from each body towards its ghost
-  int error_scale = 0;                   ///< times as long as the error; 0: "auto"
-  int first_level = 0, last_level = 63;  ///< of the hierarchy, inclusive; 0 is the root
-  BodyColor color = BodyColor::speed;
-  NodeMetric box_color = NodeMetric::level;
-  float box_low = 0, box_high = std::numeric_limits<float>::infinity();  ///< boxes drawn, by that metric
-
-  bool ask_a_reference() const { return ghosts || errors || color == BodyColor::error; }
-  friend bool operator==(const ShownLayers&, const ShownLayers&) = default;
-};
-
 enum class CameraWish { none, frame_all, frame_selection, front, side, top, orthographic };
 enum class Theme { dark, light };
 
@@ -109,7 +96,7 @@ struct Workspace {
   };
   std::optional<InputFault> input_fault;
   std::string typed_text;  ///< in the field that has the keyboard
-  ShownLayers layers;
+  FrameLayers layers = window_layers();
   bool levels_chosen = false;  ///< else boxes start with the levels 2 to 4
 
   bool playing = true;
@@ -208,7 +195,7 @@ struct WorkspaceView {
   std::vector<Residual> residuals;  ///< of the last step; empty where they were not recorded
 
   std::vector<std::uint32_t> level_colors;    ///< 0xAABBGGRR, by level
-  ColorKey body_colors, box_colors;           ///< what their colours mean
+  Legend body_colors, box_colors;             ///< what their colours mean
   std::int64_t boxes_drawn = 0;               ///< where they are not coloured by level
   std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
   double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known

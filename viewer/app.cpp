@@ -10,7 +10,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
 #include "sim_cuda/scene/box_collider.h"
-#include "ui/shown_layers.h"
+#include "ui/colored_levels.h"
 #include "ui/widgets.h"
 #include "viewer/app_guard.h"
 #include "viewer/render/gl/errors.h"
@@ -34,7 +34,7 @@ Workspace first_workspace(const Options& options, bool& keeps) {
     keeps = remembered.may_be_written;
   }
   const FrameLayers& asked = options.capture.layers;
-  if (!(asked == CaptureRequest{}.layers)) workspace.layers = shown_layers(asked);
+  if (!(asked == CaptureRequest{}.layers)) workspace.layers = window_layers(asked);
   workspace.levels_chosen |= workspace.layers.boxes;
   if (options.breaks.any()) {
     workspace.breaks.ask(options.breaks);
@@ -186,8 +186,8 @@ void App::fill(WorkspaceView& view) {
   view.view_scale = scene_.scale();
   view.display_path = scene_.display_path();
   view.cuda_lack = cuda_lack_;
-  view.body_colors = color_key(scene_.body_legend());
-  view.box_colors = color_key(scene_.box_legend());
+  view.body_colors = scene_.body_legend();
+  view.box_colors = scene_.box_legend();
   view.boxes_drawn = scene_.range().boxes;
   view.contact_colors = contact_legend();
   view.max_impulse = scene_.range().max_impulse;

@@ -12,27 +12,6 @@
 namespace collidoscope {
 namespace {
 
-FrameLayers frame_layers(const ShownLayers& shown) {
-  FrameLayers layers;
-  layers.spheres = shown.spheres;
-  layers.boxes = shown.boxes;
-  layers.contacts = shown.contacts;
-  layers.joints = shown.joints;
-  layers.ghosts = shown.ghosts;
-  layers.errors = shown.errors;
-  layers.error_scale = shown.error_scale;
-  layers.grid = shown.grid;
-  layers.walls = shown.walls;
-  layers.overlay = false;
-  layers.first_level = shown.first_level;
-  layers.last_level = shown.last_level;
-  layers.color = shown.color;
-  layers.box_color = shown.box_color;
-  layers.box_low = shown.box_low;
-  layers.box_high = shown.box_high;
-  return layers;
-}
-
 bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
   return a && b ? a->min == b->min && a->max == b->max : a.has_value() == b.has_value();
 }
@@ -106,7 +85,7 @@ void SceneView::publish(LiveWorld& live, const Workspace& workspace, LiveReferen
     renderer_->set_ghosts(reference.ghosts(live.world(), live.generation()));
     wanted.reference = reference.version();
   }
-  const FrameLayers layers = frame_layers(workspace.layers);
+  const FrameLayers layers = workspace.layers;
   const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
   link_->publish(live.world(), layers, renderer_->instances());
   path_name_ = display_path_name(link_->path());
@@ -155,7 +134,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
     return std::max(static_cast<int>(std::lround(wanted.scale * size)), 1);
   };
   renderer_->resize(pixels(width), pixels(height));
-  FrameLayers layers = frame_layers(workspace.layers);
+  FrameLayers layers = workspace.layers;
   layers.highlighted_level = workspace.hovered_level;
   renderer_->draw(camera_, layers, range_);
   if (software) {
@@ -206,7 +185,7 @@ SceneView::Picked SceneView::pick(int x, int y) {
   if (!renderer_) return {};
   x = x * renderer_->width() / width_;
   y = y * renderer_->height() / height_;
-  const ShownLayers& shown = published_.layers;
+  const FrameLayers& shown = published_.layers;
   IdLayers layers;
   layers.bodies = shown.spheres;
   if (layers.bodies)

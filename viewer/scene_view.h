@@ -82,7 +82,7 @@ class SceneView {
   struct Published {
     int generation = -1;
     std::int64_t step = -1;
-    ShownLayers layers;
+    FrameLayers layers;
     int reference = 0;
     friend bool operator==(const Published&, const Published&) = default;
   } published_;

@@ -1,6 +1,6 @@
 #include "headless/pictures/panel_picture.h"
 
-#include "ui/shown_layers.h"
+#include "ui/colored_levels.h"
 #include "viewer/render/legend.h"
 #include "viewer/session/fill_view.h"
 #include "viewer/session/tree_marks.h"
@@ -10,7 +10,7 @@ namespace collidoscope {
 PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings)
     : frame_(width, height) {
   workspace_.settings = settings_of(world);
-  workspace_.layers = shown_layers(layers);
+  workspace_.layers = window_layers(layers);
   workspace_.playing = false;
   workspace_.hint = false;
   if (layers.tree) {  // long as it is, it takes the others' room
@@ -54,9 +54,9 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
     view_.effect_facts = costs_.facts(world);
   }
   view_.level_sizes = level_sizes;
-  const ShownLayers& layers = workspace_.layers;
-  view_.body_colors = layers.spheres ? color_key(body_legend(layers.color, range, stats)) : ColorKey{};
-  view_.box_colors = layers.boxes ? color_key(box_legend(layers.box_color, range)) : ColorKey{};
+  const FrameLayers& layers = workspace_.layers;
+  view_.body_colors = layers.spheres ? body_legend(layers.color, range, stats) : Legend{};
+  view_.box_colors = layers.boxes ? box_legend(layers.box_color, range) : Legend{};
   view_.boxes_drawn = range.boxes;
   view_.contact_colors = contact_legend();
   view_.max_impulse = range.max_impulse;

@@ -1,25 +1,15 @@
 #pragma once
-// What the colours of a picture mean, for whoever draws a legend. Plain data, colours as 0xAABBGGRR.
+// The legends of a picture: what its colours mean. Free functions; colours are 0xAABBGGRR.
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/publish/legend.h"
 #include "sim_cuda/publish/publish.h"
 #include "viewer/render/frame_uniforms.h"
 
 namespace collidoscope {
-
-struct Legend {
-  std::string title, unit;  ///< no title: nothing to explain
-  double min = 0, max = 1;
-  bool goes_on = false;               ///< larger values are drawn as the greatest
-  bool goes_below = false;            ///< smaller values are drawn as the least
-  bool logarithmic = false;           ///< even steps of the logarithm
-  std::vector<std::uint32_t> colors;  ///< from least to greatest
-  std::string low_word, high_word;    ///< in place of min and max
-};
 
 /// Of bodies coloured by `color` over `range` at the state of `stats`.
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats);

@@ -25,7 +25,7 @@ struct Switch {
   bool& value;
 };
 
-std::vector<Switch> switches(ShownLayers& layers, Folds& folds) {
+std::vector<Switch> switches(FrameLayers& layers, Folds& folds) {
   return {{"spheres", layers.spheres},  {"boxes", layers.boxes},          {"contacts", layers.contacts},
           {"grid", layers.grid},        {"walls", layers.walls},          {"joints", layers.joints},
           {"ghosts", layers.ghosts},    {"errors", layers.errors},        {"left", folds.left},
@@ -46,7 +46,7 @@ std::string settings_path() {
 }
 
 std::string settings_text(const Workspace& workspace) {
-  ShownLayers layers = workspace.layers;
+  FrameLayers layers = workspace.layers;
   Folds folds = workspace.folds;
   Json document = {{"format", "collidoscope-settings"},
                    {"version", file_version},

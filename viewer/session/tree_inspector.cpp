@@ -58,7 +58,7 @@ void TreeInspector::measure(World& world, const State& now) {
 
 void TreeInspector::fill_table(World& world, Workspace& workspace) {
   TreeWishes& wishes = workspace.tree;
-  const ShownLayers& layers = workspace.layers;
+  const FrameLayers& layers = workspace.layers;
   const std::vector<std::int64_t> sizes = world.tree_level_sizes();
   facts_->ranked = 0;
   for (int level = 0; level < static_cast<int>(sizes.size()); ++level)
@@ -95,7 +95,7 @@ void TreeInspector::fill_table(World& world, Workspace& workspace) {
     wishes.node = chosen.node;
 }
 
-void TreeInspector::fill_spread(World& world, const ShownLayers& layers) {
+void TreeInspector::fill_spread(World& world, const FrameLayers& layers) {
   const Spread wanted{layers.box_color, layers.first_level, layers.last_level, layers.box_low,
                       layers.box_high};
   if (wanted == spread_) return;

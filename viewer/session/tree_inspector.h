@@ -43,7 +43,7 @@ class TreeInspector {
   bool due(const State& now, const Workspace& workspace) const;
   void measure(World& world, const State& now);
   void fill_table(World& world, Workspace& workspace);
-  void fill_spread(World& world, const ShownLayers& layers);
+  void fill_spread(World& world, const FrameLayers& layers);
   void fill_node(World& world, Workspace& workspace);
   void fill_query(World& world, const Workspace& workspace);
 
