@@ -1,4 +1,5 @@
 // The headless program as its users meet it: exit status, what stands where, and no file that is half a file.
+// More than 400 lines: each command has its own cases.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // Settings turned while a world runs: what they may change of the result, and what not.
+// More than 400 lines: each setting has its own case.
 
 #include "viewer/session/live_world.h"
 #include "sim_cuda/broad_phase/methods.h"

@@ -1,4 +1,5 @@
 // The workspace as a picture: the panels that the viewer draws, by the same function, against goldens.
+// More than 400 lines: each panel has its own picture.
 
 #include "headless/pictures/panel_picture.h"
 

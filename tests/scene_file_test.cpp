@@ -1,3 +1,6 @@
+// Scene files: every field, its range and its default; what is written is read again bit for bit.
+// More than 400 lines: one case for each field.
+
 #include "sim_cuda/scene/scene_file.h"
 
 #include <gmock/gmock.h>

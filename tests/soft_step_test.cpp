@@ -1,4 +1,5 @@
 // soft_step against formulas: weights, rebounds, Newton's impacts, momenta; and whether piles come to rest.
+// More than 400 lines: each formula has its own scene.
 
 #include <algorithm>
 #include <cmath>

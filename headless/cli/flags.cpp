@@ -1,4 +1,5 @@
 // The flags of the command line: what each is called, what --help says of it, and how its text is read.
+// More than 400 lines: the table of all flags.
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
 // Whether the values of a scene can be simulated: every range, and everything that is not simulated yet.
+// More than 400 lines: one check for each field, in the order of the file format.
 
 #include <fmt/format.h>
 

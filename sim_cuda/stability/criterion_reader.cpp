@@ -1,4 +1,5 @@
 // Criterion files to structs: types, keys and names, and whether the scene has what the file speaks of.
+// More than 400 lines: one reader for each key of the format.
 
 #include <fmt/format.h>
 
