@@ -131,7 +131,7 @@ struct PackContacts {
   }
 };
 
-template <class Real>
+template <class Real, bool turning>
 struct PackJoints {
   JointView<Real> joints;
   BodyView<Real> bodies;
@@ -140,7 +140,7 @@ struct PackJoints {
   SIM_HD void operator()(int place) const {
     const JointRow<Real>& joint = joints.rows[place];
     const bool world = joint.b == JointRow<Real>::world;
-    const JointEnds<Real> ends(bodies, joint);
+    const JointEnds<Real, turning> ends(bodies, joint);
     const Vector3<Real> anchor = ends.a.center + ends.a.arm;
     const Real r_a = bodies.radius[joint.a], size = world ? r_a : min_of(r_a, bodies.radius[joint.b]);
     JointInstance record{};
@@ -153,8 +153,7 @@ struct PackJoints {
       put(record.from, ends.a.center);
       put(record.to, world ? anchor : ends.b.center);
       put(record.at, anchor);
-      if (ends.a.turns && joint.kind == JointKind::hinge)
-        put(record.aside, size * (ends.a.axes * joint.axis_a));
+      if (turning && joint.kind == JointKind::hinge) put(record.aside, size * (ends.a.axes * joint.axis_a));
     } else {
       put(record.from, anchor);
       put(record.to, anchor + ends.apart);
@@ -199,8 +198,10 @@ void pack(Executor& executor, const PublishTarget& target, const PackSource<Real
   if (target.contacts != nullptr)
     executor.run("publish", contact_count,
                  PackContacts<Real>{contacts, {bodies.position, bodies.radius}, impulses, target.contacts});
-  if (target.joints != nullptr)
-    executor.run("publish", joints.count, PackJoints<Real>{joints, bodies, gravity, target.joints});
+  if (target.joints != nullptr && bodies.orientation != nullptr)
+    executor.run("publish", joints.count, PackJoints<Real, true>{joints, bodies, gravity, target.joints});
+  else if (target.joints != nullptr)
+    executor.run("publish", joints.count, PackJoints<Real, false>{joints, bodies, gravity, target.joints});
   if (target.bodies == nullptr) return;
   executor.run("publish", body_count, PackBodies<Real>{bodies, mesh, target.body_color, target.bodies});
   if (target.body_color == BodyColor::contacts) {

@@ -34,9 +34,9 @@ struct HingeRoom {
   }
 };
 
-template <class Real>
+template <class Real, bool turning>
 SIM_HD JointSums measure_joint(const BodyView<Real>& bodies, const JointRow<Real>& joint) {
-  const JointEnds<Real> ends(bodies, joint);
+  const JointEnds<Real, turning> ends(bodies, joint);
   using std::sqrt;
   const Real apart = sqrt(ends.apart.dot(ends.apart));
   JointSums sums{0, 0, 0};
@@ -50,7 +50,7 @@ SIM_HD JointSums measure_joint(const BodyView<Real>& bodies, const JointRow<Real
   } else {
     sums.error = static_cast<double>(apart);
   }
-  if (ends.a.turns) {
+  if constexpr (turning) {
     if (joint.kind != JointKind::hinge) return sums;
     const Vector3<Real> between = (ends.a.axes * joint.axis_a).cross(ends.b.axes * joint.axis_b);
     Real angle = sqrt(between.dot(between));

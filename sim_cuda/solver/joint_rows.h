@@ -24,16 +24,14 @@
 
 namespace collidoscope {
 
-/// The phase is a template parameter: as a run-time branch it costs 5 % of a step of the scene `bridge`
-/// (H200).
-template <class Real, JointPhase phase>
+template <class Real, bool turning>
 struct JointWork {
   const JointRow<Real>& joint;
   JointImpulse<Real>& given;
-  JointEnds<Real>& ends;
+  JointEnds<Real, turning>& ends;
   Real h;  ///< s, of a substep
 
-  SIM_HD JointWork(const JointRow<Real>& row, JointImpulse<Real>& impulse, JointEnds<Real>& both,
+  SIM_HD JointWork(const JointRow<Real>& row, JointImpulse<Real>& impulse, JointEnds<Real, turning>& both,
                    Real substep)
       : joint(row), given(impulse), ends(both), h(substep) {}
 
@@ -48,30 +46,33 @@ struct JointWork {
     given.upper *= keep;
     if (joint.kind == JointKind::ball || joint.kind == JointKind::hinge) {
       push_point(given.linear);
-      if (ends.a.turns && joint.kind == JointKind::hinge) {
-        const Hinge hinge(*this);
-        given.across[0] *= keep;
-        given.across[1] *= keep;
-        turn(given.across[0] * hinge.side + given.across[1] * hinge.other +
-             (given.lower - given.upper) * hinge.axis);
-      }
+      if constexpr (turning)
+        if (joint.kind == JointKind::hinge) {
+          const Hinge hinge(*this);
+          given.across[0] *= keep;
+          given.across[1] *= keep;
+          turn(given.across[0] * hinge.side + given.across[1] * hinge.other +
+               (given.lower - given.upper) * hinge.axis);
+        }
     } else {
       const Real length = length_of(ends.apart);
       push_along(direction(length), given.linear.x() + given.lower - given.upper);
     }
   }
 
+  template <JointPhase phase>
   SIM_HD void sweep() {
-    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring) return line();
-    if (ends.a.turns && joint.kind == JointKind::hinge) hinge();
-    point();
+    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring) return line<phase>();
+    if constexpr (turning)
+      if (joint.kind == JointKind::hinge) hinge<phase>();
+    point<phase>();
   }
 
  private:
   /// It turns so far in a substep, by half a radian, that an impulse of the substep before is none for this
   /// one: carried over all the same, joints that contradict each other would bring energy without end.
-  SIM_HD bool whirls(const JointEnd<Real>& end) const {
-    if (end.turns) return h * h * end.rate.dot(end.rate) > Real(0.25);
+  SIM_HD bool whirls(const JointEnd<Real, turning>& end) const {
+    if constexpr (turning) return h * h * end.rate.dot(end.rate) > Real(0.25);
     return false;
   }
   static SIM_HD Real length_of(const Vector3<Real>& v) {
@@ -95,6 +96,7 @@ struct JointWork {
 
   SIM_HD Real bounded(Real speed) const { return clamp_to(speed, -joint.fastest, joint.fastest); }
   /// What is held from both sides: the new part of `impulse`.
+  template <JointPhase phase>
   SIM_HD Real hold(Real error, Real speed, Real mass, Real impulse) const {
     const JointStiffness<Real>& s = joint.stiffness;
     if (phase == JointPhase::relax) return -mass * speed;
@@ -102,9 +104,10 @@ struct JointWork {
     return -mass * (s.scale * speed + pull) - s.yield * impulse;
   }
   /// What is held from one side, by a gap that `speed` opens; < 0: too far. May close, and not more.
+  template <JointPhase phase>
   SIM_HD Real limit(Real gap, Real speed, Real mass, Real& impulse) const {
     if (phase == JointPhase::relax && gap > 0 && !(impulse > 0)) return 0;
-    const Real change = gap > 0 ? -mass * (speed + gap / h) : hold(gap, speed, mass, impulse);
+    const Real change = gap > 0 ? -mass * (speed + gap / h) : hold<phase>(gap, speed, mass, impulse);
     const Real next = max_of(impulse + change, Real(0)), given_now = next - impulse;
     impulse = next;
     return given_now;
@@ -112,6 +115,7 @@ struct JointWork {
 
   // ---- along the line from anchor to anchor ----
 
+  template <JointPhase phase>
   SIM_HD void line() {
     const bool spring = joint.kind == JointKind::spring;
     if (phase == JointPhase::relax && spring) return;
@@ -128,12 +132,12 @@ struct JointWork {
     }
     Real change = 0;
     if (joint.low == joint.high) {
-      change = hold(length - joint.low, speed, mass, given.linear.x());
+      change = hold<phase>(length - joint.low, speed, mass, given.linear.x());
       given.linear.x() += change;
     } else {
-      if (joint.low > 0) change += limit(length - joint.low, speed, mass, given.lower);
+      if (joint.low > 0) change += limit<phase>(length - joint.low, speed, mass, given.lower);
       if (finite(joint.high))
-        change -= limit(joint.high - length, -(speed + change * ease), mass, given.upper);
+        change -= limit<phase>(joint.high - length, -(speed + change * ease), mass, given.upper);
     }
     push_along(normal, change);
   }
@@ -151,6 +155,7 @@ struct JointWork {
     ends.a.push(-impulse, arm_a());
   }
 
+  template <JointPhase phase>
   SIM_HD void point() {
     Symmetric3<Real> ease;
     ends.a.add_ease(arm_a(), ease);
@@ -176,14 +181,15 @@ struct JointWork {
           other(axis.cross(side)) {}
   };
 
+  template <JointPhase phase>
   SIM_HD void hinge() {
     const Hinge frame(*this);
     if (joint.limited) {
       const Real mass = inverse(frame.axis.dot(ends.a.eased(frame.axis) + ends.b.eased(frame.axis)));
       const HingeRoom<Real> room(joint, ends.a.axes, ends.b.axes);
       const auto rate = [&] { return (ends.b.rate - ends.a.rate).dot(frame.axis); };
-      turn(limit(room.above, rate(), mass, given.lower) * frame.axis);
-      turn(-limit(room.below, -rate(), mass, given.upper) * frame.axis);
+      turn(limit<phase>(room.above, rate(), mass, given.lower) * frame.axis);
+      turn(-limit<phase>(room.below, -rate(), mass, given.upper) * frame.axis);
     }
     const Vector3<Real> ease_side = ends.a.eased(frame.side) + ends.b.eased(frame.side);
     const Vector3<Real> ease_other = ends.a.eased(frame.other) + ends.b.eased(frame.other);

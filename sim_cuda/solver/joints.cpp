@@ -139,40 +139,40 @@ struct JointRounds {
 
 namespace {
 
-template <class Real>
+template <class Real, bool turning>
 struct WarmJoints : JointRounds<Real> {
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
     if (this->sleeps(joint)) return;
     JointImpulse<Real> given = this->joints.impulses[place];
-    JointEnds<Real> ends(this->bodies, joint);
-    JointWork<Real, JointPhase::solve>(joint, given, ends, this->h).warm_start();
+    JointEnds<Real, turning> ends(this->bodies, joint);
+    JointWork<Real, turning>(joint, given, ends, this->h).warm_start();
     ends.store(this->bodies, joint);
     this->joints.impulses[place] = given;
   }
 };
 
-template <class Real, JointPhase phase>
+template <class Real, bool turning, JointPhase phase>
 struct SweepJoints : JointRounds<Real> {
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
     if (this->sleeps(joint) || (phase == JointPhase::relax && joint.kind == JointKind::spring)) return;
     JointImpulse<Real> given = this->joints.impulses[place];
-    JointEnds<Real> ends(this->bodies, joint);
-    JointWork<Real, phase>(joint, given, ends, this->h).sweep();
+    JointEnds<Real, turning> ends(this->bodies, joint);
+    JointWork<Real, turning>(joint, given, ends, this->h).template sweep<phase>();
     ends.store(this->bodies, joint);
     this->joints.impulses[place] = given;
   }
 };
 
-template <class Real>
+template <class Real, bool turning>
 struct MeasureJoint {
   JointView<Real> joints;
   BodyView<Real> bodies;
   SIM_HD JointSums operator()(std::int64_t place) const {
-    return measure_joint<Real>(bodies, joints.rows[place]);
+    return measure_joint<Real, turning>(bodies, joints.rows[place]);
   }
 };
 
@@ -242,28 +242,39 @@ JointRounds<Real> Joints<Real>::rounds() const {
 }
 
 template <class Real>
+template <class Stage, class TurningStage>
+void Joints<Real>::run() {
+  bodies_.orientation != nullptr ? executor_.run_rounds("joints", colours_, widest_, TurningStage{rounds()})
+                                 : executor_.run_rounds("joints", colours_, widest_, Stage{rounds()});
+}
+
+template <class Real>
 void Joints<Real>::warm_start() {
-  executor_.run_rounds("joints", colours_, widest_, WarmJoints<Real>{rounds()});
+  run<WarmJoints<Real, false>, WarmJoints<Real, true>>();
 }
 
 template <class Real>
 void Joints<Real>::solve() {
-  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, JointPhase::solve>{rounds()});
+  constexpr JointPhase phase = JointPhase::solve;
+  run<SweepJoints<Real, false, phase>, SweepJoints<Real, true, phase>>();
 }
 
 template <class Real>
 void Joints<Real>::relax() {
-  executor_.run_rounds("joints", colours_, widest_, SweepJoints<Real, JointPhase::relax>{rounds()});
+  constexpr JointPhase phase = JointPhase::relax;
+  run<SweepJoints<Real, false, phase>, SweepJoints<Real, true, phase>>();
 }
 
 template <class Real>
 JointSums Joints<Real>::measure() {
-  JointSums sums;
-  executor_.copy_to_host(
-      &sums,
-      reduce<JointSums>(executor_, "measure", count(), MeasureJoint<Real>{view(), bodies_}, sums_.data()),
-      sizeof sums);
-  return sums;
+  const auto with = [&](const auto& load) {
+    JointSums sums;
+    executor_.copy_to_host(&sums, reduce<JointSums>(executor_, "measure", count(), load, sums_.data()),
+                           sizeof sums);
+    return sums;
+  };
+  return bodies_.orientation != nullptr ? with(MeasureJoint<Real, true>{view(), bodies_})
+                                        : with(MeasureJoint<Real, false>{view(), bodies_});
 }
 
 template <class Real>

@@ -56,6 +56,9 @@ class Joints {
 
  private:
   JointRounds<Real> rounds() const;
+  /// `TurningStage` where bodies turn, else `Stage`.
+  template <class Stage, class TurningStage>
+  void run();
 
   Executor& executor_;
   const BodyView<Real> bodies_;
