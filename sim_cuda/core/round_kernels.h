@@ -56,7 +56,7 @@ concept FetchingRounds = PlannedRounds<Rounds> && requires {
 };
 
 /// On a GPU the first rounds are executed as a chain: an item starts as soon as the items that it needs are
-/// done, without a wait for whole rounds. (The last two functions only where nvcc compiles.)
+/// done, without a wait for whole rounds. take_turn() is needed only where nvcc compiles.
 ///
 ///   static constexpr int chained;  // the number of these rounds; 0: no chain
 ///   static constexpr bool chained_beyond_threads;  // also where `most` items are more than threads at once
