@@ -1,0 +1,32 @@
+#pragma once
+// The processor that an executor uses: a GPU, or the CPU of this machine.
+
+#include <string>
+
+#include "sim_cuda/core/executor_options.h"
+#include "sim_cuda/core/occupancy.h"
+
+namespace collidoscope {
+
+/// Properties of the processor. Plain data, constant after open_device().
+struct ComputeDevice {
+  bool is_gpu = false;
+  std::string name;  ///< as CUDA or /proc/cpuinfo gives it
+  // Of a GPU.
+  int max_threads = 1024;       ///< of a block
+  int max_blocks = 2147483647;  ///< of a launch
+  int multiprocessors = 0;
+  MultiprocessorLimits limits;
+};
+
+/// Selects the processor that the options ask for, and describes it. A GPU becomes the CUDA device of the
+/// calling thread. Throws MachineError if the processor is not available.
+ComputeDevice open_device(const ExecutorOptions& options);
+
+/// Call this when work is cancelled while a GPU executes it. The process is expected to end soon. From then
+/// on, GPU memory, streams and events are left to the operating system, because releasing them would wait
+/// for the GPU. Applies to the whole process.
+void abandon_gpu();
+bool gpu_abandoned();
+
+}  // namespace collidoscope

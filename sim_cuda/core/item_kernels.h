@@ -1,0 +1,97 @@
+#pragma once
+// GPU kernels that run a stage once over its items, and their launches. Executor::run and
+// Executor::run_kernel use them.
+
+#include "sim_cuda/core/item_count.h"
+
+#if defined(__CUDACC__)
+#include <cstddef>
+#include <cstdint>
+
+#include "sim_cuda/core/launch_planner.h"
+#endif
+
+namespace collidoscope {
+
+/// A stage of which one item may take as long as thousands of others, such as the item of a body with
+/// thousands of contacts. On a GPU the threads of a block execute such an item together, after each thread
+/// has finished its other items.
+///
+///   SIM_HD bool is_long(int item) const;
+///   __device__ void together(int item) const;  // the same result, bit for bit, as operator()(item)
+template <class Stage>
+concept LongItems = requires(const Stage& stage) {
+  stage.is_long(0);
+};
+
+#if defined(__CUDACC__)
+
+/// The items of one thread: `first`, and every `stride`-th after it.
+template <class Stage>
+__device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
+  for (std::int64_t i = first; i < items; i += stride) stage(static_cast<int>(i));
+}
+template <LongItems Stage>
+__device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
+  constexpr std::uint32_t room = 64;  // long items of a block; one thread alone executes any further ones
+  __shared__ int waiting[room];
+  __shared__ std::uint32_t waits;
+  if (threadIdx.x == 0) waits = 0;
+  __syncthreads();
+  for (std::int64_t i = first; i < items; i += stride) {
+    const int item = static_cast<int>(i);
+    if (stage.is_long(item))
+      if (const std::uint32_t place = atomicAdd(&waits, 1); place < room) {
+        waiting[place] = item;
+        continue;
+      }
+    stage(item);
+  }
+  __syncthreads();
+  const std::uint32_t all = waits < room ? waits : room;
+  for (std::uint32_t k = 0; k < all; ++k) {
+    stage.together(waiting[k]);
+    __syncthreads();
+  }
+}
+
+/// B x T threads stride over the items, as in the paper. At most 64 registers, so that every T up to 1024 can
+/// be launched.
+template <class Stage>
+__global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const Stage stage) {
+  run_items(static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x, count.value(),
+            static_cast<std::int64_t>(gridDim.x) * blockDim.x, stage);
+}
+
+template <class Stage>
+void launch_stage(LaunchPlanner& planner, cudaStream_t stream, const char* name, const Count& count,
+                  const Stage& stage) {
+  const auto kernel = reinterpret_cast<const void*>(&run_stage<Stage>);
+  // If the count is only an upper bound, no more threads than run at once: most of the others would have no
+  // item.
+  const LaunchShape shape =
+      planner.choose_shape(kernel, name, count.bound, count.counter != nullptr, nullptr);
+  run_stage<Stage><<<shape.blocks, shape.threads, 0, stream>>>(count, stage);
+  check_launch(name, shape);
+}
+
+/// How to launch a kernel that is not a stage, because it uses warps or shared memory: as B blocks of T.
+struct KernelNeeds {
+  std::int64_t threads;                               ///< the number of threads that would have an item
+  bool at_once;                                       ///< where B is "auto": no more blocks than run at once
+  LaunchPlanner::SharedBytes shared_bytes = nullptr;  ///< of a block of T threads; null: none
+};
+
+template <class... Parameters, class... Arguments>
+void launch_kernel(LaunchPlanner& planner, cudaStream_t stream, const char* name, const KernelNeeds& needs,
+                   void (*kernel)(Parameters...), const Arguments&... arguments) {
+  const LaunchShape shape = planner.choose_shape(reinterpret_cast<const void*>(kernel), name, needs.threads,
+                                                 needs.at_once, needs.shared_bytes);
+  const std::size_t shared = needs.shared_bytes != nullptr ? needs.shared_bytes(shape.threads) : 0;
+  kernel<<<shape.blocks, shape.threads, shared, stream>>>(arguments...);
+  check_launch(name, shape);
+}
+
+#endif
+
+}  // namespace collidoscope

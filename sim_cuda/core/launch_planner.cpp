@@ -1,0 +1,95 @@
+#include "sim_cuda/core/launch_planner.h"
+
+#if SIM_CUDA
+
+#include <algorithm>
+#include <string>
+
+#include "sim_cuda/core/cuda_check.h"
+#include "sim_cuda/core/occupancy.h"
+
+namespace collidoscope {
+
+LaunchPlanner::LaunchPlanner(const ComputeDevice& device, StageRecorder& stages)
+    : device_(device), stages_(stages) {}
+
+const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, int threads, const char* name,
+                                                          SharedBytes shared) {
+  const auto known = fits_.find({kernel, threads});
+  if (known != fits_.end()) return known->second;
+  const std::string doing = std::string("work out the occupancy of stage ") + name;
+  cudaFuncAttributes attributes{};
+  check(cudaFuncGetAttributes(&attributes, kernel), doing);
+  const auto shared_bytes = [&](int block) { return shared != nullptr ? shared(block) : 0; };
+  constexpr std::size_t granted = 48 << 10;  // bytes; a kernel that needs more must declare it
+  if (const std::size_t most = shared_bytes(device_.max_threads); most > granted)
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(most)),
+          doing);
+  const auto resident = [&](int block) {
+    int blocks = 0;
+    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, block, shared_bytes(block)), doing);
+    return blocks;
+  };
+  int best = threads, most = 0;
+  for (int block = 128; threads == 0 && block >= 32; block -= 32)
+    if (const int at_once = resident(block) * block; at_once > most) {
+      most = at_once;
+      best = block;
+    }
+  KernelFit fit{};
+  fit.threads = best;
+  fit.registers = attributes.numRegs;
+  fit.shared_bytes = static_cast<int>(attributes.sharedSizeBytes + shared_bytes(best));
+  fit.resident_blocks = resident(best);
+  fit.occupancy = static_cast<double>(fit.resident_blocks * 32 * ((best + 31) / 32)) / device_.limits.threads;
+  fit.limit = residency_limit(device_.limits, best, fit.shared_bytes, fit.resident_blocks);
+  return fits_.emplace(std::pair{kernel, threads}, fit).first->second;
+}
+
+LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, std::int64_t items,
+                                        bool at_once, SharedBytes shared) {
+  const KernelFit& fit = kernel_fit(kernel, asked_.threads, name, shared);
+  const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
+  const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
+  LaunchShape shape{asked_.blocks, fit.threads};
+  // A thread for each item: the hardware starts a block whenever another ends, which balances queries of
+  // unequal length.
+  if (shape.blocks == 0) shape.blocks = static_cast<int>(at_once ? std::min(needed, resident) : needed);
+  note_shape(items, shape, fit);
+  return shape;
+}
+
+LaunchShape LaunchPlanner::choose_waiting_shape(const void* kernel, const char* name, std::int64_t items,
+                                                int blocks_each) {
+  // At least one block to a multiprocessor, so that all of them move data. No more than one or two, because
+  // the time of a grid-wide wait grows with the number of blocks.
+  const std::int64_t blocks = std::int64_t{device_.multiprocessors} * blocks_each,
+                     shared = (items + blocks - 1) / blocks;
+  const int usual = static_cast<int>(
+      std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, device_.max_threads / blocks_each));
+  const int threads = asked_.threads > 0 ? asked_.threads : usual;
+  const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
+  const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
+  LaunchShape shape{asked_.blocks, threads};
+  if (shape.blocks > resident) return {0, 0};
+  if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min((items + threads - 1) / threads, resident));
+  note_shape(items, shape, fit);
+  return shape;
+}
+
+void LaunchPlanner::note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit) {
+  const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
+  const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
+  stages_.note_launch({items, shape.blocks, shape.threads, 0, fit.resident_blocks, device_.multiprocessors,
+                       fit.registers, fit.shared_bytes, fit.occupancy,
+                       launch_limit(shape.blocks, needed, resident, fit.limit)});
+}
+
+void check_launch(const char* name, LaunchShape shape) {
+  check(cudaPeekAtLastError(), std::string("launch stage ") + name + " as " + std::to_string(shape.blocks) +
+                                   " blocks of " + std::to_string(shape.threads) + " threads");
+}
+
+}  // namespace collidoscope
+
+#endif
