@@ -30,9 +30,9 @@ struct MeasuredTree {
 MeasuredTree measure_tree_of(World& world, int repeats) {
   MeasuredTree m;
   m.method = world.options().broad_phase;
-  m.key_bits = world.key_bits();
-  m.quality = world.tree_quality();
-  for (const BroadPhaseTimes::Stage& stage : world.time_broad_phase(repeats).stages) {
+  m.key_bits = world.info().key_bits;
+  m.quality = world.tree().quality();
+  for (const BroadPhaseTimes::Stage& stage : world.tree().time_broad_phase(repeats).stages) {
     const double us = 1000 * spread_of(stage.ms).median;
     if (stage.name == "pairs") m.query_us += us;
     if (stage.name == "keys" || stage.name == "sort" || stage.name == "build") m.build_us += us;
@@ -147,14 +147,14 @@ int bvh_command(const CommandLine& line) {
     run.broad_phase = methods[static_cast<std::size_t>(k)];
     World world(scene, run);
     bodies = world.initial().size();
-    if (world.tree_nodes() > 0) {
+    if (world.tree().nodes() > 0) {
       if (!first) {
         first.emplace(scene, run);
         first->step(static_cast<int>(options.steps_or(0)));
       }
       world.adopt(*first);
       trees.push_back(measure_tree_of(world, static_cast<int>(options.bench.repeats)));
-      device = world.device_name();
+      device = world.info().device_name;
     }
     progress.update(k + 1);
   }

@@ -54,8 +54,9 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.bodies = stats.bodies;
   text.shape = world.launch_shape();
   text.variant = variant_name(world.scene());
-  text.executor = world.on_gpu() ? "CUDA" : "CPU";
-  text.device = world.device_name();
+  const WorldInfo info = world.info();
+  text.executor = info.on_gpu ? "CUDA" : "CPU";
+  text.device = info.device_name;
   text.pairs = stats.pairs;
   text.touching = stats.touching;
   text.speculative = stats.speculative;
@@ -67,7 +68,7 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   if (layers.boxes) text.box_colors = box_legend(layers.box_color, values);
   text.boxes_drawn = layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes;
   if (layers.boxes && layers.box_color == NodeMetric::level) {
-    const int last = std::min(layers.last_level, static_cast<int>(world.tree_level_sizes().size()) - 1);
+    const int last = std::min(layers.last_level, static_cast<int>(world.tree().level_sizes().size()) - 1);
     const std::vector<std::uint32_t> colors = level_legend(layers.first_level, last);
     for (int level = layers.first_level; level <= last; ++level)
       text.levels.push_back({level, colors[static_cast<std::size_t>(std::min(level, most_levels - 1))]});
@@ -111,7 +112,7 @@ int run_capture(const CaptureRequest& request, World& world) {
     throw InputError(fmt::format("--states: {} lies before state {}, at which the run starts", states.front(),
                                  world.steps()));
   const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
-  const EglContext context(world.gpu());
+  const EglContext context(world.info().gpu);
   for (const std::string& line : context.steps_down()) say(line);
 
   int width = request.width, height = request.height;  // of the 3D view
@@ -137,8 +138,8 @@ int run_capture(const CaptureRequest& request, World& world) {
   const double aspect = static_cast<double>(width) / height;
   const OrbitCamera camera = scene_camera(world.scene().camera, renderer.scene().bounds, aspect);
 
-  world.record_impulses(request.layers.contacts);
-  world.record_residuals(request.layers.convergence);
+  world.records().record_impulses(request.layers.contacts);
+  world.records().record_residuals(request.layers.convergence);
   LiveReference reference;
   const bool asked = request.layers.ask_a_reference();
   if (asked) reference.follow(world, 0);
@@ -148,8 +149,8 @@ int run_capture(const CaptureRequest& request, World& world) {
     while (world.steps() < state) {
       if (asked) reference.go_ahead(time_step, std::numeric_limits<double>::infinity());
       world.step();
-      if (world.paused()) {
-        say(describe(*world.finding()));
+      if (world.guards().paused()) {
+        say(describe(*world.guards().finding()));
         return 1;
       }
       reference.stepped(time_step);

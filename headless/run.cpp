@@ -75,7 +75,7 @@ class EarlyEnd {
   EarlyEnd& operator=(const EarlyEnd&) = delete;
 
   void step(World& world, int count) {
-    if (cancellation_ == nullptr || world.on_gpu()) return world.step(count);
+    if (cancellation_ == nullptr || world.info().on_gpu) return world.step(count);
     cancellation_->hold(false);
     try {
       world.step(count);
@@ -162,25 +162,25 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
     int count = static_cast<int>(trace || breaks.any() ? 1 : std::min(stride, rest));
     if (residuals && done + count == steps) {
       if (count == 1)
-        world.record_residuals(true);  // of the last step alone
+        world.records().record_residuals(true);  // of the last step alone
       else
         --count;
     }
     const std::int64_t before = world.steps();
-    const std::size_t frozen = world.frozen().size();
+    const std::size_t frozen = world.guards().frozen().size();
     const Clock::time_point start = Clock::now();
     if (breaks.any()) breaks.before_step(world);
     early_end.step(world, count);
     const double spent = seconds_since(start);
     stepped.seconds += spent;
     stepped.simulated += static_cast<double>(world.steps() - before) * world.scene().physics.time_step;
-    if (world.frozen().size() > frozen)
-      std::fputs(fmt::format("note: bodies frozen so far: {}; found last: {}\n", world.frozen().size(),
-                             describe(*world.finding()))
+    if (world.guards().frozen().size() > frozen)
+      std::fputs(fmt::format("note: bodies frozen so far: {}; found last: {}\n",
+                             world.guards().frozen().size(), describe(*world.guards().finding()))
                      .c_str(),
                  stderr);
-    if (world.steps() == before && !world.paused()) break;  // it was cancelled
-    if (world.paused()) stepped.failure = describe(*world.finding());
+    if (world.steps() == before && !world.guards().paused()) break;  // it was cancelled
+    if (world.guards().paused()) stepped.failure = describe(*world.guards().finding());
     if (!stepped.failure && breaks.any()) stepped.failure = breaks.look(world, world.measure());
     if (stepped.failure) return stepped;
     done += world.steps() - before;

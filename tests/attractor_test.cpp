@@ -156,8 +156,8 @@ TEST_P(Attracted, WhatIsNotCalledForCostsNothing) {
   const int without = launches(a);
   EXPECT_EQ(launches(b), without);
   EXPECT_EQ(launches(c), without + 4);
-  EXPECT_EQ(a.allocated_bytes(), b.allocated_bytes());
-  EXPECT_GT(c.allocated_bytes(), a.allocated_bytes());
+  EXPECT_EQ(a.info().allocated_bytes, b.info().allocated_bytes);
+  EXPECT_GT(c.info().allocated_bytes, a.info().allocated_bytes);
   EXPECT_EQ(a.state_hash(), b.state_hash());
   EXPECT_NE(a.state_hash(), c.state_hash());
 }

@@ -246,7 +246,7 @@ TEST_P(BoxObstacles, AreRememberedAndCostNothingWhereThereAreNone) {
                .size = Vector3d(30, 50, 20),
                .orientation = Quaterniond(0.9, 0, 0, 0.4).normalized()}};
   World a(plain, options()), b(on, options());
-  EXPECT_GT(b.allocated_bytes(), a.allocated_bytes());
+  EXPECT_GT(b.info().allocated_bytes, a.info().allocated_bytes);
   a.step(60);
   b.step(60);
   const auto launches_of = [](World& world, const char* name) {

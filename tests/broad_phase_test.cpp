@@ -99,10 +99,10 @@ TEST_P(BroadPhases, TreesHoldTheirBodies) {
       RunOptions o = options();
       o.broad_phase = method;
       World world(box_collider(count), o);
-      const TreeLevels tree = world.tree_levels();
+      const TreeLevels tree = world.tree().levels();
       std::int64_t nodes = 0;
       for (const auto& level : tree.levels) nodes += std::ssize(level);
-      ASSERT_EQ(nodes, world.tree_nodes()) << method;
+      ASSERT_EQ(nodes, world.tree().nodes()) << method;
       if (nodes == 0) continue;
       EXPECT_GE(nodes, count) << method;
       ASSERT_EQ(tree.levels.front().size(), 1u) << method;

@@ -25,7 +25,7 @@ struct BruteTree {
   /// Of the current state. Which nodes have how many children, and which body a leaf holds, is the world's
   /// word.
   explicit BruteTree(World& world) {
-    const TreeLevels tree = world.tree_levels();
+    const TreeLevels tree = world.tree().levels();
     for (int level = 0; level < static_cast<int>(tree.levels.size()); ++level)
       for (const TreeLevels::Box& box : tree.levels[static_cast<std::size_t>(level)]) {
         nodes.emplace_back().box = box;
@@ -36,7 +36,7 @@ struct BruteTree {
     body_visits.resize(bodies.size());
     std::size_t next = 1;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const NodeReport report = world.tree_node(static_cast<std::uint32_t>(i));
+      const NodeReport report = world.tree().node(static_cast<std::uint32_t>(i));
       nodes[i].first_child = next;
       nodes[i].children = report.children;
       for (std::size_t k = 0; k < report.children; ++k) nodes[next++].parent = i;

@@ -219,9 +219,9 @@ TEST(Cancellation, DuringADetectionOrAMeasureLeavesTheWorld) {
   int cancelled = 0;
   for (int k = 1;; ++k) {
     World fresh(scene, options);
-    if (!looks.cancel_at(k, [&] { fresh.tree_quality(), fresh.measure(); })) break;
+    if (!looks.cancel_at(k, [&] { fresh.tree().quality(), fresh.measure(); })) break;
     ++cancelled;
-    EXPECT_EQ(fresh.tree_quality().pairs, undisturbed.tree_quality().pairs);
+    EXPECT_EQ(fresh.tree().quality().pairs, undisturbed.tree().quality().pairs);
     EXPECT_EQ(fresh.measure().speculative, undisturbed.measure().speculative);
     EXPECT_EQ(fresh.state_hash(), undisturbed.state_hash());
     EXPECT_EQ(fresh.pairs(), undisturbed.pairs());
@@ -241,22 +241,22 @@ TEST(Cancellation, WhileAFindingIsReadChangesNothing) {
       const RunOptions plain = on_cpu(1);
       World undisturbed(scene, plain);
       undisturbed.step(16);
-      ASSERT_TRUE(undisturbed.finding());
+      ASSERT_TRUE(undisturbed.guards().finding());
       Looks looks;
       looks.cancellation.uninterrupted = never;
       RunOptions options = plain;
       options.cancellation = &looks.cancellation;
       World world(scene, options);
       int next = 1;
-      while (world.steps() < 16 && !world.paused()) {
+      while (world.steps() < 16 && !world.guards().paused()) {
         const bool cancelled = looks.cancel_at(next, [&] { world.step(); });
         next = cancelled ? next + 13 : 1;
       }
       EXPECT_EQ(world.steps(), undisturbed.steps());
-      EXPECT_EQ(world.paused(), undisturbed.paused());
-      EXPECT_EQ(world.frozen(), undisturbed.frozen());
-      ASSERT_TRUE(world.finding());
-      EXPECT_EQ(describe(*world.finding()), describe(*undisturbed.finding()));
+      EXPECT_EQ(world.guards().paused(), undisturbed.guards().paused());
+      EXPECT_EQ(world.guards().frozen(), undisturbed.guards().frozen());
+      ASSERT_TRUE(world.guards().finding());
+      EXPECT_EQ(describe(*world.guards().finding()), describe(*undisturbed.guards().finding()));
       EXPECT_EQ(state_of(world), state_of(undisturbed));
     }
 }

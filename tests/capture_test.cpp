@@ -91,7 +91,7 @@ TEST(Capture, WhatIsDrawnIsTheTree) {
   DisplayLink link(world, DisplayPath::automatic, [&](const std::string& line) { said.push_back(line); });
   EXPECT_EQ(link.path(), DisplayPath::upload);
   InstanceBuffers buffers;
-  const TreeLevels tree = world.tree_levels();
+  const TreeLevels tree = world.tree().levels();
   ASSERT_GT(tree.levels.size(), 4u);
   for (int first = 0; first < static_cast<int>(tree.levels.size()); ++first) {
     const int last = std::min(first + 2, static_cast<int>(tree.levels.size()) - 1);

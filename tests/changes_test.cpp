@@ -131,7 +131,7 @@ TEST_P(Changes, FreezeBodiesWhereTheyAre) {
     {"step": 0, "freeze": [9]}, {"step": 0, "restitution": 0.5},
     {"step": 5, "freeze": [2, 9], "remove": [1]}]})";
   World world = replayed(crowd(), text, options(), 5);
-  EXPECT_THAT(world.frozen(), ElementsAre(1, 8));
+  EXPECT_THAT(world.guards().frozen(), ElementsAre(1, 8));
   const BodyStates before = world.bodies();
   EXPECT_EQ(before.position[8], world.initial().position[8]) << "since state 0";
   world.step(5);

@@ -96,7 +96,7 @@ TEST_P(ContactCounts, OfWhatIsDrawnAreThoseThatTouch) {
   scene.physics.solver = Solver::soft_step;
   World world(scene, options());
   world.step(30);
-  const std::int64_t drawn = world.publish_counts(0, -1).contacts;
+  const std::int64_t drawn = world.publisher().counts(0, -1).contacts;
   EXPECT_EQ(drawn, touching_pairs(world));
   EXPECT_GT(world.measure().speculative, drawn);
 }

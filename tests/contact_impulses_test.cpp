@@ -27,10 +27,10 @@ TEST_P(Impulses, OfTwoSpheresHeadOn) {
       scene.bodies[0].mass = 2;
       scene.bodies[1].mass = 6;
       World world(scene, options());
-      world.record_impulses(true);
-      EXPECT_TRUE(world.impulses().empty()) << "nothing has happened yet";
+      world.records().record_impulses(true);
+      EXPECT_TRUE(world.records().impulses().empty()) << "nothing has happened yet";
       world.step();
-      const std::vector<ContactImpulse> list = world.impulses();
+      const std::vector<ContactImpulse> list = world.records().impulses();
       ASSERT_EQ(list.size(), 1u);
       const double reduced_mass = 2.0 * 6 / (2 + 6), approach = 4;
       EXPECT_LT(relative(list[0].impulse, (1 + e) * reduced_mass * approach), 1e-6);
@@ -43,7 +43,7 @@ TEST_P(Impulses, OfTwoSpheresHeadOn) {
 // What each body gains in a step, from what its contacts gave along the normals of the state before.
 void expect_momentum(const Scene& scene, const RunOptions& options, int steps, double tolerance) {
   World world(scene, options);
-  world.record_impulses(true);
+  world.records().record_impulses(true);
   std::size_t contacts = 0;
   for (int step = 0; step < steps; ++step) {
     const BodyStates before = world.bodies();
@@ -51,7 +51,7 @@ void expect_momentum(const Scene& scene, const RunOptions& options, int steps, d
     const BodyStates after = world.bodies();
     std::vector<Vector3d> given(before.position.size(), Vector3d(0, 0, 0));
     double largest = 0;
-    for (const ContactImpulse& contact : world.impulses()) {
+    for (const ContactImpulse& contact : world.records().impulses()) {
       EXPECT_LT(contact.a, contact.b);
       EXPECT_GE(contact.impulse, 0);
       const Vector3d along = (before.position[contact.b] - before.position[contact.a]).normalized();
@@ -75,10 +75,10 @@ TEST_P(Impulses, PassAlongAChain) {
   for (int i = 0; i < 6; ++i)
     scene.bodies.push_back(sphere(1, Vector3d(1.99 * i, 0, 0), Vector3d(i == 0 ? 2 : 0, 0, 0)));
   World world(scene, options());
-  world.record_impulses(true);
+  world.records().record_impulses(true);
   world.step();
   const double mass = world.initial().mass[0];
-  const std::vector<ContactImpulse> list = world.impulses();
+  const std::vector<ContactImpulse> list = world.records().impulses();
   ASSERT_EQ(list.size(), 5u);
   // Equal masses, elastic: each passes on all it got.
   for (std::uint32_t k = 0; k < 5; ++k) {
@@ -136,11 +136,11 @@ TEST_P(Impulses, OfSeveralSubstepsAreThoseOfTheLast) {
   whole.physics.steps_per_second.reset();
   parts.physics.steps_per_second.reset();
   World a(whole, options()), b(parts, options());
-  for (World* world : {&a, &b}) world->record_impulses(true);
+  for (World* world : {&a, &b}) world->records().record_impulses(true);
   a.step(10);
   b.step(30);
   ASSERT_EQ(a.state_hash(), b.state_hash());
-  const std::vector<ContactImpulse> one = a.impulses(), other = b.impulses();
+  const std::vector<ContactImpulse> one = a.records().impulses(), other = b.records().impulses();
   ASSERT_EQ(one.size(), other.size());
   ASSERT_GT(one.size(), 20u);
   for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k].impulse, other[k].impulse);
@@ -151,23 +151,23 @@ TEST_P(Impulses, NeverChangeTheStateAndCostNothingWhileOff) {
   RunOptions o = options();
   o.initial_pair_capacity = 100;  // grows while it records
   World off(scene, o), on(scene, o), toggled(scene, o);
-  on.record_impulses(true);
+  on.records().record_impulses(true);
   for (int k = 0; k < 24; ++k) {
-    toggled.record_impulses(k % 5 < 2);
+    toggled.records().record_impulses(k % 5 < 2);
     for (World* world : {&off, &on, &toggled}) world->step();
     on.detect();
     toggled.measure();
     ASSERT_EQ(on.state_hash(), off.state_hash()) << k;
     ASSERT_EQ(toggled.state_hash(), off.state_hash()) << k;
   }
-  EXPECT_TRUE(off.impulses().empty());
+  EXPECT_TRUE(off.records().impulses().empty());
   EXPECT_EQ(off.measure().max_impulse, 0);
-  EXPECT_FALSE(on.impulses().empty());
+  EXPECT_FALSE(on.records().impulses().empty());
   EXPECT_GT(on.measure().max_impulse, 0);
-  EXPECT_GT(on.allocated_bytes(), off.allocated_bytes());
-  on.record_impulses(false);
-  EXPECT_EQ(on.allocated_bytes(), off.allocated_bytes());
-  EXPECT_TRUE(on.impulses().empty());
+  EXPECT_GT(on.info().allocated_bytes, off.info().allocated_bytes);
+  on.records().record_impulses(false);
+  EXPECT_EQ(on.info().allocated_bytes, off.info().allocated_bytes);
+  EXPECT_TRUE(on.records().impulses().empty());
   const auto launches = [](World& world) {
     world.step(2);
     int sum = 0;
@@ -176,25 +176,25 @@ TEST_P(Impulses, NeverChangeTheStateAndCostNothingWhileOff) {
   };
   const int plain = launches(off);
   EXPECT_EQ(launches(on), plain);
-  on.record_impulses(true);
+  on.records().record_impulses(true);
   EXPECT_EQ(launches(on), plain + 1) << "one that clears";
 }
 
 TEST_P(Impulses, ArePublishedWithTheContactsOfTheState) {
   World world(box_collider(1000, Variant::paper), options());
-  world.record_impulses(true);
+  world.records().record_impulses(true);
   world.step(40);
   world.detect();  // other contacts than those of the last step
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> given;
-  for (const ContactImpulse& c : world.impulses()) given[{c.a, c.b}] = c.impulse;
-  const PublishCounts counts = world.publish_counts(0, 0);
+  for (const ContactImpulse& c : world.records().impulses()) given[{c.a, c.b}] = c.impulse;
+  const PublishCounts counts = world.publisher().counts(0, 0);
   const auto bytes = static_cast<std::size_t>(counts.contacts) * sizeof(ContactInstance);
   PublishTarget target;
-  target.contacts = static_cast<ContactInstance*>(world.scratch(bytes, 0));
+  target.contacts = static_cast<ContactInstance*>(world.publisher().scratch(bytes, 0));
   target.contact_capacity = counts.contacts;
-  world.publish(target);
+  world.publisher().publish(target);
   std::vector<ContactInstance> drawn(static_cast<std::size_t>(counts.contacts));
-  world.copy_to_host(drawn.data(), target.contacts, bytes);
+  world.publisher().copy_to_host(drawn.data(), target.contacts, bytes);
   int old = 0, fresh = 0;
   for (const ContactInstance& contact : drawn) {
     const auto known = given.find({contact.a, contact.b});

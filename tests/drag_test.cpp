@@ -171,8 +171,8 @@ TEST_P(Dragging, WhatIsNotCalledForCostsNothing) {
   const int without = launches(a);
   EXPECT_EQ(launches(b), without);
   EXPECT_EQ(launches(c), without + substeps_in_effect(plain.physics));
-  EXPECT_EQ(a.allocated_bytes(), b.allocated_bytes());
-  EXPECT_EQ(a.allocated_bytes(), c.allocated_bytes()) << "a stage, and not a byte";
+  EXPECT_EQ(a.info().allocated_bytes, b.info().allocated_bytes);
+  EXPECT_EQ(a.info().allocated_bytes, c.info().allocated_bytes) << "a stage, and not a byte";
   EXPECT_EQ(a.state_hash(), b.state_hash());
   d.step(10);
   EXPECT_EQ(a.state_hash(), d.state_hash());

@@ -251,7 +251,7 @@ TEST_P(Dynamics, ASceneWithoutSpinStoresNone) {
   World a(still, options()), b(spinning, options());
   EXPECT_FALSE(a.effects().rotation);
   // orientation 16, spin 16, inertia 12 bytes a body
-  EXPECT_EQ(b.allocated_bytes() - a.allocated_bytes(), 1000 * 44);
+  EXPECT_EQ(b.info().allocated_bytes - a.info().allocated_bytes, 1000 * 44);
   a.step(20);
   b.step(20);
   EXPECT_EQ(a.state_hash(), b.state_hash()) << "a spin of zero changes nothing";

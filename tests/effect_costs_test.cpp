@@ -77,7 +77,8 @@ TEST_P(CostsOfEffects, OfOneThatIsOffAreThoseOfSwitchingItOn) {
   ASSERT_TRUE(of(all, &Effects::friction).cost.has_value());
   scene.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
   World with(scene, options());
-  EXPECT_EQ(of(all, &Effects::friction).cost->bytes, with.allocated_bytes() - world.allocated_bytes());
+  EXPECT_EQ(of(all, &Effects::friction).cost->bytes,
+            with.info().allocated_bytes - world.info().allocated_bytes);
   EXPECT_FALSE(of(all, &Effects::drag).cost.has_value());
 }
 

@@ -328,8 +328,8 @@ TEST_P(FreeMotions, TheDefaultsCostNothing) {
   EXPECT_EQ(launches(flying, "turn"), 0);
   EXPECT_EQ(launches(turning, "integrate"), 0);
   EXPECT_EQ(launches(turning, "turn"), 3);
-  EXPECT_EQ(flying.allocated_bytes() - plain.allocated_bytes(), 2 * 100 * 16);
-  EXPECT_EQ(turning.allocated_bytes(), plain.allocated_bytes());
+  EXPECT_EQ(flying.info().allocated_bytes - plain.info().allocated_bytes, 2 * 100 * 16);
+  EXPECT_EQ(turning.info().allocated_bytes, plain.info().allocated_bytes);
 }
 
 // ---- invariants ----

@@ -290,8 +290,8 @@ TEST_P(Rubbing, WhatIsNotCalledForCostsNothing) {
   EXPECT_EQ(launches(c), without);
   EXPECT_EQ(without.count("friction"), 0u);
   EXPECT_EQ(launches(b).count("friction"), 1u);
-  EXPECT_EQ(a.allocated_bytes(), c.allocated_bytes());
-  EXPECT_GT(b.allocated_bytes(), a.allocated_bytes());
+  EXPECT_EQ(a.info().allocated_bytes, c.info().allocated_bytes);
+  EXPECT_GT(b.info().allocated_bytes, a.info().allocated_bytes);
   EXPECT_EQ(a.state_hash(), c.state_hash());
   EXPECT_NE(a.state_hash(), b.state_hash());
 }

@@ -72,9 +72,9 @@ TEST_P(GuardedRuns, PauseAtTheStateBeforeBitForBit) {
     World world(scene, options()), other(unguarded(scene), options());
     world.step(40);
     // v = 5 m/s after 0.51 s: in the step that leads to state 16.
-    ASSERT_TRUE(world.paused());
+    ASSERT_TRUE(world.guards().paused());
     EXPECT_EQ(world.steps(), 15);
-    const Finding& finding = *world.finding();
+    const Finding& finding = *world.guards().finding();
     const bool impulse = scene.physics.solver == Solver::impulse;
     EXPECT_EQ(finding.step, 16);
     EXPECT_EQ(finding.stage, impulse ? "move" : "forces");
@@ -89,8 +89,8 @@ TEST_P(GuardedRuns, PauseAtTheStateBeforeBitForBit) {
     EXPECT_EQ(world.steps(), 15) << "it waits";
 
     // Whoever goes on nevertheless comes to where the run without guards comes.
-    world.dismiss();
-    EXPECT_FALSE(world.paused() || world.finding());
+    world.guards().dismiss();
+    EXPECT_FALSE(world.guards().paused() || world.guards().finding());
     world.step(25);
     other.step(25);
     EXPECT_EQ(world.steps(), 40);
@@ -106,9 +106,9 @@ TEST_P(GuardedRuns, FreezeTheBodyAndLeaveTheOthersAlone) {
     world.step(40);
     other.step(25);
     EXPECT_EQ(world.steps(), 40);
-    EXPECT_FALSE(world.paused());
-    EXPECT_THAT(world.frozen(), ElementsAre(3u));
-    EXPECT_EQ(world.finding()->step, 16);
+    EXPECT_FALSE(world.guards().paused());
+    EXPECT_THAT(world.guards().frozen(), ElementsAre(3u));
+    EXPECT_EQ(world.guards().finding()->step, 16);
     const BodyStates now = world.bodies(), well = other.bodies();
     for (const std::size_t body : {0, 1, 2, 4}) expect_same_body(now, well, body, body);
     EXPECT_EQ(now.position[3], before.position[3]);
@@ -132,14 +132,14 @@ TEST_P(GuardedRuns, FindTheSameInWhateverWayTheyRun) {
     if (way == 4) o.initial_pair_capacity = 1;
     World world(scene, o);
     world.step(100);
-    ASSERT_TRUE(world.paused()) << way;
+    ASSERT_TRUE(world.guards().paused()) << way;
     if (!first) {
-      first = world.finding();
+      first = world.guards().finding();
       hash = world.state_hash();
       EXPECT_GT(world.steps(), 3) << "of steps that were well";
     }
-    EXPECT_EQ(describe(*world.finding()), describe(*first)) << way;
-    EXPECT_EQ(world.finding()->value, first->value) << way;
+    EXPECT_EQ(describe(*world.guards().finding()), describe(*first)) << way;
+    EXPECT_EQ(world.guards().finding()->value, first->value) << way;
     EXPECT_EQ(world.state_hash(), hash) << way;
   }
 }
@@ -158,19 +158,19 @@ TEST_P(GuardedRuns, FindWhatWasBadBeforeTheStep) {
       World world(scene, options());
       world.adopt(planted);
       world.step(5);
-      ASSERT_TRUE(world.paused());
+      ASSERT_TRUE(world.guards().paused());
       EXPECT_EQ(world.steps(), 7);
       const bool in_box = !moving || scene.physics.solver != Solver::impulse;
-      EXPECT_EQ(world.finding()->stage, in_box ? "bounds" : "prescribe");
-      EXPECT_EQ(world.finding()->step, 8);
-      EXPECT_EQ(world.finding()->body, 3u);
-      EXPECT_TRUE(world.finding()->before);
-      EXPECT_TRUE(std::isnan(world.finding()->value));
+      EXPECT_EQ(world.guards().finding()->stage, in_box ? "bounds" : "prescribe");
+      EXPECT_EQ(world.guards().finding()->step, 8);
+      EXPECT_EQ(world.guards().finding()->body, 3u);
+      EXPECT_TRUE(world.guards().finding()->before);
+      EXPECT_TRUE(std::isnan(world.guards().finding()->value));
 
       World frozen(freezing(scene), options());
       frozen.adopt(planted);
       frozen.step(5);
-      EXPECT_THAT(frozen.frozen(), ElementsAre(3u));
+      EXPECT_THAT(frozen.guards().frozen(), ElementsAre(3u));
       EXPECT_EQ(frozen.steps(), 12);
       const BodyStates now = frozen.bodies();
       for (const std::size_t body : {0, 1, 2, 4}) expect_same_body(now, others, body, body);
@@ -185,24 +185,24 @@ TEST_P(GuardedRuns, PauseWhereFreezingIsOfNoUse) {
   scene.bodies[4].velocity = Vector3d(0, 6, 0);  // prescribed, and too fast by what the guards allow
   World world(scene, options());
   world.step(3);
-  EXPECT_TRUE(world.paused());
-  EXPECT_EQ(world.finding()->body, 4u);
-  EXPECT_THAT(world.frozen(), ElementsAre());
+  EXPECT_TRUE(world.guards().paused());
+  EXPECT_EQ(world.guards().finding()->body, 4u);
+  EXPECT_THAT(world.guards().frozen(), ElementsAre());
 }
 
 TEST_P(GuardedRuns, StayFrozenThroughChangesSnapshotsAndNewIds) {
   World world(freezing(faller()), options());
   world.step(20);
-  ASSERT_THAT(world.frozen(), ElementsAre(3u));
+  ASSERT_THAT(world.guards().frozen(), ElementsAre(3u));
   const Vector3d place = world.bodies().position[3];
 
   World loaded = world_from(snapshot_of(world), world.scene(), options());
-  EXPECT_THAT(loaded.frozen(), ElementsAre(3u));
+  EXPECT_THAT(loaded.guards().frozen(), ElementsAre(3u));
   Change change;
   change.step = 20;
   change.remove = {1};
   const auto changed = changed_world(world, change, world.options());
-  EXPECT_THAT(changed->frozen(), ElementsAre(2u));
+  EXPECT_THAT(changed->guards().frozen(), ElementsAre(2u));
   Change nobody_looks;
   nobody_looks.step = 20;
   Effects without = world.effects();
@@ -218,7 +218,7 @@ TEST_P(GuardedRuns, StayFrozenThroughChangesSnapshotsAndNewIds) {
   EXPECT_EQ(unwatched->state_hash(), world.state_hash());
   EXPECT_EQ(changed->bodies().position[2], place);
   World again(world.scene(), options());
-  EXPECT_THAT(again.frozen(), ElementsAre());
+  EXPECT_THAT(again.guards().frozen(), ElementsAre());
 }
 
 TEST_P(GuardedRuns, CountSubstepsThatAreRunsOfTheirOwn) {
@@ -227,9 +227,9 @@ TEST_P(GuardedRuns, CountSubstepsThatAreRunsOfTheirOwn) {
   World world(scene, options()), other(unguarded(scene), options());
   world.step(30);
   other.step(15);
-  ASSERT_TRUE(world.paused());
-  EXPECT_EQ(world.finding()->step, 16);
-  EXPECT_EQ(world.finding()->substep, 2);
+  ASSERT_TRUE(world.guards().paused());
+  EXPECT_EQ(world.guards().finding()->step, 16);
+  EXPECT_EQ(world.guards().finding()->substep, 2);
   EXPECT_EQ(world.state_hash(), other.state_hash());
 }
 
@@ -244,9 +244,9 @@ TEST_P(GuardedRuns, FindBoxesThatWouldOverflowEveryList) {
   for (Vector3d& v : state.bodies.velocity) v = Vector3d(0x1p40, 0x1p40, 0x1p40);  // boxes that all overlap
   world.adopt(state);
   world.step();
-  ASSERT_TRUE(world.paused());
-  EXPECT_EQ(world.finding()->stage, "bounds");
-  EXPECT_TRUE(world.finding()->before);
+  ASSERT_TRUE(world.guards().paused());
+  EXPECT_EQ(world.guards().finding()->stage, "bounds");
+  EXPECT_TRUE(world.guards().finding()->before);
   EXPECT_NE(world.state_hash(), hash);
   EXPECT_EQ(world.bodies().velocity, state.bodies.velocity);
 }

@@ -29,7 +29,7 @@ TEST_P(JacobiSplit, ColoursNothing) {
   coloured.step(1);
   World split(pile(500, Solver::jacobi_split), options());
   split.step(1);
-  EXPECT_LT(split.allocated_bytes(), coloured.allocated_bytes());
+  EXPECT_LT(split.info().allocated_bytes, coloured.info().allocated_bytes);
 }
 
 TEST_P(JacobiSplit, OneContactIsThatOfSoftStep) {

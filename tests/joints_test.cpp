@@ -623,13 +623,13 @@ TEST_P(Jointed, AreDrawnWhereTheyAre) {
   hinge.axis = Vector3d(1, 0, 0);
   scene.joints = {rope, between(JointKind::spring, 2, 1), hinge};
   World world(scene, options());
-  ASSERT_EQ(world.publish_counts(0, -1).joints, 3);
+  ASSERT_EQ(world.publisher().counts(0, -1).joints, 3);
   PublishTarget target;
-  target.joints = static_cast<JointInstance*>(world.scratch(3 * sizeof(JointInstance), 0));
+  target.joints = static_cast<JointInstance*>(world.publisher().scratch(3 * sizeof(JointInstance), 0));
   target.joint_capacity = 3;
-  world.publish(target);
+  world.publisher().publish(target);
   std::array<JointInstance, 3> drawn;
-  world.copy_to_host(drawn.data(), target.joints, sizeof drawn);
+  world.publisher().copy_to_host(drawn.data(), target.joints, sizeof drawn);
   // Colour by colour: the rope and the hinge share no body.
   const auto at = [](const float(&v)[3]) { return Vector3d(v[0], v[1], v[2]); };
   EXPECT_EQ(drawn[0].look, static_cast<float>(JointLook::rope));
@@ -726,7 +726,7 @@ TEST_P(Jointed, WithoutJointsNothingIsPaid) {
   World off(listed, options());
   never.step(4);
   off.step(4);
-  EXPECT_EQ(off.allocated_bytes(), never.allocated_bytes());
+  EXPECT_EQ(off.info().allocated_bytes, never.info().allocated_bytes);
   EXPECT_EQ(off.state_hash(), never.state_hash());
   const auto launches = [](World& world) {
     int sum = 0;
@@ -742,7 +742,7 @@ TEST_P(Jointed, WithoutJointsNothingIsPaid) {
   World on(listed, options());
   on.step(4);
   EXPECT_NE(on.state_hash(), never.state_hash());
-  EXPECT_GT(on.allocated_bytes(), never.allocated_bytes());
+  EXPECT_GT(on.info().allocated_bytes, never.info().allocated_bytes);
 }
 
 }  // namespace

@@ -63,16 +63,16 @@ class KeyBitsOfAWorld : public OnEachExecutor {
 ON_EACH_EXECUTOR(KeyBitsOfAWorld);
 
 TEST_P(KeyBitsOfAWorld, KeepACrowdsTreeAsGoodAsInABoxOfItsOwn) {
-  const double good = world(in_a_larger_box(3000, 1), 0).tree_quality().visits_mean;
+  const double good = world(in_a_larger_box(3000, 1), 0).tree().quality().visits_mean;
   Scene stray = in_a_larger_box(3000, 1);
   stray.box.reset();
   stray.bodies.push_back(sphere(1, Vector3d(1e6, 1e6, 1e6)));
   for (const Scene& scene : {in_a_larger_box(3000, 1000), stray}) {
     World automatic = world(scene, 0), crowded = world(scene, 30);
-    EXPECT_EQ(automatic.key_bits(), 63);
-    EXPECT_EQ(crowded.key_bits(), 30);
-    EXPECT_LT(automatic.tree_quality().visits_mean, 1.3 * good);
-    EXPECT_GT(crowded.tree_quality().visits_mean, 10 * good);
+    EXPECT_EQ(automatic.info().key_bits, 63);
+    EXPECT_EQ(crowded.info().key_bits, 30);
+    EXPECT_LT(automatic.tree().quality().visits_mean, 1.3 * good);
+    EXPECT_GT(crowded.tree().quality().visits_mean, 10 * good);
     for (World* w : {&automatic, &crowded}) w->step(5);
     EXPECT_EQ(automatic.state_hash(), crowded.state_hash());
     EXPECT_EQ(automatic.measure().pairs, crowded.measure().pairs);
@@ -82,10 +82,10 @@ TEST_P(KeyBitsOfAWorld, KeepACrowdsTreeAsGoodAsInABoxOfItsOwn) {
 TEST_P(KeyBitsOfAWorld, AreOfTheMethodsThatHaveKeysAndDecidedAnewForOtherBodies) {
   RunOptions o = options();
   World tree(in_a_larger_box(500, 100), o);
-  EXPECT_EQ(tree.key_bits(), 63);
+  EXPECT_EQ(tree.info().key_bits, 63);
   EXPECT_EQ(tree.options().key_bits, 0) << "as asked for, so that a world made of it decides again";
   o.broad_phase = "uniform_grid";
-  EXPECT_EQ(World(in_a_larger_box(500, 100), o).key_bits(), 0);
+  EXPECT_EQ(World(in_a_larger_box(500, 100), o).info().key_bits, 0);
 }
 
 }  // namespace

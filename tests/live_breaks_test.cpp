@@ -85,9 +85,9 @@ TEST(LiveBreaks, StopsAtWhatGuardsFindAndFreezesIt) {
   EXPECT_FALSE(run.step());
   EXPECT_EQ(run.live.world().bodies().position[1], where);
   EXPECT_EQ(run.to_a_stop().body, 0u);
-  EXPECT_THAT(run.live.world().frozen(), testing::ElementsAre(1));
+  EXPECT_THAT(run.live.world().guards().frozen(), testing::ElementsAre(1));
   run.live.restart();
-  EXPECT_THAT(run.live.world().frozen(), testing::IsEmpty());
+  EXPECT_THAT(run.live.world().guards().frozen(), testing::IsEmpty());
 }
 
 TEST(LiveBreaks, GuardsAreASettingThatKeepsTheScenesLimits) {
@@ -107,7 +107,7 @@ TEST(LiveBreaks, GuardsAreASettingThatKeepsTheScenesLimits) {
   EXPECT_EQ(run.live.settings().guards, OnFailure::freeze);
   for (int k = 0; k < 4; ++k) EXPECT_FALSE(run.step()) << "it freezes and goes on";
   EXPECT_EQ(run.live.world().steps(), 5);
-  EXPECT_THAT(run.live.world().frozen(), testing::ElementsAre(1));
+  EXPECT_THAT(run.live.world().guards().frozen(), testing::ElementsAre(1));
 }
 
 }  // namespace

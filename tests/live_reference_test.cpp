@@ -72,7 +72,8 @@ TEST(LiveReference, OfHardSpheresIsExact) {
   EXPECT_NEAR(run.reference.facts().rms, off, 1e-8);
   EXPECT_NEAR(run.reference.facts().max, off, 1e-8);
   EXPECT_EQ(run.reference.facts().doubt, 0);
-  EXPECT_THAT(run.live.world().errors(), testing::Each(testing::FloatNear(static_cast<float>(off), 1e-6f)));
+  EXPECT_THAT(run.live.world().publisher().errors(),
+              testing::Each(testing::FloatNear(static_cast<float>(off), 1e-6f)));
 }
 
 TEST(LiveReference, OfOtherScenesIsFinerAndKnowsHowFine) {
@@ -135,7 +136,7 @@ TEST(LiveReference, EndsWhereNothingIsExactAnyMore) {
   run.step(40);
   EXPECT_TRUE(run.ghosts().empty());
   EXPECT_THAT(run.reference.facts().lack, HasSubstr("Zeno point"));
-  EXPECT_TRUE(run.live.world().errors().empty());
+  EXPECT_TRUE(run.live.world().publisher().errors().empty());
   run.step(3);  // nothing waits for it
   EXPECT_FALSE(run.reference.facts().known());
 
@@ -160,7 +161,7 @@ TEST(LiveReference, NeverSpeaksOfBodiesThatAreGone) {
       const std::vector<GhostInstance> ghosts = run.ghosts();
       ASSERT_EQ(std::ssize(ghosts), bodies);
       for (const GhostInstance& ghost : ghosts) EXPECT_EQ(ghost.offset[0], 0);
-      EXPECT_EQ(std::ssize(run.live.world().errors()), bodies);
+      EXPECT_EQ(std::ssize(run.live.world().publisher().errors()), bodies);
     }
   }
 }

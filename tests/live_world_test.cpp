@@ -318,11 +318,12 @@ TEST(LiveWorld, FreezingABodyIsAChange) {
   live.apply(removal(3));
   change(live, [](Settings& s) { s.restitution = 0.5; });
   for (int k = 0; k < 6; ++k) live.step(false);
-  EXPECT_THAT(live.world().frozen(), testing::ElementsAre(6)) << "ids above the removed one move down";
+  EXPECT_THAT(live.world().guards().frozen(), testing::ElementsAre(6))
+      << "ids above the removed one move down";
   EXPECT_EQ(live.world().bodies().position[6], place);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
   live.restart();
-  EXPECT_TRUE(live.world().frozen().empty());
+  EXPECT_TRUE(live.world().guards().frozen().empty());
   ASSERT_EQ(live.changes().size(), 1u);
   EXPECT_TRUE(live.changes()[0].freeze.empty()) << "a start at state 0 frees what was frozen";
   live.step(false);
@@ -337,7 +338,7 @@ TEST(LiveWorld, AFrozenBodyStaysSoAtTheStart) {
   live.freeze(2);
   change(live, [](Settings& s) { s.restitution = 0.5; });
   change(live, [](Settings& s) { s.bodies = 50; });
-  EXPECT_THAT(live.world().frozen(), testing::ElementsAre(2, 7));
+  EXPECT_THAT(live.world().guards().frozen(), testing::ElementsAre(2, 7));
   for (int k = 0; k < 6; ++k) live.step(false);
   EXPECT_EQ(live.world().bodies().position[7], live.world().initial().position[7]);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
@@ -348,8 +349,8 @@ TEST(LiveWorld, WhatGuardsFreezeIsAChange) {
   scene.physics.guards = Guards{.on_failure = OnFailure::freeze, .speed = 25};
   scene.physics.effects = Effects{.gravity = true, .guards = true};
   LiveWorld live(scene, on_cpu());
-  for (int k = 0; k < 200 && live.world().frozen().empty(); ++k) live.step(false);
-  ASSERT_FALSE(live.world().frozen().empty());
+  for (int k = 0; k < 200 && live.world().guards().frozen().empty(); ++k) live.step(false);
+  ASSERT_FALSE(live.world().guards().frozen().empty());
   ASSERT_FALSE(live.changes().empty());
   EXPECT_EQ(live.changes()[0].step, live.world().steps() - 1) << "in the state before the step that failed";
   for (int k = 0; k < 5; ++k) live.step(false);

@@ -16,10 +16,10 @@ namespace {
 struct Reported {
   std::vector<NodeReport> nodes;
   explicit Reported(World& world) {
-    std::vector<std::uint32_t> places(static_cast<std::size_t>(world.tree_nodes()));
+    std::vector<std::uint32_t> places(static_cast<std::size_t>(world.tree().nodes()));
     for (std::size_t k = 0; k < places.size(); ++k) places[k] = static_cast<std::uint32_t>(k);
-    world.tree_quality();
-    nodes = world.tree_nodes_at(places);
+    world.tree().quality();
+    nodes = world.tree().nodes_at(places);
   }
   /// Bodies of the leaves from left to right.
   std::vector<std::uint32_t> leaves() const {
@@ -143,7 +143,7 @@ TEST_P(MortonOrders, MakeOneTreeWhateverSortsAndInWhateverOrderBodiesArrive) {
 /// What is reported as the number of bits, the order has.
 TEST_P(MortonOrders, ReportTheirBits) {
   for (const int bits : {24, 30, 63})
-    EXPECT_EQ(world(corner_of_a_gas(200), "lbvh_ropes", bits, SortMethod::automatic).key_bits(), bits);
+    EXPECT_EQ(world(corner_of_a_gas(200), "lbvh_ropes", bits, SortMethod::automatic).info().key_bits, bits);
 }
 
 /// No default needs more than twice the visits that the best length of a key does.
@@ -156,11 +156,11 @@ TEST_P(MortonOrders, AreGoodByDefault) {
       for (const SortMethod sort : {SortMethod::automatic, SortMethod::library}) {
         double best = 1e30;
         for (const int bits : {24, 30, 63})
-          best = std::min(best, world(scene, method, bits, sort).own_visits());
+          best = std::min(best, world(scene, method, bits, sort).tree().own_visits());
         World automatic = world(scene, method, 0, sort);
-        EXPECT_LE(automatic.own_visits(), 2 * best)
-            << name << ", " << method << ", sort " << static_cast<int>(sort) << ", " << automatic.key_bits()
-            << " bits";
+        EXPECT_LE(automatic.tree().own_visits(), 2 * best)
+            << name << ", " << method << ", sort " << static_cast<int>(sort) << ", "
+            << automatic.info().key_bits << " bits";
       }
 }
 

@@ -223,22 +223,23 @@ TEST_P(OneAnswerOfASolver, DetectingMeasuringAndPublishingChangeNothing) {
     watched.step();
     watched.detect();
     watched.measure();
-    const PublishCounts counts = watched.publish_counts(0, 30);
+    const PublishCounts counts = watched.publisher().counts(0, 30);
     const auto bytes = [](std::int64_t records, std::size_t each) {
       return static_cast<std::size_t>(records) * each;
     };
     PublishTarget target;
-    target.bodies =
-        static_cast<BodyInstance*>(watched.scratch(bytes(counts.bodies, sizeof(BodyInstance)), 0));
+    target.bodies = static_cast<BodyInstance*>(
+        watched.publisher().scratch(bytes(counts.bodies, sizeof(BodyInstance)), 0));
     target.body_capacity = counts.bodies;
     target.body_color = BodyColor::contacts;
-    target.boxes = static_cast<BoxInstance*>(watched.scratch(bytes(counts.boxes, sizeof(BoxInstance)), 1));
+    target.boxes =
+        static_cast<BoxInstance*>(watched.publisher().scratch(bytes(counts.boxes, sizeof(BoxInstance)), 1));
     target.box_capacity = counts.boxes;
     target.last_level = 30;
     target.contacts = static_cast<ContactInstance*>(
-        watched.scratch(bytes(counts.contacts + 1, sizeof(ContactInstance)), 2));
+        watched.publisher().scratch(bytes(counts.contacts + 1, sizeof(ContactInstance)), 2));
     target.contact_capacity = counts.contacts;
-    watched.publish(target);
+    watched.publisher().publish(target);
   }
   EXPECT_EQ(watched.state_hash(), plain.state_hash());
 }

@@ -77,17 +77,17 @@ TEST_P(OutOfMemoryOn, GrowthThatDoesNotFitLeavesTheState) {
     RunOptions roomy = options();
     roomy.initial_pair_capacity = 16;
     World undisturbed(scene, roomy);
-    const std::int64_t at_first = undisturbed.allocated_bytes();
+    const std::int64_t at_first = undisturbed.info().allocated_bytes;
     undisturbed.step(25);
-    ASSERT_GT(undisturbed.allocated_bytes(), at_first + 1000);
+    ASSERT_GT(undisturbed.info().allocated_bytes, at_first + 1000);
 
     RunOptions scarce = roomy;
-    scarce.memory_limit = (at_first + undisturbed.allocated_bytes()) / 2;
+    scarce.memory_limit = (at_first + undisturbed.info().allocated_bytes) / 2;
     World world(scene, scarce);
     const std::string line = refusal_of([&] { world.step(25); });
     EXPECT_THAT(line, testing::HasSubstr(" pairs")) << line;
     EXPECT_GT(largest_number(line), scarce.memory_limit) << line;
-    EXPECT_LE(world.allocated_bytes(), scarce.memory_limit);
+    EXPECT_LE(world.info().allocated_bytes, scarce.memory_limit);
     EXPECT_LT(world.steps(), 25);
 
     World beside(scene, roomy);
@@ -109,7 +109,7 @@ TEST_P(OutOfMemoryOn, AChangeOfNThatDoesNotFitLeavesTheRun) {
   World undisturbed(scene, options());
   undisturbed.step(10);
   RunOptions scarce = options();
-  scarce.memory_limit = 2 * undisturbed.allocated_bytes();
+  scarce.memory_limit = 2 * undisturbed.info().allocated_bytes;
   World world(scene, scarce);
   world.step(5);
   Change change;

@@ -22,31 +22,31 @@ class PackedTree : public OnEachExecutor {
   std::vector<std::string> methods_with_trees() {
     std::vector<std::string> methods;
     for (const std::string& name : broad_phase_names(GetParam()))
-      if (world_of(name, 10).tree_nodes() > 0) methods.push_back(name);
+      if (world_of(name, 10).tree().nodes() > 0) methods.push_back(name);
     return methods;
   }
   static std::vector<BoxInstance> boxes(World& world, NodeMetric metric, int first, int last) {
     PublishTarget target;
-    target.box_capacity = world.publish_counts(first, last).boxes;
+    target.box_capacity = world.publisher().counts(first, last).boxes;
     const std::size_t count = static_cast<std::size_t>(target.box_capacity);
-    target.boxes = static_cast<BoxInstance*>(world.scratch(count * sizeof(BoxInstance), 0));
+    target.boxes = static_cast<BoxInstance*>(world.publisher().scratch(count * sizeof(BoxInstance), 0));
     target.first_level = first;
     target.last_level = last;
     target.box_metric = metric;
-    world.publish(target);
+    world.publisher().publish(target);
     std::vector<BoxInstance> host(count);
-    world.copy_to_host(host.data(), target.boxes, count * sizeof host[0]);
+    world.publisher().copy_to_host(host.data(), target.boxes, count * sizeof host[0]);
     return host;
   }
   static std::vector<BodyInstance> bodies(World& world, BodyColor color) {
     PublishTarget target;
     const std::size_t count = world.initial().size();
-    target.bodies = static_cast<BodyInstance*>(world.scratch(count * sizeof(BodyInstance), 0));
+    target.bodies = static_cast<BodyInstance*>(world.publisher().scratch(count * sizeof(BodyInstance), 0));
     target.body_capacity = static_cast<std::int64_t>(count);
     target.body_color = color;
-    world.publish(target);
+    world.publisher().publish(target);
     std::vector<BodyInstance> host(count);
-    world.copy_to_host(host.data(), target.bodies, count * sizeof host[0]);
+    world.publisher().copy_to_host(host.data(), target.bodies, count * sizeof host[0]);
     return host;
   }
 };
@@ -57,11 +57,11 @@ TEST_P(PackedTree, BodiesCarryTheErrorsThatSomebodyKnows) {
   for (const BodyInstance& body : bodies(world, BodyColor::error)) EXPECT_EQ(body.value, 0);
   std::vector<float> errors;
   for (int k = 0; k < 40; ++k) errors.push_back(0.25f * static_cast<float>(k));
-  world.set_errors(errors);
+  world.publisher().set_errors(errors);
   std::vector<float> values;
   for (const BodyInstance& body : bodies(world, BodyColor::error)) values.push_back(body.value);
   EXPECT_EQ(values, errors);
-  world.set_errors({1, 2});  // of other bodies
+  world.publisher().set_errors({1, 2});  // of other bodies
   for (const BodyInstance& body : bodies(world, BodyColor::error)) EXPECT_EQ(body.value, 0);
 }
 
@@ -98,12 +98,12 @@ TEST_P(PackedTree, BodiesCarryTheirDepthAndVisits) {
       EXPECT_EQ(by_depth[id].value, static_cast<float>(brute.body_level[id])) << method << id;
       EXPECT_EQ(by_visits[id].value, static_cast<float>(brute.body_visits[id])) << method << id;
     }
-    const TreeQuality& quality = world.tree_quality();
+    const TreeQuality& quality = world.tree().quality();
     EXPECT_EQ(quality.visits_min, *std::ranges::min_element(brute.body_visits));
     EXPECT_EQ(quality.visits_max, *std::ranges::max_element(brute.body_visits));
-    std::vector<std::int64_t> leaves(world.tree_levels().levels.size());
+    std::vector<std::int64_t> leaves(world.tree().levels().levels.size());
     for (const int level : brute.body_level) ++leaves[static_cast<std::size_t>(level)];
-    EXPECT_EQ(world.tree_leaves(), leaves) << method;
+    EXPECT_EQ(world.tree().leaves(), leaves) << method;
   }
 }
 
@@ -112,8 +112,8 @@ TEST_P(PackedTree, WithoutATreeNothingIsPacked) {
   for (const BodyColor color : {BodyColor::depth, BodyColor::visits, BodyColor::order})
     for (const BodyInstance& body : bodies(world, color)) EXPECT_EQ(body.value, 0);
   EXPECT_TRUE(boxes(world, NodeMetric::visits, 0, 63).empty());
-  EXPECT_EQ(world.node_spread(NodeMetric::visits, {}).count, 0);
-  EXPECT_TRUE(world.tree_leaves().empty());
+  EXPECT_EQ(world.tree().spread(NodeMetric::visits, {}).count, 0);
+  EXPECT_TRUE(world.tree().leaves().empty());
 }
 
 TEST_P(PackedTree, LookingAtTheTreeChangesNoState) {
@@ -147,7 +147,7 @@ TEST_P(PackedTree, TheSpreadCountsEveryNodeOnce) {
       while (from + 1 < values.size() && values[from + 1] - values[from] <= 1e-4 * values[from + 1]) ++from;
       ASSERT_LT(from + 1, values.size());
       selection.low = static_cast<float>((values[from] + values[from + 1]) / 2);
-      const NodeSpread spread = world.node_spread(metric, selection);
+      const NodeSpread spread = world.tree().spread(metric, selection);
       EXPECT_EQ(spread.count, std::ssize(values)) << method;
       EXPECT_EQ(spread.inside, std::ssize(values) - static_cast<std::int64_t>(from) - 1) << method;
       EXPECT_NEAR(spread.least, values.front(), 1e-5 * values.front());
@@ -173,7 +173,7 @@ TEST_P(PackedTree, TheWorstNodeNamedIsTheWorst) {
       for (std::size_t i = 0; i < brute.nodes.size(); ++i)
         if (brute.nodes[i].level >= first && brute.nodes[i].level <= last)
           worst = std::max(worst, brute.value(i, metric));
-      const std::vector<NodeReport> named = world.ranked_nodes(metric, 0, 1, first, last);
+      const std::vector<NodeReport> named = world.tree().ranked(metric, 0, 1, first, last);
       ASSERT_EQ(named.size(), 1u);
       const BruteTree::Node& node = brute.nodes[named[0].node];
       EXPECT_NEAR(brute.value(named[0].node, metric), worst, 1e-6 * worst);

@@ -46,7 +46,7 @@ struct Desk {
       const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4},
       const Scene& scene = small_box(300))
       : layers(shown), world(scene, on_cpu(/*threads=*/2)), panels(world, shown, width, height, false) {
-    world.record_impulses(shown.contacts);
+    world.records().record_impulses(shown.contacts);
     for (int k = 0; k < 40; ++k) {
       world.step();
       panels.record(world);

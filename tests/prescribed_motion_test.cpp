@@ -75,11 +75,11 @@ TEST_P(Prescribed, ABounceOffOneIsThatOffAWallThatMoves) {
     scene.bodies = {with_motion(sphere(1, Vector3d(0, 0, 0), Vector3d(0, wall, 0)), motion),
                     sphere(0.5, Vector3d(0, 1.6, 0), Vector3d(0, -5, 0))};
     World world(scene, options());
-    world.record_impulses(true);
+    world.records().record_impulses(true);
     double given = 0;
     for (int k = 0; k < 60; ++k) {
       world.step();
-      for (const ContactImpulse& contact : world.impulses()) given += contact.impulse;
+      for (const ContactImpulse& contact : world.records().impulses()) given += contact.impulse;
     }
     EXPECT_NEAR(world.bodies().velocity[1].y(), 2 * wall + 5, 1e-9);
     EXPECT_NEAR(given, world.initial().mass[1] * (2 * wall + 10), 1e-9 * given) << "all that it gained";
@@ -145,7 +145,8 @@ TEST_P(Prescribed, WhatIsNotCalledForCostsNothing) {
     return sum;
   };
   EXPECT_EQ(launches(b) - launches(a), plain.physics.solver == Solver::impulse ? 2 : 2 + 2 * 4);
-  EXPECT_EQ(b.allocated_bytes() - a.allocated_bytes(), 4 + 2 * 12) << "an id, a position, a velocity";
+  EXPECT_EQ(b.info().allocated_bytes - a.info().allocated_bytes, 4 + 2 * 12)
+      << "an id, a position, a velocity";
 }
 
 class PrescribedSoftly : public OnEachExecutor {
@@ -167,12 +168,12 @@ TEST_P(PrescribedSoftly, AnElevatorCarriesABall) {
   scene.bodies = {with_motion(sphere(2, Vector3d(0, 0, -2), Vector3d(0, 0, 1.5)), Motion::kinematic),
                   sphere(0.5, Vector3d(0, 0, 0.5))};
   World world(scene, options());
-  world.record_impulses(true);
+  world.records().record_impulses(true);
   world.step(120);
   double given = 0;
   for (int k = 0; k < 60; ++k) {
     world.step();
-    for (const ContactImpulse& contact : world.impulses()) given += contact.impulse;
+    for (const ContactImpulse& contact : world.records().impulses()) given += contact.impulse;
   }
   const BodyStates s = world.bodies();
   EXPECT_NEAR(s.velocity[1].z(), 1.5, 1e-6);
@@ -210,14 +211,14 @@ TEST_P(PrescribedSoftly, AStaticSphereBearsAPile) {
                                            1e-8 * Vector3d(random() % 999999, random() % 999999, 0)));
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].material = 1;
   World world(scene, options());
-  world.record_impulses(true);
+  world.records().record_impulses(true);
   world.step(3600);
   double up = 0, weight = 0;
   const int steps = 480;
   for (int k = 0; k < steps; ++k) {
     const BodyStates s = world.bodies();
     world.step();
-    for (const ContactImpulse& contact : world.impulses())
+    for (const ContactImpulse& contact : world.records().impulses())
       if (contact.a == 0) up += contact.impulse * (s.position[contact.b] - s.position[0]).normalized().z();
   }
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) weight += world.initial().mass[i] * g;

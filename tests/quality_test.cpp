@@ -27,7 +27,7 @@ TEST_P(Quality, OfTwoBodiesByHand) {
   Scene scene = empty_space();
   scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {3, 0, 0})};
   World world = world_of(scene);
-  const TreeQuality q = world.tree_quality();
+  const TreeQuality q = world.tree().quality();
   EXPECT_EQ(q.nodes, 3);
   EXPECT_EQ(q.levels, 2);
   EXPECT_EQ(q.leaves, (std::vector<std::int64_t>{0, 2}));
@@ -48,7 +48,7 @@ TEST_P(Quality, OfAnOverlapByHand) {
   Scene scene = empty_space();
   scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {1, 0, 0})};
   World world = world_of(scene);
-  const TreeQuality q = world.tree_quality();
+  const TreeQuality q = world.tree().quality();
   const double root = area(3, 2, 2), leaf = area(2, 2, 2), common = area(1, 2, 2);
   EXPECT_EQ(q.pairs, 1);
   EXPECT_NEAR(q.sibling_overlap, common / root, 1e-6);
@@ -62,8 +62,8 @@ TEST_P(Quality, OfAnOverlapByHand) {
 TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
   for (const std::string& method : broad_phase_names(GetParam())) {
     World world = world_of(box_collider(500), method);
-    if (world.tree_nodes() == 0) continue;
-    const TreeQuality q = world.tree_quality();
+    if (world.tree().nodes() == 0) continue;
+    const TreeQuality q = world.tree().quality();
     EXPECT_EQ(q.pairs, world.measure().pairs) << method;
     EXPECT_EQ(q.bodies, 500);
     std::int64_t leaves = 0;
@@ -71,20 +71,20 @@ TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
     EXPECT_EQ(leaves, 500) << method;
     // The sum of visits over bodies is the sum over nodes.
     double by_node = 0;
-    const auto nodes = world.ranked_nodes(NodeMetric::visits, 0, world.tree_nodes());
-    ASSERT_EQ(std::ssize(nodes), world.tree_nodes());
+    const auto nodes = world.tree().ranked(NodeMetric::visits, 0, world.tree().nodes());
+    ASSERT_EQ(std::ssize(nodes), world.tree().nodes());
     EXPECT_EQ(nodes.front().visits, 500) << "all queries begin at the root: " << method;
     for (const NodeReport& node : nodes) by_node += static_cast<double>(node.visits);
     EXPECT_NEAR(by_node / 500, q.visits_mean, 1e-9) << method;
     double shares = 0;
     for (const NodeReport& node : nodes) shares += node.sah_share;
     EXPECT_NEAR(shares, 1, 1e-4) << method;
-    const std::vector<std::uint32_t> visited = world.visited_nodes(123, 100000);
+    const std::vector<std::uint32_t> visited = world.tree().visited(123, 100000);
     EXPECT_LE(std::ssize(visited), q.visits_max);
     EXPECT_EQ(visited.front(), 0u);
     EXPECT_EQ(std::count_if(visited.begin(), visited.end(),
                             [&](std::uint32_t node) {
-                              const NodeReport report = world.tree_node(node);
+                              const NodeReport report = world.tree().node(node);
                               return report.children == 0 && report.body == 123;
                             }),
               1)
@@ -102,10 +102,10 @@ struct OwnTraversals {
   std::vector<std::uint32_t> leaf;  ///< node, by place
 
   explicit OwnTraversals(World& world) {
-    std::vector<std::uint32_t> places(static_cast<std::size_t>(world.tree_nodes()));
+    std::vector<std::uint32_t> places(static_cast<std::size_t>(world.tree().nodes()));
     for (std::size_t k = 0; k < places.size(); ++k) places[k] = static_cast<std::uint32_t>(k);
-    world.tree_quality();
-    for (const NodeReport& report : world.tree_nodes_at(places)) nodes.push_back({report});
+    world.tree().quality();
+    for (const NodeReport& report : world.tree().nodes_at(places)) nodes.push_back({report});
     number(0);
   }
   void number(std::uint32_t at) {
@@ -137,12 +137,12 @@ struct OwnTraversals {
 
 TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
   const auto own = [&](const std::string& method, World& world) {
-    const OwnVisits& visits = world.tree_quality().own;
+    const OwnVisits& visits = world.tree().quality().own;
     EXPECT_TRUE(visits.by_query) << method;
-    EXPECT_EQ(world.own_visits(), visits.mean) << method;
+    EXPECT_EQ(world.tree().own_visits(), visits.mean) << method;
     EXPECT_LE(visits.p99, static_cast<double>(visits.most)) << method;
     EXPECT_GE(visits.warp_ratio, 1) << method;
-    EXPECT_LT(visits.mean, world.tree_quality().visits_mean) << "half of a query: " << method;
+    EXPECT_LT(visits.mean, world.tree().quality().visits_mean) << "half of a query: " << method;
     return visits.mean;
   };
   for (const char* method : {"lbvh_ropes", "refit", "ploc"}) {
@@ -179,9 +179,9 @@ TEST_P(Quality, WholeQueriesReadAllThatOverlapsAndFindTheSamePairs) {
     o.whole_queries = true;
     World whole(box_collider(400), o);
     const OwnTraversals brute(whole);
-    EXPECT_NEAR(whole.own_visits(), brute.mean([](const auto&, std::uint32_t) { return true; }), 1e-9)
+    EXPECT_NEAR(whole.tree().own_visits(), brute.mean([](const auto&, std::uint32_t) { return true; }), 1e-9)
         << method;
-    EXPECT_GT(whole.own_visits(), half.own_visits()) << method;
+    EXPECT_GT(whole.tree().own_visits(), half.tree().own_visits()) << method;
     half.detect();
     whole.detect();
     EXPECT_EQ(whole.pairs(), half.pairs()) << method;
@@ -201,16 +201,16 @@ TEST_P(Quality, OwnVisitsOfPlanesAndOfADeepTree) {
     double all = 0;
     for (int place = 0; place < 63; ++place)
       for (int level = 0; level < 6; ++level) all += (place | ((1 << (6 - level)) - 1)) != place;
-    EXPECT_NEAR(world.own_visits(), all / 64, 1e-9) << method;
+    EXPECT_NEAR(world.tree().own_visits(), all / 64, 1e-9) << method;
   }
   if (GetParam() == ExecutorKind::cuda) return;
   constexpr int n = 300;
   Scene coincident = empty_space();
   for (int i = 0; i < n; ++i) coincident.bodies.push_back(sphere(1, Vector3d(0, 0, 0)));
   World world = world_of(coincident, "bullet_dbvt");
-  EXPECT_FALSE(world.tree_quality().own.by_query);
-  EXPECT_GE(world.own_visits(), (n - 1) / 2.0) << "each pair of leaves is tested";
-  EXPECT_EQ(world.own_visits(), world.tree_quality().own.mean);
+  EXPECT_FALSE(world.tree().quality().own.by_query);
+  EXPECT_GE(world.tree().own_visits(), (n - 1) / 2.0) << "each pair of leaves is tested";
+  EXPECT_EQ(world.tree().own_visits(), world.tree().quality().own.mean);
 }
 
 TEST_P(Quality, RanksNodesWorstFirst) {
@@ -222,11 +222,11 @@ TEST_P(Quality, RanksNodesWorstFirst) {
              : metric == NodeMetric::sibling_overlap ? n.sibling_overlap
                                                      : n.empty_space;
     };
-    const auto all = world.ranked_nodes(metric, 0, 1000000);
-    ASSERT_EQ(std::ssize(all), world.tree_nodes());
+    const auto all = world.tree().ranked(metric, 0, 1000000);
+    ASSERT_EQ(std::ssize(all), world.tree().nodes());
     EXPECT_TRUE(std::is_sorted(all.begin(), all.end(),
                                [&](const auto& a, const auto& b) { return value(a) > value(b); }));
-    const auto few = world.ranked_nodes(metric, 3, 2);
+    const auto few = world.tree().ranked(metric, 3, 2);
     ASSERT_EQ(few.size(), 2u);
     EXPECT_EQ(few[0].node, all[3].node);
     EXPECT_EQ(few[1].node, all[4].node);
@@ -235,16 +235,16 @@ TEST_P(Quality, RanksNodesWorstFirst) {
 
 TEST_P(Quality, OfNothingIsZero) {
   World world = world_of(empty_space());
-  EXPECT_EQ(world.tree_quality().nodes, 0);
-  EXPECT_TRUE(world.ranked_nodes(NodeMetric::visits, 0, 10).empty());
+  EXPECT_EQ(world.tree().quality().nodes, 0);
+  EXPECT_TRUE(world.tree().ranked(NodeMetric::visits, 0, 10).empty());
   World flat = world_of(box_collider(10), "brute_force");
-  EXPECT_EQ(flat.tree_quality().nodes, 0);
+  EXPECT_EQ(flat.tree().quality().nodes, 0);
 }
 
 TEST_P(Quality, TimesEveryRepeat) {
   World world = world_of(box_collider(200), "lbvh_ropes");
   const std::uint64_t hash = world.state_hash();
-  const BroadPhaseTimes times = world.time_broad_phase(7);
+  const BroadPhaseTimes times = world.tree().time_broad_phase(7);
   EXPECT_EQ(times.whole.size(), 7u);
   ASSERT_FALSE(times.stages.empty());
   for (const auto& stage : times.stages) EXPECT_EQ(stage.ms.size(), 7u) << stage.name;

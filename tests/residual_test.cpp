@@ -46,9 +46,9 @@ Scene stack(Solver solver, int count, int iterations) {
 TEST_P(Residuals, ATwoBodyImpactIsSolvedByOneSweep) {
   for (const Solver solver : all_solvers) {
     World world(head_on(solver), options());
-    world.record_residuals(true);
+    world.records().record_residuals(true);
     world.step();
-    const std::vector<Residual> residuals = world.residuals();
+    const std::vector<Residual> residuals = world.records().residuals();
     ASSERT_EQ(residuals.size(), solver == Solver::impulse ? 4u : 8u);
     EXPECT_EQ(residuals[0].stage, "solve");
     EXPECT_EQ(residuals[0].sweep, 0);
@@ -71,9 +71,9 @@ TEST_P(Residuals, OfAStackFallFromSweepToSweep) {
     for (const int count : {2, 5, 10}) {
       const std::size_t iterations = 40;
       World world(stack(solver, count, iterations), options());
-      world.record_residuals(true);
+      world.records().record_residuals(true);
       world.step();
-      const std::vector<Residual> residuals = world.residuals();
+      const std::vector<Residual> residuals = world.records().residuals();
       ASSERT_GE(residuals.size(), iterations + 1);
       EXPECT_GT(residuals[0].rms, 0.1);
       for (std::size_t k = 2; k <= iterations; ++k)
@@ -98,9 +98,9 @@ TEST_P(Residuals, AreTheSameAtEveryLaunchShapeAndCapacity) {
   for (const Solver solver : all_solvers) {
     RunOptions plain = options();
     World reference(pile(solver), plain);
-    reference.record_residuals(true);
+    reference.records().record_residuals(true);
     reference.step(30);
-    const std::vector<Residual> expected = reference.residuals();
+    const std::vector<Residual> expected = reference.records().residuals();
     ASSERT_EQ(expected.size(), solver == Solver::impulse ? 3u * 3 : 3u * 2 * 3);
     EXPECT_EQ(expected.back().substep, 2);
     EXPECT_EQ(expected.back().sweep, 2);
@@ -111,17 +111,17 @@ TEST_P(Residuals, AreTheSameAtEveryLaunchShapeAndCapacity) {
       o.shape = shape;
       o.initial_pair_capacity = 60;
       World world(pile(solver), o);
-      world.record_residuals(true);
+      world.records().record_residuals(true);
       world.step(30);
-      EXPECT_EQ(world.residuals(), expected) << shape.blocks << " x " << shape.threads;
+      EXPECT_EQ(world.records().residuals(), expected) << shape.blocks << " x " << shape.threads;
     }
     // A machine without a GPU says what one with a GPU must find.
     RunOptions cpu = options();
     cpu.executor = ExecutorKind::cpu;
     World other(pile(solver), cpu);
-    other.record_residuals(true);
+    other.records().record_residuals(true);
     other.step(30);
-    EXPECT_EQ(other.residuals(), expected);
+    EXPECT_EQ(other.records().residuals(), expected);
   }
 }
 
@@ -133,15 +133,15 @@ TEST_P(Residuals, OffTheyCostNothingAndOnTheyChangeNothing) {
   };
   for (const Solver solver : all_solvers) {
     World off(pile(solver), options()), on(pile(solver), options());
-    on.record_residuals(true);
+    on.records().record_residuals(true);
     for (World* world : {&off, &on}) world->step(20);
     EXPECT_EQ(off.state_hash(), on.state_hash());
-    EXPECT_TRUE(off.residuals().empty());
-    EXPECT_LT(off.allocated_bytes(), on.allocated_bytes());
+    EXPECT_TRUE(off.records().residuals().empty());
+    EXPECT_LT(off.info().allocated_bytes, on.info().allocated_bytes);
     EXPECT_LT(launches(off), launches(on));
-    on.record_residuals(false);
-    EXPECT_TRUE(on.residuals().empty());
-    EXPECT_EQ(off.allocated_bytes(), on.allocated_bytes());
+    on.records().record_residuals(false);
+    EXPECT_TRUE(on.records().residuals().empty());
+    EXPECT_EQ(off.info().allocated_bytes, on.info().allocated_bytes);
   }
 }
 
@@ -151,12 +151,12 @@ TEST_P(Residuals, LeaveOutWhoSleeps) {
   scene.physics.substeps = 4;
   scene.physics.sleep = Sleep{};
   World world(scene, options());
-  world.record_residuals(true);
+  world.records().record_residuals(true);
   world.step();
-  EXPECT_EQ(world.residuals()[1].contacts, 3) << "two between them, and the floor";
+  EXPECT_EQ(world.records().residuals()[1].contacts, 3) << "two between them, and the floor";
   world.step(60);
   ASSERT_EQ(world.measure().asleep, 3);
-  for (const Residual& residual : world.residuals()) {
+  for (const Residual& residual : world.records().residuals()) {
     EXPECT_EQ(residual.contacts, 0);
     EXPECT_EQ(residual.rms, 0);
   }

@@ -282,12 +282,12 @@ TEST_P(Sleepers, AreCountedAndDrawn) {
   world.step(8);
   const auto values = [&] {
     PublishTarget target;
-    target.bodies = static_cast<BodyInstance*>(world.scratch(6 * sizeof(BodyInstance), 0));
+    target.bodies = static_cast<BodyInstance*>(world.publisher().scratch(6 * sizeof(BodyInstance), 0));
     target.body_capacity = 6;
     target.body_color = BodyColor::sleep;
-    world.publish(target);
+    world.publisher().publish(target);
     std::vector<BodyInstance> host(6);
-    world.copy_to_host(host.data(), target.bodies, 6 * sizeof host[0]);
+    world.publisher().copy_to_host(host.data(), target.bodies, 6 * sizeof host[0]);
     std::vector<float> value;
     for (const BodyInstance& body : host) value.push_back(body.value);
     return value;
@@ -317,8 +317,8 @@ TEST_P(Sleepers, OffTheyCostNothing) {
   listed.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
   World without(off, options()), unlisted(listed, options()), with(on, options());
   for (World* world : {&without, &unlisted, &with}) world->step(6);
-  EXPECT_EQ(without.allocated_bytes(), unlisted.allocated_bytes());
-  EXPECT_LT(without.allocated_bytes(), with.allocated_bytes());
+  EXPECT_EQ(without.info().allocated_bytes, unlisted.info().allocated_bytes);
+  EXPECT_LT(without.info().allocated_bytes, with.info().allocated_bytes);
   EXPECT_EQ(without.state_hash(), unlisted.state_hash());
   EXPECT_EQ(without.state_hash(), with.state_hash()) << "until something sleeps";
   EXPECT_TRUE(without.state().memory.slow.empty());

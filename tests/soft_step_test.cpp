@@ -55,7 +55,7 @@ TEST_P(SoftStep, TwentyStackedInATubeHoldAndEachContactBearsWhatStandsOnIt) {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     const int count = 20;
     World world(column(count, precision), options());
-    world.record_impulses(true);
+    world.records().record_impulses(true);
     world.step(900);
     const StepStats stats = world.measure();
     EXPECT_LT(stats.max_speed, 2e-3);
@@ -63,7 +63,7 @@ TEST_P(SoftStep, TwentyStackedInATubeHoldAndEachContactBearsWhatStandsOnIt) {
     const BodyStates states = world.bodies();
     const double mass = world.initial().mass[0];
     int found = 0;
-    for (const ContactImpulse& contact : world.impulses()) {
+    for (const ContactImpulse& contact : world.records().impulses()) {
       if (contact.b != contact.a + 1) continue;
       const Vector3d normal = (states.position[contact.b] - states.position[contact.a]).normalized();
       const double force = contact.impulse / world.scene().physics.time_step;
@@ -314,7 +314,7 @@ TEST_P(SoftStep, RecordingImpulsesChangesNothing) {
   RunOptions o = options();
   o.initial_pair_capacity = 100;  // grows while it remembers
   World off(scene, o), on(scene, o);
-  on.record_impulses(true);
+  on.records().record_impulses(true);
   for (int k = 0; k < 30; ++k) {
     off.step();
     on.step();
@@ -334,7 +334,7 @@ TEST_P(SoftStep, AnEffectThatIsOffCostsNoLaunchAndNoByte) {
   Scene walled = open;
   walled.obstacles = {Plane{}};
   World a(open, options()), b(walled, options());
-  EXPECT_GT(b.allocated_bytes(), a.allocated_bytes());
+  EXPECT_GT(b.info().allocated_bytes, a.info().allocated_bytes);
   const auto launches = [](World& world) {
     world.step(2);
     int sum = 0;

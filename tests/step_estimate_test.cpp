@@ -48,7 +48,7 @@ class StepEstimates : public OnEachExecutor {
     EXPECT_LT(factor(expected.contacts, static_cast<double>(found.speculative)), 1.5)
         << expected.contacts << " for " << found.speculative;
     // Lists that were too small hold half as much again as they need.
-    const double bytes = static_cast<double>(world.allocated_bytes());
+    const double bytes = static_cast<double>(world.info().allocated_bytes);
     EXPECT_LT(static_cast<double>(expected.bytes), 1.5 * bytes);
     EXPECT_GT(static_cast<double>(expected.bytes), bytes / 1.5 / 1.5);
   }

@@ -32,7 +32,7 @@ Workspace open_panel() {
 TEST(TreeInspector, AFoldedPanelCostsNothing) {
   World world = world_of("lbvh_ropes");
   world.detect();
-  const std::int64_t bytes = world.allocated_bytes();
+  const std::int64_t bytes = world.info().allocated_bytes;
   Workspace workspace = open_panel();
   workspace.folds.tree = false;
   TreeInspector inspector;
@@ -42,11 +42,11 @@ TEST(TreeInspector, AFoldedPanelCostsNothing) {
   workspace.folds.right = false;
   inspector.refresh(world, 0, workspace);
   EXPECT_EQ(inspector.facts(), nullptr);
-  EXPECT_EQ(world.allocated_bytes(), bytes) << "nothing was measured";
+  EXPECT_EQ(world.info().allocated_bytes, bytes) << "nothing was measured";
   workspace.folds.right = true;
   inspector.refresh(world, 0, workspace);
   ASSERT_NE(inspector.facts(), nullptr);
-  EXPECT_GT(world.allocated_bytes(), bytes);
+  EXPECT_GT(world.info().allocated_bytes, bytes);
 }
 
 TEST(TreeInspector, MeasuresAStateOnce) {

@@ -102,10 +102,10 @@ TEST_P(ArrangedTree, OfCoincidentBodiesLeadsToAllPairs) {
     RunOptions o = options();
     o.broad_phase = method;
     World world(scene, o);
-    if (world.tree_nodes() == 0) continue;
-    EXPECT_EQ(world.tree_quality().pairs, n * (n - 1) / 2) << method;
+    if (world.tree().nodes() == 0) continue;
+    EXPECT_EQ(world.tree().quality().pairs, n * (n - 1) / 2) << method;
     std::int64_t leaves = 0;
-    for (const std::int64_t at_level : world.tree_leaves()) leaves += at_level;
+    for (const std::int64_t at_level : world.tree().leaves()) leaves += at_level;
     EXPECT_EQ(leaves, n) << method;
   }
 }

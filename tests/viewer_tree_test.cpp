@@ -66,7 +66,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   choose(window, "tree.method", "bvh_input_order");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["broad_phase"] == "bvh_input_order"; }));
   ASSERT_TRUE(wait([&](const Json& t) { return t["sah"] > 1.5 * good; })) << "the tree is worse";
-  EXPECT_NEAR(tree("sah").get<double>(), world.tree_quality().sah, 1e-9);
+  EXPECT_NEAR(tree("sah").get<double>(), world.tree().quality().sah, 1e-9);
 
   // Colours, each seen in the picture.
   const Image without = still(window);
@@ -87,7 +87,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
 
   // The worst are the worst, by every column; pages and neighbours in the order.
   EXPECT_EQ(places(tree("rows")),
-            places(world.ranked_nodes(NodeMetric::sibling_overlap, 0, TreeFacts::page)));
+            places(world.tree().ranked(NodeMetric::sibling_overlap, 0, TreeFacts::page)));
   for (const auto& [column, metric] : {std::pair{"tree.sort.empty", NodeMetric::empty_space},
                                        {"tree.sort.visits", NodeMetric::visits},
                                        {"tree.sort.overlap", NodeMetric::sibling_overlap}}) {
@@ -95,12 +95,12 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
     ASSERT_TRUE(wait([m = metric](const Json& t) { return t["sort"] == static_cast<int>(m); })) << column;
     window.click("tree.page.next");
     ASSERT_TRUE(wait([](const Json& t) { return t["first"] == TreeFacts::page; }));
-    EXPECT_EQ(places(tree("rows")), places(world.ranked_nodes(metric, TreeFacts::page, TreeFacts::page)));
+    EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, TreeFacts::page, TreeFacts::page)));
     window.click("tree.page.previous");
     ASSERT_TRUE(wait([](const Json& t) { return t["first"] == 0; }));
-    EXPECT_EQ(places(tree("rows")), places(world.ranked_nodes(metric, 0, TreeFacts::page)));
+    EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, 0, TreeFacts::page)));
   }
-  const std::vector<std::uint32_t> order = places(world.ranked_nodes(NodeMetric::sibling_overlap, 0, 20));
+  const std::vector<std::uint32_t> order = places(world.tree().ranked(NodeMetric::sibling_overlap, 0, 20));
   before = still(window);
   window.click("tree.row.6");
   ASSERT_TRUE(wait([&](const Json& t) { return t["node"] == order[6]; }));
@@ -131,7 +131,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   const double low = tree("range")[0];
   NodeSelection selection;
   selection.low = static_cast<float>(low);
-  EXPECT_EQ(tree("inside"), world.node_spread(NodeMetric::sibling_overlap, selection).inside);
+  EXPECT_EQ(tree("inside"), world.tree().spread(NodeMetric::sibling_overlap, selection).inside);
   EXPECT_GT(difference(before, still(window), window.frame()), 0.005);
   window.click("tree.auto");
   ASSERT_TRUE(wait([&](const Json& t) { return t["range"][0] == 0 && t["inside"] == all; }));
@@ -144,7 +144,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   window.next_frame();
   const int first = window.frame()["layers"]["first_level"];
   EXPECT_EQ(places(tree("rows"))[0],
-            world.ranked_nodes(NodeMetric::sibling_overlap, 0, 1, first).front().node);
+            world.tree().ranked(NodeMetric::sibling_overlap, 0, 1, first).front().node);
 
   // A leaf selects its body; what its query visits, step by step.
   window.click("tree.sort.lvl");
@@ -153,9 +153,9 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["selection"].is_number(); }));
   EXPECT_TRUE(tree("node").is_null());
   const auto body = window.frame()["selection"].get<std::uint32_t>();
-  EXPECT_EQ(body, world.ranked_nodes(NodeMetric::level, 0, 1).front().body);
+  EXPECT_EQ(body, world.tree().ranked(NodeMetric::level, 0, 1).front().body);
   window.click("tree.query");
-  ASSERT_TRUE(wait([&](const Json& t) { return t["visits"] == world.visits_of(body); }));
+  ASSERT_TRUE(wait([&](const Json& t) { return t["visits"] == world.tree().visits_of(body); }));
   const int visits = tree("visits");
   const Image start = still(window);
   for (int k = 0; k < 3; ++k) window.click("tree.query.on");
@@ -180,7 +180,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
       window.wait_for([](const Json& f) { return f["selection"].is_null() && f["drawn"]["spheres"] == 0; }));
   for (int k = 0; k < 40 && tree("node").is_null(); ++k) window.click_at(430 + 8 * k, 330);
   ASSERT_TRUE(tree("node").is_number());
-  EXPECT_GE(world.tree_node(tree("node")).level, first) << "of the levels that are drawn";
+  EXPECT_GE(world.tree().node(tree("node")).level, first) << "of the levels that are drawn";
 
   // Nothing of it reached the state; the next one has another tree.
   EXPECT_EQ(window.frame()["state_hash"], expected_hash(state, bodies));

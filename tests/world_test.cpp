@@ -81,7 +81,7 @@ TEST_P(Worlds, InspectTellsAllOfABody) {
   box.detect();
   const auto pairs = box.pairs();
   const BodyStates states = box.bodies();
-  const TreeLevels tree = box.tree_levels();
+  const TreeLevels tree = box.tree().levels();
   for (const std::uint32_t id : {0u, 3u, 700u, 1499u}) {
     const BodyReport body = box.inspect(id);
     std::vector<std::uint32_t> expected;
@@ -175,7 +175,7 @@ TEST_P(Worlds, SayHowManyBytesTheyLackAndLiveOn) {
 
   RunOptions o = options();
   o.initial_pair_capacity = 16;
-  const std::int64_t without_pairs = World(scene, o).allocated_bytes();
+  const std::int64_t without_pairs = World(scene, o).info().allocated_bytes;
   o.memory_limit = without_pairs + 20'000;
   World tight(scene, o);
   const std::uint64_t before = tight.state_hash();
@@ -189,14 +189,14 @@ TEST_P(Worlds, SayHowManyBytesTheyLackAndLiveOn) {
       EXPECT_NE(line.find("gives " + std::to_string(o.memory_limit)), std::string::npos) << line;
     }
     EXPECT_EQ(tight.state_hash(), before);
-    EXPECT_LE(tight.allocated_bytes(), o.memory_limit);
+    EXPECT_LE(tight.info().allocated_bytes, o.memory_limit);
   }
 
   // What is just enough is enough, though it leaves nothing over to grow by.
   o.memory_limit = 0;
   World grown(scene, o);
   grown.step(20);
-  o.memory_limit = grown.allocated_bytes();
+  o.memory_limit = grown.info().allocated_bytes;
   std::int64_t least = without_pairs, most = o.memory_limit;
   while (most - least > 1000) {
     o.memory_limit = (least + most) / 2;
@@ -204,13 +204,13 @@ TEST_P(Worlds, SayHowManyBytesTheyLackAndLiveOn) {
       World world(scene, o);
       world.step(20);
       EXPECT_EQ(world.state_hash(), roomy.state_hash());
-      EXPECT_LE(world.allocated_bytes(), o.memory_limit);
+      EXPECT_LE(world.info().allocated_bytes, o.memory_limit);
       most = o.memory_limit;
     } catch (const MachineError&) {
       least = o.memory_limit;
     }
   }
-  EXPECT_LT(most, grown.allocated_bytes()) << "growing by half was not given up where it does not fit";
+  EXPECT_LT(most, grown.info().allocated_bytes) << "growing by half was not given up where it does not fit";
 }
 
 TEST(HostMemory, IsThereAndNotEndless) {

@@ -46,7 +46,7 @@ void App::meet_stop_wish() {
 /// One step, if nothing is in its way.
 void App::step_once() {
   const BreakConditions conditions = workspace_.breaks.conditions();
-  const std::size_t frozen = live_.world().frozen().size();
+  const std::size_t frozen = live_.world().guards().frozen().size();
   const double time_step = live_.world().scene().physics.time_step;
   breaks_.before_step(live_, conditions);
   if (live_.step(true)) {
@@ -58,15 +58,15 @@ void App::step_once() {
     workspace_.playing = false;
     workspace_.step_wishes = 0;
     if (const auto& body = breaks_.stop(live_)->body) workspace_.selection = body;
-  } else if (live_.world().frozen().size() > frozen) {
-    say("frozen: " + describe(*live_.world().finding()));
+  } else if (live_.world().guards().frozen().size() > frozen) {
+    say("frozen: " + describe(*live_.world().guards().finding()));
   }
 }
 
 /// Whether guards hold the run; at a condition that is met, it goes on as soon as somebody plays or steps.
 bool App::is_held() {
   if (!breaks_.stop(live_)) return false;
-  if (!live_.world().paused()) {
+  if (!live_.world().guards().paused()) {
     breaks_.go_on();
     return false;
   }

@@ -147,9 +147,9 @@ void App::advance(double seconds) {
     due_ = std::min(due_ - 1, 1.0);
   // Whoever looks at forces pays for them.
   const Folds& folds = workspace_.folds;
-  live_.world().record_impulses(workspace_.layers.contacts ||
-                                (workspace_.selection && folds.right && folds.inspector));
-  live_.world().record_residuals(folds.right && folds.convergence);
+  live_.world().records().record_impulses(workspace_.layers.contacts ||
+                                          (workspace_.selection && folds.right && folds.inspector));
+  live_.world().records().record_residuals(folds.right && folds.convergence);
   step_once();
   const auto& pause_at = options_.view.pause_at;
   if (pause_at && live_.world().steps() == *pause_at) workspace_.playing = false;

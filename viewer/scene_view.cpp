@@ -37,7 +37,7 @@ void SceneView::follow_world(LiveWorld& live) {
 
 void SceneView::follow_frozen(LiveWorld& live) {
   constexpr std::size_t most = 100;
-  const std::vector<std::uint32_t>& ids = live.world().frozen();
+  const std::vector<std::uint32_t>& ids = live.world().guards().frozen();
   const std::size_t shown = std::min(ids.size(), most);
   if (frozen_generation_ == live.generation() &&
       std::ranges::equal(frozen_, std::span(ids).first(shown), {}, &Frozen::id))

@@ -279,7 +279,7 @@ int analytic_suite(const CommandLine& line) {
       progress.update(static_cast<std::int64_t>(results.size()));
     }
   }
-  const std::string device = World(cases[0].scene, line.options.run).device_name();
+  const std::string device = World(cases[0].scene, line.options.run).info().device_name;
   const std::string json = analytic_json(results, device);
   files.write(json, analytic_csv(results), analytic_markdown(results, device));
   files.plot(analytic_chart(results, "orbit"));

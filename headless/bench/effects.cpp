@@ -284,7 +284,7 @@ int bench_effects(const CommandLine& line) {
   const Scene base = base_of(line);
   const std::int64_t turns = line.options.bench.repeats;
   World probe(base, line.options.run);
-  const EffectsSetting setting{base.name, probe.device_name(),
+  const EffectsSetting setting{base.name, probe.info().device_name,
                                std::string(name_of(solver_names, base.physics.solver)),
                                static_cast<std::int64_t>(probe.initial().size()), turns * effect_turn_steps};
   std::vector<EffectRow> rows;

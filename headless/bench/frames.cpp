@@ -59,7 +59,7 @@ class Desk {
   Desk(const Scene& scene, const Options& options)
       : request_(options.capture),
         live_(scene, options.run),
-        context_(live_.world().gpu()),
+        context_(live_.world().info().gpu),
         say_([](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }),
         options_(live_options(request_.draw, context_.software(),
                               static_cast<std::int64_t>(live_.world().initial().size()))),
@@ -70,7 +70,7 @@ class Desk {
         link_(live_.world(), request_.display_path, say_) {
     for (const std::string& line : context_.steps_down()) say_(line);
     World& world = live_.world();
-    world.record_impulses(request_.layers.contacts);
+    world.records().record_impulses(request_.layers.contacts);
     renderer_.set_scene(frame_scene(world.scene(), world.initial()));
     camera_ = scene_camera(world.scene().camera, renderer_.scene().bounds,
                            static_cast<double>(renderer_.width()) / renderer_.height());

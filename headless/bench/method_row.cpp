@@ -27,16 +27,16 @@ bool tests_all_pairs(const std::string& method, const std::string& variant) {
 
 MethodRow measure_method(const SweepPoint& at, int repeats) {
   World world(at.scene, at.run);
-  const BroadPhaseTimes times = world.time_broad_phase(repeats);
+  const BroadPhaseTimes times = world.tree().time_broad_phase(repeats);
   MethodRow row;
   row.method = at.run.broad_phase;
   row.variant = at.variant;
   row.bodies = static_cast<std::int64_t>(world.initial().size());
   row.pairs = world.measure().pairs;
-  row.bytes = world.broad_phase_bytes();
+  row.bytes = world.info().broad_phase_bytes;
   row.repeats = repeats;
-  row.key_bits = world.key_bits();
-  row.visits = world.own_visits();
+  row.key_bits = world.info().key_bits;
+  row.visits = world.tree().own_visits();
   const auto in_us = [](std::vector<float> samples) {
     for (float& ms : samples) ms *= 1000;
     return spread_of(samples);
@@ -85,7 +85,8 @@ std::string stages_text(const MethodRow& row) {
 }
 
 BenchMachine machine_of(const World& world) {
-  return {world.on_gpu() ? "cuda" : "cpu", world.device_name(), world.launch_shape()};
+  const WorldInfo info = world.info();
+  return {info.on_gpu ? "cuda" : "cpu", info.device_name, world.launch_shape()};
 }
 
 std::string text_of(const BenchMachine& machine) {

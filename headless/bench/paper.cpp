@@ -62,10 +62,10 @@ PaperTiming time_steps(Scene scene, RunOptions run, const char* method, PaperQue
   timing.build_stage = spread_of(build);
   timing.whole_step = world.times().step_median_ms;
   timing.pairs = world.measure().pairs;
-  timing.bytes = world.allocated_bytes();
+  timing.bytes = world.info().allocated_bytes;
   timing.steps = static_cast<int>(world.steps());
   timing.timed = static_cast<int>(std::ssize(both));
-  timing.key_bits = world.key_bits();
+  timing.key_bits = world.info().key_bits;
   return timing;
 }
 
@@ -108,7 +108,7 @@ int bench_paper(const CommandLine& line) {
   PaperResults results;
   {
     const World world(scene, options.run);
-    results.device = world.device_name();
+    results.device = world.info().device_name;
   }
   const auto write = [&] { files.write(paper_json(results), paper_csv(results), paper_text(results, true)); };
   const std::vector<LaunchShape> recursion_shapes{{16, 16}, {0, 0}};

@@ -108,11 +108,11 @@ PredictorRow measure_tree(const SweepPoint& at, int repeats) {
   PredictorRow row;
   row.method = at.run.broad_phase;
   row.variant = at.variant;
-  row.quality = world.tree_quality();
+  row.quality = world.tree().quality();
   if (row.quality.nodes == 0) return row;
   const double ns_a_body = 1e6 / static_cast<double>(row.quality.bodies);
-  row.same_ns = ns_a_body * spread_of(world.time_tree_queries(repeats)).median;
-  for (const BroadPhaseTimes::Stage& stage : world.time_broad_phase(repeats).stages)
+  row.same_ns = ns_a_body * spread_of(world.tree().time_queries(repeats)).median;
+  for (const BroadPhaseTimes::Stage& stage : world.tree().time_broad_phase(repeats).stages)
     if (stage.name == "pairs") row.own_ns = ns_a_body * spread_of(stage.ms).median;
   return row;
 }

@@ -115,7 +115,7 @@ int bench_scaling(const CommandLine& line) {
   std::vector<std::int64_t> sizes{1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000};
   // Below a million bodies a GPU is not full, and its times tell of launches; what tests all pairs stops
   // sooner.
-  if (World(load_scene(line), line.options.run).on_gpu())
+  if (World(load_scene(line), line.options.run).info().on_gpu)
     sizes = {1'000, 3'000, 10'000, 30'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000};
   sweep(line, {sizes, methods, {}}, [&](const SweepPoint& at) {
     if (rows.empty()) machine = machine_of(World(at.scene, at.run));

@@ -237,7 +237,7 @@ int bench_solvers(const CommandLine& line) {
   World first(scene, options);
   refuse_what_bullet_is_not_told(scene, first);
   const std::int64_t turns = line.options.bench.repeats;
-  const SolversSetting setting{scene.name,          first.device_name(),
+  const SolversSetting setting{scene.name,          first.info().device_name,
                                first.measure(),     scene.physics.time_step,
                                options.cpu_threads, turns * solver_turn_steps};
   double mass = 0;

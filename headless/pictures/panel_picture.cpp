@@ -84,7 +84,7 @@ void PanelPicture::rasterise(GuiPass& gui, const Renderer& renderer) {
 
 Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
                          const ValueRange& range) {
-  fill(world, stats, history_, world.tree_level_sizes(), range);
+  fill(world, stats, history_, world.tree().level_sizes(), range);
   // ImGui lays out what sizes itself over its first frames.
   for (int round = 0; round < 3; ++round) {
     build(gui);

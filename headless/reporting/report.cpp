@@ -148,15 +148,16 @@ std::vector<std::string> names_of(Effects effects) {
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds) {
   const Scene& scene = world.scene();
   // Before measure(), which finds contacts of its own.
-  std::vector<Residual> residuals = world.residuals();
+  std::vector<Residual> residuals = world.records().residuals();
+  const WorldInfo info = world.info();
   RunReport report{
       .scene = scene.name,
       .variant = {},
       .seed = {},
-      .executor = world.on_gpu() ? "cuda" : "cpu",
-      .device = world.device_name(),
+      .executor = info.on_gpu ? "cuda" : "cpu",
+      .device = info.device_name,
       .broad_phase = world.options().broad_phase,
-      .key_bits = world.key_bits(),
+      .key_bits = info.key_bits,
       .solver = std::string(name_of(solver_names, scene.physics.solver)),
       .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
       .rotation_update = std::string(name_of(rotation_update_names, scene.physics.rotation_update)),
@@ -172,10 +173,10 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .residuals = std::move(residuals),
       .times = world.times(),
       .state_hash = world.state_hash(),
-      .allocated_bytes = world.allocated_bytes(),
+      .allocated_bytes = world.info().allocated_bytes,
       .guards = {},
-      .finding = world.finding(),
-      .frozen = world.frozen(),
+      .finding = world.guards().finding(),
+      .frozen = world.guards().frozen(),
       .failure = {},
       .wall_seconds = wall_seconds};
   if (world.effects().guards)

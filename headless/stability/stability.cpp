@@ -111,8 +111,12 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
       trials.emplace_back(one, setting, options, asked.extended);
       of.push_back(&one);
     }
-  StabilityRun run{
-      World(Scene{}, options).device_name(), options.executor, asked.extended, 0, std::ssize(trials), {}};
+  StabilityRun run{World(Scene{}, options).info().device_name,
+                   options.executor,
+                   asked.extended,
+                   0,
+                   std::ssize(trials),
+                   {}};
   const Interruption interruption;
   run.seconds = run_all(trials, asked.jobs, "trials", interruption);
   for (std::size_t k = 0; k < trials.size(); ++k)

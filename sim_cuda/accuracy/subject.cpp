@@ -56,9 +56,10 @@ AccuracySubject accuracy_subject(const Scene& given, const RunOptions& options, 
   std::ranges::fill(subject.start.ledgers, WallLedger{});
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const int threads = options.cpu_threads > 0 ? options.cpu_threads : static_cast<int>(cores);
-  subject.executor = world.on_gpu() ? fmt::format("CUDA: {}", world.device_name())
-                                    : fmt::format("CPU, {} thread{}: {}", threads, threads == 1 ? "" : "s",
-                                                  world.device_name());
+  const WorldInfo info = world.info();
+  subject.executor =
+      info.on_gpu ? fmt::format("CUDA: {}", info.device_name)
+                  : fmt::format("CPU, {} thread{}: {}", threads, threads == 1 ? "" : "s", info.device_name);
   return subject;
 }
 

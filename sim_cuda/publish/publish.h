@@ -1,5 +1,5 @@
 #pragma once
-// What a picture needs, packed as the GPU draws it. World::publish() writes these records, on the device
+// What a picture needs, packed as the GPU draws it. Publisher::publish() writes these records, on the device
 // where there is one, straight into memory that the renderer owns (mapped GL buffers or plain memory): the
 // simulator has never heard of GL. Plain data, shared with shaders: sizes are part of the contract.
 
@@ -18,7 +18,7 @@ struct BodyInstance {    // 48 bytes
   float radius;          ///< m; of a mesh: bounding radius
   float orientation[4];  ///< unit quaternion x y z w
   float value;  ///< raw, by BodyColor: m/s, m, id, contacts, place in the tree, level of the leaf, visits,
-                ///< how far from sleep (sim_cuda/solver/sleeping.h), m of what World::set_errors() was told
+                ///< how far from sleep (sim_cuda/solver/sleeping.h), m of Publisher::set_errors()
   std::uint32_t id;
   std::uint32_t mesh;  ///< 0: sphere; k: mesh k - 1
   std::uint32_t padding;

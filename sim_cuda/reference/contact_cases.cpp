@@ -150,12 +150,12 @@ void add_stack(std::vector<AnalyticCase>& cases) {
   const double g = gravity(one.scene);
   one.methods = by_euler({});
   one.error = [=](World& world, int steps) {
-    world.record_impulses(true);
+    world.records().record_impulses(true);
     world.step(steps);
     const double weight = world.initial().mass[0] * g * world.scene().physics.time_step;
     double worst = 0;
     int contacts = 0;
-    for (const ContactImpulse& contact : world.impulses()) {
+    for (const ContactImpulse& contact : world.records().impulses()) {
       const double above = (n - 1 - static_cast<int>(contact.a)) * weight;
       worst = std::max(worst, std::abs(contact.impulse / above - 1));
       ++contacts;

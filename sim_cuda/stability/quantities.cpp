@@ -163,7 +163,7 @@ Extremes measured(const Term& term, Observation& seen) {
     case Quantity::asleep:
       return one(seen.stats().asleep);
     case Quantity::tree_depth:
-      return one(std::ssize(seen.world().tree_level_sizes()));
+      return one(std::ssize(seen.world().tree().level_sizes()));
     case Quantity::separation_speed:
       return separation_speed(seen);
     case Quantity::difference:

@@ -212,8 +212,9 @@ void Trial::Impl::judge(std::size_t k, const Extremes& extremes) {
   if (!known.body) known.body = culprit(term, *seen);
   result.failed_term = k;
   if (term.quantity == Quantity::found)
-    return fail(text_of(term) + ": " +
-                (run->world().finding() ? describe(*run->world().finding()) : "they find nothing"));
+    return fail(
+        text_of(term) + ": " +
+        (run->world().guards().finding() ? describe(*run->world().guards().finding()) : "they find nothing"));
   fail(fmt::format("{}: {} at state {}{}", text_of(term), text_of(term.quantity, known.value), known.state,
                    known.body ? fmt::format(", body {}", *known.body) : ""));
 }
@@ -225,7 +226,8 @@ void Trial::Impl::fail(const std::string& why) {
 
 void Trial::Impl::step() {
   run->step();
-  if (run->world().paused() && !one.criterion.found) return fail(describe(*run->world().finding()));
+  if (run->world().guards().paused() && !one.criterion.found)
+    return fail(describe(*run->world().guards().finding()));
   for (auto& [name, scene] : beside) scene.step();
   if (due(run->state())) look();
 }
@@ -245,7 +247,7 @@ void Trial::Impl::end() {
 /// Whether guards found what they must, and that first.
 bool Trial::Impl::found_it() {
   const MustFind& wanted = *one.criterion.found;
-  const std::optional<Finding>& finding = run->world().finding();
+  const std::optional<Finding>& finding = run->world().guards().finding();
   return finding && finding->step == wanted.step && finding->stage == wanted.stage &&
          finding->body == wanted.body;
 }
@@ -260,10 +262,10 @@ void Trial::Impl::work(const std::function<bool()>& late) {
 }
 
 void Trial::Impl::advance() {
-  if (run->state() < steps && !run->world().paused()) return step();
+  if (run->state() < steps && !run->world().guards().paused()) return step();
   if (next_other == others.size()) return end();
   if (!other) other.emplace(with_setting(one.scene, setting), others[next_other].options, changes);
-  if (other->state() < steps && !other->world().paused()) return other->step();
+  if (other->state() < steps && !other->world().guards().paused()) return other->step();
   const bool like = other->world().state_hash() == run->world().state_hash();
   unlike[others[next_other].term] += like ? 0 : 1;
   other.reset();

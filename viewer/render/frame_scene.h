@@ -12,8 +12,8 @@
 namespace collidoscope {
 
 struct FrameScene {
-  /// Bodies that follow each other in the published array and are drawn alike. (World::publish() writes body
-  /// i to place i, and the mesh of a body never changes.)
+  /// Bodies that follow each other in the published array and are drawn alike. (Publisher::publish() writes
+  /// body i to place i, and the mesh of a body never changes.)
   struct Run {
     std::uint32_t mesh = 0;  ///< 0: spheres; k: meshes[k - 1]
     std::int64_t first = 0, count = 0;

@@ -18,7 +18,7 @@ double round_up(double value) {
 
 // The levels that hold leaves, from the first to the last.
 ValueRange leaf_levels(World& world) {
-  const std::vector<std::int64_t>& leaves = world.tree_leaves();
+  const std::vector<std::int64_t>& leaves = world.tree().leaves();
   const auto first = std::ranges::find_if(leaves, [](std::int64_t n) { return n > 0; });
   return {static_cast<double>(first - leaves.begin()), static_cast<double>(std::ssize(leaves) - 1)};
 }
@@ -39,19 +39,19 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
     case BodyColor::order:
       return {0, static_cast<double>(std::max<std::int64_t>(scene.body_count, 2) - 1)};
     case BodyColor::depth:
-      return world.tree_nodes() > 0 ? leaf_levels(world) : ValueRange{0, 0};
+      return world.tree().nodes() > 0 ? leaf_levels(world) : ValueRange{0, 0};
     case BodyColor::sleep:
       return {0, 1};
     case BodyColor::error: {  // three decades, up to where nearly all of them end
-      const double most = quantile(world.errors(), 0.98);
+      const double most = quantile(world.publisher().errors(), 0.98);
       const double high = most > 0 ? std::pow(10, std::ceil(std::log10(most))) : 1;
       ValueRange range{high / 1000, high};
       range.logarithmic = true;
       return range;
     }
     case BodyColor::visits: {
-      if (world.tree_nodes() == 0) return {0, 0};
-      const TreeQuality& tree = world.tree_quality();
+      if (world.tree().nodes() == 0) return {0, 0};
+      const TreeQuality& tree = world.tree().quality();
       ValueRange range{static_cast<double>(tree.visits_min), static_cast<double>(tree.visits_max)};
       range.logarithmic = true;
       return range;
@@ -72,8 +72,8 @@ double low_end(const NodeSpread& spread) {
 }
 
 void add_boxes(World& world, const FrameLayers& layers, ValueRange& range) {
-  if (!layers.boxes || layers.box_color == NodeMetric::level || world.tree_nodes() == 0) return;
-  const NodeSpread spread = world.node_spread(
+  if (!layers.boxes || layers.box_color == NodeMetric::level || world.tree().nodes() == 0) return;
+  const NodeSpread spread = world.tree().spread(
       layers.box_color, {layers.first_level, layers.last_level, layers.box_low, layers.box_high});
   range.boxes = spread.inside;
   range.box_max = static_cast<double>(std::min(layers.box_high, spread.greatest));
@@ -103,9 +103,10 @@ ValueRange value_range(World& world, const FrameScene& scene, const FrameLayers&
   ValueRange range = layers.spheres ? color_range(world, scene, layers.color, stats) : ValueRange{};
   add_boxes(world, layers, range);
   if (layers.errors)
-    range.error_scale = layers.error_scale > 0
-                            ? layers.error_scale
-                            : automatic_error_scale(world.errors(), scene.body_size, scene.bounds.diagonal());
+    range.error_scale =
+        layers.error_scale > 0
+            ? layers.error_scale
+            : automatic_error_scale(world.publisher().errors(), scene.body_size, scene.bounds.diagonal());
   if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
   return range;
 }

@@ -57,7 +57,7 @@ bool EffectCosts::make_worlds() {
     for (const Fault& fault : validate(other)) throw std::runtime_error(line_of(fault));
     with_ = std::make_unique<World>(trial.on ? scene_ : other, options_, &state_);
     without_ = std::make_unique<World>(trial.on ? other : scene_, options_, &state_);
-    cost.bytes = with_->allocated_bytes() - without_->allocated_bytes();
+    cost.bytes = with_->info().allocated_bytes - without_->info().allocated_bytes;
     // A plain step comes first in each pair.
     if (state_.steps % 2 == 1) {
       with_->step();
@@ -113,7 +113,8 @@ void EffectCosts::go_on(World& world, double milliseconds) {
     cost.ms_low = quantile(differences_, 0.25);
     cost.ms_high = quantile(differences_, 0.75);
     cost.without_ms = quantile(without_ms_, 0.5);
-    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->paused() && !without_->paused();
+    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->guards().paused() &&
+                        !without_->guards().paused();
     if (cost.pairs >= pairs || !moving) finish();
     if (slice.passed()) break;
   }

@@ -17,21 +17,22 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
     view.other_bodies = std::ssize(world.scene().bodies) + std::ssize(world.scene().added);
     if (world.scene().box) view.greatest_radius = greatest_radius_max(generator, *world.scene().box);
   }
-  view.executor = world.on_gpu() ? "CUDA" : "CPU";
-  view.device = world.device_name();
+  const WorldInfo info = world.info();
+  view.executor = info.on_gpu ? "CUDA" : "CPU";
+  view.device = info.device_name;
   view.broad_phases = broad_phase_names();
   view.effects.clear();
   for (const EffectName& effect : effect_names)
     if (world.effects().*(effect.flag)) view.effects.emplace_back(effect.name);
   view.substeps = world.substeps();
-  view.key_bits = world.key_bits();
+  view.key_bits = info.key_bits;
   view.stats = stats;
   view.time = world.time();
-  view.allocated_bytes = world.allocated_bytes();
-  view.tree_nodes = world.tree_nodes();
+  view.allocated_bytes = info.allocated_bytes;
+  view.tree_nodes = world.tree().nodes();
   view.history = &history;
-  view.residuals = world.residuals();
-  view.frozen = world.frozen();
+  view.residuals = world.records().residuals();
+  view.frozen = world.guards().frozen();
 }
 
 }  // namespace collidoscope

@@ -34,8 +34,8 @@ void LiveBreaks::before_step(LiveWorld& live, const BreakConditions& conditions)
 
 bool LiveBreaks::after_step(LiveWorld& live, const BreakConditions& conditions) {
   World& world = live.world();
-  if (world.paused()) {
-    const Finding& finding = *world.finding();
+  if (world.guards().paused()) {
+    const Finding& finding = *world.guards().finding();
     StopFacts stop;
     stop.what = describe(finding);
     stop.found = true;
@@ -69,7 +69,7 @@ bool LiveBreaks::after_step(LiveWorld& live, const BreakConditions& conditions) 
 
 void LiveBreaks::stop_at(LiveWorld& live, StopFacts stop) {
   const InitialBodies& initial = live.world().initial();
-  const std::vector<std::uint32_t>& frozen = live.world().frozen();
+  const std::vector<std::uint32_t>& frozen = live.world().guards().frozen();
   if (stop.body)
     stop.can_freeze = (initial.motion.empty() || initial.motion[*stop.body] == Motion::dynamic) &&
                       !std::ranges::binary_search(frozen, *stop.body);

@@ -185,7 +185,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
       facts_.lack = "after 20 collisions of each sphere rounding decides";
   }
   if (!facts_.known()) {
-    world.set_errors({});
+    world.publisher().set_errors({});
     return ghosts;
   }
   const BodyStates now = world.bodies();
@@ -217,10 +217,10 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   facts_.doubt = count ? std::sqrt(doubts / static_cast<double>(count)) : 0;
   if (quantile(doubt_in_radii, 0.5) > 1) {
     facts_.lack = "its own error is beyond a radius, as that of any reference would be";
-    world.set_errors({});
+    world.publisher().set_errors({});
     return {};
   }
-  world.set_errors(std::move(errors));
+  world.publisher().set_errors(std::move(errors));
   return ghosts;
 }
 

@@ -44,7 +44,8 @@ class LiveReference {
   void forget();
 
   /// Of the state that `world` is in, which it follows first: a step may have made it another World. In the
-  /// order of ids; none where the reference knows nothing. Tells the world its errors (World::set_errors).
+  /// order of ids; none where the reference knows nothing. Gives the errors to the world
+  /// (Publisher::set_errors).
   std::vector<GhostInstance> ghosts(World& world, int generation);
   const ReferenceFacts& facts() const { return facts_; }
   /// Another one says that ghosts() are others for the same state, too.

@@ -94,7 +94,7 @@ void LiveStability::begin_anew(ExecutorKind executor) {
 
 void LiveStability::follow(const World& world, HardCasesWishes& wishes) {
   if (!read_) read();
-  const ExecutorKind executor = world.on_gpu() ? ExecutorKind::cuda : ExecutorKind::cpu;
+  const ExecutorKind executor = world.info().on_gpu ? ExecutorKind::cuda : ExecutorKind::cpu;
   if (executor != executor_) begin_anew(executor);
   if (std::exchange(wishes.stop, false)) stop();
   if (std::exchange(wishes.run_all, false)) {

@@ -103,8 +103,8 @@ void record_step(World& world, const StepStats* measured, History& history) {
     entry.stats = *measured;
     entry.measured = true;
   }
-  entry.nodes = world.tree_nodes();
-  entry.allocated_bytes = world.allocated_bytes();
+  entry.nodes = world.tree().nodes();
+  entry.allocated_bytes = world.info().allocated_bytes;
   history.add(std::move(entry), instrumented ? times.stages : std::vector<StageTime>{});
 }
 
@@ -310,11 +310,11 @@ void LiveWorld::restart(const RunState* rest) {
 
 bool LiveWorld::step(bool measured) {
   const std::int64_t before = world_->steps();
-  const std::vector<std::uint32_t> frozen = world_->frozen();
+  const std::vector<std::uint32_t> frozen = world_->guards().frozen();
   world_->step();
   stats_known_ = hash_known_ = false;
   pending_.reset();
-  if (world_->frozen().size() > frozen.size()) record_frozen(frozen, before);
+  if (world_->guards().frozen().size() > frozen.size()) record_frozen(frozen, before);
   if (world_->steps() == before) return false;  // a guard has paused it
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
@@ -325,7 +325,7 @@ bool LiveWorld::step(bool measured) {
 void LiveWorld::record_frozen(const std::vector<std::uint32_t>& known, std::int64_t step) {
   Change change;
   change.step = step;
-  for (const std::uint32_t body : world_->frozen())
+  for (const std::uint32_t body : world_->guards().frozen())
     if (!std::ranges::binary_search(known, body)) change.freeze.push_back(body);
   record_change(changes_, std::move(change));
   edited_ = true;
@@ -345,7 +345,7 @@ std::uint64_t LiveWorld::state_hash() {
 
 const std::vector<std::int64_t>& LiveWorld::level_sizes(bool exact) {
   if (level_sizes_step_ < 0 || (exact && level_sizes_step_ != world_->steps())) {
-    level_sizes_ = world_->tree_level_sizes();
+    level_sizes_ = world_->tree().level_sizes();
     level_sizes_step_ = world_->steps();
   }
   return level_sizes_;

@@ -48,7 +48,7 @@ void TreeInspector::refresh(World& world, int generation, Workspace& workspace) 
 void TreeInspector::measure(World& world, const State& now) {
   measured_at_ = Clock::now();
   facts_.emplace();
-  facts_->quality = world.tree_quality();
+  facts_->quality = world.tree().quality();
   facts_->step = now.step;
   state_ = now;
   table_ = {};
@@ -59,7 +59,7 @@ void TreeInspector::measure(World& world, const State& now) {
 void TreeInspector::fill_table(World& world, Workspace& workspace) {
   TreeWishes& wishes = workspace.tree;
   const FrameLayers& layers = workspace.layers;
-  const std::vector<std::int64_t> sizes = world.tree_level_sizes();
+  const std::vector<std::int64_t> sizes = world.tree().level_sizes();
   facts_->ranked = 0;
   for (int level = 0; level < static_cast<int>(sizes.size()); ++level)
     if (level >= layers.first_level && level <= layers.last_level)
@@ -76,8 +76,8 @@ void TreeInspector::fill_table(World& world, Workspace& workspace) {
   wishes.first = std::clamp<std::int64_t>(wishes.first, 0, last / TreeFacts::page * TreeFacts::page);
   const Table wanted{wishes.sort, wishes.first, layers.first_level, layers.last_level};
   if (!(wanted == table_)) {
-    facts_->rows =
-        world.ranked_nodes(wishes.sort, wishes.first, TreeFacts::page, layers.first_level, layers.last_level);
+    facts_->rows = world.tree().ranked(wishes.sort, wishes.first, TreeFacts::page, layers.first_level,
+                                       layers.last_level);
     facts_->first = wishes.first;
     table_ = wanted;
     ++version_;
@@ -101,7 +101,7 @@ void TreeInspector::fill_spread(World& world, const FrameLayers& layers) {
   if (wanted == spread_) return;
   facts_->spread = {};
   if (layers.box_color != NodeMetric::level && facts_->quality.nodes > 0)
-    facts_->spread = world.node_spread(
+    facts_->spread = world.tree().spread(
         layers.box_color, {layers.first_level, layers.last_level, layers.box_low, layers.box_high});
   spread_ = wanted;
   ++version_;
@@ -117,7 +117,7 @@ void TreeInspector::fill_node(World& world, Workspace& workspace) {
   facts_->children.clear();
   ++version_;
   if (!wishes.node) return;
-  const NodeReport node = world.tree_node(*wishes.node);
+  const NodeReport node = world.tree().node(*wishes.node);
   if (node.children == 0) {  // picked in the picture
     workspace.selection = node.body;
     wishes.node.reset();
@@ -126,7 +126,7 @@ void TreeInspector::fill_node(World& world, Workspace& workspace) {
   facts_->node = node;
   std::vector<std::uint32_t> places;
   for (std::uint32_t k = 0; k < facts_->node->children; ++k) places.push_back(facts_->node->first_child + k);
-  facts_->children = world.tree_nodes_at(places);
+  facts_->children = world.tree().nodes_at(places);
 }
 
 void TreeInspector::fill_query(World& world, const Workspace& workspace) {
@@ -139,8 +139,8 @@ void TreeInspector::fill_query(World& world, const Workspace& workspace) {
   facts_->visits = 0;
   ++version_;
   if (!body) return;
-  facts_->visits = world.visits_of(*body);
-  const std::vector<NodeReport> nodes = world.tree_nodes_at(world.visited_nodes(*body, facts_->visits));
+  facts_->visits = world.tree().visits_of(*body);
+  const std::vector<NodeReport> nodes = world.tree().nodes_at(world.tree().visited(*body, facts_->visits));
   const auto leaf =
       std::ranges::find_if(nodes, [&](const NodeReport& n) { return n.children == 0 && n.body == *body; });
   for (const NodeReport& node : nodes) {

@@ -8,7 +8,7 @@ namespace collidoscope {
 namespace {
 
 DisplayPath best_path(const World& world, DisplayPath wish) {
-  if (!world.on_gpu()) return DisplayPath::upload;
+  if (!world.info().on_gpu) return DisplayPath::upload;
   return wish == DisplayPath::automatic ? DisplayPath::interop : wish;
 }
 
@@ -16,14 +16,15 @@ DisplayPath best_path(const World& world, DisplayPath wish) {
 
 DisplayLink::DisplayLink(const World& world, DisplayPath wish, Say say)
     : path_(best_path(world, wish)), say_(std::move(say)) {
-  if (!world.on_gpu() && (wish == DisplayPath::interop || wish == DisplayPath::copy))
+  const WorldInfo info = world.info();
+  if (!info.on_gpu && (wish == DisplayPath::interop || wish == DisplayPath::copy))
     step_down("the simulation runs on the CPU", DisplayPath::upload);
   // Plain memory is all that the CPU publishes into, and a GPU cannot write it.
-  if (world.on_gpu() && wish == DisplayPath::upload)
+  if (info.on_gpu && wish == DisplayPath::upload)
     step_down("the simulation runs on the GPU", DisplayPath::copy);
   if (path_ != DisplayPath::interop) return;
   try {
-    shared_ = std::make_unique<CudaGlBuffers>(world.gpu());
+    shared_ = std::make_unique<CudaGlBuffers>(info.gpu);
   } catch (const MachineError& error) {
     step_down(error.what(), DisplayPath::copy);
   }
@@ -36,14 +37,14 @@ void DisplayLink::step_down(const std::string& why, DisplayPath to) {
 }
 
 void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers) {
-  PublishCounts counts = world.publish_counts(layers.first_level, layers.boxes ? layers.last_level : -1);
+  PublishCounts counts = world.publisher().counts(layers.first_level, layers.boxes ? layers.last_level : -1);
   if (!layers.spheres) counts.bodies = 0;
   if (!layers.contacts) counts.contacts = 0;
   if (!layers.joints) counts.joints = 0;
   buffers.counts = counts;
   buffers.level_sizes.clear();
   if (layers.boxes) {
-    const std::vector<std::int64_t> sizes = world.tree_level_sizes();
+    const std::vector<std::int64_t> sizes = world.tree().level_sizes();
     for (int level = layers.first_level; level <= layers.last_level; ++level)
       if (level < static_cast<int>(sizes.size()))
         buffers.level_sizes.push_back(sizes[static_cast<std::size_t>(level)]);
@@ -76,7 +77,7 @@ bool DisplayLink::publish_mapped(World& world, PublishTarget target, const Insta
     step_down(error.what(), DisplayPath::copy);
     return false;
   }
-  world.publish(target);
+  world.publisher().publish(target);
   shared_->unmap();
   return true;
 }
@@ -94,18 +95,18 @@ void DisplayLink::publish_uploaded(World& world, PublishTarget target, InstanceB
       {static_cast<std::size_t>(target.joint_capacity) * sizeof(JointInstance), &buffers.joints}};
   // On the CPU the scratch is plain memory, and is uploaded from where it was written.
   for (int slot = 0; slot < 4; ++slot)
-    if (parts[slot].bytes) parts[slot].at = world.scratch(parts[slot].bytes, slot);
+    if (parts[slot].bytes) parts[slot].at = world.publisher().scratch(parts[slot].bytes, slot);
   target.bodies = static_cast<BodyInstance*>(parts[0].at);
   target.boxes = static_cast<BoxInstance*>(parts[1].at);
   target.contacts = static_cast<ContactInstance*>(parts[2].at);
   target.joints = static_cast<JointInstance*>(parts[3].at);
-  world.publish(target);
+  world.publisher().publish(target);
   for (const Part& part : parts) {
     if (!part.bytes) continue;
     const void* source = part.at;
-    if (world.on_gpu()) {
+    if (world.info().on_gpu) {
       host_.resize(std::max(host_.size(), part.bytes));
-      world.copy_to_host(host_.data(), part.at, part.bytes);
+      world.publisher().copy_to_host(host_.data(), part.at, part.bytes);
       source = host_.data();
     }
     part.to->upload(source, part.bytes);

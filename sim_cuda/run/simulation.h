@@ -1,0 +1,90 @@
+#pragma once
+// What World and its parts work on: the scene, the executor, the pipeline and where the run stands. Internal;
+// programs include world.h.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim_cuda/broad_phase/current_tree.h"
+#include "sim_cuda/core/executor.h"
+#include "sim_cuda/run/contact_records.h"
+#include "sim_cuda/run/guarding.h"
+#include "sim_cuda/run/pipeline.h"
+#include "sim_cuda/run/publisher.h"
+#include "sim_cuda/run/run_state.h"
+#include "sim_cuda/run/step_runner.h"
+#include "sim_cuda/run/step_undo.h"
+#include "sim_cuda/run/tree_probe.h"
+#include "sim_cuda/scene/initial_bodies.h"
+#include "sim_cuda/scene/run_options.h"
+#include "sim_cuda/scene/scene.h"
+
+namespace collidoscope {
+
+class Simulation {
+ public:
+  /// `start`: the state that it will adopt, or null.
+  Simulation(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids);
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  // As World has them.
+  void step(int count);
+  RunState state();
+  void adopt(const RunState& other, const BodyIds& ids = {});
+  void detect();
+  void set_launch_shape(LaunchShape shape);
+  std::int64_t steps() const { return steps_; }
+  double time() const;
+
+  /// Whether a step of this world led to the current state.
+  bool stepped() const { return stepped_; }
+  /// The pipeline; after a cancelled step, once the state before it is restored. Throws Cancelled while it
+  /// cannot be restored.
+  Pipeline& pipeline();
+  StepRunner& runner() { return runner_; }
+  /// Makes the pipeline again, with the bodies that are frozen now. Where memory is lacking, nothing has
+  /// changed.
+  void replace_pipeline();
+  CurrentTree& current_tree() { return current_tree_; }
+  /// Of the boxes of the last step or detect(); arranged when it is asked for.
+  const TreeView& arranged_tree() { return current_tree_.arranged(pipeline().broad_phase()); }
+  void keep_impulses() { records.keep(); }
+
+  const Scene scene;
+  RunOptions options;  ///< as asked for
+  const InitialBodies initial;
+  Executor executor;  // before everything that lives on it
+  const Effects effects;
+  const int substeps;  ///< as the pipeline takes them
+  ContactRecords records{*this};
+  Guarding guards;
+  TreeProbe tree{*this};
+  Publisher publisher{*this};
+
+ private:
+  /// A pipeline that has reserved nothing yet.
+  std::unique_ptr<Pipeline> make();
+  /// Puts the pipeline into this state, of which it has the frozen bodies already.
+  void put(const RunState& state);
+  /// Does one step; or returns what guards found in it. Then the step is not counted, and the state is
+  /// undefined.
+  std::optional<FirstFound> advance();
+  /// After a cancelled step: restores the state before it.
+  void recover();
+
+  StepUndo undo_;
+  std::int64_t steps_ = 0;
+  struct KnownTime {
+    std::int64_t step = 0;
+    double time = 0;  // s
+  } known_time_;      // of a state from which on all steps are of the same length
+  CurrentTree current_tree_;
+  bool detected_ = false;  // pairs and contacts are those of the current state
+  bool stepped_ = false;
+  StepRunner runner_;
+};
+
+}  // namespace collidoscope
