@@ -9,6 +9,7 @@
 #include "sim_cuda/reference/contact_time.h"
 #include "sim_cuda/reference/hard_spheres.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/world.h"
 #include "tests/brute_spheres.h"
 #include "tests/scenes.h"
 
