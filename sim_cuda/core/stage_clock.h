@@ -1,7 +1,7 @@
 #pragma once
-// How long each stage takes. A stage begins where an executor is told its name and ends where the next one
-// begins; the runs of one name within a step add up. On the CPU the clock is read at once; on a GPU events
-// stand in the step's graph and are read after it has run (StepGraph records them).
+// How long each stage takes. A stage ends where the next one begins (Executor::begin_stage). The times of one
+// name within a step are added up. On the CPU the clock is read at once. On a GPU events in the step's graph
+// measure the time, and are read after it has run (step_graph.h).
 
 #include <chrono>
 #include <cstdint>
