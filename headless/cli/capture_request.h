@@ -1,5 +1,5 @@
 #pragma once
-// What the `capture` command is asked for. Plain data, and how its flags are read.
+// The options of the `capture` command. Plain data, and the function that reads its flags.
 
 #include <cstdint>
 #include <string>

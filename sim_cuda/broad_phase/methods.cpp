@@ -11,9 +11,14 @@ std::vector<std::string> broad_phase_names() {
   return names;
 }
 
-bool has_morton_keys(const std::string& name) {
+const BroadPhaseMethod* find_broad_phase(const std::string& name) {
   const auto* method = std::ranges::find(broad_phase_methods, name, &BroadPhaseMethod::name);
-  return method != std::end(broad_phase_methods) && method->morton;
+  return method != std::end(broad_phase_methods) ? method : nullptr;
+}
+
+bool has_morton_keys(const std::string& name) {
+  const BroadPhaseMethod* method = find_broad_phase(name);
+  return method != nullptr && method->morton;
 }
 
 }  // namespace collidoscope

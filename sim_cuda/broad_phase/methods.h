@@ -12,6 +12,9 @@ struct BroadPhaseMethod {
   const char* name;
   bool morton = false;    ///< begins with Morton keys
   bool cpu_only = false;  ///< no form of it runs on a GPU
+  /// Of a method that compares all bodies: what one core of a CPU takes for a comparison, ns (Xeon at 2.x
+  /// GHz).
+  double ns_of_comparison = 0;
 };
 
 /// The default first.
@@ -28,10 +31,10 @@ inline constexpr BroadPhaseMethod broad_phase_methods[] = {
 #if SIM_BULLET
     {"bullet_dbvt", false, true},  // Bullet's own, from step to step; the paper's 3.2.3
 #endif
-    {"brute_force"},        // the paper's naive approach
-    {"brute_force_tiled"},  // the same from shared memory
-    {"uniform_grid"},       // cells by the largest body
-    {"hierarchical_grid"},  // cells for each size of bodies
+    {"brute_force", false, false, 3},        // the paper's naive approach
+    {"brute_force_tiled", false, false, 1},  // the same from shared memory
+    {"uniform_grid"},                        // cells by the largest body
+    {"hierarchical_grid"},                   // cells for each size of bodies
 };
 
 /// Names of the broad phases that `--broad-phase` accepts, the default first.
@@ -39,6 +42,8 @@ std::vector<std::string> broad_phase_names();
 /// Of these, those that run on what `kind` comes to here: bullet_dbvt needs the CPU.
 std::vector<std::string> broad_phase_names(ExecutorKind kind);
 
+/// The method of that name, or null.
+const BroadPhaseMethod* find_broad_phase(const std::string& name);
 /// Whether its order is that of Morton keys, whose length then decides how good its tree is.
 bool has_morton_keys(const std::string& name);
 

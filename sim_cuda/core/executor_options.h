@@ -34,7 +34,7 @@ struct ExecutorOptions {
   /// Each body's query looks for all that it overlaps, so that both bodies of a pair meet it, as in the
   /// paper. Else each pair is met once, from one side. Of bvh_bottom_up, bvh_recursive and lbvh_top_down.
   bool whole_queries = false;
-  std::int64_t memory_limit = 0;  ///< bytes in the executor's memory space; 0: what there is
+  std::int64_t memory_limit = 0;  ///< bytes in the executor's memory space; 0: all available memory
   bool allow_large = false;       ///< takes all memory that is available, not only 80 % of it
   /// Ends long work (cancellation.h); null: nothing does. Not owned.
   Cancellation* cancellation = nullptr;

@@ -22,7 +22,7 @@ class LaunchPlanner {
   /// Both must outlive this object. Each shape that is chosen is noted in `stages`.
   LaunchPlanner(const ComputeDevice& device, StageRecorder& stages);
 
-  /// The (B, T) that is asked for; 0 is "auto". It must be within the limits of the device.
+  /// Sets B and T; 0 is "auto". Both must be within the limits of the device.
   void set_shape(LaunchShape asked) { asked_ = asked; }
 
   /// (B, T) for a kernel with so many items. `shared` may be null. Where B is "auto", it is a thread for each

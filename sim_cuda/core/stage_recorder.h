@@ -32,7 +32,7 @@ class StageRecorder {
   /// it begins itself. Starts with substep 0.
   void run_watched(const StageEnded& ended, const std::function<void()>& work);
 
-  // CPU: one step, executed at once. Clears the counts of launches and their shapes, then records them anew.
+  // On the CPU a step runs immediately. begin_step() clears the launch counts and shapes of the step before.
   void begin_step(bool timed);
   void end_step();
   void cancel_step();  ///< where Cancelled was thrown in the middle of a step

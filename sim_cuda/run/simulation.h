@@ -49,7 +49,7 @@ class Simulation {
   /// changed.
   void replace_pipeline();
   CurrentTree& current_tree() { return current_tree_; }
-  /// Of the boxes of the last step or detect(); arranged when it is asked for.
+  /// The tree over the boxes of the last step or detect(). Built at the first call after each.
   const TreeView& arranged_tree() { return current_tree_.arranged(pipeline().broad_phase()); }
   void keep_impulses() { records.keep(); }
 

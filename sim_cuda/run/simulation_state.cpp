@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim_cuda/scene/mass_properties.h"
+
 namespace collidoscope {
 
 namespace {
@@ -128,9 +130,9 @@ void SimulationState<Real>::upload_rotation(const InitialBodies& initial) {
     if (!initial.orientation.empty()) orientation[i] = initial.orientation[i].template cast<Real>();
     if (!initial.angular_velocity.empty())
       spin[i] = Vector3<Real>(initial.angular_velocity[i].template cast<Real>());
-    const double ball = 0.4 * initial.mass[i] * initial.radius[i] * initial.radius[i];
-    inertia[i] = initial.inertia.empty() ? Vector3<Real>::Constant(static_cast<Real>(ball))
-                                         : Vector3<Real>(initial.inertia[i].template cast<Real>());
+    inertia[i] = Vector3d(initial.inertia.empty() ? sphere_inertia(initial.mass[i], initial.radius[i])
+                                                  : initial.inertia[i])
+                     .template cast<Real>();
   }
   for (std::size_t i = 0; i < initial.motion.size(); ++i)
     if (initial.motion[i] != Motion::dynamic)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
 #include "sim_cuda/run/sampled_pairs.h"
@@ -24,8 +25,7 @@ constexpr std::int64_t least_bytes_on_host = 60, least_bytes_in_buffers = 100;
 
 // What one core of a CPU takes, ns (Xeon at 2.x GHz, float).
 constexpr double ns_of_body = 500, ns_of_body_in_substep = 300, ns_of_pair = 130, ns_of_contact = 700,
-                 ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130, ns_of_comparison = 3,
-                 ns_of_comparison_in_tiles = 1;
+                 ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130;
 
 MovingSpheres spheres_of(const Beginning& beginning) {
   const auto& [broad_phase, scene, initial, effects, substeps, start, ids, capacity] = beginning;
@@ -54,9 +54,8 @@ MovingSpheres spheres_of(const Beginning& beginning) {
 /// What one core takes to find pairs, ns: from the pairs, and where all bodies are compared, from their
 /// square.
 double ns_to_find(const std::string& broad_phase, double bodies, double pairs) {
-  const double each = broad_phase == "brute_force"         ? ns_of_comparison
-                      : broad_phase == "brute_force_tiled" ? ns_of_comparison_in_tiles
-                                                           : 0;
+  const BroadPhaseMethod* method = find_broad_phase(broad_phase);
+  const double each = method != nullptr ? method->ns_of_comparison : 0;
   return bodies * ns_of_body + pairs * ns_of_pair + each * bodies * bodies / 2;
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <map>
 
 #include "sim_cuda/core/error.h"
@@ -21,8 +20,7 @@ struct MeshOrFault {
 
 MeshOrFault read(const Scene& scene, const std::string& path) {
   try {
-    const auto file = std::filesystem::path(scene.directory) / path;
-    return {read_mesh(file.lexically_normal().string(), path), ""};
+    return {read_mesh(mesh_file(scene, path), path), ""};
   } catch (const InputError& error) {
     const std::size_t others = error.lines().size() - 1;
     return {std::nullopt, error.lines().front() + (others > 0 ? fmt::format(" (and {} more)", others) : "")};
@@ -30,11 +28,6 @@ MeshOrFault read(const Scene& scene, const std::string& path) {
 }
 
 }  // namespace
-
-Vector3d sphere_inertia(double mass, double radius) {
-  const double moment = 0.4 * mass * radius * radius;
-  return {moment, moment, moment};
-}
 
 std::optional<std::string> mass_fault(double mass, const std::string& whose) {
   if (mass >= limits::min_mass && mass <= limits::max_mass) return std::nullopt;

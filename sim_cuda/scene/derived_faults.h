@@ -10,9 +10,6 @@
 
 namespace collidoscope {
 
-/// Of a sphere of constant density, kg m^2.
-Vector3d sphere_inertia(double mass, double radius);
-
 /// What is wrong with a mass (kg) that follows from a density, or nothing. `whose`: "its", "its largest
 /// sphere's".
 std::optional<std::string> mass_fault(double mass, const std::string& whose = "its");

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 
 #include "sim_cuda/core/error.h"
@@ -30,17 +29,23 @@ class MeshStore {
   std::uint32_t number_of(const std::string& path) {
     const auto [entry, is_new] = numbers_.try_emplace(path, 0);
     if (is_new) {
-      const std::filesystem::path file = std::filesystem::path(scene_.directory) / path;
-      std::error_code ignored;
-      // A fault of the scene, whose line is known, unlike faults of the mesh.
-      if (!std::filesystem::exists(file, ignored)) throw InputError(fault_lines(scene_, mesh_faults(scene_)));
-      bodies_.meshes.push_back(read_mesh(file.lexically_normal().string(), path));
+      bodies_.meshes.push_back(parse_mesh(text_of(path), mesh_file(scene_, path), path));
       entry->second = static_cast<std::uint32_t>(bodies_.meshes.size());
     }
     return entry->second;
   }
 
  private:
+  /// A file that cannot be read is a fault of the scene, whose line is known; what it holds is a fault of the
+  /// mesh.
+  std::string text_of(const std::string& path) const {
+    try {
+      return read_mesh_text(mesh_file(scene_, path));
+    } catch (const InputError&) {
+      throw InputError(fault_lines(scene_, mesh_faults(scene_)));
+    }
+  }
+
   const Scene& scene_;
   InitialBodies& bodies_;
   std::map<std::string, std::uint32_t> numbers_;

@@ -111,4 +111,9 @@ PrincipalAxes principal_axes(const Matrix3d& inertia) {
 
 double sphere_volume(double radius) { return 4.0 / 3 * std::numbers::pi * (radius * radius * radius); }
 
+Vector3d sphere_inertia(double mass, double radius) {
+  const double moment = 0.4 * mass * radius * radius;
+  return {moment, moment, moment};
+}
+
 }  // namespace collidoscope

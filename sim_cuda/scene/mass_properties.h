@@ -26,6 +26,9 @@ MassProperties mass_properties(std::span<const Vector3d> vertices,
 /// m^3.
 double sphere_volume(double radius);
 
+/// Principal moments of inertia of a sphere of constant density, kg m^2.
+Vector3d sphere_inertia(double mass, double radius);
+
 struct PrincipalAxes {
   Vector3d moments;  ///< smallest first; moments equal to 1e-9 keep the order of the axes they belong to
   Quaterniond axes;  ///< turns the principal axes (right-handed) into the axes of the tensor; w >= 0

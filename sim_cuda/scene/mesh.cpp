@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -298,8 +299,16 @@ Mesh parse_mesh(const std::string& text, const std::string& file, const std::str
   return mesh;
 }
 
+std::string mesh_file(const Scene& scene, const std::string& name) {
+  return (std::filesystem::path(scene.directory) / name).lexically_normal().string();
+}
+
+std::string read_mesh_text(const std::string& file) {
+  return read_text_file(file, max_file_size, "a closed mesh (.obj)");
+}
+
 Mesh read_mesh(const std::string& file, const std::string& name) {
-  return parse_mesh(read_text_file(file, max_file_size, "a closed mesh (.obj)"), file, name);
+  return parse_mesh(read_mesh_text(file), file, name);
 }
 
 }  // namespace collidoscope

@@ -15,7 +15,12 @@ namespace collidoscope {
 /// `name` is kept as Mesh::name.
 Mesh read_mesh(const std::string& file, const std::string& name);
 
-/// The same from text.
+/// The path of a mesh that a body of the scene names.
+std::string mesh_file(const Scene& scene, const std::string& name);
+/// The bytes of a mesh file. Throws InputError if it cannot be read.
+std::string read_mesh_text(const std::string& file);
+
+/// A mesh from its text.
 Mesh parse_mesh(const std::string& text, const std::string& file, const std::string& name);
 
 }  // namespace collidoscope

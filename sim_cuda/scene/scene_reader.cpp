@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
@@ -306,12 +304,7 @@ class SceneReader {
   /// validate()'s faults, where the text has them; a value that is not in the text is a fault of what holds
   /// it.
   void locate_faults() {
-    std::vector<Fault> faults = validate(scene_);
-    if (with_meshes_ && !(faults.empty() && reading_.faults.empty())) {
-      std::vector<Fault> more = mesh_faults(scene_);
-      std::ranges::move(more, std::back_inserter(faults));
-    }
-    for (Fault& fault : faults) {
+    for (Fault& fault : validate(scene_)) {
       fault.path = path_in_file(fault.path);
       const auto [node, exact] = locate(document_, document_.root(), fault.path);
       std::string message = line_of(fault);
@@ -319,6 +312,9 @@ class SceneReader {
       if (exact && is_plain) message += fmt::format(", not {}", printable(document_.token(*node)));
       reading_.fault(*node, std::move(message));
     }
+    if (!with_meshes_ || reading_.faults.empty()) return;
+    for (const Fault& fault : mesh_faults(scene_))
+      reading_.fault(*locate(document_, document_.root(), fault.path).first, line_of(fault));
   }
 
   /// Planes and boxes are two lists in the struct, and one, in any order, in the file.

@@ -26,7 +26,7 @@
 
 namespace collidoscope {
 
-/// settled_state() in slices, for whoever has something else to do meanwhile.
+/// settled_state() in slices, for callers that work in between, such as a window.
 class Settling {
  public:
   /// Done at once where the cache has it.

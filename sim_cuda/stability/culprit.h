@@ -9,9 +9,8 @@
 
 namespace collidoscope {
 
-/// The body that breaks it, at the state that the world is in: the lowest id of what is not finite or
-/// outside, the fastest, that of the deepest overlap (the lower id of two). Nobody, where it is no single
-/// body's.
+/// The body that meets the condition in the current state: the lowest id that is not finite or outside, the
+/// fastest, or the lower id of the deepest overlap. None if the condition is not about a single body.
 std::optional<std::uint32_t> culprit(World& world, Condition condition);
 
 }  // namespace collidoscope
