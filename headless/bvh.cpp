@@ -11,8 +11,8 @@
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/spread.h"
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

@@ -4,12 +4,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/run/settled_state.h"
 #include "sim_cuda/run/simulation.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {

@@ -106,14 +106,14 @@ TEST(AccuracyPoint, SettingsAreOfTheSceneThatTheyMake) {
                                 .continuous_collision = true};
   const Scene made = with_setting(scene, setting, {.gravity = true});
   EXPECT_EQ(made.physics.time_step, 1.0 / 240);
-  EXPECT_EQ(made.physics.steps_per_second, 240);
+  EXPECT_EQ(made.physics.time_step.steps_per_second(), 240);
   EXPECT_EQ(made.physics.substeps, 3);
   EXPECT_EQ(made.physics.iterations, 5);
   EXPECT_EQ(made.physics.solver, Solver::jacobi_split);
   EXPECT_EQ(made.physics.precision, Precision::f64);
   EXPECT_EQ(made.physics.effects, (Effects{.gravity = true, .continuous_collision = true}));
   EXPECT_TRUE(validate(made).empty());
-  EXPECT_FALSE(with_setting(scene, {.time_step = 0.0123}, {}).physics.steps_per_second);
+  EXPECT_FALSE(with_setting(scene, {.time_step = 0.0123}, {}).physics.time_step.steps_per_second());
 }
 
 }  // namespace

@@ -73,8 +73,7 @@ class Maker {
     p.precision = one_of({Precision::f32, Precision::f64});
     p.gravity = once_in(4) ? vector(10, limits::max_gravity) : Vector3d(0, 0, -9.81);
     if (once_in(2)) {
-      p.steps_per_second = one_of({30, 60, 240});
-      p.time_step = 1.0 / *p.steps_per_second;
+      p.time_step = TimeStep::per_second(one_of({30, 60, 240}));
     } else {
       p.time_step = size(1.0 / 240, 1.0 / 30, limits::min_time_step, limits::max_time_step);
     }

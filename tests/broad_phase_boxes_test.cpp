@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/broad_phase/pair_list.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "tests/executors.h"
 #include "tests/random.h"
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/dynamics/bounds.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 

@@ -2,7 +2,7 @@
 // before the step. What follows is what would have been.
 
 #include "sim_cuda/core/cancellation.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 #include <gtest/gtest.h>
 
@@ -231,7 +231,7 @@ TEST(Cancellation, DuringADetectionOrAMeasureLeavesTheWorld) {
 
 /// A body falls too fast at a known step; what is found is told or frozen, however often that is cancelled.
 TEST(Cancellation, WhileAFindingIsReadChangesNothing) {
-  for (const auto& [name, solver] : solver_names)
+  for (const auto& [name, solver, help] : solver_names)
     for (const OnFailure on_failure : {OnFailure::pause, OnFailure::freeze}) {
       SCOPED_TRACE(name);
       Scene scene = busy_scene(solver, Precision::f32);

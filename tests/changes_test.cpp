@@ -284,8 +284,8 @@ TEST(Change, FilesReadBackAsTheyWere) {
   EXPECT_EQ(again.changes[5].add[1].mass, 9e4);
   EXPECT_EQ(again.changes[5].add[0].angular_velocity, Vector3d(0, 9, 0));
   EXPECT_THAT(again.changes[6].freeze, ElementsAre(3, 70));
-  EXPECT_EQ(again.changes[16].integrator, Integrator::rk4);
-  EXPECT_EQ(again.changes[16].rotation_update, RotationUpdate::lie_group);
+  EXPECT_EQ(again.changes[16].settings.get<&Physics::integrator>(), Integrator::rk4);
+  EXPECT_EQ(again.changes[16].settings.get<&Physics::rotation_update>(), RotationUpdate::lie_group);
 }
 
 /// What is said of a list whose second line is this; the scene is crowd(), or one without generators.

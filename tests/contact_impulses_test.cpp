@@ -133,8 +133,8 @@ TEST_P(Impulses, OfSeveralSubstepsAreThoseOfTheLast) {
   whole.physics.substeps = 3;
   whole.physics.time_step = 3.0 / 64;
   parts.physics.time_step = 1.0 / 64;
-  whole.physics.steps_per_second.reset();
-  parts.physics.steps_per_second.reset();
+  whole.physics.time_step = whole.physics.time_step.seconds();
+  parts.physics.time_step = parts.physics.time_step.seconds();
   World a(whole, options()), b(parts, options());
   for (World* world : {&a, &b}) world->records().record_impulses(true);
   a.step(10);

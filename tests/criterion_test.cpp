@@ -65,11 +65,11 @@ TEST(Criterion, ReadsAllThatItMaySay) {
   EXPECT_EQ(c.steps, 300);
   EXPECT_EQ(c.long_steps, 100000);
   EXPECT_EQ(c.every, 10);
-  EXPECT_EQ(c.pair_capacity, 16);
-  EXPECT_EQ(c.broad_phase, "brute_force");
-  EXPECT_EQ(c.blocks, 3);
-  EXPECT_EQ(c.threads, 32);
-  EXPECT_EQ(c.key_bits, 63);
+  EXPECT_EQ(c.run.get<&RunOptions::initial_pair_capacity>(), 16);
+  EXPECT_EQ(c.run.get<&RunOptions::broad_phase>(), "brute_force");
+  EXPECT_EQ(c.run.get<&LaunchShape::blocks>(), 3);
+  EXPECT_EQ(c.run.get<&LaunchShape::threads>(), 32);
+  EXPECT_EQ(c.run.get<&ExecutorOptions::key_bits>(), 63);
   EXPECT_EQ(c.changes, "x.changes.json");
   EXPECT_THAT(c.executors, ElementsAre(ExecutorKind::cuda));
 
@@ -94,9 +94,9 @@ TEST(Criterion, ReadsAllThatItMaySay) {
   EXPECT_TRUE(std::isinf((*c.faults[0].state->position)[2]));
   EXPECT_EQ(c.faults[0].state->orientation->w(), 2);
   EXPECT_EQ(c.faults[1].term, 6u) << "the second of this quantity";
-  EXPECT_EQ(c.faults[1].set->solver, Solver::impulse);
-  EXPECT_EQ(c.faults[1].gravity, Vector3d(0, 0, -100));
-  EXPECT_EQ(c.faults[1].friction, 0.5);
+  EXPECT_EQ(c.faults[1].set->get<&Physics::solver>(), Solver::impulse);
+  EXPECT_EQ(c.faults[1].set->get<&Physics::gravity>(), Vector3d(0, 0, -100));
+  EXPECT_EQ(c.faults[1].set->get<&Material::friction>(), 0.5);
   EXPECT_EQ(c.faults[2].term, 0u);
   EXPECT_EQ(c.faults[2].scene, "z.json");
 }

@@ -78,8 +78,7 @@ TEST_P(Dragging, FallsByTheTanhLaw) {
   for (int fine = 0; fine < 2; ++fine) {
     Scene scene = in_medium(0, density, Vector3d(0, 0, -g), Vector3d(0, 0, 0));
     const int steps = 240 << fine;
-    scene.physics.steps_per_second = steps;
-    scene.physics.time_step = 1.0 / steps;
+    scene.physics.time_step = TimeStep::per_second(steps);
     scene.physics.substeps = 1;
     World world(scene, options());
     world.step(steps);
@@ -99,8 +98,7 @@ TEST_P(Dragging, SlowMotionDiesOutExponentiallyFastMotionAsOneOverT) {
     const double viscosity = fast ? 0 : 2, density = fast ? 50 : 0;
     const int steps = 600;
     Scene scene = in_medium(viscosity, density, Vector3d(0, 0, 0), start);
-    scene.physics.steps_per_second = steps;
-    scene.physics.time_step = 1.0 / steps;
+    scene.physics.time_step = TimeStep::per_second(steps);
     scene.physics.substeps = 1;
     World world(scene, options());
     world.step(steps);

@@ -58,8 +58,8 @@ class GuardedRuns : public OnEachExecutor {
   /// For each solver and precision.
   template <class Check>
   void in_each_way(const Check& check) {
-    for (const auto& [name, solver] : solver_names)
-      for (const auto& [width, precision] : precision_names) {
+    for (const auto& [name, solver, help] : solver_names)
+      for (const auto& [width, precision, help] : precision_names) {
         SCOPED_TRACE(std::string(name) + ", " + std::string(width));
         check(faller(solver, precision));
       }
@@ -207,7 +207,7 @@ TEST_P(GuardedRuns, StayFrozenThroughChangesSnapshotsAndNewIds) {
   nobody_looks.step = 20;
   Effects without = world.effects();
   without.guards = false;
-  nobody_looks.effects = std::optional(without);
+  nobody_looks.settings.set<&Physics::effects>(std::optional(without));
   const auto unwatched = changed_world(world, nobody_looks, world.options());
 
   world.step(10);

@@ -29,9 +29,9 @@ TEST_P(HardRuns, IsTheRunThatRunMakes) {
 TEST_P(HardRuns, MakesChangesAtTheirStates) {
   Change begin, later;
   begin.step = 0;
-  begin.time_step = 0.25;
+  begin.settings.set<&Physics::time_step>(0.25);
   later.step = 2;
-  later.time_step = 0.5;
+  later.settings.set<&Physics::time_step>(0.5);
   later.add = {sphere(1, Vector3d(9, 9, 9))};
   Scene scene = empty_space();
   scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(1, 0, 0))};

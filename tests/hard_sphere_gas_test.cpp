@@ -177,8 +177,7 @@ std::vector<double> errors_of_steps(const Vector3d& gravity, const std::vector<i
     EXPECT_GT(exact.counts().pairs + exact.counts().planes, 5);
     const std::vector<Vector3d> expected = exact.bodies().position;
     for (std::size_t k = 0; k < steps_per_second.size(); ++k) {
-      scene.physics.steps_per_second = steps_per_second[k];
-      scene.physics.time_step = 1.0 / steps_per_second[k];
+      scene.physics.time_step = TimeStep::per_second(steps_per_second[k]);
       RunOptions options;
       options.executor = ExecutorKind::cpu;
       options.cpu_threads = 1;

@@ -514,7 +514,7 @@ TEST(JointSubsteps, AreAsManyAsTheLoadCallsFor) {
   // Two joints at a body: yields by F h^2 / (2 m), m = 1/2 kg, at most 1 % of 1 m.
   const double load = (49 + 1000) * g, h = std::sqrt(0.01 * 2 * 0.5 / load);
   EXPECT_EQ(of(scene), static_cast<int>(std::ceil(1 / (60 * h))));
-  scene.physics.time_step /= 2;
+  scene.physics.time_step = scene.physics.time_step / 2;
   EXPECT_EQ(of(scene), static_cast<int>(std::ceil(1 / (120 * h))));
   scene.physics.substeps = 3;
   EXPECT_EQ(of(scene), 3);

@@ -75,9 +75,9 @@ TEST(LiveAccuracy, BeginsAnewWhereTheRunIsAskedSomethingElse) {
   };
   ball.live.step(false);
   EXPECT_EQ(ball.frame(0).done, 1) << "the run goes on";
-  EXPECT_EQ(change([](Settings& s) { s.time_step = 1.0 / 64; }), 1) << "a setting that is varied";
+  EXPECT_EQ(change([](Settings& s) { s.physics.time_step = 1.0 / 64; }), 1) << "a setting that is varied";
   EXPECT_EQ(ball.frame(0).now.time_step, 1.0 / 64);
-  EXPECT_LT(change([](Settings& s) { s.restitution = 0.5; }), 1);
+  EXPECT_LT(change([](Settings& s) { s.material.restitution = 0.5; }), 1);
   EXPECT_EQ(ball.frame(0).since, 1);
   ball.to_the_end();
   ball.live.step(false);

@@ -94,16 +94,16 @@ TEST(LiveReference, OfOtherScenesIsFinerAndKnowsHowFine) {
 TEST(LiveReference, GoesOnWhateverNumericalSettingsTurn) {
   Beside run(flight());
   run.step(16);
-  run.change([](Settings& s) { s.time_step = 1.0 / 128; });
-  run.change([](Settings& s) { s.precision = Precision::f32; });
-  run.change([](Settings& s) { s.iterations = 3; });
+  run.change([](Settings& s) { s.physics.time_step = 1.0 / 128; });
+  run.change([](Settings& s) { s.physics.precision = Precision::f32; });
+  run.change([](Settings& s) { s.physics.iterations = 3; });
   run.step(32);
   EXPECT_EQ(run.reference.facts().since, 0);
   // A quarter of a second at each step.
   const double off = 0.5 * 10 * 0.25 * (1.0 / 64 + 1.0 / 128);
   EXPECT_NEAR(run.ghosts()[0].offset[2], off, 1e-4);
 
-  run.change([](Settings& s) { s.restitution = 0.5; });
+  run.change([](Settings& s) { s.material.restitution = 0.5; });
   EXPECT_EQ(run.reference.facts().since, 48) << "another motion is asked for";
   EXPECT_EQ(run.ghosts()[0].offset[2], 0);
   run.live.restart();
@@ -119,7 +119,7 @@ TEST(LiveReference, RunsFollowAnotherStep) {
   scene.physics.drag.viscosity = 1e-9;
   Beside run(scene);
   run.step(16);
-  run.change([](Settings& s) { s.time_step = 1.0 / 96; });
+  run.change([](Settings& s) { s.physics.time_step = 1.0 / 96; });
   run.step(24);
   EXPECT_EQ(run.reference.facts().since, 0);
   // From an eighth of the first step to the nearest part of the second: a fifth.

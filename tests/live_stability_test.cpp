@@ -138,9 +138,9 @@ TEST(LiveStability, AnOpenedCaseMakesItsChangesAndBeginsAgainWithThem) {
   for (int round = 0; round < 2; ++round) {
     EXPECT_EQ(list.live.world().steps(), 0);
     list.live.step(true);
-    EXPECT_EQ(list.live.settings().time_step, 0.1);
+    EXPECT_EQ(list.live.settings().physics.time_step, 0.1);
     list.live.step(true);
-    EXPECT_EQ(list.live.settings().time_step, 0.05);
+    EXPECT_EQ(list.live.settings().physics.time_step, 0.05);
     list.live.step(true);
     EXPECT_EQ(list.live.history().size(), 3u);
     list.live.restart();

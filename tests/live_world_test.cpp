@@ -2,7 +2,7 @@
 // More than 400 lines: each setting has its own case.
 
 #include "viewer/session/live_world.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,10 +44,10 @@ TEST(LiveWorld, WhatIsNotPhysicsNeverReachesTheState) {
   LiveWorld live(box_of(400), on_cpu());
   for (int k = 0; k < 12; ++k) {
     change(live, [&](Settings& s) {
-      if (k % 3 == 0) s.shape = {1 + k, 32 << (k % 4)};
+      if (k % 3 == 0) s.run.shape = {1 + k, 32 << (k % 4)};
       if (k % 3 == 1)
-        s.broad_phase = broad_phase_names()[static_cast<std::size_t>(k) % broad_phase_names().size()];
-      if (k % 5 == 4) s.shape = {};
+        s.run.broad_phase = broad_phase_names()[static_cast<std::size_t>(k) % broad_phase_names().size()];
+      if (k % 5 == 4) s.run.shape = {};
     });
     live.step(k % 2 == 0);
   }
@@ -60,7 +60,7 @@ TEST(LiveWorld, ANewNKeepsSurvivors) {
   LiveWorld live(box_of(300), on_cpu());
   for (int k = 0; k < 5; ++k) live.step(false);
   const BodyStates before = live.world().bodies();
-  EXPECT_EQ(change(live, [](Settings& s) { s.bodies = 400; }), "");
+  EXPECT_EQ(change(live, [](Settings& s) { s.generator.count = 400; }), "");
   const BodyStates after = live.world().bodies();
   ASSERT_EQ(after.position.size(), 400u);
   for (std::size_t i = 0; i < 300; ++i) EXPECT_EQ(before.position[i], after.position[i]) << i;
@@ -78,35 +78,35 @@ TEST(LiveWorld, ANewNKeepsSurvivors) {
 TEST(LiveWorld, ABoxThatGoesWithNStartsAgainAndSaysSo) {
   LiveWorld live(box_of(4000, Variant::scaled), on_cpu());
   live.step(false);
-  EXPECT_THAT(change(live, [](Settings& s) { s.bodies = 5000; }), testing::HasSubstr("restarted"));
+  EXPECT_THAT(change(live, [](Settings& s) { s.generator.count = 5000; }), testing::HasSubstr("restarted"));
   EXPECT_EQ(live.world().steps(), 0);
   EXPECT_EQ(live.history().size(), 0u);
   // Below about 2,292 bodies the box stays 100 m wide.
   LiveWorld small(box_of(500, Variant::scaled), on_cpu());
   small.step(false);
-  EXPECT_EQ(change(small, [](Settings& s) { s.bodies = 600; }), "");
+  EXPECT_EQ(change(small, [](Settings& s) { s.generator.count = 600; }), "");
   EXPECT_EQ(small.world().steps(), 1);
 }
 
 TEST(LiveWorld, OtherBodiesStartAgain) {
   LiveWorld live(box_of(100), on_cpu());
   live.step(false);
-  EXPECT_THAT(change(live, [](Settings& s) { s.seed = 9; }), testing::HasSubstr("restarted"));
+  EXPECT_THAT(change(live, [](Settings& s) { s.generator.seed = 9; }), testing::HasSubstr("restarted"));
   EXPECT_EQ(live.world().steps(), 0);
-  change(live, [](Settings& s) { s.radius_max = 2; });
+  change(live, [](Settings& s) { s.generator.radius_max = 2; });
   for (double radius : live.world().initial().radius) EXPECT_LE(radius, 2);
 }
 
 TEST(LiveWorld, PhysicsActAtTheNextStepAndMarkTheRun) {
   LiveWorld live(box_of(100), on_cpu());
-  change(live, [](Settings& s) { s.restitution = 0.5; });
+  change(live, [](Settings& s) { s.material.restitution = 0.5; });
   EXPECT_FALSE(live.edited()) << "nothing has happened yet";
   live.step(false);
-  change(live, [](Settings& s) { s.time_step = 0.01; });
+  change(live, [](Settings& s) { s.physics.time_step = 0.01; });
   EXPECT_TRUE(live.edited());
   EXPECT_EQ(live.world().scene().physics.time_step, 0.01);
   EXPECT_EQ(live.world().steps(), 1);
-  change(live, [](Settings& s) { s.precision = Precision::f64; });
+  change(live, [](Settings& s) { s.physics.precision = Precision::f64; });
   live.step(true);
   EXPECT_EQ(live.world().steps(), 2);
 }
@@ -123,11 +123,11 @@ TEST(LiveWorld, WhatIsRefusedChangesNothing) {
     EXPECT_EQ(live.settings(), before);
     EXPECT_EQ(live.state_hash(), hash);
   };
-  refused([](Settings& s) { s.broad_phase = "none such"; });
-  refused([](Settings& s) { s.time_step = -1; });
-  refused([](Settings& s) { s.substeps = 0; });
-  refused([](Settings& s) { s.iterations = limits::max_iterations + 1; });
-  if (!cuda_available()) refused([](Settings& s) { s.executor = ExecutorKind::cuda; });
+  refused([](Settings& s) { s.run.broad_phase = "none such"; });
+  refused([](Settings& s) { s.physics.time_step = -1; });
+  refused([](Settings& s) { s.physics.substeps = 0; });
+  refused([](Settings& s) { s.physics.iterations = limits::max_iterations + 1; });
+  if (!cuda_available()) refused([](Settings& s) { s.run.executor = ExecutorKind::cuda; });
   live.step(true);
   EXPECT_EQ(live.world().steps(), 2);
 }
@@ -177,22 +177,23 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
       try {
         switch (random() % 15) {
           case 0:
-            change(live, [&](Settings& s) { s.bodies = 100 + random() % 100; });
+            change(live, [&](Settings& s) { s.generator.count = 100 + random() % 100; });
             break;
           case 1:
-            change(live, [&](Settings& s) { s.shape = {1 + static_cast<int>(random() % 40), 32}; });
+            change(live, [&](Settings& s) { s.run.shape = {1 + static_cast<int>(random() % 40), 32}; });
             break;
           case 2:
-            change(live, [&](Settings& s) { s.restitution = (random() % 10) / 10.0; });
+            change(live, [&](Settings& s) { s.material.restitution = (random() % 10) / 10.0; });
             break;
           case 3:
-            change(live, [&](Settings& s) { s.effects = Effects{.gravity = true, .rotation = true}; });
+            change(live,
+                   [&](Settings& s) { s.physics.effects = Effects{.gravity = true, .rotation = true}; });
             break;
           case 4:
-            change(live, [&](Settings& s) { s.effects.reset(); });
+            change(live, [&](Settings& s) { s.physics.effects.reset(); });
             break;
           case 5:
-            change(live, [&](Settings& s) { s.time_step = 1.0 / (20 + random() % 90); });
+            change(live, [&](Settings& s) { s.physics.time_step = 1.0 / (20 + random() % 90); });
             break;
           case 6:
             live.apply(removal(body));
@@ -207,30 +208,30 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
           }
           case 8:
             change(live, [&](Settings& s) {
-              s.effects = Effects{.gravity = true};
-              s.solver = s.solver == Solver::impulse ? Solver::soft_step : Solver::impulse;
+              s.physics.effects = Effects{.gravity = true};
+              s.physics.solver = s.physics.solver == Solver::impulse ? Solver::soft_step : Solver::impulse;
             });
             break;
           case 9:
             if (random() % 3 == 0) live.restart();
             break;
           case 10:
-            if (random() % 3 == 0) change(live, [&](Settings& s) { s.seed = random(); });
+            if (random() % 3 == 0) change(live, [&](Settings& s) { s.generator.seed = random(); });
             break;
           case 11:
-            change(live, [&](Settings& s) { s.broad_phase = "refit"; });
+            change(live, [&](Settings& s) { s.run.broad_phase = "refit"; });
             break;
           case 12:
             change(live, [&](Settings& s) {
               const int parts = static_cast<int>(random() % 7);
-              s.substeps = parts > 0 ? std::optional(parts) : std::nullopt;
+              s.physics.substeps = parts > 0 ? std::optional(parts) : std::nullopt;
             });
             break;
           case 14:
             live.freeze(static_cast<std::uint32_t>(body));
             break;
           case 13:
-            change(live, [&](Settings& s) { s.iterations = 1 + static_cast<int>(random() % 3); });
+            change(live, [&](Settings& s) { s.physics.iterations = 1 + static_cast<int>(random() % 3); });
             break;
         }
       } catch (const InputError&) {
@@ -259,13 +260,13 @@ TEST(LiveWorld, SubstepsAndIterationsActAtTheNextStep) {
   LiveWorld untouched(scene, on_cpu());
   for (int k = 0; k < 4; ++k) untouched.step(false);
   EXPECT_EQ(untouched.world().substeps(), 4);
-  const auto four = settings_after([](Settings& s) { s.substeps = 4; });
+  const auto four = settings_after([](Settings& s) { s.physics.substeps = 4; });
   EXPECT_EQ(four, std::pair(4, untouched.state_hash()));
-  const auto two = settings_after([](Settings& s) { s.substeps = 2; });
+  const auto two = settings_after([](Settings& s) { s.physics.substeps = 2; });
   EXPECT_EQ(two.first, 2);
   EXPECT_NE(two.second, untouched.state_hash());
-  EXPECT_NE(settings_after([](Settings& s) { s.iterations = 2; }).second, untouched.state_hash());
-  EXPECT_EQ(settings_after([](Settings& s) { s.solver = Solver::impulse; }).first, 1);
+  EXPECT_NE(settings_after([](Settings& s) { s.physics.iterations = 2; }).second, untouched.state_hash());
+  EXPECT_EQ(settings_after([](Settings& s) { s.physics.solver = Solver::impulse; }).first, 1);
 }
 
 TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
@@ -276,18 +277,18 @@ TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
   ASSERT_EQ(live.last_ids().size(), 50u);
   EXPECT_EQ(live.last_ids()[10], no_body);
   EXPECT_EQ(live.last_ids()[11], 10u);
-  EXPECT_EQ(live.settings().bodies, 50) << "of the generator, with what was removed of it";
+  EXPECT_EQ(live.settings().generator.count, 50) << "of the generator, with what was removed of it";
   Body ball;
   ball.position = Vector3d(50, 50, 50);
   live.apply(addition(ball));
   EXPECT_EQ(live.world().initial().size(), 50u);
   // It comes after the generated ones, and moves with N.
-  change(live, [](Settings& s) { s.bodies = 60; });
+  change(live, [](Settings& s) { s.generator.count = 60; });
   EXPECT_EQ(live.world().initial().size(), 60u);
   EXPECT_EQ(live.world().initial().radius[59], 1);
   EXPECT_EQ(live.last_ids()[49], 59u);
   Change too_much;
-  too_much.restitution = 2;
+  too_much.settings.set<&Material::restitution>(2);
   EXPECT_THROW(live.apply(too_much), InputError);
   EXPECT_EQ(live.changes().size(), 3u) << "what is refused is not recorded";
   live.step(true);
@@ -316,7 +317,7 @@ TEST(LiveWorld, FreezingABodyIsAChange) {
   EXPECT_THAT(live.changes()[0].freeze, testing::ElementsAre(7));
   // It keeps its place, whatever else is changed.
   live.apply(removal(3));
-  change(live, [](Settings& s) { s.restitution = 0.5; });
+  change(live, [](Settings& s) { s.material.restitution = 0.5; });
   for (int k = 0; k < 6; ++k) live.step(false);
   EXPECT_THAT(live.world().guards().frozen(), testing::ElementsAre(6))
       << "ids above the removed one move down";
@@ -336,8 +337,8 @@ TEST(LiveWorld, AFrozenBodyStaysSoAtTheStart) {
   LiveWorld live(scene, on_cpu());
   live.freeze(7);
   live.freeze(2);
-  change(live, [](Settings& s) { s.restitution = 0.5; });
-  change(live, [](Settings& s) { s.bodies = 50; });
+  change(live, [](Settings& s) { s.material.restitution = 0.5; });
+  change(live, [](Settings& s) { s.generator.count = 50; });
   EXPECT_THAT(live.world().guards().frozen(), testing::ElementsAre(2, 7));
   for (int k = 0; k < 6; ++k) live.step(false);
   EXPECT_EQ(live.world().bodies().position[7], live.world().initial().position[7]);
@@ -365,21 +366,21 @@ TEST(LiveWorld, SettingsOfOneStateAreOneChange) {
   for (LiveWorld* one : {&live, &untouched})
     for (int k = 0; k < 5; ++k) one->step(false);
   for (const double restitution : {0.7, 0.6, 0.5, 0.4})
-    change(live, [&](Settings& s) { s.restitution = restitution; });
-  for (const int bodies : {70, 10, 90}) change(live, [&](Settings& s) { s.bodies = bodies; });
-  change(live, [](Settings& s) { s.shape = {3, 64}; });
-  change(live, [](Settings& s) { s.precision = Precision::f64; });
-  change(live, [](Settings& s) { s.precision = Precision::f32; });
+    change(live, [&](Settings& s) { s.material.restitution = restitution; });
+  for (const int bodies : {70, 10, 90}) change(live, [&](Settings& s) { s.generator.count = bodies; });
+  change(live, [](Settings& s) { s.run.shape = {3, 64}; });
+  change(live, [](Settings& s) { s.physics.precision = Precision::f64; });
+  change(live, [](Settings& s) { s.physics.precision = Precision::f32; });
   ASSERT_EQ(live.changes().size(), 1u);
   const Change& one = live.changes()[0];
-  EXPECT_EQ(one.restitution, 0.4);
-  EXPECT_EQ(one.bodies, 90);
-  EXPECT_EQ(one.blocks, 3);
-  EXPECT_FALSE(one.precision) << "as it was";
+  EXPECT_EQ(one.settings.get<&Material::restitution>(), 0.4);
+  EXPECT_EQ(one.settings.get<&BoxCollider::count>(), 90);
+  EXPECT_EQ(one.settings.get<&LaunchShape::blocks>(), 3);
+  EXPECT_FALSE(one.settings.get<&Physics::precision>()) << "as it was";
   EXPECT_EQ(live.world().bodies().position[50], untouched.world().bodies().position[50])
       << "it was there at the first value and at the last";
   for (int k = 0; k < 3; ++k) live.step(false);
-  change(live, [](Settings& s) { s.restitution = 0.3; });
+  change(live, [](Settings& s) { s.material.restitution = 0.3; });
   EXPECT_EQ(live.changes().size(), 2u) << "of another state";
   live.step(false);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
@@ -390,13 +391,13 @@ TEST(LiveWorld, SettingsThatComeBackAreNoChange) {
   LiveWorld live(scene, on_cpu()), untouched(scene, on_cpu());
   for (LiveWorld* one : {&live, &untouched})
     for (int k = 0; k < 5; ++k) one->step(false);
-  change(live, [](Settings& s) { s.bodies = 20; });
-  change(live, [](Settings& s) { s.precision = Precision::f64; });
-  change(live, [](Settings& s) { s.solver = Solver::impulse; });
+  change(live, [](Settings& s) { s.generator.count = 20; });
+  change(live, [](Settings& s) { s.physics.precision = Precision::f64; });
+  change(live, [](Settings& s) { s.physics.solver = Solver::impulse; });
   EXPECT_TRUE(live.edited());
-  change(live, [](Settings& s) { s.precision = Precision::f32; });
-  change(live, [&](Settings& s) { s.solver = untouched.settings().solver; });
-  change(live, [](Settings& s) { s.bodies = 80; });
+  change(live, [](Settings& s) { s.physics.precision = Precision::f32; });
+  change(live, [&](Settings& s) { s.physics.solver = untouched.settings().physics.solver; });
+  change(live, [](Settings& s) { s.generator.count = 80; });
   EXPECT_TRUE(live.changes().empty());
   EXPECT_FALSE(live.edited());
   EXPECT_EQ(live.settings(), untouched.settings());
@@ -410,14 +411,14 @@ TEST(LiveWorld, ASliderThatIsHeldIsOneChangeOfHowItRuns) {
   Settings wish = live.settings();
   for (int k = 1; k <= 5; ++k) {
     live.step(false);
-    wish.shape.blocks = k;
+    wish.run.shape.blocks = k;
     live.apply(wish, nullptr, k > 1);
   }
   ASSERT_EQ(live.changes().size(), 1u);
-  EXPECT_EQ(live.changes()[0].blocks, 5);
+  EXPECT_EQ(live.changes()[0].settings.get<&LaunchShape::blocks>(), 5);
   EXPECT_EQ(live.changes()[0].step, 5);
   live.step(false);
-  wish.shape.blocks = 9;
+  wish.run.shape.blocks = 9;
   live.apply(wish);
   EXPECT_EQ(live.changes().size(), 2u) << "another hand";
 }
@@ -432,8 +433,8 @@ TEST(LiveWorld, AfterARestartOnlyTheDifferenceIsLeft) {
   ball.position = Vector3d(20, 20, 50);
   for (int k = 0; k < 12; ++k) {
     change(live, [&](Settings& s) {
-      s.bodies = 60 + 5 * k;
-      s.restitution = 0.1 + 0.05 * k;
+      s.generator.count = 60 + 5 * k;
+      s.material.restitution = 0.1 + 0.05 * k;
     });
     if (k == 3 || k == 7 || k == 9) live.apply(addition(ball));
     if (k == 4) live.apply(removal(1));   // of those that the scene lists
@@ -447,20 +448,20 @@ TEST(LiveWorld, AfterARestartOnlyTheDifferenceIsLeft) {
   EXPECT_EQ(live.changes()[0].step, 0);
   EXPECT_EQ(live.changes()[0].remove.size(), 2u);
   EXPECT_EQ(live.changes()[0].add.size(), 2u);
-  EXPECT_EQ(live.changes()[0].bodies, 115);
+  EXPECT_EQ(live.changes()[0].settings.get<&BoxCollider::count>(), 115);
   for (int k = 0; k < 4; ++k) live.step(false);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
 
   // What is turned back at the start is no change, nor is what is turned to and fro.
   live.restart();
   for (const double restitution : {0.7, 0.6, 0.5})
-    change(live, [&](Settings& s) { s.restitution = restitution; });
+    change(live, [&](Settings& s) { s.material.restitution = restitution; });
   EXPECT_EQ(live.changes().size(), 1u);
   LiveWorld other(scene, on_cpu());
   other.step(false);
-  change(other, [](Settings& s) { s.time_step = 0.01; });
+  change(other, [](Settings& s) { s.physics.time_step = 0.01; });
   other.step(false);
-  change(other, [&](Settings& s) { s.time_step = first.time_step; });
+  change(other, [&](Settings& s) { s.physics.time_step = first.physics.time_step; });
   other.step(false);
   EXPECT_EQ(other.changes().size(), 2u);
   other.restart();
@@ -509,7 +510,7 @@ TEST(LiveWorld, HistoryKnowsBothKindsOfTimes) {
 TEST(LiveWorld, ARunThatComesBackKeepsItsRecord) {
   LiveWorld live(box_of(50), on_cpu());
   live.step(true);
-  change(live, [](Settings& s) { s.restitution = 0.5; });
+  change(live, [](Settings& s) { s.material.restitution = 0.5; });
   live.step(true);
   const std::string before = live.changes_text();
   const LiveWorld::Record record = live.record();
@@ -523,7 +524,7 @@ TEST(LiveWorld, ARunThatComesBackKeepsItsRecord) {
   EXPECT_EQ(replayed_hash(live, box_of(50)), live.state_hash());
   live.restart();
   ASSERT_EQ(live.changes().size(), 1u);
-  EXPECT_EQ(live.changes()[0].restitution, 0.5);
+  EXPECT_EQ(live.changes()[0].settings.get<&Material::restitution>(), 0.5);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include <optional>
 #include <set>
 
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 #include "tests/executors.h"
 #include "tests/golden_files.h"

@@ -35,11 +35,10 @@ TEST(Options, EveryFlagIsReadOnceAndBelongsToACommand) {
 
 TEST(Options, NothingGivenChangesNothing) {
   Scene scene = generated();
-  scene.physics.steps_per_second = 60;
-  scene.physics.time_step = 1.0 / 60;
+  scene.physics.time_step = TimeStep::per_second(60);
   apply(Overrides{}, "x.json", scene);
   EXPECT_EQ(scene.generators[0].count, 2000);
-  EXPECT_EQ(scene.physics.steps_per_second, 60);
+  EXPECT_EQ(scene.physics.time_step.steps_per_second(), 60);
 }
 
 TEST(Options, OverridesReachTheScene) {
@@ -57,7 +56,7 @@ TEST(Options, OverridesReachTheScene) {
                                 {"--effects", "gravity,rotation"},
                                 {"--restitution-threshold", "0.5"}});
   Scene scene = generated();
-  scene.physics.steps_per_second = 30;
+  scene.physics.time_step = TimeStep::per_second(30);
   apply(options.overrides, "x.json", scene);
   EXPECT_EQ(scene.generators[0].count, 17);
   EXPECT_EQ(scene.generators[0].variant, Variant::scaled);
@@ -65,7 +64,7 @@ TEST(Options, OverridesReachTheScene) {
   EXPECT_EQ(scene.generators[0].seed, 9u);
   EXPECT_EQ(scene.physics.gravity, Vector3d(0, 1, 2));
   EXPECT_EQ(scene.physics.time_step, 0.25);
-  EXPECT_FALSE(scene.physics.steps_per_second);
+  EXPECT_FALSE(scene.physics.time_step.steps_per_second());
   EXPECT_EQ(scene.physics.substeps, 3);
   EXPECT_EQ(scene.physics.iterations, 4);
   EXPECT_EQ(scene.physics.integrator, Integrator::rk4);
@@ -78,7 +77,7 @@ TEST(Options, OverridesReachTheScene) {
 TEST(Options, AFractionIsAnExactRate) {
   Scene scene = generated();
   apply(read({{"--time-step", "1/120"}}).overrides, "x.json", scene);
-  EXPECT_EQ(scene.physics.steps_per_second, 120);
+  EXPECT_EQ(scene.physics.time_step.steps_per_second(), 120);
   EXPECT_EQ(scene.physics.time_step, 1.0 / 120);
 }
 

@@ -113,7 +113,7 @@ TEST_P(OutOfMemoryOn, AChangeOfNThatDoesNotFitLeavesTheRun) {
   World world(scene, scarce);
   world.step(5);
   Change change;
-  change.bodies = 1'000'000;
+  change.settings.set<&BoxCollider::count>(1'000'000);
   const std::string line = refusal_of([&] { changed_world(world, change, scarce); });
   EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
   EXPECT_GT(largest_number(line), 100'000) << line;
@@ -134,7 +134,7 @@ TEST_P(OutOfMemoryOn, TheWindowKeepsTheRunThatItHas) {
     undisturbed.step(true);
   }
   Settings wish = live.settings();
-  wish.bodies = 5'000'000;
+  wish.generator.count = 5'000'000;
   const std::string line = refusal_of([&] { live.apply(wish); });
   EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
   for (int k = 0; k < 5; ++k) {

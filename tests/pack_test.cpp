@@ -1,7 +1,7 @@
 // What is packed of a tree, its boxes and its bodies, against a person's measure of it.
 
 #include "sim_cuda/publish/pack.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 #include "tests/brute_tree.h"
 #include "tests/executors.h"

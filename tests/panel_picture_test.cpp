@@ -302,19 +302,20 @@ TEST(PanelPicture, APointOfTheDiagramIsASetting) {
       });
   const AccuracySetting& setting = panel.facts.points[fine].setting;
   panel.mouse(panel.place_of(fine), false);
-  EXPECT_NE(panel.workspace.settings.time_step, setting.time_step) << "the pointer alone changes nothing";
+  EXPECT_NE(panel.workspace.settings.physics.time_step, setting.time_step)
+      << "the pointer alone changes nothing";
   panel.mouse(panel.pointer, true);
   panel.mouse(panel.pointer, false);
   const Settings& wish = panel.workspace.settings;
-  EXPECT_EQ(wish.time_step, setting.time_step);
-  EXPECT_EQ(wish.substeps, setting.substeps);
-  EXPECT_EQ(wish.iterations, setting.iterations);
-  EXPECT_EQ(wish.solver, setting.solver);
-  EXPECT_EQ(wish.integrator, setting.integrator);
-  EXPECT_EQ(wish.rotation_update, setting.rotation_update);
-  EXPECT_EQ(wish.precision, setting.precision);
-  ASSERT_TRUE(wish.effects);
-  EXPECT_EQ(wish.effects->continuous_collision, setting.continuous_collision);
+  EXPECT_EQ(wish.physics.time_step, setting.time_step);
+  EXPECT_EQ(wish.physics.substeps, setting.substeps);
+  EXPECT_EQ(wish.physics.iterations, setting.iterations);
+  EXPECT_EQ(wish.physics.solver, setting.solver);
+  EXPECT_EQ(wish.physics.integrator, setting.integrator);
+  EXPECT_EQ(wish.physics.rotation_update, setting.rotation_update);
+  EXPECT_EQ(wish.physics.precision, setting.precision);
+  ASSERT_TRUE(wish.physics.effects);
+  EXPECT_EQ(wish.physics.effects->continuous_collision, setting.continuous_collision);
 }
 
 TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {

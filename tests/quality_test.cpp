@@ -1,5 +1,5 @@
 #include "sim_cuda/broad_phase/quality.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
 #include "tests/any_scene.h"

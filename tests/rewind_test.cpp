@@ -18,7 +18,7 @@ class Rewinds : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Rewinds);
 
 TEST_P(Rewinds, ToAnyStateThatWasFollowed) {
-  for (const auto& [name, solver] : solver_names) {
+  for (const auto& [name, solver, help] : solver_names) {
     Scene scene = box_collider(150);
     scene.generators[0].radius_max = 9;
     scene.physics.solver = solver;

@@ -38,7 +38,7 @@ TEST(SceneFile, DefaultsAreTheStructs) {
   const Scene expected;
   EXPECT_EQ(write_scene(scene), write_scene(expected));
   EXPECT_EQ(scene.physics.time_step, 1.0 / 30);
-  EXPECT_EQ(scene.physics.steps_per_second, std::nullopt);
+  EXPECT_EQ(scene.physics.time_step.steps_per_second(), std::nullopt);
   EXPECT_EQ(scene.materials.size(), 1u);
   EXPECT_EQ(scene.materials[0].restitution, 0.8);
 }
@@ -82,7 +82,7 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(p.attractors.at(0).strength, -8);
   EXPECT_EQ(p.attractors.at(0).softening, 16);
   EXPECT_EQ(p.time_step, 1.0 / 240);
-  EXPECT_EQ(p.steps_per_second, 240);
+  EXPECT_EQ(p.time_step.steps_per_second(), 240);
   EXPECT_EQ(p.substeps, 4);
   EXPECT_EQ(p.iterations, 7);
   EXPECT_EQ(p.integrator, Integrator::velocity_verlet);
@@ -224,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"bodies\": [{\"motion\": \"static\", \"velocity\": [0, 0, 1]}]}",
             "s:2:23: bodies[0].motion: must be kinematic or dynamic where a velocity is given"},
         Bad{"\"restitution_threshold\": \"none\"}",
-            "s:2:26: \"restitution_threshold\" is \"auto\" or a speed"},
+            "s:2:26: \"restitution_threshold\" is \"auto\" or a number"},
         // ranges, found by validate()
         Bad{"\"bodies\": [{}, {\"radius\": -1}]}",
             "s:2:27: bodies[1].radius: must lie in [1e-09, 1e+09] m, not -1"},
@@ -401,8 +401,7 @@ class RandomScene {
     p.gravity = coin() ? vector(20) : Vector3d(0, -0.0, 0);
     p.time_step = real(1e-4, 0.1);
     if (coin()) {
-      p.steps_per_second = 1 + static_cast<int>(random_() % 1000);
-      p.time_step = 1.0 / *p.steps_per_second;
+      p.time_step = TimeStep::per_second(1 + static_cast<int>(random_() % 1000));
     }
     p.solver = pick({Solver::impulse, Solver::soft_step});
     if (coin()) p.drag = {real(0, 1), real(0, 1000), real(0, 2)};
@@ -511,8 +510,8 @@ std::string bits(const Scene& s) {
   const Physics& p = s.physics;
   real(p.drag.viscosity), real(p.drag.density), real(p.drag.coefficient);
   for (const Attractor& a : p.attractors) vec(a.position), real(a.strength), real(a.softening);
-  vec(p.gravity), real(p.time_step), whole(p.steps_per_second.value_or(-1)), whole(p.substeps.value_or(-1)),
-      whole(p.iterations);
+  vec(p.gravity), real(p.time_step), whole(p.time_step.steps_per_second().value_or(-1)),
+      whole(p.substeps.value_or(-1)), whole(p.iterations);
   whole(static_cast<int>(p.solver)), whole(static_cast<int>(p.integrator)),
       whole(static_cast<int>(p.rotation_update)), whole(static_cast<int>(p.precision));
   whole(p.effects ? p.effects->gravity + 2 * p.effects->rotation : -1),

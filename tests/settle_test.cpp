@@ -200,16 +200,16 @@ TEST_P(Settled, TheWindowSettlesAnewOnlyWhereTheRunStartsAnew) {
   live.step(false);
   Settings wish = live.settings();
   told_ = 0;
-  wish.restitution = 0.2;
+  wish.material.restitution = 0.2;
   EXPECT_EQ(live.apply(wish), "");
   EXPECT_EQ(live.world().steps(), 1);
   EXPECT_TRUE(live.edited());
   EXPECT_EQ(told_, 0);
-  wish.bodies = 120;
+  wish.generator.count = 120;
   EXPECT_THAT(live.apply(wish), HasSubstr("restarted"));
   EXPECT_EQ(live.world().steps(), 0);
   EXPECT_GT(told_, 0);
-  wish.variant = Variant::scaled;
+  wish.generator.variant = Variant::scaled;
   live.apply(wish);
   EXPECT_EQ(live.stats().kinetic_energy, 0);
 }

@@ -306,7 +306,7 @@ TEST(SnapshotOfARun, KnowsTheTimeAlsoOfStepsOfOtherLengths) {
   EXPECT_EQ(second.time(), 1);
   Change shorter;
   shorter.step = 6;
-  shorter.time_step = 0.0625;
+  shorter.settings.set<&Physics::time_step>(0.0625);
   const auto changed = changed_world(second, shorter, o);
   changed->step(2);
   EXPECT_EQ(changed->time(), 1.125);

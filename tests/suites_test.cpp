@@ -10,7 +10,7 @@
 #include <set>
 
 #include "headless/bench/paper_report.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 #include "tests/run_program.h"

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "tests/hard_case_folder.h"
 #include "tests/viewer_fixture.h"
 #include "tests/window_walker.h"

@@ -156,7 +156,7 @@ TEST(Workspace, ComponentsKeepSmallMotionAndHaveNoNegativeZero) {
 
 TEST(Workspace, TheRowBelowNSaysWhatTheBodiesAre) {
   WorkspaceView view;
-  view.in_effect.bodies = 60;
+  view.in_effect.generator.count = 60;
   EXPECT_EQ(bodies_text(view), "");
   view.other_bodies = 3;
   EXPECT_EQ(bodies_text(view), "60 generated + 3 others = 63");

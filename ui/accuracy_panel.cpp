@@ -25,15 +25,9 @@ void wrapped_faint(const std::string& text) {
 }
 
 void wish_for(const AccuracySetting& setting, const AccuracyFacts& facts, Settings& settings) {
-  settings.time_step = setting.time_step;
-  settings.substeps = setting.substeps;
-  settings.iterations = setting.iterations;
-  settings.solver = setting.solver;
-  settings.integrator = setting.integrator;
-  settings.rotation_update = setting.rotation_update;
-  settings.precision = setting.precision;
-  settings.effects = facts.effects;  // a list of one's own: "auto" may go by the time step
-  settings.effects->continuous_collision = setting.continuous_collision;
+  apply(patch_of(setting), settings);
+  settings.physics.effects = facts.effects;  // a list: "auto" may depend on the time step
+  settings.physics.effects->continuous_collision = setting.continuous_collision;
 }
 
 std::string count_text(int count, const char* one) {

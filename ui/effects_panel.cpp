@@ -88,7 +88,7 @@ void draw_guards(Workspace& workspace, const EffectFacts& effect, const Workspac
   const std::string chosen = wish ? std::string(name_of(on_failure_names, *wish)) : "off";
   if (begin_choice("##guards", chosen.c_str())) {
     track(workspace, "effects.on_failure");
-    for (const auto& [name, value] : on_failure_names) {
+    for (const auto& [name, value, help] : on_failure_names) {
       if (ImGui::Selectable(std::string(name).c_str(), wish == value)) wish = value;
       track(workspace, ("effects.on_failure." + std::string(name)).c_str());
     }
@@ -108,7 +108,7 @@ void draw_effect(Workspace& workspace, const EffectFacts& effect, const Workspac
   ImGui::BeginDisabled(greyed);
   bool on = effect.on;
   if (ImGui::Checkbox(spaced(effect.name).c_str(), &on))
-    workspace.settings.effects = with_switched(now, effect.flag, on);
+    workspace.settings.physics.effects = with_switched(now, effect.flag, on);
   ImGui::EndDisabled();
   track(workspace, ("effects." + effect.name).c_str());
   explain(cost_text(effect, now).c_str());
@@ -130,9 +130,9 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "effects", "Effects", workspace.folds.effects)) return end_panel();
   Effects now;
   for (const EffectFacts& effect : view.effect_facts) now.*(effect.flag) = effect.on;
-  bool automatic = !workspace.settings.effects.has_value();
+  bool automatic = !workspace.settings.physics.effects.has_value();
   if (ImGui::Checkbox("auto", &automatic))
-    workspace.settings.effects = automatic ? std::nullopt : std::optional(now);
+    workspace.settings.physics.effects = automatic ? std::nullopt : std::optional(now);
   track(workspace, "effects.auto");
   explain("What the scene calls for. A switch below makes a list of your own; it changes the result.");
   ImGui::SameLine();

@@ -161,7 +161,7 @@ void draw_heads(const Columns& columns) {
     list->AddText({std::round(x + 0.5f * (width - ImGui::CalcTextSize(text.c_str()).x)), y}, faint,
                   text.c_str());
   };
-  for (const auto& [name, solver] : solver_names) {
+  for (const auto& [name, solver, help] : solver_names) {
     const std::size_t cut = name.find('_');
     const std::string first(name.substr(0, cut));
     const float x = columns.left(solver), width = 2 * columns.cell();

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim_cuda/scene/limits.h"
-#include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/settings.h"
 #include "ui/launch_text.h"
 #include "ui/number_field.h"
 #include "ui/panels.h"
@@ -78,40 +78,42 @@ struct Lack {
   std::string why;  ///< empty: it can be made
 };
 
-template <class Choice, std::size_t count>
-void choice_row(Workspace& workspace, const char* name, const char* label,
-                const std::array<std::pair<Choice, const char*>, count>& choices, Choice& value,
-                const char* help, const Lack<Choice>& lack = {}) {
-  row_label(label, help);
-  const char* chosen = "?";
-  for (const auto& [choice, text] : choices)
-    if (choice == value) chosen = text;
-  ImGui::PushID(name);
-  if (begin_choice("##choice", chosen)) {
-    for (const auto& [choice, text] : choices) {
-      const bool lacks = choice == lack.choice && !lack.why.empty();
+/// A list of a setting's choices. Resting on the list or on an item shows its help.
+template <auto member, class Choice>
+void choice_row(Workspace& workspace, const Field<member>& setting, Choice& value,
+                const Lack<Choice>& lack = {}) {
+  const std::string name = "settings." + std::string(setting.name), help(setting.help);
+  row_label(std::string(setting.label).c_str(), help.c_str());
+  const std::string chosen(name_of(setting.choices, value));
+  ImGui::PushID(name.c_str());
+  const bool open = begin_choice("##choice", chosen.c_str());
+  if (!open) explain(help.c_str());
+  if (open) {
+    for (const Named<Choice>& one : setting.choices) {
+      const bool lacks = one.value == lack.choice && !lack.why.empty();
       ImGui::BeginDisabled(lacks);
-      const std::string shown = lacks ? fmt::format("{}: {}", text, lack.why) : text;
-      if (ImGui::Selectable(shown.c_str(), choice == value)) value = choice;
+      const std::string text(one.name), shown = lacks ? fmt::format("{}: {}", text, lack.why) : text;
+      if (ImGui::Selectable(shown.c_str(), one.value == value)) value = one.value;
+      if (!one.help.empty()) explain(std::string(one.help).c_str());
       ImGui::EndDisabled();
-      track(workspace, (std::string(name) + "." + text).c_str());
+      track(workspace, (name + "." + text).c_str());
     }
     ImGui::EndCombo();
   }
   ImGui::PopID();
-  track(workspace, name);
+  track(workspace, name.c_str());
 }
 
 void draw_generator(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   if (!view.generated) {
-    row_text("N", grouped_number(s.bodies),
+    row_text("N", grouped_number(s.generator.count),
              "This scene lists its bodies; N turns where a scene has one generator");
     return;
   }
   // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
-  const std::int64_t highest = s.variant == Variant::paper ? 20'000 : 2'000'000;
-  log_row(workspace, s.bodies,
+  const std::int64_t highest = s.generator.variant == Variant::paper ? 20'000 : 2'000'000;
+  log_row(workspace, s.generator.count,
           {"settings.bodies", "N",
            "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
            "then the run starts again",
@@ -126,14 +128,14 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   const LaunchRange chosen = launch_range(*view.history);
-  log_row(workspace, s.shape.blocks,
+  log_row(workspace, s.run.shape.blocks,
           {"settings.blocks", "B",
            "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage", 1, 65536,
            limits::max_blocks, false, &chosen.blocks, 256});
-  log_row(workspace, s.shape.threads,
+  log_row(workspace, s.run.shape.threads,
           {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, limits::max_threads,
            limits::max_threads, false, &chosen.threads, 256});
-  const LaunchShape& shape = view.in_effect.shape;
+  const LaunchShape& shape = view.in_effect.run.shape;
   std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
     lines.insert(lines.begin(), fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
@@ -163,41 +165,72 @@ void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
              view.substeps,
              6.6f,
              3.4f};
-  int substeps = s.substeps.value_or(0);
+  int substeps = s.physics.substeps.value_or(0);
   log_row(workspace, substeps, row);
-  s.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
+  s.physics.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
   row.name = "settings.iterations";
   row.label = "iterations";
   row.help = "Sweeps of the solver over all contacts, in each part of a step, 1 to 1000";
   row.limit = limits::max_iterations;
   row.chosen = nullptr;
-  log_row(workspace, s.iterations, row);
+  log_row(workspace, s.physics.iterations, row);
 }
 
-void draw_motion(Workspace& workspace, const WorkspaceView& view) {
-  static constexpr std::array<std::pair<Integrator, const char*>, 3> integrators{
-      {{Integrator::semi_implicit_euler, "semi_implicit_euler"},
-       {Integrator::velocity_verlet, "velocity_verlet"},
-       {Integrator::rk4, "rk4"}}};
-  choice_row(workspace, "settings.integrator", "integrator", integrators, workspace.settings.integrator,
-             "How what meets nothing flies on: semi_implicit_euler, the paper's, to first order; "
-             "velocity_verlet to second, rk4 to fourth. Whatever touches something moves as with the first");
-  if (std::ranges::find(view.effects, "rotation") == view.effects.end()) return;
-  static constexpr std::array<std::pair<RotationUpdate, const char*>, 2> updates{
-      {{RotationUpdate::first_order, "first_order"}, {RotationUpdate::lie_group, "lie_group"}}};
-  choice_row(workspace, "settings.rotation_update", "rotation", updates, workspace.settings.rotation_update,
-             "How bodies turn: first_order, the paper's; lie_group to second order, or with rk4 to fourth, "
-             "and without gaining or losing energy");
+/// A number that is typed.
+template <class Number>
+void number_row(Workspace& workspace, const char* name, std::string_view label, std::string_view help,
+                Number& value, const NumberRange<Number>& range, const char* format) {
+  row_label(std::string(label).c_str(), std::string(help).c_str());
+  ImGui::PushID(name);
+  number_field(workspace, name, std::string(label).c_str(), value, range, format);
+  ImGui::PopID();
+  draw_input_fault(workspace, name);
+}
+
+/// The lists of a table of settings, each enumeration a row.
+template <class Table, class Owner>
+void choice_rows(Workspace& workspace, const WorkspaceView& view, const Table& table, Owner& owner) {
+  for_each_field(
+      table, [&]<auto member>(const Field<member>& setting) {
+        const bool rotates = std::ranges::find(view.effects, "rotation") != view.effects.end();
+        if (is_field<member, &Physics::rotation_update> && !rotates) return;
+        if constexpr (std::is_enum_v<typename Field<member>::Value>)
+          choice_row(workspace, setting, owner.*member);
+      });
+}
+
+/// A slider from 0 to 1, and a field for the number.
+void draw_restitution(Workspace& workspace, double& value) {
+  constexpr auto& setting = field_of<&Material::restitution>;
+  row_label("restitution", std::string(setting.help).c_str());
+  ImGui::PushID("restitution");
+  const float field = 3.4f * ImGui::GetFontSize(), gap = ImGui::GetStyle().ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - field - gap, field));
+  float restitution = static_cast<float>(value);
+  // The scene's 0.8 is not a float: only a value that was moved is written back.
+  if (ImGui::SliderFloat("##slider", &restitution, 0, 1, "",
+                         ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
+    value = static_cast<double>(restitution);
+  workspace.adjusting |= ImGui::IsItemActive();
+  workspace.adjusting_result |= ImGui::IsItemActive();
+  track(workspace, "settings.restitution");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(field);
+  number_field(workspace, "settings.restitution.value", "restitution", value, {setting.low, setting.high},
+               "{:.3g}");
+  ImGui::PopID();
+  draw_input_fault(workspace, "settings.restitution.value");
 }
 
 }  // namespace
 
 std::string bodies_text(const WorkspaceView& view) {
   if (view.removed_bodies == 0 && view.other_bodies == 0) return "";
-  std::string text = grouped_number(view.in_effect.bodies) + " generated";
+  std::string text = grouped_number(view.in_effect.generator.count) + " generated";
   if (view.removed_bodies > 0) text += fmt::format(" - {} removed", grouped_number(view.removed_bodies));
   if (view.other_bodies > 0) text += fmt::format(" + {} others", grouped_number(view.other_bodies));
-  return text + " = " + grouped_number(view.in_effect.bodies - view.removed_bodies + view.other_bodies);
+  return text + " = " +
+         grouped_number(view.in_effect.generator.count - view.removed_bodies + view.other_bodies);
 }
 
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
@@ -206,82 +239,30 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   draw_generator(workspace, view);
   draw_shape(workspace, view);
 
-  std::array<std::pair<ExecutorKind, const char*>, 3> executors{
-      {{ExecutorKind::automatic, "auto"}, {ExecutorKind::cpu, "cpu"}, {ExecutorKind::cuda, "cuda"}}};
-  choice_row(workspace, "settings.executor", "executor", executors, s.executor,
-             "What runs the stages; never changes the result", {ExecutorKind::cuda, view.cuda_lack});
+  choice_row(workspace, field_of<&ExecutorOptions::executor>, s.run.executor,
+             {ExecutorKind::cuda, view.cuda_lack});
   row_label("broad phase", "How pairs are found; never changes the result");
   choose_broad_phase(workspace, view, "settings.broad_phase");
 
   ImGui::Spacing();
-  faint_text("These change the result");
-  row_label("rate", "Steps in a second of simulated time");
-  ImGui::PushID("rate");
-  double rate = 1 / s.time_step;
-  if (number_field(workspace, "settings.rate", "rate", rate,
-                   {limits::min_rate, limits::max_steps_per_second, "Hz"}, "{:.6g} Hz"))
-    s.time_step = 1 / rate;
-  ImGui::PopID();
-  draw_input_fault(workspace, "settings.rate");
-  row_label("restitution", "Of the material \"default\": 0 keeps nothing of a bounce, 1 all of it");
-  ImGui::PushID("restitution");
-  const float field = 3.4f * ImGui::GetFontSize(), gap = ImGui::GetStyle().ItemSpacing.x;
-  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - field - gap, field));
-  float restitution = static_cast<float>(s.restitution);
-  // The scene's 0.8 is not a float's: only what was moved is written back.
-  if (ImGui::SliderFloat("##slider", &restitution, 0, 1, "",
-                         ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
-    s.restitution = static_cast<double>(restitution);
-  workspace.adjusting |= ImGui::IsItemActive();
-  workspace.adjusting_result |= ImGui::IsItemActive();
-  track(workspace, "settings.restitution");
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(field);
-  number_field(workspace, "settings.restitution.value", "restitution", s.restitution,
-               {0, limits::max_restitution}, "{:.3g}");
-  ImGui::PopID();
-  draw_input_fault(workspace, "settings.restitution.value");
-  static constexpr std::array<std::pair<Precision, const char*>, 2> precisions{
-      {{Precision::f32, "f32"}, {Precision::f64, "f64"}}};
-  choice_row(workspace, "settings.precision", "precision", precisions, s.precision,
-             "Of everything that is simulated");
-
-  static constexpr std::array<std::pair<Solver, const char*>, 3> solvers{
-      {{Solver::impulse, "impulse"},
-       {Solver::soft_step, "soft_step"},
-       {Solver::jacobi_split, "jacobi_split"}}};
-  choice_row(workspace, "settings.solver", "solver", solvers, s.solver,
-             "What contacts do. impulse: the paper's, which lets piles sink. soft_step: contacts are soft, "
-             "steps go in substeps, and piles come to rest. jacobi_split: the same, but all contacts at once "
-             "between parts of bodies");
+  faint_text("Physics (changes the result)");
+  double rate = 1 / s.physics.time_step;
+  const double before = rate;
+  number_row(workspace, "settings.rate", "rate", "Steps per second of simulated time", rate,
+             {limits::min_rate, limits::max_steps_per_second, "Hz"}, "{:.6g} Hz");
+  if (rate != before) s.physics.time_step = 1 / rate;
+  draw_restitution(workspace, s.material.restitution);
+  choice_rows(workspace, view, physics_settings, s.physics);
   draw_sweeps(workspace, view);
-  draw_motion(workspace, view);
 
   if (view.generated) {
     ImGui::Spacing();
-    faint_text("These start the run again");
-    static constexpr std::array<std::pair<Variant, const char*>, 4> variants{{{Variant::paper, "paper"},
-                                                                              {Variant::scaled, "scaled"},
-                                                                              {Variant::settled, "settled"},
-                                                                              {Variant::equal, "equal"}}};
-    choice_row(workspace, "settings.variant", "variant", variants, s.variant,
-               "paper: the box stays 100 m wide, pairs grow as N². scaled: the box grows, 30 % full, pairs "
-               "grow as N. "
-               "settled: as scaled, at rest; made once for each N, which takes a while: this run goes on "
-               "meanwhile, and Escape keeps it. "
-               "equal: as scaled, with one radius");
-    row_label("radius ≤", "Of the generated spheres");
-    ImGui::PushID("radius");
-    number_field(workspace, "settings.radius", "radius", s.radius_max,
-                 {limits::min_generated_radius, view.greatest_radius, "m"}, "{:.4g} m");
-    ImGui::PopID();
-    draw_input_fault(workspace, "settings.radius");
-    row_label("seed", "Of all that is random at the start");
-    ImGui::PushID("seed");
-    number_field(workspace, "settings.seed", "seed", s.seed,
-                 NumberRange<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()}, "{}");
-    ImGui::PopID();
-    draw_input_fault(workspace, "settings.seed");
+    faint_text("Scene (restarts the run)");
+    choice_rows(workspace, view, generator_settings, s.generator);
+    number_row(workspace, "settings.radius", "max radius", field_of<&BoxCollider::radius_max>.help,
+               s.generator.radius_max, {limits::min_generated_radius, view.greatest_radius, "m"}, "{:.4g} m");
+    number_row(workspace, "settings.seed", "seed", "Seed of the random start", s.generator.seed,
+               {0, std::numeric_limits<std::uint64_t>::max()}, "{}");
   }
   end_panel();
 }

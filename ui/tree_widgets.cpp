@@ -128,7 +128,7 @@ void draw_color_key(const Legend& key) {
 }
 
 void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const char* name) {
-  std::string& chosen = workspace.settings.broad_phase;
+  std::string& chosen = workspace.settings.run.broad_phase;
   if (begin_choice((std::string("##") + name).c_str(), chosen.c_str())) {
     for (const std::string& method : view.broad_phases) {
       if (ImGui::Selectable(method.c_str(), method == chosen)) chosen = method;

@@ -19,6 +19,7 @@
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/scene/settings_patch.h"
 #include "sim_cuda/solver/residual.h"
 #include "ui/accuracy_facts.h"
 #include "ui/break_facts.h"
@@ -30,28 +31,13 @@
 
 namespace collidoscope {
 
-/// What panels can change of a run. What changes the result and what only changes how it runs stand together,
-/// as they do on the screen.
-struct Settings {
-  std::int64_t bodies = 0;  ///< N; acts where the scene has one generator, as the next three do
-  double radius_max = 5;    ///< m
-  std::uint64_t seed = 1;
-  Variant variant = Variant::paper;
-  double time_step = 1.0 / 30;  ///< s
-  double restitution = 0.8;     ///< of the material "default"
-  Precision precision = Precision::f32;
-  Solver solver = Solver::soft_step;
-  Integrator integrator = Integrator::semi_implicit_euler;
-  RotationUpdate rotation_update = RotationUpdate::first_order;
-  std::optional<int> substeps;  ///< unset: "auto"
-  int iterations = 1;
-  std::optional<Effects> effects;   ///< unset: "auto", what the scene calls for
-  std::optional<OnFailure> guards;  ///< unset: nobody looks; the scene's own limits, where it has some
-  ExecutorKind executor = ExecutorKind::automatic;
-  LaunchShape shape;  ///< (B, T); zeros are "auto"
-  std::string broad_phase;
+/// The settings of a run that panels show and change.
+struct Settings : RunSettings {
+  std::optional<OnFailure> guards;  ///< unset: they are off; their limits are the scene's, if it has some
 
-  friend bool operator==(const Settings&, const Settings&) = default;
+  friend bool operator==(const Settings& a, const Settings& b) {
+    return equal_settings(a, b) && a.guards == b.guards;
+  }
 };
 
 /// What the 3D view shows.

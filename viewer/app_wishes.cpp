@@ -110,10 +110,11 @@ void App::apply_settings(double seconds) {
   if (workspace_.settings == now) return;
   // Where a new World takes long, it waits until the slider is let go.
   Settings shape_alone = now;
-  shape_alone.shape = workspace_.settings.shape;
+  shape_alone.run.shape = workspace_.settings.run.shape;
   constexpr double at_once = 0.05;
-  const bool cheap = workspace_.settings == shape_alone || (live_.last_change_seconds() < at_once &&
-                                                            workspace_.settings.variant != Variant::settled);
+  const bool cheap =
+      workspace_.settings == shape_alone ||
+      (live_.last_change_seconds() < at_once && workspace_.settings.generator.variant != Variant::settled);
   if (workspace_.adjusting && !cheap) return;
   try {
     std::optional<RunState> rest;

@@ -29,7 +29,7 @@ void start_apart(const CommandLine& line, Scene& scene) {
   const bool overlapping = std::ranges::any_of(scene.generators, [](const BoxCollider& g) {
     return g.spawn != Spawn::apart && g.variant != Variant::settled;
   });
-  if (!overlapping || line.options.overrides.spawn) return;
+  if (!overlapping || line.options.overrides.settings.has<&BoxCollider::spawn>()) return;
   Scene apart = scene;
   for (BoxCollider& generator : apart.generators) generator.spawn = Spawn::apart;
   try {

@@ -117,22 +117,13 @@ struct Counts {
 
 /// The cases have scenes and steps of their own: flags that would change them are refused, not ignored.
 void refuse_what_cases_set(const Options& options) {
-  const Overrides& o = options.overrides;
-  const std::pair<const char*, bool> flags[] = {
-      {"--bodies", o.bodies.has_value()},
-      {"--variant", o.variant.has_value()},
-      {"--spawn", o.spawn.has_value()},
-      {"--seed", o.seed.has_value()},
-      {"--gravity", o.gravity.has_value()},
-      {"--time-step", o.time_step.has_value()},
-      {"--substeps", o.substeps.has_value()},
-      {"--iterations", o.iterations.has_value()},
-      {"--solver", o.solver.has_value()},
-      {"--rotation-update", o.rotation_update.has_value()},
-      {"--effects", o.effects.has_value()},
-      {"--restitution-threshold", o.restitution_threshold.has_value()},
-      {"--tolerance", options.accuracy.tolerance.has_value()},
-      {"--seconds", options.accuracy.seconds != 0}};
+  std::vector<std::pair<std::string, bool>> flags;
+  options.overrides.settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto&) {
+    if (!is_field<member, &Physics::integrator, &Physics::precision>)
+      flags.emplace_back(flag_name(setting.name), true);
+  });
+  flags.emplace_back("--tolerance", options.accuracy.tolerance.has_value());
+  flags.emplace_back("--seconds", options.accuracy.seconds != 0);
   std::vector<std::string> faults;
   for (const auto& [flag, given] : flags)
     if (given)
@@ -254,7 +245,7 @@ Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::stri
 }
 
 int analytic_suite(const CommandLine& line) {
-  const Overrides& chosen = line.options.overrides;
+  const SettingsPatch& chosen = line.options.overrides.settings;
   refuse_what_cases_set(line.options);
   const ResultFiles files(line.options);
   struct Run {
@@ -267,8 +258,8 @@ int analytic_suite(const CommandLine& line) {
   for (const AnalyticCase& one : cases)
     for (const AnalyticMethod& method : one.methods)
       for (const Precision precision : {Precision::f64, Precision::f32})
-        if (chosen.integrator.value_or(method.integrator) == method.integrator &&
-            chosen.precision.value_or(precision) == precision)
+        if (chosen.get<&Physics::integrator>().value_or(method.integrator) == method.integrator &&
+            chosen.get<&Physics::precision>().value_or(precision) == precision)
           runs.push_back({&one, &method, precision});
 
   std::vector<AnalyticResult> results;

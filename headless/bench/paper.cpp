@@ -92,7 +92,8 @@ std::vector<Wanted> wanted_rows(const std::vector<std::int64_t>& sizes) {
 int bench_paper(const CommandLine& line) {
   const Options& options = line.options;
   Scene scene = load_scene(line);
-  if (!options.overrides.solver) scene.physics.solver = Solver::impulse;  // the paper's
+  if (!options.overrides.settings.has<&Physics::solver>())
+    scene.physics.solver = Solver::impulse;  // the paper's
   if (scene.generators.size() != 1)
     throw InputError(scene.name +
                      ": bench paper varies the number of bodies: a scene with one generator is needed");

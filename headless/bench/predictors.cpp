@@ -14,8 +14,8 @@
 #include "headless/pictures/chart_picture.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
 

@@ -10,7 +10,7 @@
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

@@ -59,7 +59,7 @@ std::string program_help() {
 
 /// compare writes JSON to stdout alone; capture, whose stdout lists its pictures, to a file alone.
 Flag as_taken_by(Command command, Flag flag) {
-  if (std::string_view(flag.name) != "--json") return flag;
+  if (flag.name != "--json") return flag;
   if (command == Command::compare) flag.value = "-", flag.help = "the report as JSON, alone on stdout";
   if (command == Command::capture) flag.value = "FILE", flag.help = "the report as JSON";
   return flag;
@@ -76,8 +76,7 @@ std::string command_help(const CommandName& command, std::span<const Suite> suit
   for (const Flag& every : flags()) {
     if (!(every.commands & bit(command.command))) continue;
     const Flag flag = as_taken_by(command.command, every);
-    text +=
-        fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value ? flag.value : ""), flag.help);
+    text += fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value), flag.help);
   }
   return text + "\n" + exit_codes;
 }
@@ -184,8 +183,9 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
   std::vector<std::pair<const Flag*, CLI::Option*>> taken;
   for (const Flag& flag : flags()) {
     if (!(flag.commands & bit(line.command))) continue;
-    CLI::Option* option = flag.value ? app.add_option(flag.name) : app.add_flag(flag.name);
-    if (flag.value) option->take_all();  // twice is a fault of ours, not an exception that hides the others
+    CLI::Option* option = flag.value.empty() ? app.add_flag(flag.name) : app.add_option(flag.name);
+    if (!flag.value.empty())
+      option->take_all();  // twice is a fault of ours, not an exception that hides the others
     taken.emplace_back(&flag, option);
   }
 
@@ -198,7 +198,7 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
     faults.push_back(missing_value(error.what()));
   }
   for (const auto& [flag, option] : taken) {
-    if (option->count() > 1 && flag->value && !flag->again)
+    if (option->count() > 1 && !flag->value.empty() && !flag->again)
       faults.push_back(fmt::format("{}: given {} times; once is enough", flag->name, option->count()));
     else if (option->count() > 0)
       for (std::size_t k = 0; k < (flag->again ? option->count() : 1); ++k)
@@ -211,9 +211,8 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
       faults.push_back(
           fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command.name));
   }
-  const bool loads = std::ranges::any_of(taken, [](const auto& one) {
-    return std::string_view(one.first->name) == "--load" && one.second->count() > 0;
-  });
+  const bool loads = std::ranges::any_of(
+      taken, [](const auto& one) { return one.first->name == "--load" && one.second->count() > 0; });
   check_operands(command, suites, line.operands, loads, faults);
   take_suite(line, suites, faults);
   for (const auto& [flag, option] : taken)
@@ -256,22 +255,17 @@ Scene load_scene(const CommandLine& line) {
 namespace {
 
 /// Flags that ask for other bodies than those of the snapshot. Throws InputError.
-void refuse_other_bodies(const Overrides& overrides, const std::string& file, const Scene& saved) {
+void refuse_other_bodies(const SettingsPatch& settings, const std::string& file, const Scene& saved) {
   std::vector<std::string> faults;
-  const auto check = [&](const char* flag, auto Overrides::*value) {
-    Overrides alone;
-    alone.*value = overrides.*value;
+  settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto& value) {
+    if (!is_of_generator(setting)) return;
     Scene scene = saved;
-    apply(alone, file, scene);
-    if (begins_another_run(saved, scene))
-      faults.push_back(
-          fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load", flag,
-                      shown(file), flag));
-  };
-  check("--bodies", &Overrides::bodies);
-  check("--variant", &Overrides::variant);
-  check("--spawn", &Overrides::spawn);
-  check("--seed", &Overrides::seed);
+    apply(SettingsPatch().set<member>(value), scene);
+    if (!begins_another_run(saved, scene)) return;
+    const std::string flag = flag_name(setting.name);
+    faults.push_back(fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load",
+                                 flag, shown(file), flag));
+  });
   if (!faults.empty()) throw InputError(faults);
 }
 
@@ -286,7 +280,7 @@ Start load_start(const CommandLine& line) {
   start.snapshot = read_snapshot(line.options.load);
   start.scene = start.snapshot->scene;
   apply(line.options.overrides, line.options.load, start.scene);
-  refuse_other_bodies(line.options.overrides, line.options.load, start.snapshot->scene);
+  refuse_other_bodies(line.options.overrides.settings, line.options.load, start.snapshot->scene);
   return start;
 }
 

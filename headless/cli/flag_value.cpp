@@ -45,7 +45,7 @@ std::optional<double> FlagValue::number(double min, double max, std::string_view
                                         std::string_view or_word) {
   const auto number = parse<double>(text_);
   if (number && std::isfinite(*number) && *number >= min && *number <= max) return number;
-  refuse(fmt::format("a number from {} to {} {}{}", min, max, unit, or_word));
+  refuse(fmt::format("a number from {} to {}{}{}{}", min, max, unit.empty() ? "" : " ", unit, or_word));
   return std::nullopt;
 }
 

@@ -26,6 +26,8 @@ class FlagValue {
 
   std::string_view flag() const { return flag_; }
   std::string_view text() const { return text_; }
+  /// Part of the text, as a value of the same flag.
+  FlagValue part(std::string_view text) const { return FlagValue(flag_, text, *faults_); }
   /// Adds the line `flag: text is not <right>`.
   void refuse(std::string_view right);
   /// Adds the line `flag: what`.
@@ -40,8 +42,8 @@ class FlagValue {
   /// x,y,z, each finite, |component| <= limit.
   std::optional<Vector3d> vector(double limit, std::string_view unit);
   /// A name from a table of sim_cuda/scene/names.h.
-  template <class Choice, std::size_t count>
-  std::optional<Choice> one_of(const std::array<Named<Choice>, count>& table) {
+  template <class Choice>
+  std::optional<Choice> one_of(std::span<const Named<Choice>> table) {
     const std::optional<Choice> choice = value_of(table, text_);
     if (!choice) unknown(names_in(table));
     return choice;

@@ -9,8 +9,9 @@
 
 #include "headless/cli/flag_value.h"
 #include "headless/cli/options.h"
-#include "sim_cuda/broad_phase/methods.h"
+#include "headless/cli/setting_flags.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
@@ -19,11 +20,6 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::array<Named<ExecutorKind>, 3> executor_names{
-    {{"auto", ExecutorKind::automatic}, {"cpu", ExecutorKind::cpu}, {"cuda", ExecutorKind::cuda}}};
-constexpr std::array<Named<LaneOrder>, 3> lane_order_names{{{"contiguous", LaneOrder::contiguous},
-                                                            {"strided", LaneOrder::strided},
-                                                            {"shuffled", LaneOrder::shuffled}}};
 constexpr std::string_view or_auto = ", or auto";
 constexpr std::int64_t max_int = std::numeric_limits<int>::max();
 
@@ -46,48 +42,6 @@ void read_count_or_auto(FlagValue& value, std::int64_t max, int& count) {
   } else if (const auto number = value.whole(1, max, or_auto)) {
     count = static_cast<int>(*number);
   }
-}
-
-void read_time_step(FlagReading& in) {
-  Overrides& overrides = in.options.overrides;
-  overrides.time_step.reset();
-  overrides.steps_per_second.reset();
-  if (!in.value.text().starts_with("1/")) {
-    overrides.time_step = in.value.number(limits::min_time_step, limits::max_time_step, "s", ", or 1/n");
-    return;
-  }
-  FlagValue rate("--time-step", in.value.text().substr(2), in.faults);
-  if (const auto n = rate.whole(1, limits::max_steps_per_second))
-    overrides.steps_per_second = static_cast<int>(*n);
-}
-
-void read_effects(FlagValue& value, Overrides& overrides) {
-  if (value.text() == "auto") {
-    overrides.effects = std::optional<Effects>{};
-    return;
-  }
-  Effects effects;
-  std::string_view rest = value.text() == "none" ? "" : value.text();
-  bool more = value.text() != "none";
-  while (more) {
-    const std::size_t comma = rest.find(',');
-    const auto* known = std::ranges::find(effect_names, rest.substr(0, comma), &EffectName::name);
-    if (known == effect_names.end()) {
-      value.refuse(fmt::format("auto, none, or a list of {}", fmt::join(names_in(effect_names), ",")));
-      return;
-    }
-    effects.*(known->flag) = true;
-    more = comma != std::string_view::npos;
-    if (more) rest.remove_prefix(comma + 1);
-  }
-  overrides.effects = std::optional<Effects>{effects};
-}
-
-void read_restitution_threshold(FlagValue& value, Overrides& overrides) {
-  if (value.text() == "auto")
-    overrides.restitution_threshold = std::optional<double>{};
-  else if (const auto speed = value.number(0, limits::max_speed, "m/s", or_auto))
-    overrides.restitution_threshold = std::optional<double>{*speed};
 }
 
 void read_guards(FlagValue& value, Overrides& overrides) {
@@ -138,50 +92,18 @@ constexpr unsigned guarding = running | capturing | viewing;
 constexpr unsigned reporting =
     running | capturing | benching | grading | studying | breaking | bit(Command::compare);
 
+struct PlainFlag {
+  const char *name, *value, *help;
+  unsigned commands;
+  bool again = false;
+};
 struct Reader {
-  Flag flag;
+  PlainFlag flag;
   void (*read)(FlagReading& in);
 };
 
+/// All but those of settings.
 constexpr Reader readers[] = {
-    {{"--bodies", "N", "bodies of the scene's generator", stepping},
-     [](FlagReading& in) { in.options.overrides.bodies = in.value.whole(0, limits::max_bodies); }},
-    {{"--variant", "NAME", "paper, scaled, settled or equal: how the generator's box and radii go with N",
-      stepping},
-     [](FlagReading& in) { in.options.overrides.variant = in.value.one_of(variant_names); }},
-    {{"--spawn", "NAME", "inside, centres or apart: where generated bodies start", stepping},
-     [](FlagReading& in) { in.options.overrides.spawn = in.value.one_of(spawn_names); }},
-    {{"--seed", "S", "seed of the generator", stepping},
-     [](FlagReading& in) { in.options.overrides.seed = in.value.whole_u64(); }},
-    {{"--gravity", "X,Y,Z", "m/s^2", stepping},
-     [](FlagReading& in) { in.options.overrides.gravity = in.value.vector(limits::max_gravity, "m/s^2"); }},
-    {{"--time-step", "S", "seconds, or 1/n", stepping}, [](FlagReading& in) { read_time_step(in); }},
-    {{"--substeps", "K", "each step in K parts, or auto: 4, 1 with impulse, more where joints call for it",
-      stepping},
-     [](FlagReading& in) {
-       if (in.value.text() == "auto")
-         in.options.overrides.substeps = std::optional<int>{};
-       else if (const auto k = read_count(in.value, 1, limits::max_substeps, or_auto))
-         in.options.overrides.substeps = std::optional<int>{*k};
-     }},
-    {{"--iterations", "I", "sweeps of the solver over all contacts", stepping},
-     [](FlagReading& in) {
-       in.options.overrides.iterations = read_count(in.value, 1, limits::max_iterations);
-     }},
-    {{"--solver", "NAME", "impulse, soft_step or jacobi_split", stepping | breaking},
-     [](FlagReading& in) { in.options.overrides.solver = in.value.one_of(solver_names); }},
-    {{"--integrator", "NAME", "semi_implicit_euler, velocity_verlet or rk4: how free motion goes on",
-      stepping},
-     [](FlagReading& in) { in.options.overrides.integrator = in.value.one_of(integrator_names); }},
-    {{"--rotation-update", "NAME", "first_order or lie_group: how bodies turn", stepping},
-     [](FlagReading& in) { in.options.overrides.rotation_update = in.value.one_of(rotation_update_names); }},
-    {{"--precision", "NAME", "f32 or f64", stepping | breaking},
-     [](FlagReading& in) { in.options.overrides.precision = in.value.one_of(precision_names); }},
-    {{"--effects", "LIST", "auto, none, or a list such as gravity,rotation", stepping},
-     [](FlagReading& in) { read_effects(in.value, in.options.overrides); }},
-    {{"--restitution-threshold", "V", "m/s, or auto: slower approaches do not bounce", stepping},
-     [](FlagReading& in) { read_restitution_threshold(in.value, in.options.overrides); }},
-
     {{"--guards", "NAME", "pause, freeze or off: what happens where a step goes wrong", guarding},
      [](FlagReading& in) { read_guards(in.value, in.options.overrides); }},
     {{"--break", "LIST",
@@ -191,60 +113,9 @@ constexpr Reader readers[] = {
        collect(in.faults, [&] { in.options.breaks = parse_break_conditions(std::string(in.value.text())); });
      }},
 
-    {{"--executor", "NAME", "auto, cpu or cuda", stepping | breaking},
-     [](FlagReading& in) {
-       if (const auto kind = in.value.one_of(executor_names)) in.options.run.executor = *kind;
-     }},
-    {{"--gpu", "I", "CUDA's number of the device", stepping | breaking},
-     [](FlagReading& in) {
-       if (const auto n = read_count(in.value, 0, 1023)) in.options.run.gpu = *n;
-     }},
-    {{"--blocks", "B", "blocks of a launch, or auto", stepping},
-     [](FlagReading& in) { read_count_or_auto(in.value, limits::max_blocks, in.options.run.shape.blocks); }},
-    {{"--threads", "T", "threads of a block, or auto", stepping},
-     [](FlagReading& in) {
-       read_count_or_auto(in.value, limits::max_threads, in.options.run.shape.threads);
-     }},
-    {{"--cpu-threads", "N", "threads of the CPU that run the B*T lanes, or auto", stepping},
-     [](FlagReading& in) { read_count_or_auto(in.value, 1024, in.options.run.cpu_threads); }},
-    {{"--lane-order", "NAME", "contiguous, strided or shuffled: which items a lane of the CPU takes",
-      stepping},
-     [](FlagReading& in) {
-       if (const auto order = in.value.one_of(lane_order_names)) in.options.run.lane_order = *order;
-     }},
-    {{"--broad-phase", "NAME", "how pairs are found", stepping},
-     [](FlagReading& in) {
-       if (const auto name = in.value.word(broad_phase_names())) in.options.run.broad_phase = *name;
-     }},
-    {{"--key-bits", "K", "bits of a Morton key, 24, 30 or 63, or auto: more where bodies crowd", stepping},
-     [](FlagReading& in) {
-       constexpr std::array<Named<int>, 4> widths{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
-       if (const auto bits = in.value.one_of(widths)) in.options.run.key_bits = *bits;
-     }},
-    {{"--sort", "NAME", "auto, library or radix: how keys are sorted; radix keeps to (B, T)", stepping},
-     [](FlagReading& in) {
-       constexpr std::array<Named<SortMethod>, 3> methods{
-           {{"auto", SortMethod::automatic}, {"library", SortMethod::library}, {"radix", SortMethod::radix}}};
-       if (const auto sort = in.value.one_of(methods)) in.options.run.sort = *sort;
-     }},
-    {{"--memory-limit", "BYTES", "at most so much memory of the device, or auto: what there is", stepping},
-     [](FlagReading& in) {
-       if (in.value.text() == "auto")
-         in.options.run.memory_limit = 0;
-       else if (const auto n = in.value.whole(1, std::int64_t{1} << 50, or_auto))
-         in.options.run.memory_limit = *n;
-     }},
     {{"--allow-large", nullptr, "steps may take all memory that is available, not only 80 % of it",
       stepping | breaking},
      [](FlagReading& in) { in.options.run.allow_large = true; }},
-    {{"--initial-pair-capacity", "N", "room for pairs at the start, or auto; it grows", stepping},
-     [](FlagReading& in) {
-       if (in.value.text() == "auto")
-         in.options.run.initial_pair_capacity = 0;
-       else if (const auto n = in.value.whole(1, std::int64_t{1} << 40, or_auto))
-         in.options.run.initial_pair_capacity = *n;
-     }},
-
     {{"--steps", "K", "steps to run [300; bvh: 0]; the viewer pauses at this state",
       running | viewing | grading},
      [](FlagReading& in) {
@@ -414,10 +285,22 @@ constexpr Reader readers[] = {
 
 }  // namespace
 
+std::string flag_name(std::string_view setting) {
+  std::string name = "--" + std::string(setting);
+  std::ranges::replace(name, '_', '-');
+  return name;
+}
+
 std::span<const Flag> flags() {
   static const std::vector<Flag> every = [] {
     std::vector<Flag> list;
-    for (const Reader& reader : readers) list.push_back(reader.flag);
+    for_each_setting([&](const auto& setting) {
+      if (has_flag(setting))
+        list.push_back({flag_name(setting.name), std::string(setting.placeholder), help_of_flag(setting),
+                        setting.for_stability ? stepping | breaking : stepping});
+    });
+    for (const auto& [flag, read] : readers)
+      list.push_back({flag.name, flag.value ? flag.value : "", flag.help, flag.commands, flag.again});
     return list;
   }();
   return every;
@@ -425,11 +308,22 @@ std::span<const Flag> flags() {
 
 void read_flag(std::string_view flag, std::string_view text, Options& options,
                std::vector<std::string>& faults) {
-  for (const Reader& reader : readers)
-    if (flag == reader.flag.name) {
-      FlagReading in{FlagValue(flag, text, faults), options, faults};
-      reader.read(in);
+  FlagReading in{FlagValue(flag, text, faults), options, faults};
+  for_each_setting([&]<auto member>(const Field<member>& setting) {
+    if (!has_flag(setting) || flag != flag_name(setting.name)) return;
+    auto value = parse_setting(in.value, setting);
+    if constexpr (is_physical(Field<member>{})) {
+      options.overrides.settings.get<member>() = std::move(value);
+    } else if (value) {
+      using Owner = typename Field<member>::Owner;
+      if constexpr (std::is_same_v<Owner, LaunchShape>)
+        options.run.shape.*member = *value;
+      else
+        options.run.*member = *value;
     }
+  });
+  for (const Reader& reader : readers)
+    if (flag == reader.flag.name) reader.read(in);
 }
 
 }  // namespace collidoscope

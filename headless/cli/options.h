@@ -13,6 +13,7 @@
 #include "sim_cuda/run/break_conditions.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/scene/settings_patch.h"
 
 namespace collidoscope {
 
@@ -36,25 +37,10 @@ struct BenchRequest {
   std::string csv, markdown, plot;    ///< files, or empty
 };
 
-/// What replaces values of the scene; unset leaves the scene's own. "auto" is a value where the scene knows
-/// it.
+/// What replaces values of the scene.
 struct Overrides {
-  std::optional<std::int64_t> bodies;
-  std::optional<Variant> variant;
-  std::optional<Spawn> spawn;
-  std::optional<std::uint64_t> seed;
-  std::optional<Vector3d> gravity;             ///< m/s^2
-  std::optional<double> time_step;             ///< s
-  std::optional<int> steps_per_second;         ///< where the time step was given as 1/n
-  std::optional<std::optional<int>> substeps;  ///< inner unset: "auto"
-  std::optional<int> iterations;
-  std::optional<Solver> solver;
-  std::optional<Integrator> integrator;
-  std::optional<RotationUpdate> rotation_update;
-  std::optional<Precision> precision;
-  std::optional<std::optional<Effects>> effects;               ///< inner unset: "auto"
-  std::optional<std::optional<double>> restitution_threshold;  ///< m/s; inner unset: "auto"
-  std::optional<std::optional<OnFailure>> guards;              ///< inner unset: none
+  SettingsPatch settings;                          ///< physical ones; Options::run has the others
+  std::optional<std::optional<OnFailure>> guards;  ///< inner unset: none
 };
 
 /// What only `accuracy` takes, beside what it shares with `bench`.
@@ -98,14 +84,16 @@ struct Options {
 
 /// A flag of the command line, for --help and for the parser.
 struct Flag {
-  const char* name;
-  const char* value;  ///< what stands for its value in --help; nullptr: it takes none
-  const char* help;
+  std::string name;
+  std::string value;  ///< stands for its value in --help; empty: it takes none
+  std::string help;
   unsigned commands;   ///< bit() of each command that takes it
   bool again = false;  ///< whether it may be given more than once
 };
 constexpr unsigned bit(Command command) { return 1u << static_cast<unsigned>(command); }
 std::span<const Flag> flags();
+/// "--time-step" of "time_step".
+std::string flag_name(std::string_view setting);
 
 /// Reads one flag's text into `options`, or adds lines to `faults`. `flag` is the name of one of flags().
 void read_flag(std::string_view flag, std::string_view text, Options& options,

@@ -28,13 +28,14 @@ namespace {
 void check_flags(const Options& options, const std::vector<std::string>& cases) {
   std::vector<std::string> faults;
   const StabilityOptions& stability = options.stability;
-  const Overrides& chosen = options.overrides;
+  const SettingsPatch& chosen = options.overrides.settings;
   if (stability.readme.empty() != stability.from.empty())
     faults.emplace_back(stability.from.empty() ? "--readme: --from FILE is missing, what --json wrote"
                                                : "--from: is of --readme FILE, which is missing");
   if (!stability.readme.empty() && (!cases.empty() || stability.plant || !options.json.empty()))
     faults.emplace_back("--readme: runs no trials; leave out cases, --plant and --json");
-  if (stability.plant && (chosen.solver || chosen.precision || !stability.save_failures.empty()))
+  if (stability.plant && (chosen.has<&Physics::solver>() || chosen.has<&Physics::precision>() ||
+                          !stability.save_failures.empty()))
     faults.emplace_back(
         "--plant: faults run with the solver and in the precision of their scenes; leave out --solver, "
         "--precision and --save-failures");
@@ -99,14 +100,14 @@ void save_failures(const StabilityRun& run, const RunOptions& options, const std
 
 int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const RunOptions& options) {
   const StabilityOptions& asked = line.options.stability;
-  const Overrides& chosen = line.options.overrides;
+  const SettingsPatch& chosen = line.options.overrides.settings;
   std::vector<Trial> trials;
   std::vector<const HardCase*> of;
   for (const HardCase& one : cases)
     for (const TrialSetting& setting : trials_of(one, options.executor)) {
       const bool every = !one.criterion.refused.empty();  // of whatever solver
-      if (!every && (chosen.solver.value_or(setting.solver) != setting.solver ||
-                     chosen.precision.value_or(setting.precision) != setting.precision))
+      if (!every && (chosen.get<&Physics::solver>().value_or(setting.solver) != setting.solver ||
+                     chosen.get<&Physics::precision>().value_or(setting.precision) != setting.precision))
         continue;
       trials.emplace_back(one, setting, options, asked.extended);
       of.push_back(&one);

@@ -7,22 +7,37 @@
 
 namespace collidoscope {
 
+AccuracySetting accuracy_setting(const Physics& physics, int substeps, const Effects& effects) {
+  return {.time_step = physics.time_step,
+          .substeps = substeps,
+          .iterations = physics.iterations,
+          .solver = physics.solver,
+          .integrator = physics.integrator,
+          .rotation_update = physics.rotation_update,
+          .precision = physics.precision,
+          .continuous_collision = effects.continuous_collision};
+}
+
+SettingsPatch patch_of(const AccuracySetting& setting) {
+  TimeStep step = setting.time_step;
+  const double rate = std::round(1 / setting.time_step);
+  if (rate >= 1 && rate <= 1e6 && 1 / rate == setting.time_step)
+    step = TimeStep::per_second(static_cast<int>(rate));
+  return SettingsPatch()
+      .set<&Physics::time_step>(step)
+      .set<&Physics::substeps>(setting.substeps)
+      .set<&Physics::iterations>(setting.iterations)
+      .set<&Physics::solver>(setting.solver)
+      .set<&Physics::integrator>(setting.integrator)
+      .set<&Physics::rotation_update>(setting.rotation_update)
+      .set<&Physics::precision>(setting.precision);
+}
+
 Scene with_setting(const Scene& scene, const AccuracySetting& setting, const Effects& effects) {
   Scene changed = scene;
-  Physics& physics = changed.physics;
-  physics.time_step = setting.time_step;
-  const double rate = std::round(1 / setting.time_step);
-  physics.steps_per_second.reset();
-  if (rate >= 1 && rate <= 1e6 && 1 / rate == setting.time_step)
-    physics.steps_per_second = static_cast<int>(rate);
-  physics.substeps = setting.substeps;
-  physics.iterations = setting.iterations;
-  physics.solver = setting.solver;
-  physics.integrator = setting.integrator;
-  physics.rotation_update = setting.rotation_update;
-  physics.precision = setting.precision;
-  physics.effects = effects;
-  physics.effects->continuous_collision = setting.continuous_collision;
+  apply(patch_of(setting), changed);
+  changed.physics.effects = effects;
+  changed.physics.effects->continuous_collision = setting.continuous_collision;
   return changed;
 }
 

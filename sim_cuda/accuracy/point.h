@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_cuda/scene/scene.h"
+#include "sim_cuda/scene/settings_patch.h"
 
 namespace collidoscope {
 
@@ -29,6 +29,11 @@ struct AccuracySetting {
 
   friend bool operator==(const AccuracySetting&, const AccuracySetting&) = default;
 };
+
+/// Those of a scene whose steps have `substeps` and whose effects are `effects`.
+AccuracySetting accuracy_setting(const Physics& physics, int substeps, const Effects& effects);
+/// The same as settings, but for the continuous collision.
+SettingsPatch patch_of(const AccuracySetting& setting);
 
 /// The scene with these settings, whose effects, but for continuous collision, are `effects`: what is on must
 /// not go by the time step, as it may where the scene says "auto".

@@ -5,6 +5,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/finite_or_null.h"
+#include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {
@@ -47,18 +48,14 @@ auto choice_of(const Json& json, const Table& table) {
 }
 
 Json json_of(const AccuracyPoint& p) {
-  const AccuracySetting& s = p.setting;
+  Json setting;
+  patch_of(p.setting).for_each_set([&](const auto& field, const auto& value) {
+    setting[std::string(field.name)] = value_json(field, value);
+  });
+  setting["continuous_collision"] = p.setting.continuous_collision;
   Json json{{"family", p.family},
             {"name", p.name},
-            {"setting",
-             {{"time_step", s.time_step},
-              {"substeps", s.substeps},
-              {"iterations", s.iterations},
-              {"solver", name_of(solver_names, s.solver)},
-              {"integrator", name_of(integrator_names, s.integrator)},
-              {"rotation_update", name_of(rotation_update_names, s.rotation_update)},
-              {"precision", name_of(precision_names, s.precision)},
-              {"continuous_collision", s.continuous_collision}}},
+            {"setting", setting},
             {"measured", p.has_error()},
             {"error",
              {{"rms", finite_or_null(p.error)},

@@ -17,15 +17,7 @@ int AccuracySubject::steps_between(const AccuracySetting& setting) const {
 }
 
 AccuracySetting AccuracySubject::own_setting() const {
-  const Physics& own = scene.physics;
-  return {.time_step = own.time_step,
-          .substeps = substeps,
-          .iterations = own.iterations,
-          .solver = own.solver,
-          .integrator = own.integrator,
-          .rotation_update = own.rotation_update,
-          .precision = own.precision,
-          .continuous_collision = effects.continuous_collision};
+  return accuracy_setting(scene.physics, substeps, effects);
 }
 
 double coarsest_step(double time_step) {

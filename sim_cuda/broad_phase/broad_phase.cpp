@@ -3,8 +3,8 @@
 #include <iterator>
 #include <string_view>
 
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 namespace collidoscope {
 

@@ -46,8 +46,9 @@ std::optional<Scene> next_run(const World& world, const Change& change) {
 std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options,
                                      const RunState* rest) {
   if (change.shape_alone() && options.executor == world.options().executor) {
-    options.shape.blocks = change.blocks.value_or(options.shape.blocks);
-    options.shape.threads = change.threads.value_or(options.shape.threads);
+    LaunchShape& shape = options.shape;
+    shape.blocks = change.settings.get<&LaunchShape::blocks>().value_or(shape.blocks);
+    shape.threads = change.settings.get<&LaunchShape::threads>().value_or(shape.threads);
     world.set_launch_shape(options.shape);
     return nullptr;
   }

@@ -78,20 +78,16 @@ bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
   return a->min == b->min && a->max == b->max;
 }
 
-template <class Value>
-void set_if_given(Value& value, const std::optional<Value>& wish) {
-  if (wish) value = *wish;
-}
-
 }  // namespace
 
 bool Change::physical() const {
-  return bodies || radius_max || seed || variant || time_step || steps_per_second || substeps || iterations ||
-         restitution || solver || integrator || rotation_update || precision || effects || !remove.empty() ||
-         !add.empty() || !freeze.empty();
+  return settings.physical() || !remove.empty() || !add.empty() || !freeze.empty();
 }
 
-bool Change::shape_alone() const { return !physical() && !broad_phase && (blocks || threads); }
+bool Change::shape_alone() const {
+  return !physical() && !settings.empty() &&
+         !settings.any([](const auto& setting) { return setting.live != Live::in_place; });
+}
 
 std::int64_t bodies_of(const Scene& scene) {
   std::int64_t count = std::ssize(scene.bodies) + std::ssize(scene.added);
@@ -101,41 +97,16 @@ std::int64_t bodies_of(const Scene& scene) {
 
 BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
   BodyIds ids;
-  if (change.bodies || !change.remove.empty()) {
+  const auto& count = change.settings.get<&BoxCollider::count>();
+  if (count || !change.remove.empty()) {
     ids.resize(static_cast<std::size_t>(bodies_of(scene)));
     for (std::size_t body = 0; body < ids.size(); ++body) ids[body] = static_cast<std::uint32_t>(body);
   }
-  if (change.bodies) set_count(scene, *change.bodies, ids);
-  if (change.radius_max || change.seed || change.variant) {
-    BoxCollider& generator = scene.generators.at(0);
-    set_if_given(generator.radius_max, change.radius_max);
-    set_if_given(generator.seed, change.seed);
-    set_if_given(generator.variant, change.variant);
-  }
-  Physics& physics = scene.physics;
-  if (change.time_step) {
-    physics.time_step = *change.time_step;
-    physics.steps_per_second.reset();
-  }
-  if (change.steps_per_second) {
-    physics.steps_per_second = change.steps_per_second;
-    physics.time_step = 1.0 / *change.steps_per_second;
-  }
-  set_if_given(physics.substeps, change.substeps);
-  set_if_given(physics.iterations, change.iterations);
-  set_if_given(scene.materials.at(0).restitution, change.restitution);
-  set_if_given(physics.solver, change.solver);
-  set_if_given(physics.integrator, change.integrator);
-  set_if_given(physics.rotation_update, change.rotation_update);
-  set_if_given(physics.precision, change.precision);
-  set_if_given(physics.effects, change.effects);
+  if (count) set_count(scene, *count, ids);
+  apply(change.settings, scene, options);
   remove_bodies(scene, change.remove, ids);
   if (!ids.empty()) renumber_joints(scene, ids);
   scene.added.insert(scene.added.end(), change.add.begin(), change.add.end());
-
-  set_if_given(options.shape.blocks, change.blocks);
-  set_if_given(options.shape.threads, change.threads);
-  set_if_given(options.broad_phase, change.broad_phase);
   return ids;
 }
 
@@ -143,8 +114,11 @@ bool begins_another_run(const Scene& before, const Scene& after) {
   if (!same_box(box_in_effect(before), box_in_effect(after))) return true;
   for (std::size_t g = 0; g < std::min(before.generators.size(), after.generators.size()); ++g) {
     const BoxCollider &a = before.generators[g], &b = after.generators[g];
-    if (a.radius_max != b.radius_max || a.seed != b.seed || a.variant != b.variant || a.spawn != b.spawn)
-      return true;
+    bool other_bodies = false;
+    for_each_field(generator_settings, [&](const auto& setting) {
+      if (setting.live == Live::restart && a.*setting.member != b.*setting.member) other_bodies = true;
+    });
+    if (other_bodies) return true;
     // Where spheres start apart, or at rest, each place depends on all the others.
     if (a.count != b.count && (a.spawn == Spawn::apart || a.variant == Variant::settled)) return true;
   }
@@ -160,9 +134,7 @@ void record_change(std::vector<Change>& changes, Change change, bool goes_on) {
   }
   Change& last = changes.back();
   last.step = change.step;
-  if (change.blocks) last.blocks = change.blocks;
-  if (change.threads) last.threads = change.threads;
-  if (change.broad_phase) last.broad_phase = change.broad_phase;
+  last.settings.merge(change.settings);
 }
 
 void record_restart(std::vector<Change>& changes) {
@@ -170,9 +142,7 @@ void record_restart(std::vector<Change>& changes) {
     change.step = 0;
     change.freeze.clear();
   }
-  std::erase_if(changes, [](const Change& change) {
-    return !change.physical() && !change.broad_phase && !change.blocks && !change.threads;
-  });
+  std::erase_if(changes, [](const Change& change) { return !change.physical() && change.settings.empty(); });
 }
 
 }  // namespace collidoscope

@@ -21,6 +21,7 @@
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
+#include "sim_cuda/scene/settings_patch.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -29,28 +30,11 @@ namespace collidoscope {
 struct Change {
   std::int64_t step = 0;  ///< of the state at which it acts
 
-  std::optional<std::int64_t> bodies;  ///< N of the only generator, as the next three
-  std::optional<double> radius_max;    ///< m; these three are other bodies, so at state 0 alone
-  std::optional<std::uint64_t> seed;
-  std::optional<Variant> variant;
-  std::optional<double> time_step;             ///< s
-  std::optional<int> steps_per_second;         ///< in place of a time step
-  std::optional<std::optional<int>> substeps;  ///< inner unset: "auto"
-  std::optional<int> iterations;
-  std::optional<double> restitution;  ///< of the material "default"
-  std::optional<Solver> solver;
-  std::optional<Integrator> integrator;
-  std::optional<RotationUpdate> rotation_update;
-  std::optional<Precision> precision;
-  std::optional<std::optional<Effects>> effects;  ///< inner unset: "auto"
-  std::vector<std::int64_t> remove;               ///< ids, before any of them is removed
+  SettingsPatch settings;            ///< of the scene, and how it runs from then on
+  std::vector<std::int64_t> remove;  ///< ids, before any of them is removed
   std::vector<Body> add;
   /// Ids, before everything else of this change: fixed where they are, as guards do. Not part of the scene.
   std::vector<std::int64_t> freeze;
-
-  // How it runs from then on; never the result.
-  std::optional<int> blocks, threads;  ///< 0: "auto"
-  std::optional<std::string> broad_phase;
 
   /// Whether it holds anything that decides the state.
   bool physical() const;

@@ -6,11 +6,12 @@
 #include <charconv>
 #include <unordered_set>
 
-#include "sim_cuda/changes/change_reader.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/patch_reader.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/scene/text_file.h"
 
@@ -67,8 +68,8 @@ class ChangesReader {
     ObjectReader reader(reading_, node, "a change");
     if (!reader.is_object()) return;
     read_step(node, reader, change);
-    read_settings(reading_, reader, change);
-    read_way_of_running(reading_, reader, change);
+    read_patch(reading_, reader, change.settings,
+               [](const auto& setting) { return setting.live != Live::never; });
     const JsonNode* remove = reader.member("remove", JsonKind::array);
     if (remove != nullptr) read_ids(*remove, "remove", change.remove);
     const JsonNode* add = reader.member("add", JsonKind::array);
@@ -136,12 +137,11 @@ class ChangesReader {
   }
 
   bool fits_generators(const JsonNode& node, const Change& change) {
-    if (!(change.bodies || change.radius_max || change.seed || change.variant)) return true;
-    if (scene_.generators.size() == 1) return true;
-    const char* key = change.bodies       ? "bodies"
-                      : change.radius_max ? "radius_max"
-                      : change.seed       ? "seed"
-                                          : "variant";
+    if (!change.settings.of_generator() || scene_.generators.size() == 1) return true;
+    std::string key;
+    change.settings.for_each_set([&](const auto& setting, const auto&) {
+      if (key.empty() && is_of_generator(setting)) key = setting.name;
+    });
     reading_.fault(
         *document_.find(node, key),
         fmt::format("\"{}\" is of scenes with one generator; this one has {}", key,
@@ -202,22 +202,18 @@ class ChangesReader {
   /// Of a fault in the scene that the change made; the change itself where no member of it is to blame. The
   /// path becomes the one in the change.
   const JsonNode* place_of(std::string& path, const JsonNode& change, std::size_t added_before) {
-    static constexpr std::pair<std::string_view, std::string_view> members[] = {
-        {"generators[0].count", "bodies"},
-        {"generators[0].radius_max", "radius_max"},
-        {"generators[0].variant", "variant"},
-        {"time_step", "time_step"},
-        {"steps_per_second", "steps_per_second"},
-        {"substeps", "substeps"},
-        {"iterations", "iterations"},
-        {"effects", "effects"},
-        {"materials.default.restitution", "restitution"}};
-    for (const auto& [of_scene, of_change] : members)
-      if (path == of_scene)
-        if (const JsonNode* node = document_.find(change, of_change)) {
-          path = of_change;
-          return node;
-        }
+    const JsonNode* found = nullptr;
+    for_each_setting([&]<auto member>(const Field<member>& setting) {
+      std::string key(setting.name);
+      if (found != nullptr || !is_physical(setting)) return;
+      if (is_field<member, &Physics::time_step> && path == "steps_per_second")
+        key = path;
+      else if (path != path_of(setting))
+        return;
+      found = document_.find(change, key);
+      if (found != nullptr) path = key;
+    });
+    if (found != nullptr) return found;
     if (const JsonNode* add = document_.find(change, "add"); add != nullptr && path.starts_with("added[")) {
       std::size_t index = 0;
       const char* const digits = path.data() + std::string_view("added[").size();
@@ -242,42 +238,17 @@ class ChangesReader {
 };
 
 std::string text_of(const Change& change, const Scene& scene) {
-  std::string text = fmt::format("{{\"step\": {}", change.step);
-  const auto number = [&](const char* key, const auto& value) {
-    if (value) text += fmt::format(", \"{}\": {}", key, *value);
-  };
-  const auto word = [&](const char* key, std::string_view value) {
-    text += fmt::format(", \"{}\": \"{}\"", key, value);
-  };
-  const auto or_auto = [&](const char* key, const std::optional<int>& value) {
-    if (value && *value == 0)
-      word(key, "auto");
-    else
-      number(key, value);
-  };
-  number("bodies", change.bodies);
-  number("radius_max", change.radius_max);
-  number("seed", change.seed);
-  if (change.variant) word("variant", name_of(variant_names, *change.variant));
-  number("time_step", change.time_step);
-  number("steps_per_second", change.steps_per_second);
-  if (change.substeps) *change.substeps ? number("substeps", *change.substeps) : word("substeps", "auto");
-  number("iterations", change.iterations);
-  number("restitution", change.restitution);
-  if (change.solver) word("solver", name_of(solver_names, *change.solver));
-  if (change.integrator) word("integrator", name_of(integrator_names, *change.integrator));
-  if (change.rotation_update)
-    word("rotation_update", name_of(rotation_update_names, *change.rotation_update));
-  if (change.precision) word("precision", name_of(precision_names, *change.precision));
-  if (change.effects) text += ", \"effects\": " + write_effects(*change.effects);
+  OrderedJson settings;
+  settings["step"] = change.step;
+  change.settings.for_each_set(
+      [&](const auto& setting, const auto& value) { put(settings, setting.name, setting, value); });
+  std::string text = json_line(settings);
+  text.pop_back();  // the brace
   if (!change.remove.empty()) text += fmt::format(", \"remove\": [{}]", fmt::join(change.remove, ", "));
   std::vector<std::string> bodies;
   for (const Body& body : change.add) bodies.push_back(write_body(body, scene));
   if (!bodies.empty()) text += fmt::format(", \"add\": [{}]", fmt::join(bodies, ", "));
   if (!change.freeze.empty()) text += fmt::format(", \"freeze\": [{}]", fmt::join(change.freeze, ", "));
-  or_auto("blocks", change.blocks);
-  or_auto("threads", change.threads);
-  if (change.broad_phase) word("broad_phase", *change.broad_phase);
   return text + "}";
 }
 

@@ -12,7 +12,7 @@ namespace {
 /// What decides the state, as text: a rate and its time step are the same, and guards decide nothing.
 std::string scene_text(Scene scene) {
   leave_out_guards(scene.physics);
-  scene.physics.steps_per_second.reset();
+  scene.physics.time_step = scene.physics.time_step.seconds();
   return write_scene(scene);
 }
 

@@ -12,13 +12,11 @@ namespace {
 
 /// The scene at a step that is `parts` times smaller.
 Scene refined(Scene scene, int parts) {
-  Physics& physics = scene.physics;
-  if (physics.steps_per_second) {
-    physics.steps_per_second = *physics.steps_per_second * parts;
-    physics.time_step = 1.0 / *physics.steps_per_second;
-  } else {
-    physics.time_step /= parts;
-  }
+  TimeStep& step = scene.physics.time_step;
+  if (const auto n = step.steps_per_second())
+    step = TimeStep::per_second(*n * parts);
+  else
+    step = step / parts;
   return scene;
 }
 

@@ -98,8 +98,8 @@ class Pipeline {
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 
-/// Uploads the bodies; reserves nothing yet. `broad_phase`: a name of methods.h; `substeps` of a step,
-/// whatever the scene says.
+/// Uploads the bodies; reserves nothing yet. `broad_phase`: a name of broad_phase_methods.h; `substeps` of a
+/// step, whatever the scene says.
 std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const std::string& broad_phase,
                                         const Scene& scene, const InitialBodies& bodies, Effects effects,
                                         int substeps);

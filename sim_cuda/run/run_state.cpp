@@ -1,5 +1,8 @@
 #include "sim_cuda/run/run_state.h"
 
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/scene/scene_file.h"
+
 #include "sim_cuda/scene/placed_joint.h"
 
 namespace collidoscope {
@@ -84,6 +87,21 @@ RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh)
     moved.bodies.angular_velocity[ids[body]] = state.bodies.angular_velocity[body];
   }
   return moved;
+}
+
+std::uint64_t settings_hash(Scene scene) {
+  if (!scene.physics.sleep) return 0;
+  leave_out_guards(scene.physics);
+  scene.bodies.clear();
+  scene.added.clear();
+  scene.joints.clear();
+  for (BoxCollider& generator : scene.generators) {
+    generator.count = 0;
+    generator.without.clear();
+  }
+  std::uint64_t hash = 0;
+  for (const char letter : write_scene(scene)) hash = mix64(hash ^ static_cast<unsigned char>(letter));
+  return hash;
 }
 
 }  // namespace collidoscope

@@ -8,6 +8,7 @@
 
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/run/body_states.h"
+#include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/solver_memory.h"
 
 namespace collidoscope {
@@ -23,6 +24,9 @@ struct RunState {
   /// s that were simulated since state 0; NaN: not known, of a snapshot that an older version wrote.
   double time = 0;
 };
+
+/// RunState::settings of a scene: a hash of all settings, but not of the bodies; 0 if nothing can sleep.
+std::uint64_t settings_hash(Scene scene);
 
 /// The same with other bodies: those of `ids` (see World::adopt) with what is known of them, all others as
 /// they are in `fresh`, which holds all there are then. What was between a body that is gone and another goes

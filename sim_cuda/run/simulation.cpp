@@ -33,22 +33,6 @@ Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) 
   return {guess, guess};
 }
 
-/// Of all settings, but not of which bodies there are; 0 where nothing can sleep.
-std::uint64_t settings_hash(Scene scene) {
-  if (!scene.physics.sleep) return 0;
-  leave_out_guards(scene.physics);  // they decide nothing
-  scene.bodies.clear();
-  scene.added.clear();
-  scene.joints.clear();
-  for (BoxCollider& generator : scene.generators) {
-    generator.count = 0;
-    generator.without.clear();
-  }
-  std::uint64_t hash = 0;
-  for (const char letter : write_scene(scene)) hash = mix64(hash ^ static_cast<unsigned char>(letter));
-  return hash;
-}
-
 }  // namespace
 
 Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* start, const BodyIds& ids)

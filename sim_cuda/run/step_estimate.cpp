@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
 #include "sim_cuda/run/sampled_pairs.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 namespace collidoscope {
 namespace {

@@ -5,9 +5,27 @@
 #include <charconv>
 #include <cmath>
 
+#include "sim_cuda/scene/field_reader.h"
+#include "sim_cuda/scene/scene_fields.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
+
+bool detail::read_time_step(Reading& reading, ObjectReader& reader, TimeStep& value) {
+  const JsonNode *seconds = reader.member("time_step"), *rate = reader.member("steps_per_second");
+  if (seconds != nullptr && rate != nullptr)
+    reading.fault_at_key(seconds->begin > rate->begin ? *seconds : *rate,
+                         "time_step and steps_per_second are both given; keep one of them");
+  if (int n = 0; reader.whole("steps_per_second", n)) {
+    value = TimeStep::per_second(n);
+    return true;
+  }
+  double read = 0;
+  if (!reader.real("time_step", read)) return false;
+  value = read;
+  return true;
+}
+
 namespace {
 
 const JsonNode* member_of(const JsonDocument& document, const JsonNode& node, std::string_view key) {
@@ -52,28 +70,13 @@ void read_orientation(Reading& reading, ObjectReader& reader, Quaterniond& orien
 
 void read_body(Reading& reading, const JsonNode& node, const KnownMaterials& materials, Body& body) {
   ObjectReader reader(reading, node, "a body");
-  reader.choice("shape", shape_names, body.shape);
-  reader.choice("motion", motion_names, body.motion);
+  read_fields(reading, reader, body_fields, body);
   const JsonNode* radius = reader.member("radius");
-  if (body.shape == Shape::mesh && radius != nullptr) {
+  if (body.shape == Shape::mesh && radius != nullptr)
     reading.fault_at_key(*radius, "a mesh has no radius; give \"shape\": \"sphere\" or remove it");
-  } else {
-    reader.real("radius", body.radius);
-  }
   const JsonNode* mesh = reader.member("mesh");
-  if (body.shape == Shape::sphere && mesh != nullptr) {
+  if (body.shape == Shape::sphere && mesh != nullptr)
     reading.fault_at_key(*mesh, "a sphere has no mesh; give \"shape\": \"mesh\" or remove it");
-  } else {
-    reader.text("mesh", body.mesh);
-  }
-  reader.vector("position", body.position);
-  read_orientation(reading, reader, body.orientation);
-  reader.vector("velocity", body.velocity);
-  reader.vector("angular_velocity", body.angular_velocity);
-  double mass = 0;
-  if (reader.real("mass", mass)) body.mass = mass;
-  Vector3d inertia(0, 0, 0);
-  if (reader.vector("inertia", inertia)) body.inertia = inertia;
   read_material_name(reading, reader, materials, body.material);
   reader.finish();
 }

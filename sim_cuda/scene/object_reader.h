@@ -58,6 +58,10 @@ class ObjectReader {
 
   template <class Choice, std::size_t count>
   bool choice(std::string_view key, const std::array<Named<Choice>, count>& table, Choice& value) {
+    return choice(key, std::span<const Named<Choice>>(table), value);
+  }
+  template <class Choice>
+  bool choice(std::string_view key, std::span<const Named<Choice>> table, Choice& value) {
     const JsonNode* node = member(key, JsonKind::text);
     if (node == nullptr) return false;
     const std::string_view name = reading_.document.text(*node);

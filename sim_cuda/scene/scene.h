@@ -3,6 +3,7 @@
 // not yet expanded and meshes are not yet loaded (initial_bodies.h does both). Everything that decides the
 // state of a run is in here; how and where it runs (executor, launch shape, broad phase) is in run_options.h.
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -12,17 +13,34 @@
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/scene/effects.h"
 #include "sim_cuda/scene/joint.h"
+#include "sim_cuda/scene/named.h"
+#include "sim_cuda/scene/time_step.h"
 
 namespace collidoscope {
 
 enum class Precision { f32, f64 };
-/// The paper's immediate impulses; soft contacts in substeps, colour by colour; the same, all contacts at
-/// once between parts of bodies (Tonge, Benevolenski, Voroshilov 2012).
+inline constexpr std::array<Named<Precision>, 2> precision_names{
+    {{"f32", Precision::f32, "floats"}, {"f64", Precision::f64, "doubles"}}};
+
 enum class Solver { impulse, soft_step, jacobi_split };
-/// How free motion goes on in a substep: dynamics/integrators.h.
+inline constexpr std::array<Named<Solver>, 3> solver_names{
+    {{"impulse", Solver::impulse, "the paper's immediate impulses; piles sink"},
+     {"soft_step", Solver::soft_step, "soft constraints in substeps, colour by colour; piles come to rest"},
+     // Tonge, Benevolenski, Voroshilov 2012.
+     {"jacobi_split", Solver::jacobi_split, "soft_step with mass splitting: all contacts at once"}}};
+
+/// How free motion is integrated in a substep: dynamics/integrators.h.
 enum class Integrator { semi_implicit_euler, velocity_verlet, rk4 };
-/// How bodies turn in it: the paper's single turn, or turns that keep to the order of the integrator.
+inline constexpr std::array<Named<Integrator>, 3> integrator_names{
+    {{"semi_implicit_euler", Integrator::semi_implicit_euler, "the paper's, first order"},
+     {"velocity_verlet", Integrator::velocity_verlet, "second order"},
+     {"rk4", Integrator::rk4, "fourth order"}}};
+
 enum class RotationUpdate { first_order, lie_group };
+inline constexpr std::array<Named<RotationUpdate>, 2> rotation_update_names{
+    {{"first_order", RotationUpdate::first_order, "the paper's"},
+     {"lie_group", RotationUpdate::lie_group,
+      "second order, with rk4 fourth; free rotation keeps its energy"}}};
 
 /// The closed container; its six inner faces are walls of the material "default".
 struct Box {
@@ -38,7 +56,7 @@ struct Material {
 };
 
 enum class Shape { sphere, mesh };
-/// Whether forces move a body, its own prescribed velocity does, or nothing.
+/// Dynamic bodies are moved by forces, kinematic ones by their own velocity, fixed ones ("static") never.
 enum class Motion { dynamic, kinematic, fixed };
 
 struct Body {
@@ -55,10 +73,20 @@ struct Body {
   int material = 0;                     ///< index into Scene::materials
 };
 
-/// How the Box Collider's box and radii grow with N; see the README for the formulas.
+/// How the Box Collider's box and radii grow with N; box_collider.h has the formulas.
 enum class Variant { paper, scaled, settled, equal };
-/// Where generated spheres may start: whole spheres within the walls; centres within; or no two overlapping.
+inline constexpr std::array<Named<Variant>, 4> variant_names{
+    {{"paper", Variant::paper, "fixed box; pairs grow as N^2"},
+     {"scaled", Variant::scaled, "the box grows with N, 30 % full; pairs grow as N"},
+     {"settled", Variant::settled, "as scaled, simulated to rest before state 0"},
+     {"equal", Variant::equal, "as scaled, with one radius"}}};
+
+/// Where generated spheres may start.
 enum class Spawn { inside, centres, apart };
+inline constexpr std::array<Named<Spawn>, 3> spawn_names{
+    {{"inside", Spawn::inside, "whole spheres lie within the walls"},
+     {"centres", Spawn::centres, "centres lie within the walls"},
+     {"apart", Spawn::apart, "as inside, and no two overlap"}}};
 
 /// The paper's benchmark: `count` spheres with radii uniform in (0, radius_max], or all of one radius
 /// ("equal").
@@ -138,10 +166,9 @@ struct Physics {
   Vector3d gravity{0, 0, -9.81};  ///< m/s^2
   Drag drag;                      ///< none by default
   std::vector<Attractor> attractors;
-  double time_step = 1.0 / 30;          ///< s, > 0
-  std::optional<int> steps_per_second;  ///< set where the scene said so; then time_step is 1/steps_per_second
-  std::optional<int> substeps;          ///< K, 1 to 1000, each over time_step / K; unset: "auto"
-  int iterations = 1;                   ///< sweeps of the solver over all contacts, 1 to 1000
+  TimeStep time_step;           ///< s, > 0
+  std::optional<int> substeps;  ///< K, 1 to 1000, each over time_step / K; unset: "auto"
+  int iterations = 1;           ///< of the solver over all contacts, 1 to 1000
   Solver solver = Solver::soft_step;
   Integrator integrator = Integrator::semi_implicit_euler;
   RotationUpdate rotation_update = RotationUpdate::first_order;

@@ -36,9 +36,8 @@ Scene parse_scene(std::string text, const std::string& name, const std::string& 
 /// and `directory`, which are not written).
 std::string write_scene(const Scene& scene);
 
-/// The same of one body, whose material is one of the scene's, and of a list of effects.
+/// A body as an object of JSON. Its material is one of the scene's.
 std::string write_body(const Body& body, const Scene& scene);
-std::string write_effects(const std::optional<Effects>& effects);
 
 /// Whether a quaternion or normal counts as being of unit length. Reading normalises only what does not.
 bool is_unit(double squared_length);

@@ -10,10 +10,13 @@
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/derived_faults.h"
+#include "sim_cuda/scene/field_reader.h"
 #include "sim_cuda/scene/json_document.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/object_reader.h"
+#include "sim_cuda/scene/scene_fields.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/settings.h"
 #include "sim_cuda/scene/text_file.h"
 
 namespace collidoscope {
@@ -35,7 +38,8 @@ class SceneReader {
     if (root.is_object()) {
       root.header("collidoscope-scene", "a scene");
       root.text("name", scene_.name);
-      if (const JsonNode* node = root.member("box")) read_box(*node);
+      if (const JsonNode* node = root.member("box"))
+        read_object(*node, "a box", box_fields, scene_.box.emplace());
       read_physics(root);
       if (const JsonNode* node = root.member("materials")) read_materials(*node);
       read_bodies(root, "bodies", scene_.bodies);
@@ -43,7 +47,8 @@ class SceneReader {
       read_bodies(root, "added", scene_.added);
       read_list(root, "obstacles", [&](const JsonNode& node) { read_obstacle(node); });
       read_list(root, "joints", [&](const JsonNode& node) { read_joint(node); });
-      if (const JsonNode* node = root.member("camera")) read_camera(*node);
+      if (const JsonNode* node = root.member("camera"))
+        read_object(*node, "a camera", camera_fields, scene_.camera);
     }
     root.finish();
     locate_faults();
@@ -51,91 +56,24 @@ class SceneReader {
   }
 
  private:
-  void read_box(const JsonNode& node) {
-    ObjectReader reader(reading_, node, "a box");
-    scene_.box.emplace();
-    reader.vector("min", scene_.box->min);
-    reader.vector("max", scene_.box->max);
+  template <class Table, class Owner>
+  void read_object(const JsonNode& node, std::string_view what, const Table& table, Owner& owner) {
+    ObjectReader reader(reading_, node, what);
+    read_fields(reading_, reader, table, owner);
     reader.finish();
   }
 
   void read_physics(ObjectReader& root) {
     Physics& physics = scene_.physics;
-    root.vector("gravity", physics.gravity);
-    if (const JsonNode* node = root.member("drag")) read_drag(*node);
-    read_list(root, "attractors", [&](const JsonNode& node) { read_attractor(node); });
-    root.real("time_step", physics.time_step);
-    int per_second = 0;
-    if (root.whole("steps_per_second", per_second)) {
-      physics.steps_per_second = per_second;
-      physics.time_step = 1.0 / per_second;
-    }
-    const JsonNode* time_step = document_.find(document_.root(), "time_step");
-    const JsonNode* both = document_.find(document_.root(), "steps_per_second");
-    if (time_step != nullptr && both != nullptr) {
-      reading_.fault_at_key(time_step->begin > both->begin ? *time_step : *both,
-                            "time_step and steps_per_second are both given; keep one of them");
-    }
-    read_substeps(root);
-    root.whole("iterations", physics.iterations);
-    root.choice("solver", solver_names, physics.solver);
-    root.choice("integrator", integrator_names, physics.integrator);
-    root.choice("rotation_update", rotation_update_names, physics.rotation_update);
-    root.choice("precision", precision_names, physics.precision);
-    if (const JsonNode* node = root.member("effects")) read_effects(reading_, *node, physics.effects);
-    if (const JsonNode* node = root.member("restitution_threshold")) {
-      const std::optional<double> number = document_.number(*node);
-      if (node->kind == JsonKind::number && number) {
-        physics.restitution_threshold = *number;
-      } else if (node->kind != JsonKind::text || document_.text(*node) != "auto") {
-        reading_.fault(*node, "\"restitution_threshold\" is \"auto\" or a speed in m/s");
-      }
-    }
-    if (const JsonNode* node = root.member("sleep")) read_sleep(*node);
-    if (const JsonNode* node = root.member("guards")) read_guards(*node);
-  }
-
-  void read_guards(const JsonNode& node) {
-    Guards& guards = scene_.physics.guards.emplace();
-    ObjectReader reader(reading_, node, "\"guards\"");
-    reader.choice("on_failure", on_failure_names, guards.on_failure);
-    reader.real("speed", guards.speed);
-    reader.real("distance", guards.distance);
-    reader.real("spin", guards.spin);
-    reader.finish();
-  }
-
-  void read_sleep(const JsonNode& node) {
-    Sleep& sleep = scene_.physics.sleep.emplace();
-    ObjectReader reader(reading_, node, "\"sleep\"");
-    reader.real("speed", sleep.speed);
-    reader.real("time", sleep.time);
-    reader.finish();
-  }
-
-  void read_drag(const JsonNode& node) {
-    Drag& drag = scene_.physics.drag;
-    ObjectReader reader(reading_, node, "drag");
-    reader.real("viscosity", drag.viscosity);
-    reader.real("density", drag.density);
-    reader.real("coefficient", drag.coefficient);
-    reader.finish();
-  }
-
-  void read_attractor(const JsonNode& node) {
-    Attractor& attractor = scene_.physics.attractors.emplace_back();
-    ObjectReader reader(reading_, node, "an attractor");
-    reader.vector("position", attractor.position);
-    reader.real("strength", attractor.strength);
-    reader.real("softening", attractor.softening);
-    reader.finish();
-  }
-
-  void read_substeps(ObjectReader& root) {
-    const JsonNode* node = root.member("substeps");
-    if (node == nullptr || (node->kind == JsonKind::text && document_.text(*node) == "auto")) return;
-    int substeps = 0;
-    if (root.whole("substeps", substeps)) scene_.physics.substeps = substeps;
+    read_fields(reading_, root, physics_settings, physics);
+    if (const JsonNode* node = root.member("drag")) read_object(*node, "drag", drag_fields, physics.drag);
+    read_list(root, "attractors", [&](const JsonNode& node) {
+      read_object(node, "an attractor", attractor_fields, physics.attractors.emplace_back());
+    });
+    if (const JsonNode* node = root.member("sleep"))
+      read_object(*node, "\"sleep\"", sleep_fields, physics.sleep.emplace());
+    if (const JsonNode* node = root.member("guards"))
+      read_object(*node, "\"guards\"", guards_fields, physics.guards.emplace());
   }
 
   void read_materials(const JsonNode& node) {
@@ -152,12 +90,7 @@ class SceneReader {
       Material& material =
           name == "default" ? scene_.materials.front() : scene_.materials.emplace_back(Material{});
       material.name = name;
-      ObjectReader reader(reading_, child, "a material");
-      reader.real("density", material.density);
-      reader.real("restitution", material.restitution);
-      reader.real("friction", material.friction);
-      reader.real("rolling_resistance", material.rolling_resistance);
-      reader.finish();
+      read_object(child, "a material", material_settings, material);
     }
     materials_.number();
   }
@@ -189,12 +122,7 @@ class SceneReader {
       reading_.fault(kind == nullptr ? node : *kind,
                      "a generator has \"kind\": \"box_collider\", the only one");
     }
-    reader.whole("count", generator.count);
-    reader.real("radius_max", generator.radius_max);
-    reader.choice("variant", variant_names, generator.variant);
-    reader.choice("spawn", spawn_names, generator.spawn);
-    reader.whole("seed", generator.seed);
-    reader.real("speed_max", generator.speed_max);
+    read_fields(reading_, reader, generator_settings, generator);
     read_material_name(reading_, reader, materials_, generator.material);
     if (const JsonNode* list = reader.member("without", JsonKind::array))
       for (const JsonNode& number : document_.children(*list)) {
@@ -219,9 +147,7 @@ class SceneReader {
     if (name == "box") {
       BoxObstacle& box = scene_.boxes.emplace_back();
       box_places_.push_back(obstacle_count_++);
-      reader.vector("center", box.center);
-      reader.vector("size", box.size);
-      read_orientation(reading_, reader, box.orientation);
+      read_fields(reading_, reader, box_obstacle_fields, box);
       read_material_name(reading_, reader, materials_, box.material);
     } else {
       Plane& plane = scene_.obstacles.emplace_back();
@@ -289,16 +215,6 @@ class SceneReader {
     if (is_unit(vector.squaredNorm())) return;  // as it is: reading what was written changes no bit
     direction /= largest;                       // the squares of huge or tiny parts are out of range
     direction /= std::sqrt(direction.squaredNorm());
-  }
-
-  void read_camera(const JsonNode& node) {
-    ObjectReader reader(reading_, node, "a camera");
-    Vector3d point(0, 0, 0);
-    if (reader.vector("position", point)) scene_.camera.position = point;
-    if (reader.vector("target", point)) scene_.camera.target = point;
-    reader.vector("up", scene_.camera.up);
-    reader.real("vertical_field_of_view", scene_.camera.vertical_field_of_view);
-    reader.finish();
   }
 
   /// validate()'s faults, where the text has them; a value that is not in the text is a fault of what holds

@@ -14,7 +14,9 @@
 #include "sim_cuda/scene/mass_properties.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/placed_joint.h"
+#include "sim_cuda/scene/scene_fields.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/settings.h"
 
 namespace collidoscope {
 namespace {
@@ -90,9 +92,9 @@ class Validator {
  private:
   void fault(const Path& path, std::string message) { faults_.push_back({path.text(), std::move(message)}); }
 
-  bool number(const Path& path, double value, double least, double most, const char* unit) {
+  bool number(const Path& path, double value, double least, double most, std::string_view unit) {
     if (!(value >= least && value <= most)) {
-      fault(path, fmt::format("must lie in [{:g}, {:g}]{}{}", least, most, *unit != 0 ? " " : "", unit));
+      fault(path, fmt::format("must lie in [{:g}, {:g}]{}{}", least, most, unit.empty() ? "" : " ", unit));
       return false;
     }
     if (value != 0 && std::abs(value) < limits::smallest_normal) {
@@ -106,24 +108,58 @@ class Validator {
     fault(path, fmt::format("must be a whole number from {} to {}", least, most));
     return false;
   }
-  bool vector(const Path& path, const Vector3d& value, double most, const char* unit) {
+  bool whole_in(const Path& path, std::int64_t value, double least, double most) {
+    return whole(path, value, static_cast<std::int64_t>(least), static_cast<std::int64_t>(most));
+  }
+
+  /// The range and the choices of a field. What has neither passes.
+  template <auto member>
+  bool check(const Path& of, const Field<member>& field, const typename Field<member>::Value& value) {
+    using Value = typename Field<member>::Value;
+    const Path path = of.at(field.key.data());
+    if constexpr (std::is_same_v<Value, double>) {
+      return number(path, value, field.low, field.high, field.unit);
+    } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
+      return !value || number(path, *value, field.low, field.high, field.unit);
+    } else if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::int64_t>) {
+      return field.low == field.high || whole_in(path, value, field.low, field.high);
+    } else if constexpr (std::is_same_v<Value, std::optional<int>>) {
+      return !value || whole_in(path, *value, field.low, field.high);
+    } else if constexpr (std::is_same_v<Value, Vector3d>) {
+      bool good = true;
+      for (int axis = 0; axis < 3 && field.low != field.high; ++axis)
+        good &= number(path.at(axis), value[axis], field.low, field.high, field.unit);
+      return good;
+    } else if constexpr (std::is_same_v<Value, std::optional<Vector3d>>) {
+      bool good = true;
+      for (int axis = 0; axis < 3 && value; ++axis)
+        good &= number(path.at(axis), (*value)[axis], field.low, field.high, field.unit);
+      return good;
+    } else if constexpr (std::is_enum_v<Value>) {
+      if (name_of(field.choices, value) != "?") return true;
+      fault(path, "must be " + either_of(choice_names(field)));
+      return false;
+    } else if constexpr (std::is_same_v<Value, TimeStep>) {
+      if (const auto n = value.steps_per_second())
+        return whole(of.at("steps_per_second"), *n, 1, limits::max_steps_per_second);
+      return number(path, value, field.low, field.high, field.unit);
+    } else {
+      return true;
+    }
+  }
+  template <class Table, class Owner>
+  bool check_all(const Path& path, const Table& table, const Owner& owner) {
     bool good = true;
-    for (int axis = 0; axis < 3; ++axis) good &= number(path.at(axis), value[axis], -most, most, unit);
+    for_each_field(table, [&](const auto& field) { good &= check(path, field, owner.*(field.member)); });
     return good;
   }
   void material(const Path& path, int index) {
     if (index >= 0 && static_cast<std::size_t>(index) < scene_.materials.size()) return;
     fault(path.at("material"), "must be the index of a material");
   }
-  template <class Choice, std::size_t count>
-  void choice(const Path& path, const std::array<Named<Choice>, count>& table, Choice value) {
-    if (name_of(table, value) == "?") fault(path, "must be " + either_of(names_in(table)));
-  }
-
   void check_box(const Box& box) {
     const Path path{"box"};
-    box_is_good_ = vector(path.at("min"), box.min, limits::max_coordinate, "m");
-    box_is_good_ &= vector(path.at("max"), box.max, limits::max_coordinate, "m");
+    box_is_good_ = check_all(path, box_fields, box);
     for (int axis = 0; axis < 3 && box_is_good_; ++axis) {
       // Float runs see the walls as floats; a box must not vanish there.
       if (static_cast<float>(box.min[axis]) < static_cast<float>(box.max[axis])) continue;
@@ -134,23 +170,9 @@ class Validator {
 
   void check_physics(const Physics& physics) {
     const Path root;
-    vector(root.at("gravity"), physics.gravity, limits::max_gravity, "m/s^2");
-    check_drag(physics.drag);
+    check_all(root, physics_settings, physics);
+    check_all(Path{"drag"}, drag_fields, physics.drag);
     check_attractors(physics);
-    if (physics.steps_per_second) {
-      if (whole(root.at("steps_per_second"), *physics.steps_per_second, 1, limits::max_steps_per_second) &&
-          physics.time_step != 1.0 / *physics.steps_per_second) {
-        fault(root.at("time_step"), "must be 1/steps_per_second where that is given");
-      }
-    } else {
-      number(root.at("time_step"), physics.time_step, limits::min_time_step, limits::max_time_step, "s");
-    }
-    if (physics.substeps) whole(root.at("substeps"), *physics.substeps, 1, limits::max_substeps);
-    whole(root.at("iterations"), physics.iterations, 1, limits::max_iterations);
-    choice(root.at("solver"), solver_names, physics.solver);
-    choice(root.at("integrator"), integrator_names, physics.integrator);
-    choice(root.at("rotation_update"), rotation_update_names, physics.rotation_update);
-    choice(root.at("precision"), precision_names, physics.precision);
     if (physics.effects && physics.effects->friction) {
       if (physics.solver == Solver::impulse)
         fault(root.at("effects"), "must not hold friction with the solver impulse (soft_step has it)");
@@ -162,19 +184,8 @@ class Validator {
             "must not hold continuous_collision with the solver impulse (soft_step has it)");
     if (physics.effects && physics.effects->rolling_resistance && !physics.effects->friction)
       fault(root.at("effects"), "must hold friction where they hold rolling_resistance");
-    if (physics.restitution_threshold) {
-      number(root.at("restitution_threshold"), *physics.restitution_threshold, 0, limits::max_speed, "m/s");
-    }
     check_sleep(physics);
-    if (physics.guards) check_guards(*physics.guards);
-  }
-
-  void check_guards(const Guards& guards) {
-    const Path path{"guards"};
-    choice(path.at("on_failure"), on_failure_names, guards.on_failure);
-    number(path.at("speed"), guards.speed, 0, limits::max_guarded, "m/s");
-    number(path.at("distance"), guards.distance, 0, limits::max_guarded, "m");
-    number(path.at("spin"), guards.spin, 0, limits::max_guarded, "rad/s");
+    if (physics.guards) check_all(Path{"guards"}, guards_fields, *physics.guards);
   }
 
   void check_sleep(const Physics& physics) {
@@ -182,20 +193,12 @@ class Validator {
     if (physics.effects && physics.effects->sleeping && !physics.sleep)
       fault(root.at("effects"), "must not hold sleeping without \"sleep\", which says when");
     if (!physics.sleep) return;
-    number(path.at("speed"), physics.sleep->speed, 0, limits::max_speed, "m/s");
-    number(path.at("time"), physics.sleep->time, 0, limits::max_sleep_time, "s");
+    check_all(path, sleep_fields, *physics.sleep);
     if (physics.solver == Solver::impulse && (!physics.effects || physics.effects->sleeping))
       fault(
           root.at("sleep"),
           "must be left out with the solver impulse, unless a list of effects leaves sleeping out (soft_step "
           "has it)");
-  }
-
-  void check_drag(const Drag& drag) {
-    const Path path{"drag"};
-    number(path.at("viscosity"), drag.viscosity, 0, limits::max_viscosity, "Pa s");
-    number(path.at("density"), drag.density, 0, limits::max_medium_density, "kg/m^3");
-    number(path.at("coefficient"), drag.coefficient, 0, limits::max_drag_coefficient, "");
   }
 
   void check_attractors(const Physics& physics) {
@@ -210,11 +213,7 @@ class Validator {
     for (std::size_t i = 0; i < physics.attractors.size(); ++i) {
       const Attractor& a = physics.attractors[i];
       const Path path{"attractors", static_cast<std::int64_t>(i)};
-      vector(path.at("position"), a.position, limits::max_coordinate, "m");
-      const bool good =
-          number(path.at("strength"), a.strength, -limits::max_strength, limits::max_strength, "m^3/s^2");
-      if (number(path.at("softening"), a.softening, limits::min_softening, limits::max_softening, "m") &&
-          good && largest_pull(a) > limits::max_gravity)
+      if (check_all(path, attractor_fields, a) && largest_pull(a) > limits::max_gravity)
         fault(path.at("softening"),
               fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", largest_pull(a),
                           limits::max_gravity));
@@ -239,18 +238,13 @@ class Validator {
                           limits::max_name_length));
       }
       if (!names.insert(m.name).second) fault(path, "two materials must not have one name");
-      number(path.at("density"), m.density, limits::min_density, limits::max_density, "kg/m^3");
-      number(path.at("restitution"), m.restitution, 0, limits::max_restitution, "");
-      const bool rubs =
-          number(path.at("friction"), m.friction, 0, limits::max_friction, "") && m.friction != 0;
-      if (rubs && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
+      const bool good = check_all(path, material_settings, m);
+      if (good && m.friction != 0 && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
         fault(path.at("friction"),
               "must be 0 with the solver impulse, unless a list of effects leaves friction out (soft_step "
               "has it)");
-      const bool resists = number(path.at("rolling_resistance"), m.rolling_resistance, 0,
-                                  limits::max_rolling_resistance, "") &&
-                           m.rolling_resistance != 0;
-      if (resists && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
+      if (good && m.rolling_resistance != 0 && !scene_.physics.effects &&
+          scene_.physics.solver == Solver::impulse)
         fault(path.at("rolling_resistance"),
               "must be 0 with the solver impulse, unless a list of effects leaves rolling_resistance out "
               "(soft_step has it)");
@@ -258,27 +252,31 @@ class Validator {
   }
 
   void check_body(const Body& body, const Path& path) {
-    choice(path.at("shape"), shape_names, body.shape);
-    if (body.shape == Shape::sphere) {
-      if (number(path.at("radius"), body.radius, limits::min_radius, limits::max_radius, "m")) {
-        must_fit(path.at("radius"), body.radius);
-        check_derived(body, path);
-      }
-    } else if (body.mesh.empty()) {
+    const auto check_member = [&]<auto member>(const Field<member>& field) {
+      return check(path, field, body.*member);
+    };
+    for_each_field(
+        body_fields, [&]<auto member>(const Field<member>& field) {
+          if constexpr (is_field<member, &Body::radius>) {
+            if (body.shape == Shape::sphere && check_member(field)) {
+              must_fit(path.at("radius"), body.radius);
+              check_derived(body, path);
+            }
+          } else if constexpr (is_field<member, &Body::inertia>) {
+            if (check_member(field) && body.inertia) check_inertia(*body.inertia, path.at("inertia"));
+          } else {
+            check_member(field);
+          }
+        });
+    if (body.shape == Shape::mesh && body.mesh.empty()) {
       fault(path.at("mesh"), "must name an OBJ file, relative to the scene file");
-    } else if (!is_printable(body.mesh)) {
+    } else if (body.shape == Shape::mesh && !is_printable(body.mesh)) {
       fault(path.at("mesh"), "must be a path in UTF-8 without control characters");
     }
-    vector(path.at("position"), body.position, limits::max_coordinate, "m");
     if (!is_unit(body.orientation.squaredNorm())) {
       fault(path.at("orientation"), "must be a quaternion of length 1 and of finite numbers");
     }
-    vector(path.at("velocity"), body.velocity, limits::max_speed, "m/s");
-    vector(path.at("angular_velocity"), body.angular_velocity, limits::max_spin, "rad/s");
-    if (body.mass) number(path.at("mass"), *body.mass, limits::min_mass, limits::max_mass, "kg");
-    if (body.inertia) check_inertia(*body.inertia, path.at("inertia"));
     material(path, body.material);
-    choice(path.at("motion"), motion_names, body.motion);
     if (body.motion == Motion::fixed && !(body.velocity.isZero(0) && body.angular_velocity.isZero(0)))
       fault(path.at("motion"),
             "must be kinematic or dynamic where a velocity is given; static bodies have none");
@@ -306,11 +304,7 @@ class Validator {
   }
 
   void check_inertia(const Vector3d& inertia, const Path& path) {
-    bool good = true;
     for (int axis = 0; axis < 3; ++axis) {
-      good &= number(path.at(axis), inertia[axis], limits::min_inertia, limits::max_inertia, "kg m^2");
-    }
-    for (int axis = 0; axis < 3 && good; ++axis) {
       // Equality, a flat plate, is possible; leave room for its rounding.
       const double others = inertia[(axis + 1) % 3] + inertia[(axis + 2) % 3];
       if (inertia[axis] > others * (1 + 1e-12)) {
@@ -338,16 +332,17 @@ class Validator {
     for (std::size_t i = 0; i < scene_.generators.size(); ++i) {
       const BoxCollider& g = scene_.generators[i];
       const Path path{"generators", static_cast<std::int64_t>(i)};
-      const bool good_count = whole(path.at("count"), g.count, 0, limits::max_bodies);
-      const bool good_radius =
-          number(path.at("radius_max"), g.radius_max, limits::min_generated_radius, limits::max_radius, "m");
-      choice(path.at("variant"), variant_names, g.variant);
+      bool good_count = false, good_radius = false;
+      for_each_field(
+          generator_settings, [&]<auto member>(const Field<member>& field) {
+            const bool good = check(path, field, g.*member);
+            if constexpr (is_field<member, &BoxCollider::count>) good_count = good;
+            if constexpr (is_field<member, &BoxCollider::radius_max>) good_radius = good;
+          });
       const Physics& physics = scene_.physics;
       if (g.variant == Variant::settled &&
           (physics.gravity.isZero(0) || (physics.effects && !physics.effects->gravity)))
         fault(path.at("variant"), "must not be settled without gravity: nothing would come to rest");
-      choice(path.at("spawn"), spawn_names, g.spawn);
-      number(path.at("speed_max"), g.speed_max, 0, limits::max_speed, "m/s");
       material(path, g.material);
       if (good_count) {
         total += g.count;
@@ -401,7 +396,7 @@ class Validator {
     if (!is_unit(plane.normal.squaredNorm())) {
       fault(path.at("normal"), "must be a vector of length 1 and of finite numbers");
     }
-    number(path.at("offset"), plane.offset, -limits::max_coordinate, limits::max_coordinate, "m");
+    check_all(path, plane_fields, plane);
     material(path, plane.material);
   }
 
@@ -433,22 +428,26 @@ class Validator {
       if (id < 0 || id >= bodies)
         fault(path.at(field), fmt::format("must be the id of a body, below {}", bodies));
     };
-    choice(path.at("kind"), joint_kind_names, joint.kind);
+    bool good = true;
+    for_each_field(
+        joint_fields, [&]<auto member>(const Field<member>& field) {
+          const bool spring_only = is_field<member, &Joint::frequency, &Joint::damping_ratio>;
+          const bool lengths = is_field<member, &Joint::length, &Joint::min_length, &Joint::max_length>;
+          const bool has_lengths = joint.kind == JointKind::distance || joint.kind == JointKind::spring;
+          if ((spring_only && joint.kind != JointKind::spring) || (lengths && !has_lengths)) return;
+          const bool fine = check(path, field, joint.*member);
+          if (lengths) good &= fine;
+        });
     body("a", joint.a);
     if (joint.b) body("b", *joint.b);
     if (joint.b && *joint.b == joint.a) fault(path.at("b"), "must be another body than a, or \"world\"");
-    vector(path.at("anchor_a"), joint.anchor_a, limits::max_coordinate, "m");
-    if (joint.anchor_b) vector(path.at("anchor_b"), *joint.anchor_b, limits::max_coordinate, "m");
-    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring) check_lengths(joint, path);
-    if (joint.kind == JointKind::spring) {
-      number(path.at("frequency"), joint.frequency, limits::min_frequency, limits::max_frequency, "Hz");
-      number(path.at("damping_ratio"), joint.damping_ratio, 0, limits::max_damping_ratio, "");
-    }
+    if (joint.kind == JointKind::distance || joint.kind == JointKind::spring)
+      check_lengths(joint, path, good);
     if (joint.kind != JointKind::hinge) return;
     if (!is_unit(joint.axis.squaredNorm()))
       fault(path.at("axis"), "must be a vector of length 1 and of finite numbers");
     if (!joint.limits) return;
-    bool good = true;
+    good = true;
     for (int end = 0; end < 2; ++end)
       good &= number(path.at("limits").at(end), (*joint.limits)[static_cast<std::size_t>(end)], -180, 180,
                      "degrees");
@@ -456,14 +455,8 @@ class Validator {
       fault(path.at("limits"), "must be two angles, the smaller first");
   }
 
-  void check_lengths(const Joint& joint, const Path& path) {
+  void check_lengths(const Joint& joint, const Path& path, bool good) {
     if (!joint.b && !joint.anchor_b) fault(path.at("anchor_b"), "must say where in the world");
-    const auto length = [&](const char* field, const std::optional<double>& value, double least) {
-      return !value || number(path.at(field), *value, least, limits::max_coordinate, "m");
-    };
-    bool good = length("length", joint.length, limits::min_radius);
-    good &= length("min_length", joint.min_length, 0);
-    good &= length("max_length", joint.max_length, limits::min_radius);
     if (joint.length && (joint.min_length || joint.max_length))
       fault(path.at("length"), "must not stand beside min_length or max_length");
     if (good && joint.min_length && joint.max_length && *joint.min_length > *joint.max_length)
@@ -473,9 +466,7 @@ class Validator {
   void check_box_obstacle(const BoxObstacle& box, const Path& path) {
     if (scene_.physics.solver == Solver::impulse)
       fault(path.at("shape"), "must be plane with the solver impulse (soft_step has boxes)");
-    vector(path.at("center"), box.center, limits::max_coordinate, "m");
-    for (int axis = 0; axis < 3; ++axis)
-      number(path.at("size").at(axis), box.size[axis], limits::min_radius, limits::max_coordinate, "m");
+    check_all(path, box_obstacle_fields, box);
     if (!is_unit(box.orientation.squaredNorm()))
       fault(path.at("orientation"), "must be a quaternion of length 1 and of finite numbers");
     material(path, box.material);
@@ -483,10 +474,7 @@ class Validator {
 
   void check_camera(const Camera& camera) {
     const Path path{"camera"};
-    bool good = true;
-    if (camera.position) good &= vector(path.at("position"), *camera.position, limits::max_coordinate, "m");
-    if (camera.target) good &= vector(path.at("target"), *camera.target, limits::max_coordinate, "m");
-    good &= vector(path.at("up"), camera.up, limits::max_coordinate, "");
+    bool good = check_all(path, camera_fields, camera);
     if (good && camera.up.isZero(0)) {
       fault(path.at("up"), "must not be zero");
       good = false;
@@ -499,7 +487,6 @@ class Validator {
         fault(path.at("up"), "must not point along the line of sight");
       }
     }
-    number(path.at("vertical_field_of_view"), camera.vertical_field_of_view, 1, 150, "degrees");
   }
 
   const Scene& scene_;

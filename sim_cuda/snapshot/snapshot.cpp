@@ -311,6 +311,8 @@ Snapshot read_snapshot(const std::string& file) {
       snapshot.state.time = std::numeric_limits<double>::quiet_NaN();
     if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
     snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
+    // It is a hash of the scene's text, which another version may have written in another form.
+    snapshot.state.settings = settings_hash(snapshot.scene);
     return snapshot;
   });
 }

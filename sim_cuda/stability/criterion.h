@@ -118,10 +118,8 @@ struct PlantedState {
 struct CriterionFault {
   std::size_t term = 0;  ///< its place in `holds`
   std::optional<PlantedState> state;
-  std::optional<Change> set;        ///< settings of the scene, from the start on
-  std::optional<Vector3d> gravity;  ///< m/s^2, with `set`
-  std::optional<double> friction;   ///< of the material "default", with `set`
-  std::string scene{};              ///< file, in place of the case's own
+  std::optional<SettingsPatch> set;  ///< physical ones, from the start on
+  std::string scene{};               ///< file, in place of the case's own
 };
 
 /// What guards must find, and no other: in which step, after which stage, of which body.
@@ -138,11 +136,7 @@ struct Criterion {
   std::optional<std::int64_t> long_steps;  ///< of the long variant; unset: it has none
   std::int64_t every = 1;                  ///< states between two that are measured
 
-  // How it runs, never the result; unset: as the command line has it.
-  std::optional<std::int64_t> pair_capacity;
-  std::optional<std::string> broad_phase;
-  std::optional<int> blocks, threads;  ///< 0: "auto"
-  std::optional<int> key_bits;         ///< 24, 30 or 63
+  SettingsPatch run;  ///< how it runs; what it leaves out is as the command line has it
 
   std::string changes;                  ///< file, or empty
   std::vector<ExecutorKind> executors;  ///< it runs on these alone; empty: on all

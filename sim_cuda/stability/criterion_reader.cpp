@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "sim_cuda/broad_phase/methods.h"
-#include "sim_cuda/changes/change_reader.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/limits.h"
+#include "sim_cuda/scene/patch_reader.h"
 #include "sim_cuda/scene/text_file.h"
 #include "sim_cuda/stability/criterion.h"
 
@@ -20,8 +20,6 @@ namespace {
 
 constexpr std::int64_t most_steps = 1'000'000'000;
 constexpr std::array<Named<int>, 3> axis_names{{{"x", 0}, {"y", 1}, {"z", 2}}};
-constexpr std::array<Named<ExecutorKind>, 2> executor_names{
-    {{"cpu", ExecutorKind::cpu}, {"cuda", ExecutorKind::cuda}}};
 
 constexpr bool is_of_a_body(Quantity quantity) {
   return quantity == Quantity::displacement || quantity == Quantity::position ||
@@ -96,7 +94,7 @@ class CriterionReader {
     for_each(root, "executors", [&](const JsonNode& node) {
       const auto kind =
           node.kind == JsonKind::text ? value_of(executor_names, document_.text(node)) : std::nullopt;
-      if (kind)
+      if (kind && *kind != ExecutorKind::automatic)
         criterion_.executors.push_back(*kind);
       else
         reading_.fault(node, "\"executors\" is a list of \"cpu\" and \"cuda\"");
@@ -136,21 +134,14 @@ class CriterionReader {
 
   void read_way(const JsonNode& node) {
     ObjectReader reader(reading_, node, "\"run\"");
-    Change way;
-    read_way_of_running(reading_, reader, way);
-    criterion_.broad_phase = way.broad_phase;
-    criterion_.blocks = way.blocks;
-    criterion_.threads = way.threads;
+    read_patch(reading_, reader, criterion_.run, [](const auto& setting) {
+      return !is_physical(setting) && setting.name != "executor" && setting.name != "gpu";
+    });
+    // The older name.
     std::int64_t pairs = 0;
-    int bits = 0;
     if (reader.whole("pair_capacity", pairs) &&
         in_range(*reader.member("pair_capacity"), "pair_capacity", pairs, 1, std::int64_t{1} << 40))
-      criterion_.pair_capacity = pairs;
-    if (reader.whole("key_bits", bits)) {
-      if (bits != 24 && bits != 30 && bits != 63)
-        reading_.fault(*reader.member("key_bits"), "\"key_bits\" is 24, 30 or 63");
-      criterion_.key_bits = bits;
-    }
+      criterion_.run.set<&RunOptions::initial_pair_capacity>(pairs);
     reader.finish();
   }
 
@@ -350,15 +341,11 @@ class CriterionReader {
 
   void read_set(const JsonNode& node, CriterionFault& fault) {
     ObjectReader reader(reading_, node, "\"set\"");
-    fault.set.emplace();
-    read_settings(reading_, reader, *fault.set);
-    if (Vector3d gravity; reader.vector("gravity", gravity)) fault.gravity = gravity;
-    if (double friction = 0; reader.real("friction", friction)) fault.friction = friction;
+    SettingsPatch& set = fault.set.emplace();
+    read_patch(reading_, reader, set, [](const auto& setting) { return is_physical(setting); });
     reader.finish();
-    const Change& set = *fault.set;
-    if ((set.bodies || set.radius_max || set.seed || set.variant) && scene_ != nullptr &&
-        scene_->generators.size() != 1)
-      reading_.fault(node, "bodies, radius_max, seed and variant are of scenes with one generator");
+    if (set.of_generator() && scene_ != nullptr && scene_->generators.size() != 1)
+      reading_.fault(node, "settings of a generator are of scenes with one generator");
   }
 
   void read_planted(ObjectReader& reader, const JsonNode& node, CriterionFault& fault) {

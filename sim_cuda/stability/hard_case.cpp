@@ -128,10 +128,11 @@ std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vect
 Scene with_fault(const HardCase& one, const CriterionFault& fault) {
   if (!fault.scene.empty()) return one.others.at(fault.scene);
   Scene scene = one.scene;
+  if (!fault.set) return scene;
+  Change change;
+  change.settings = *fault.set;
   RunOptions unchanged;
-  if (fault.set) make_change(*fault.set, scene, unchanged);
-  if (fault.gravity) scene.physics.gravity = *fault.gravity;
-  if (fault.friction) scene.materials.at(0).friction = *fault.friction;
+  make_change(change, scene, unchanged);
   return scene;
 }
 

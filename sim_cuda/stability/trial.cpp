@@ -8,9 +8,9 @@
 #include <map>
 #include <new>
 
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_run.h"
 #include "sim_cuda/stability/quantities.h"
@@ -32,11 +32,8 @@ Scene with_setting(Scene scene, const TrialSetting& setting) {
 
 RunOptions with_way(RunOptions options, const Criterion& criterion, const TrialSetting& setting) {
   options.executor = setting.executor;
-  options.initial_pair_capacity = criterion.pair_capacity.value_or(options.initial_pair_capacity);
-  options.broad_phase = criterion.broad_phase.value_or(options.broad_phase);
-  options.shape.blocks = criterion.blocks.value_or(options.shape.blocks);
-  options.shape.threads = criterion.threads.value_or(options.shape.threads);
-  options.key_bits = criterion.key_bits.value_or(options.key_bits);
+  Scene unused;
+  apply(criterion.run, unused, options);
   return options;
 }
 

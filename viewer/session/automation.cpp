@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {
@@ -91,7 +92,8 @@ nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const Workspa
                 {"before", facts.before},
                 {"shown", facts.shown ? Json(facts.cases[*facts.shown].name) : Json(nullptr)},
                 {"marks", Json::object()}};
-  for (const auto& [name, mark] : hard_mark_names) cases["counts"][std::string(name)] = facts.count(mark);
+  for (const auto& [name, mark, help] : hard_mark_names)
+    cases["counts"][std::string(name)] = facts.count(mark);
   for (const HardCaseFacts& one : facts.cases)
     for (const HardTrialFacts& trial : one.trials)
       cases["marks"][one.name][fmt::format("{} {}", name_of(solver_names, trial.solver),
@@ -119,19 +121,6 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"edited", view.edited},
                {"changes", view.changes},
                {"bodies", view.stats.bodies},
-               {"blocks", s.shape.blocks},
-               {"threads", s.shape.threads},
-               {"variant", std::string(name_of(variant_names, s.variant))},
-               {"seed", s.seed},
-               {"time_step", s.time_step},
-               {"restitution", s.restitution},
-               {"precision", std::string(name_of(precision_names, s.precision))},
-               {"solver", std::string(name_of(solver_names, s.solver))},
-               {"integrator", std::string(name_of(integrator_names, s.integrator))},
-               {"rotation_update", std::string(name_of(rotation_update_names, s.rotation_update))},
-               {"substeps", s.substeps ? Json(*s.substeps) : Json("auto")},
-               {"iterations", s.iterations},
-               {"broad_phase", s.broad_phase},
                {"layers",
                 {{"spheres", workspace.layers.spheres},
                  {"boxes", workspace.layers.boxes},
@@ -165,6 +154,15 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"pairs", view.stats.pairs},
                {"contacts", view.stats.touching},
                {"notice", workspace.notice}};
+  for_each_setting([&]<auto member>(const Field<member>& setting) {
+    using Owner = typename Field<member>::Owner;
+    const auto& value = owner_in<Owner>(s).*member;
+    if (setting.name == "bodies" || setting.name == "effects") return;  // N and the effects of the run
+    if constexpr (std::is_same_v<Owner, LaunchShape>)
+      line[std::string(setting.name)] = value;  // 0: auto
+    else
+      line[std::string(setting.name)] = value_json(setting, value);
+  });
   line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);

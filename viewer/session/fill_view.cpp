@@ -1,7 +1,7 @@
 #include "viewer/session/fill_view.h"
 
-#include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {

@@ -70,14 +70,7 @@ const AccuracyFacts& LiveAccuracy::facts(const World& world, AccuracyWishes& wis
   }
   const Physics& physics = world.scene().physics;
   facts_.effects = world.effects();
-  facts_.now.time_step = physics.time_step;
-  facts_.now.substeps = world.substeps();
-  facts_.now.iterations = physics.iterations;
-  facts_.now.solver = physics.solver;
-  facts_.now.integrator = physics.integrator;
-  facts_.now.rotation_update = physics.rotation_update;
-  facts_.now.precision = physics.precision;
-  facts_.now.continuous_collision = facts_.effects.continuous_collision;
+  facts_.now = accuracy_setting(physics, world.substeps(), facts_.effects);
   const double reference_error = facts_.reference ? facts_.reference->error : 0;
   if (!(wishes.tolerance > 0)) {  // the middle of what there is, as a round number
     std::vector<float> errors;

@@ -97,7 +97,6 @@ void LiveReference::begin(World& world) {
   }
   Scene scene = world.scene();
   scene.physics.precision = Precision::f64;
-  scene.physics.steps_per_second.reset();
   leave_out_guards(scene.physics);
   const RunState state = world.state();
   try {
@@ -119,7 +118,7 @@ void LiveReference::fit(Run& run, double dt) {
   if (std::abs(run.parts * now - dt) <= 1e-12 * dt) return;
   Change change;
   change.step = run.world->steps();
-  change.time_step = dt / run.parts;
+  change.settings.set<&Physics::time_step>(dt / run.parts);
   run.world = changed_world(*run.world, change, run.world->options());
 }
 

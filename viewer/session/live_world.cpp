@@ -16,21 +16,20 @@ namespace {
 
 /// Guards decide no state, so they are no change of it.
 Settings without_guards(Settings wish) {
-  if (wish.effects) wish.effects->guards = wish.guards.has_value();
+  if (wish.physics.effects) wish.physics.effects->guards = wish.guards.has_value();
   return wish;
 }
 
 using Clock = std::chrono::steady_clock;
 
 /// Whether a replay needs it.
-bool is_recorded(const Change& change) {
-  return change.physical() || change.broad_phase || change.blocks || change.threads;
-}
+bool is_recorded(const Change& change) { return change.physical() || !change.settings.empty(); }
 
 /// What is to be said where the run begins again; `steps` were made of the one before.
 std::string restart_notice(const Change& change, const Scene& before, const World& next, std::int64_t steps) {
   if (!begins_another_run(before, next.scene())) return "";
-  const bool new_bodies = change.radius_max || change.seed || change.variant;
+  const bool new_bodies =
+      change.settings.any([](const auto& setting) { return setting.live == Live::restart; });
   const std::optional<Box> old_box = box_in_effect(before), box = next.initial().box;
   if (!new_bodies && box && old_box && box->max != old_box->max)
     return fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
@@ -42,53 +41,15 @@ std::string restart_notice(const Change& change, const Scene& before, const Worl
 
 Settings settings_of(const World& world) {
   const Scene& scene = world.scene();
-  const RunOptions& options = world.options();
-  Settings s;
-  s.bodies = static_cast<std::int64_t>(world.initial().size());
-  if (scene.generators.size() == 1) {
-    const BoxCollider& generator = scene.generators[0];
-    s.bodies = generator.count;
-    s.radius_max = generator.radius_max;
-    s.seed = generator.seed;
-    s.variant = generator.variant;
-  }
-  s.time_step = scene.physics.time_step;
-  s.restitution = scene.materials[0].restitution;
-  s.integrator = scene.physics.integrator;
-  s.rotation_update = scene.physics.rotation_update;
-  s.precision = scene.physics.precision;
-  s.solver = scene.physics.solver;
-  s.substeps = scene.physics.substeps;
-  s.iterations = scene.physics.iterations;
-  s.effects = scene.physics.effects;
+  Settings s{settings_of(scene, world.options()), {}};
+  if (scene.generators.size() != 1) s.generator.count = static_cast<std::int64_t>(world.initial().size());
   if (world.effects().guards) s.guards = scene.physics.guards.value_or(Guards{}).on_failure;
-  s.executor = options.executor;
-  s.shape = options.shape;
-  s.broad_phase = options.broad_phase;
   return s;
 }
 
 Change change_between(const Settings& now, const Settings& wish) {
   Change change;
-  const auto set = [](auto& member, const auto& before, const auto& after) {
-    if (before != after) member = after;
-  };
-  set(change.bodies, now.bodies, wish.bodies);
-  set(change.radius_max, now.radius_max, wish.radius_max);
-  set(change.seed, now.seed, wish.seed);
-  set(change.variant, now.variant, wish.variant);
-  set(change.time_step, now.time_step, wish.time_step);
-  set(change.restitution, now.restitution, wish.restitution);
-  set(change.integrator, now.integrator, wish.integrator);
-  set(change.rotation_update, now.rotation_update, wish.rotation_update);
-  set(change.precision, now.precision, wish.precision);
-  set(change.solver, now.solver, wish.solver);
-  if (now.substeps != wish.substeps) change.substeps.emplace(wish.substeps);
-  set(change.iterations, now.iterations, wish.iterations);
-  if (now.effects != wish.effects) change.effects.emplace(wish.effects);
-  set(change.blocks, now.shape.blocks, wish.shape.blocks);
-  set(change.threads, now.shape.threads, wish.shape.threads);
-  set(change.broad_phase, now.broad_phase, wish.broad_phase);
+  change.settings = difference(now, wish);
   return change;
 }
 
@@ -139,7 +100,7 @@ std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool go
   const Settings others = without_guards(wish), now = settings();
   if (others == now) return "";
   const Clock::time_point start = Clock::now();
-  const bool other_executor = others.executor != now.executor;
+  const bool other_executor = others.run.executor != now.run.executor;
   Change change = change_between(now, others);
   change.step = world_->steps();
   if (change.shape_alone() && !other_executor) {
@@ -148,9 +109,7 @@ std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool go
       record_change(changes_, change, goes_on);
       return "";
     }
-    Change& last = changes_.back();
-    if (change.blocks) last.blocks = change.blocks;
-    if (change.threads) last.threads = change.threads;
+    changes_.back().settings.merge(change.settings);
     return "";
   }
   Scene after = world_->scene();
@@ -163,7 +122,7 @@ std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool go
     change.step = world_->steps();
   }
   RunOptions options = pending_->run.options;
-  options.executor = others.executor;
+  options.executor = others.run.executor;
   std::unique_ptr<World> next;
   try {
     next = changed_world(pending_->run, change, options, rest);
@@ -257,7 +216,7 @@ void LiveWorld::collapse() {
   Settings now = settings(), first = first_settings_;
   first.guards = now.guards;
   Change change = change_between(without_guards(first), without_guards(now));
-  if (!generated()) change.bodies.reset();  // it follows from the lists
+  if (!generated()) change.settings.get<&BoxCollider::count>().reset();  // it follows from the lists
   std::optional<Change> one = one_change(first_scene_, world_->scene(), std::move(change));
   if (!one) return;
   changes_.clear();

@@ -1,4 +1,4 @@
-#include "sim_cuda/broad_phase/methods.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 #include <algorithm>
 #include <iterator>
