@@ -55,7 +55,7 @@ struct Body {
   int material = 0;                     ///< index into Scene::materials
 };
 
-/// How the Box Collider's box and radii grow with N; see the README for the formulas.
+/// How the Box Collider's box and radii grow with N; README.md of this folder has the formulas.
 enum class Variant { paper, scaled, settled, equal };
 /// Where generated spheres may start: whole spheres within the walls; centres within; or no two overlapping.
 enum class Spawn { inside, centres, apart };

@@ -1,4 +1,4 @@
-// Structs to scene files: the canonical text, in the order of the README's table. What is unset in the struct
+// Structs to scene files: the canonical text, in the order of README.md's table. What is unset in the struct
 // or at a body's default is left out; numbers are the shortest decimals that read back as the same bits.
 
 #include <fmt/format.h>
