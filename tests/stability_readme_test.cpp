@@ -1,5 +1,5 @@
-// The table of stability in the README: what it says of runs on several machines, and that it is of the
-// cases there are.
+// The table of stability in assets/results/stability.md: what it says of runs on several machines, and that
+// it lists the cases in assets/scenes/hard.
 
 #include "headless/stability/stability_readme.h"
 
@@ -76,19 +76,19 @@ TEST(StabilityReadme, IsWrittenFromFiles) {
   EXPECT_THROW(rewrite_readme(folder / "README.md", {folder / "b.json"}), InputError);
 }
 
-/// Lines between the marks of the project's README that begin so; what follows in them.
-std::vector<std::string> lines_of_readme(const std::string& beginning) {
-  const std::string readme = text_of(project_file("README.md"));
-  const std::size_t begin = readme.find(stability_begin), end = readme.find(stability_end);
+/// The rest of each line that begins so, between the marks of the project's page.
+std::vector<std::string> lines_of_page(const std::string& beginning) {
+  const std::string page = text_of(project_file("assets/results/stability.md"));
+  const std::size_t begin = page.find(stability_begin), end = page.find(stability_end);
   std::vector<std::string> found;
   if (begin == std::string::npos || end == std::string::npos) return found;
-  std::istringstream lines(readme.substr(begin, end - begin));
+  std::istringstream lines(page.substr(begin, end - begin));
   for (std::string line; std::getline(lines, line);)
     if (line.starts_with(beginning)) found.push_back(line.substr(beginning.size()));
   return found;
 }
 
-TEST(ProjectReadme, ListsTheCasesThereAreAndTheirLimits) {
+TEST(StabilityPage, ListsAllCasesAndTheirLimits) {
   std::multiset<std::string> cases, limits, listed_cases, listed_limits;
   for (const HardCase& one : read_hard_cases(project_file("assets/scenes/hard").string())) {
     std::string what = one.criterion.what;
@@ -96,9 +96,9 @@ TEST(ProjectReadme, ListsTheCasesThereAreAndTheirLimits) {
     cases.insert(one.name + "` | " + what);
     for (const DeclaredLimit& limit : one.criterion.limits) limits.insert(one.name + ": " + limit.why);
   }
-  for (const std::string& line : lines_of_readme("| `"))
+  for (const std::string& line : lines_of_page("| `"))
     listed_cases.insert(line.substr(0, line.find(" |", line.find(" | ") + 3)));
-  for (const std::string& line : lines_of_readme("- `"))
+  for (const std::string& line : lines_of_page("- `"))
     listed_limits.insert(line.substr(0, line.find('`')) + line.substr(line.find(": ", line.find("`, "))));
   const auto lacking = [](const std::multiset<std::string>& from, const std::multiset<std::string>& of) {
     std::vector<std::string> lines;
@@ -106,7 +106,7 @@ TEST(ProjectReadme, ListsTheCasesThereAreAndTheirLimits) {
     return lines;
   };
   EXPECT_THAT(lacking(listed_cases, cases), testing::IsEmpty())
-      << "stability --json FILE, then stability --readme README.md --from FILE";
+      << "stability --json FILE, then stability --readme assets/results/stability.md --from FILE";
   EXPECT_THAT(lacking(cases, listed_cases), testing::IsEmpty()) << "cases that are no more";
   EXPECT_THAT(lacking(listed_limits, limits), testing::IsEmpty());
   EXPECT_THAT(lacking(limits, listed_limits), testing::IsEmpty()) << "limits that are no more";

@@ -184,7 +184,8 @@ void rewrite_readme(const std::string& readme, const std::vector<std::string>& f
   for (const std::string& file : from)
     runs.emplace_back(file, read_text_file(file, most_bytes, "what stability --json wrote"));
   const std::string table = stability_markdown(runs);
-  const std::string text = with_stability(read_text_file(readme, most_bytes, "the README"), readme, table);
+  const std::string text =
+      with_stability(read_text_file(readme, most_bytes, "the page of Markdown"), readme, table);
   OutputFile output("--readme", readme);
   output.write(text);
   output.commit();

@@ -1,6 +1,6 @@
 #pragma once
-// The table of stability in the README: made of what `stability --json` wrote on one machine or several, and
-// put between its two marks. Free functions.
+// The table of stability in a page of Markdown, as assets/results/stability.md: made from what `stability
+// --json` wrote on one machine or several, and put between its two marks. Free functions.
 
 #include <string>
 #include <utility>

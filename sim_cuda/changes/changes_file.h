@@ -1,6 +1,6 @@
 #pragma once
-// Files of changes: JSON with comments, `"format": "collidoscope-changes", "version": 1`. The README lists
-// what a change may hold. Free functions over plain data.
+// Files of changes: JSON with comments, `"format": "collidoscope-changes", "version": 1`. README.md of
+// this folder lists what a change may hold. Free functions over plain data.
 
 #include <cstdint>
 #include <optional>

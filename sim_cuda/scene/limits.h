@@ -1,7 +1,7 @@
 #pragma once
 // The ranges that a scene's values must lie in. They are wide enough for dust and planets, and narrow enough
 // that every quantity is a normal float and no step can overflow on its first product. validate() tests
-// them, the README's table quotes them.
+// them, README.md of this folder quotes them.
 
 #include <cstdint>
 

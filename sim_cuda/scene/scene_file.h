@@ -1,6 +1,6 @@
 #pragma once
-// Scene files: JSON with comments, `"format": "collidoscope-scene", "version": 1`. The README's table lists
-// every field with unit, range and default.
+// Scene files: JSON with comments, `"format": "collidoscope-scene", "version": 1`. README.md of this
+// folder lists every field with unit, range and default.
 
 #include <string>
 #include <vector>

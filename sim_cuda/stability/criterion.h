@@ -1,7 +1,8 @@
 #pragma once
 // The criterion of a hard case: what must hold of its scene, how long, where it is known not to hold, and
 // faults that show that the criterion can fail. Plain data, and the reading of the file that says it: JSON
-// with comments, `"format": "collidoscope-criterion", "version": 1`. The README lists what it may hold.
+// with comments, `"format": "collidoscope-criterion", "version": 1`. README.md of this folder lists
+// what it may hold.
 
 #include <array>
 #include <cstdint>
