@@ -12,7 +12,7 @@
 #include "headless/cli/standard_output.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 namespace {

@@ -213,9 +213,9 @@ class Validator {
     for (std::size_t i = 0; i < physics.attractors.size(); ++i) {
       const Attractor& a = physics.attractors[i];
       const Path path{"attractors", static_cast<std::int64_t>(i)};
-      if (check_all(path, attractor_fields, a) && largest_pull(a) > limits::max_gravity)
+      if (check_all(path, attractor_fields, a) && max_field(a) > limits::max_gravity)
         fault(path.at("softening"),
-              fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", largest_pull(a),
+              fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", max_field(a),
                           limits::max_gravity));
     }
   }
