@@ -143,7 +143,7 @@ TEST_P(Settled, InSlicesItComesToTheSameState) {
     while (!presimulation.done()) {
       EXPECT_EQ(presimulation.steps(), slices);
       EXPECT_LT(presimulation.steps(), presimulation.max_steps());
-      presimulation.go_on(0);
+      presimulation.advance(0);
       ++slices;
     }
     EXPECT_EQ(slices > 0, !known);
@@ -198,19 +198,19 @@ TEST_P(Settled, WhatNeverRestsEndsWithALine) {
 TEST_P(Settled, TheWindowSettlesAnewOnlyWhereTheRunStartsAnew) {
   LiveWorld live(pile(100), options());
   live.step(false);
-  Settings wish = live.settings();
+  Settings request = live.settings();
   told_ = 0;
-  wish.material.restitution = 0.2;
-  EXPECT_EQ(live.apply(wish), "");
+  request.material.restitution = 0.2;
+  EXPECT_EQ(live.apply(request), "");
   EXPECT_EQ(live.world().steps(), 1);
   EXPECT_TRUE(live.edited());
   EXPECT_EQ(told_, 0);
-  wish.generator.count = 120;
-  EXPECT_THAT(live.apply(wish), HasSubstr("restarted"));
+  request.generator.count = 120;
+  EXPECT_THAT(live.apply(request), HasSubstr("restarted"));
   EXPECT_EQ(live.world().steps(), 0);
   EXPECT_GT(told_, 0);
-  wish.generator.variant = Variant::scaled;
-  live.apply(wish);
+  request.generator.variant = Variant::scaled;
+  live.apply(request);
   EXPECT_EQ(live.stats().kinetic_energy, 0);
 }
 

@@ -73,7 +73,7 @@ void log_row(Workspace& workspace, int& value, const LogRow& row) {
 
 /// A choice that cannot be made is grey, with the reason beside it.
 template <class Choice>
-struct Lack {
+struct Unavailable {
   Choice choice;
   std::string why;  ///< empty: it can be made
 };
@@ -81,7 +81,7 @@ struct Lack {
 /// A list of a setting's choices. Resting on the list or on an item shows its help.
 template <auto member, class Choice>
 void choice_row(Workspace& workspace, const Field<member>& setting, Choice& value,
-                const Lack<Choice>& lack = {}) {
+                const Unavailable<Choice>& unavailable_reason = {}) {
   const std::string name = "settings." + std::string(setting.name), help(setting.help);
   row_label(std::string(setting.label).c_str(), help.c_str());
   const std::string chosen(name_of(setting.choices, value));
@@ -90,9 +90,9 @@ void choice_row(Workspace& workspace, const Field<member>& setting, Choice& valu
   if (!open) explain(help.c_str());
   if (open) {
     for (const Named<Choice>& one : setting.choices) {
-      const bool lacks = one.value == lack.choice && !lack.why.empty();
-      ImGui::BeginDisabled(lacks);
-      const std::string text(one.name), shown = lacks ? fmt::format("{}: {}", text, lack.why) : text;
+      const bool is_unavailable = one.value == unavailable_reason.choice && !unavailable_reason.why.empty();
+      ImGui::BeginDisabled(is_unavailable);
+      const std::string text(one.name), shown = is_unavailable ? fmt::format("{}: {}", text, unavailable_reason.why) : text;
       if (ImGui::Selectable(shown.c_str(), one.value == value)) value = one.value;
       if (!one.help.empty()) explain(std::string(one.help).c_str());
       ImGui::EndDisabled();
@@ -135,7 +135,7 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   log_row(workspace, s.run.shape.threads,
           {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, limits::max_threads,
            limits::max_threads, false, &chosen.threads, 256});
-  const LaunchShape& shape = view.in_effect.run.shape;
+  const LaunchShape& shape = view.active_settings.run.shape;
   std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
     lines.insert(lines.begin(), fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
@@ -226,21 +226,21 @@ void draw_restitution(Workspace& workspace, double& value) {
 
 std::string bodies_text(const WorkspaceView& view) {
   if (view.removed_bodies == 0 && view.other_bodies == 0) return "";
-  std::string text = grouped_number(view.in_effect.generator.count) + " generated";
+  std::string text = grouped_number(view.active_settings.generator.count) + " generated";
   if (view.removed_bodies > 0) text += fmt::format(" - {} removed", grouped_number(view.removed_bodies));
   if (view.other_bodies > 0) text += fmt::format(" + {} others", grouped_number(view.other_bodies));
   return text + " = " +
-         grouped_number(view.in_effect.generator.count - view.removed_bodies + view.other_bodies);
+         grouped_number(view.active_settings.generator.count - view.removed_bodies + view.other_bodies);
 }
 
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "settings", "N · B · T", workspace.folds.settings)) return end_panel();
+  if (!begin_panel(workspace, "settings", "N · B · T", workspace.visible_panels.settings)) return end_panel();
   Settings& s = workspace.settings;
   draw_generator(workspace, view);
   draw_shape(workspace, view);
 
   choice_row(workspace, field_of<&ExecutorOptions::executor>, s.run.executor,
-             {ExecutorKind::cuda, view.cuda_lack});
+             {ExecutorKind::cuda, view.cuda_unavailable_reason});
   row_label("broad phase", "How pairs are found; never changes the result");
   choose_broad_phase(workspace, view, "settings.broad_phase");
 

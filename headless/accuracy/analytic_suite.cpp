@@ -116,7 +116,7 @@ struct Counts {
 };
 
 /// The cases have scenes and steps of their own: flags that would change them are refused, not ignored.
-void refuse_what_cases_set(const Options& options) {
+void refuse_settings_of_cases(const Options& options) {
   std::vector<std::pair<std::string, bool>> flags;
   options.overrides.settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto&) {
     if (!is_field<member, &Physics::integrator, &Physics::precision>)
@@ -151,7 +151,7 @@ std::string analytic_json(const std::vector<AnalyticResult>& results, const std:
     const bool exact = r.method.theory.claim == Claim::exact;
     json["cases"].push_back({{"name", r.name},
                              {"compared", r.compared},
-                             {"because", r.because},
+                             {"because", r.rationale},
                              {"integrator", name_of(r.method)},
                              {"precision", name_of(precision_names, r.precision)},
                              {"claim", name_of_claim(r.method.theory.claim)},
@@ -193,7 +193,7 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
                         order_text(r), row.passed() ? "" : ", **failed**", step_text(r.levels.back().h),
                         row.f64 ? error_text(row.f64->levels.back().error) : "", share_text(r),
                         row.f32 ? error_text(row.f32->levels.back().error) : "", float_pays_to(row),
-                        again ? "" : r.because);
+                        again ? "" : r.rationale);
   }
   return text;
 }
@@ -246,7 +246,7 @@ Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::stri
 
 int analytic_suite(const CommandLine& line) {
   const SettingsPatch& chosen = line.options.overrides.settings;
-  refuse_what_cases_set(line.options);
+  refuse_settings_of_cases(line.options);
   const ResultFiles files(line.options);
   struct Run {
     const AnalyticCase* one;

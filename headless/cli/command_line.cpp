@@ -248,7 +248,7 @@ Scene load_scene(const CommandLine& line) {
   Scene scene = read_scene(file);
   apply(line.options.overrides, file, scene);
   constexpr unsigned guarded = bit(Command::run) | bit(Command::capture) | bit(Command::view);
-  if (!(guarded & bit(line.command))) leave_out_guards(scene.physics);
+  if (!(guarded & bit(line.command))) disable_guards(scene.physics);
   return scene;
 }
 
@@ -261,7 +261,7 @@ void refuse_other_bodies(const SettingsPatch& settings, const std::string& file,
     if (!is_of_generator(setting)) return;
     Scene scene = saved;
     apply(SettingsPatch().set<member>(value), scene);
-    if (!begins_another_run(saved, scene)) return;
+    if (!requires_restart(saved, scene)) return;
     const std::string flag = flag_name(setting.name);
     faults.push_back(fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load",
                                  flag, shown(file), flag));

@@ -43,7 +43,7 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
   Physics& physics = scene.physics;
   if (overrides.guards) {
     if (!*overrides.guards)
-      leave_out_guards(physics);
+      disable_guards(physics);
     else if (physics.guards)
       physics.guards->on_failure = **overrides.guards;
     else

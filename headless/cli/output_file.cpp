@@ -31,7 +31,7 @@ OutputFile::OutputFile(std::string flag, const std::string& target)
     return;
   }
   try {
-    AtomicFile trial(target_);
+    AtomicFile probe(target_);
   } catch (const FileWriteError& error) {
     refuse(error.why);
   }
@@ -73,7 +73,7 @@ void ensure_writable_folder(const std::string& flag, const std::string& folder) 
     refuse(fmt::format("{} cannot be made: {}", shown(folder),
                        failed ? failed.message() : "a file of this name is in the way"));
   try {
-    AtomicFile trial((fs::path(folder) / "trial").string());
+    AtomicFile probe((fs::path(folder) / "trial").string());
   } catch (const FileWriteError& error) {
     refuse(fmt::format("{} cannot be written: {}", shown(folder), error.why));
   }

@@ -97,7 +97,7 @@ struct CellGrid {
 };
 
 /// Threads that share one look at all boxes, each of which then updates the longest side once.
-inline constexpr std::int64_t survey_lanes = 1 << 17;
+inline constexpr std::int64_t histogram_lanes = 1 << 17;
 
 class CellList {
  public:

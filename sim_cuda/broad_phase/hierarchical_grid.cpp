@@ -21,15 +21,15 @@ SIM_HD inline std::int32_t first_power(const Aabb& extent) {
   return CellGrid::power_of(longest_side(extent)) - (classes - 2);
 }
 
-struct Census {
+struct SizeHistogram {
   std::uint64_t longest[classes];  ///< side of any box, as the bits of a float > 0; 0 where there is none
   std::uint32_t sampled[classes];  ///< bodies, of each `every`-th
 };
 
-struct TakeCensus {
+struct BuildSizeHistogram {
   const Aabb *boxes, *extent;
   std::int64_t bodies, lanes, every;
-  Census* census;
+  SizeHistogram* histogram;
   SIM_HD void operator()(int lane) const {
     const std::int32_t power = first_power(*extent);
     float longest[classes] = {};
@@ -39,11 +39,11 @@ struct TakeCensus {
       const float side = longest_side(box);
       const std::int32_t c = CellGrid::class_of(side, power);
       longest[c] = max_of(longest[c], side);
-      if (body % every == 0) atomic_add(&census->sampled[c], 1);
+      if (body % every == 0) atomic_add(&histogram->sampled[c], 1);
     }
     for (std::int32_t c = 0; c < classes; ++c)
       if (longest[c] > 0)
-        atomic_max(&census->longest[c], std::uint64_t{std::bit_cast<std::uint32_t>(longest[c])});
+        atomic_max(&histogram->longest[c], std::uint64_t{std::bit_cast<std::uint32_t>(longest[c])});
   }
 };
 
@@ -53,15 +53,15 @@ struct TakeCensus {
 struct LayOutLevel {
   static constexpr std::uint32_t max_joined = 16, lists_per_body = 2;
   const Aabb* extent;
-  const Census* census;
+  const SizeHistogram* histogram;
   std::uint32_t every;
   CellGrid* grid;
   SIM_HD void operator()(int item) const {
     std::int32_t level = 0, own_level = 0;
     std::uint32_t alone = 0, joined = 0, occupied = 0, lists = 0, first_list = 0;
     for (std::int32_t c = classes - 1; c >= 0; --c) {
-      if (census->longest[c] == 0) continue;
-      const std::uint32_t count = census->sampled[c] + 1;
+      if (histogram->longest[c] == 0) continue;
+      const std::uint32_t count = histogram->sampled[c] + 1;
       joined += count;
       if (joined > max_joined * alone) {
         level = c;
@@ -78,7 +78,7 @@ struct LayOutLevel {
       grid->occupied = occupied;
     }
     if ((occupied >> item & 1) == 0) return;
-    const float reach = std::bit_cast<float>(static_cast<std::uint32_t>(census->longest[item]));
+    const float reach = std::bit_cast<float>(static_cast<std::uint32_t>(histogram->longest[item]));
     grid->levels[item] = make_level(*extent, reach, lists);
     grid->levels[item].first_list = first_list;
   }
@@ -87,24 +87,24 @@ struct LayOutLevel {
 class HierarchicalGrid final : public BroadPhase {
  public:
   explicit HierarchicalGrid(Executor& executor)
-      : executor_(executor), census_(executor, "census of sizes"), cells_(executor) {}
+      : executor_(executor), histogram_(executor, "census of sizes"), cells_(executor) {}
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;
     every_ = (bodies + max_sampled - 1) / max_sampled;
-    census_.resize_discarding(1);
+    histogram_.resize_discarding(1);
     cells_.reserve(bodies,
                    LayOutLevel::lists_per_body * (bodies + every_ * (classes + 1)));  // all that it can give
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (bodies_ == 0) return;
-    const std::int64_t lanes = min_of(bodies_, survey_lanes);
+    const std::int64_t lanes = min_of(bodies_, histogram_lanes);
     executor_.begin_stage("keys");
-    census_.fill_zero();
-    executor_.run("keys", lanes, TakeCensus{boxes, extent, bodies_, lanes, every_, census_.data()});
+    histogram_.fill_zero();
+    executor_.run("keys", lanes, BuildSizeHistogram{boxes, extent, bodies_, lanes, every_, histogram_.data()});
     executor_.run("keys", classes,
-                  LayOutLevel{extent, census_.data(), static_cast<std::uint32_t>(every_), cells_.grid()});
+                  LayOutLevel{extent, histogram_.data(), static_cast<std::uint32_t>(every_), cells_.grid()});
     cells_.sort(boxes);
   }
 
@@ -115,7 +115,7 @@ class HierarchicalGrid final : public BroadPhase {
 
   Executor& executor_;
   std::int64_t bodies_ = 0, every_ = 0;
-  Buffer<Census> census_;
+  Buffer<SizeHistogram> histogram_;
   CellList cells_;
 };
 

@@ -230,7 +230,7 @@ class LbvhTopDown final : public BroadPhase {
                                 parent_.data(), arrival_.data(),     leaf_.data(), nodes_.data()};
     if (executor_.on_device() && n_ > max_in_rounds) {
       for (int level = 0; level < levels_needed(); ++level)
-        executor_.run("build", Count(levels.size + level, max_level_size(level)), SplitLevel<Key>{split, level});
+        executor_.run("build", ItemCount(levels.size + level, max_level_size(level)), SplitLevel<Key>{split, level});
     } else {
       executor_.run_rounds("build", levels_needed(), n_, split);
     }

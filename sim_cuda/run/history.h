@@ -41,7 +41,7 @@ class History {
   struct Stage {
     std::string name;
     int launches = 0;        ///< per step
-    bool own_shape = false;  ///< part of it ignores (B, T)
+    bool library_launch = false;  ///< part of it ignores (B, T)
     StageLaunch launch{};    ///< of the newest step that was timed stage by stage
   };
 

@@ -10,7 +10,7 @@ namespace {
 
 /// One value for each body, or `blank` where it is new; empty stays empty.
 template <class Value>
-std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIds& ids, std::size_t count,
+std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIdMap& ids, std::size_t count,
                              const Value& blank, std::size_t first = 0) {
   std::vector<Value> moved(values.empty() ? 0 : count, blank);
   for (std::size_t body = 0; body < ids.size() && !values.empty(); ++body)
@@ -18,7 +18,7 @@ std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIds& id
   return moved;
 }
 
-WarmStart renumbered(const WarmStart& warm_start, const BodyIds& ids, std::size_t count) {
+WarmStart remap_bodies(const WarmStart& warm_start, const BodyIdMap& ids, std::size_t count) {
   WarmStart moved;
   moved.sleep_timer = by_new_id(warm_start.sleep_timer, ids, count, 0u);
   const auto wake = [&](std::uint32_t id) {
@@ -62,18 +62,18 @@ WarmStart renumbered(const WarmStart& warm_start, const BodyIds& ids, std::size_
 
 }  // namespace
 
-RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh) {
+RunState remap_bodies(const RunState& state, const BodyIdMap& ids, BodyStates fresh) {
   const std::size_t known = state.bodies.position.size(), count = fresh.position.size();
   if (ids.empty()) {
-    BodyIds same(known);
+    BodyIdMap same(known);
     for (std::size_t body = 0; body < known; ++body)
       same[body] = body < count ? static_cast<std::uint32_t>(body) : no_body;
-    if (known > 0) return renumbered(state, same, std::move(fresh));
+    if (known > 0) return remap_bodies(state, same, std::move(fresh));
   }
   RunState moved{state.steps,
                  std::move(fresh),
                  by_new_id(state.static_impulses, ids, count, StaticImpulse{}),
-                 renumbered(state.warm_start, ids, count),
+                 remap_bodies(state.warm_start, ids, count),
                  state.settings,
                  {},
                  state.time};
@@ -91,7 +91,7 @@ RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh)
 
 std::uint64_t settings_hash(Scene scene) {
   if (!scene.physics.sleep) return 0;
-  leave_out_guards(scene.physics);
+  disable_guards(scene.physics);
   scene.bodies.clear();
   scene.added.clear();
   scene.joints.clear();

@@ -26,7 +26,7 @@ class Sample {
   }
 
   /// Of one body of the sample.
-  void look(std::int64_t sample) {
+  void test_sample(std::int64_t sample) {
     const std::size_t body = chosen(sample);
     Found& found = found_[static_cast<std::size_t>(sample)];
     std::array<std::uint8_t, block> hit;
@@ -119,7 +119,7 @@ SampledPairs sample_pairs(ThreadTeam& team, const MovingSpheres& spheres, std::i
   team.parallel_for(
       sample.size(), 1,
       [](void* context, std::int64_t begin, std::int64_t end) {
-        for (std::int64_t k = begin; k < end; ++k) static_cast<Sample*>(context)->look(k);
+        for (std::int64_t k = begin; k < end; ++k) static_cast<Sample*>(context)->test_sample(k);
       },
       &sample);
   return sample.result();

@@ -27,7 +27,7 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
   executor_.throw_if_cancelled();
   const Executor::Uninterrupted whole(executor_);
   try {
-    backup_.save(executor_.team(), [&](const ArrayVisitor& visit) { pipeline.visit_lasting(visit); });
+    backup_.save(executor_.team(), [&](const ArrayVisitor& visit) { pipeline.visit_persistent_arrays(visit); });
   } catch (const std::bad_alloc&) {  // no room for a copy
     backup_.clear();
     to_the_end_.emplace(executor_);
@@ -36,10 +36,10 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
 
 void StepUndo::end_step() {
   backup_.clear();
-  leave_step();
+  cancel_step();
 }
 
-void StepUndo::leave_step() {
+void StepUndo::cancel_step() {
   to_the_end_.reset();
   in_step_ = false;
 }

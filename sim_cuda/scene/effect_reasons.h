@@ -8,7 +8,7 @@
 namespace collidoscope {
 
 struct EffectReason {
-  bool called_for = false;  ///< as effects_called_for() has it
+  bool required = false;  ///< as required_effects() has it
   std::string why;          ///< "gravity is 9.81 m/s²", "no medium"
   std::string cannot;       ///< why it cannot be on whatever calls for it, or empty
 };

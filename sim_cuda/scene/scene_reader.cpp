@@ -258,7 +258,7 @@ class SceneReader {
 namespace {
 
 Scene scene_of(std::string text, const std::string& name, const std::string& directory, bool with_meshes) {
-  return while_doing("reading a scene", [&] {
+  return with_allocation_context("reading a scene", [&] {
     Scene scene;
     scene.directory = directory;
     scene.file = name;

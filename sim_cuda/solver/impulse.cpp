@@ -181,7 +181,7 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   uncoloured_degrees_.count("solve", uncoloured);
   uncoloured_.list("solve", uncoloured, uncoloured_degrees_);
   if (impulses != nullptr)
-    executor_.run("solve", Count(&scene_.control->contacts, contact_capacity_),
+    executor_.run("solve", ItemCount(&scene_.control->contacts, contact_capacity_),
                   ClearImpulses<Real>{impulses});
   record_iteration(contacts, 0);
   for (int iteration = 0; iteration < scene_.iterations; ++iteration) {
@@ -214,7 +214,7 @@ void ImpulseSolver<Real>::iterate(const ContactView<Real>& contacts, const Impul
   executor_.run_rounds(
       "solve", Colouring::colours, colour_capacity,
       ColourByColour<ResolveContact<Real>>{colours, {contacts, bodies, scene_.restitution, impulses, correct_positions}});
-  executor_.run("solve", Count(&scene_.control->uncoloured_contacts, contact_capacity_),
+  executor_.run("solve", ItemCount(&scene_.control->uncoloured_contacts, contact_capacity_),
                 ResolveUncoloured<Real>{contacts, bodies, scene_.restitution, colours.order,
                                    colours.begin + Colouring::colours, uncoloured.count, uncoloured_impulse_.data(),
                                    uncoloured_correction_.data(), impulses, correct_positions});

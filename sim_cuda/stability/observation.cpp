@@ -73,29 +73,29 @@ std::vector<Overlap> overlaps(World& world, const BodyStates& bodies) {
   return found;
 }
 
-Observation::Observation(World& world, std::span<const Term> terms) : world_(&world) {
+Observation::Observation(World& world, std::span<const Assertion> assertions) : world_(&world) {
   const auto asked = [&](std::initializer_list<Quantity> quantities) {
-    return std::ranges::any_of(terms, [&](const Term& term) {
-      return std::ranges::find(quantities, term.quantity) != quantities.end();
+    return std::ranges::any_of(assertions, [&](const Assertion& assertion) {
+      return std::ranges::find(quantities, assertion.quantity) != quantities.end();
     });
   };
   energies_ = asked({Quantity::energy_gain, Quantity::energy_loss});
   momenta_ = asked({Quantity::momentum_change, Quantity::angular_momentum_change});
-  for (const Term& term : terms)
-    if (term.quantity == Quantity::displacement) since_[term.since];
+  for (const Assertion& assertion : assertions)
+    if (assertion.quantity == Quantity::displacement) since_[assertion.since];
   if (energies_ || momenta_) first_ = stats();
   if (asked({Quantity::separation_speed}))
     for (const Overlap& overlap : overlaps(world, bodies()))
       if (overlap.other) overlapping_.emplace_back(overlap.body, *overlap.other);
-  remember();
+  update_scales();
 }
 
-void Observation::look(World& world, double seconds) {
+void Observation::update(World& world, double seconds) {
   world_ = &world;
   seconds_ = seconds;
   stats_.reset();
   bodies_.reset();
-  remember();
+  update_scales();
 }
 
 const StepStats& Observation::stats() {
@@ -113,7 +113,7 @@ const BodyStates& Observation::bodies_since(std::int64_t state) {
   return known != since_.end() && known->second ? *known->second : bodies();
 }
 
-void Observation::remember() {
+void Observation::update_scales() {
   for (auto& [state, known] : since_)
     if (!known && world_->steps() >= state) known = bodies();
   if (energies_)
@@ -131,8 +131,8 @@ void Observation::remember() {
   }
   const double(&turning)[3] = stats().angular_momentum;
   momentum_scale_ = std::max(momentum_scale_, sum);
-  turning_scale_ =
-      std::max({turning_scale_, sum * reach, Vector3d(turning[0], turning[1], turning[2]).norm()});
+  angular_momentum_scale_ =
+      std::max({angular_momentum_scale_, sum * reach, Vector3d(turning[0], turning[1], turning[2]).norm()});
 }
 
 }  // namespace collidoscope
