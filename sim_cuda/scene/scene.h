@@ -73,11 +73,7 @@ struct Body {
   int material = 0;                     ///< index into Scene::materials
 };
 
-<<<<<<< HEAD
-/// How the Box Collider's box and radii grow with N; box_collider.h has the formulas.
-=======
 /// How the Box Collider's box and radii grow with N; README.md of this folder has the formulas.
->>>>>>> b57137fa0ef8a9cfd69c7346438eb1bc0a16e7fd
 enum class Variant { paper, scaled, settled, equal };
 inline constexpr std::array<Named<Variant>, 4> variant_names{
     {{"paper", Variant::paper, "fixed box; pairs grow as N^2"},
