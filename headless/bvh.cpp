@@ -57,7 +57,7 @@ Json json_of(const MeasuredTree& m) {
           {"own_visits",
            {{"mean", q.own.mean},
             {"p99", known(q.own.p99)},
-            {"max", known(static_cast<double>(q.own.most))},
+            {"max", known(static_cast<double>(q.own.max))},
             {"warp_max_over_mean", known(q.own.warp_ratio)}}},
           {"root_visits",
            {{"mean", q.visits_mean},
@@ -106,7 +106,7 @@ std::string text_of(const std::vector<MeasuredTree>& trees) {
   };
   row("own visits a query: mean", [&](const MeasuredTree& m) { return number(m.quality.own.mean); });
   row("  99 of 100 below", own([](const OwnVisits& v) { return v.p99; }));
-  row("  most", own([](const OwnVisits& v) { return static_cast<double>(v.most); }));
+  row("  most", own([](const OwnVisits& v) { return static_cast<double>(v.max); }));
   row("  warp's most / mean", own([](const OwnVisits& v) { return v.warp_ratio; }));
   row("root visits a query: mean", [&](const MeasuredTree& m) { return number(m.quality.visits_mean); });
   row("  99 of 100 below", [&](const MeasuredTree& m) { return number(m.quality.visits_p99); });

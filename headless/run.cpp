@@ -66,26 +66,26 @@ class EarlyEnd {
   explicit EarlyEnd(Cancellation* cancellation) : cancellation_(cancellation) {
     if (cancellation_ == nullptr) return;
     Interruption::wait_for_work();
-    cancellation_->hold(true);
+    cancellation_->suspend(true);
   }
   ~EarlyEnd() {
-    if (cancellation_ != nullptr) cancellation_->hold(false);
+    if (cancellation_ != nullptr) cancellation_->suspend(false);
   }
   EarlyEnd(const EarlyEnd&) = delete;
   EarlyEnd& operator=(const EarlyEnd&) = delete;
 
   void step(World& world, int count) {
     if (cancellation_ == nullptr || world.info().on_gpu) return world.step(count);
-    cancellation_->hold(false);
+    cancellation_->suspend(false);
     try {
       world.step(count);
     } catch (const Cancelled&) {
       cancellation_->clear();
-      cancellation_->hold(true);
+      cancellation_->suspend(true);
       cancelled_ = true;
       world.detect();  // back to the state before that step
     }
-    cancellation_->hold(true);
+    cancellation_->suspend(true);
   }
   bool wished() const { return cancelled_ || (cancellation_ != nullptr && cancellation_->requested()); }
 
@@ -103,7 +103,7 @@ World make_world(const Start& start, const RunOptions& options) {
 
 std::string trace_row(const StepStats& s) {
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", s.step, s.kinetic_energy, s.potential_energy,
-                     s.push_work, s.energy(), s.pairs, s.touching, s.speculative, s.split_contacts,
+                     s.push_work, s.energy(), s.pairs, s.touching, s.speculative, s.uncoloured_contacts,
                      s.max_penetration, s.escaped);
 }
 
@@ -256,7 +256,7 @@ int run_command(const CommandLine& line) {
     // All is written before anything is put in place: a disk that fills up leaves no half of a set.
     const auto into = [&](OutputFile& file) {
       return [&](std::string_view text) {
-        if (options.run.cancellation != nullptr && options.run.cancellation->look()) throw Cancelled();
+        if (options.run.cancellation != nullptr && options.run.cancellation->poll()) throw Cancelled();
         file.write(text);
       };
     };

@@ -17,7 +17,8 @@ namespace collidoscope {
 World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids) {
   while_doing("making a world", [&] {
     std::optional<RunState> rest;
-    if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
+    if (start == nullptr && needs_presimulation(valid(scene)))
+      start = &rest.emplace(settled_state(scene, options));
     run_ = std::make_unique<Simulation>(scene, options, start, ids);
     if (start != nullptr) adopt(*start, ids);
   });
@@ -73,7 +74,7 @@ StepStats World::measure() {
   stats.pairs = stepped ? now.pairs_committed : now.pairs;
   stats.touching = now.contacts;
   stats.speculative = stepped ? now.contacts_committed : now.contacts;
-  stats.split_contacts = stepped ? now.split_committed : 0;
+  stats.uncoloured_contacts = stepped ? now.uncoloured_committed : 0;
   run_->pipeline().measure(stats);
   return stats;
 }

@@ -28,16 +28,16 @@ TEST(BoxSurface, IsNearestByFaceEdgeOrCorner) {
         const Vector3d on(x == 0 ? 0.3 : x * half.x(), y == 0 ? -0.9 : y * half.y(),
                           z == 0 ? 0.4 : z * half.z());
         const Vector3d at = center + turn * Vector3d(on + 0.7 * out.normalized());
-        const Face<double> face = box.facing(at);
+        const ContactPlane<double> plane = box.contact_plane_at(at);
         EXPECT_NEAR(box.gap(at, 0.5), 0.2, 1e-14);
-        EXPECT_NEAR((face.normal - turn * out.normalized()).norm(), 0, 1e-14);
-        EXPECT_NEAR(face.offset, face.normal.dot(center + turn * on), 1e-14);
+        EXPECT_NEAR((plane.normal - turn * out.normalized()).norm(), 0, 1e-14);
+        EXPECT_NEAR(plane.offset, plane.normal.dot(center + turn * on), 1e-14);
       }
   // Inside: the nearest face, which is 0.25 m away.
   for (const double side : {1.0, -1.0}) {
     const Vector3d inside = center + turn * Vector3d(0.3, side * 1.75, -0.6);
     EXPECT_NEAR(box.gap(inside, 0.5), -0.75, 1e-14);
-    EXPECT_NEAR((box.facing(inside).normal - turn * Vector3d(0, side, 0)).norm(), 0, 1e-14);
+    EXPECT_NEAR((box.contact_plane_at(inside).normal - turn * Vector3d(0, side, 0)).norm(), 0, 1e-14);
   }
 }
 
@@ -54,22 +54,24 @@ TEST(BoxSurface, IsMetExactlyWhereTheWayMeetsTheGrownBox) {
                 Quaterniond(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized());
     const double r = uniform(0.05, 1);
     const Vector3d x(uniform(-4, 4), uniform(-4, 4), uniform(-4, 4)),
-        way(uniform(-6, 6), uniform(-6, 6), uniform(-6, 6));
+        displacement(uniform(-6, 6), uniform(-6, 6), uniform(-6, 6));
     if (box.gap(x, r) <= 0) continue;
     double least = 1e9, at = 2;
     for (int step = 1; step <= 2000; ++step) {
-      const double gap = box.gap(x + step / 2000.0 * way, r);
+      const double gap = box.gap(x + step / 2000.0 * displacement, r);
       least = std::min(least, gap);
       if (gap <= 0 && at > 1) at = step / 2000.0;
     }
-    const Face<double> face = box.swept(x, way, r);
+    const ContactPlane<double> plane = box.first_plane_on_path(x, displacement, r);
     if (at <= 1) {
       ++met;
-      ASSERT_FALSE(face.is_none()) << k;
-      EXPECT_NEAR((face.normal.dot(x + at * way) - face.offset) / r, 1, 0.02 + way.norm() / 2000 / r) << k;
+      ASSERT_FALSE(plane.is_none()) << k;
+      EXPECT_NEAR((plane.normal.dot(x + at * displacement) - plane.offset) / r, 1,
+                  0.02 + displacement.norm() / 2000 / r)
+          << k;
     } else if (least > 1e-3) {
       ++missed;
-      EXPECT_TRUE(face.is_none()) << k << ": it passes by " << least;
+      EXPECT_TRUE(plane.is_none()) << k << ": it passes by " << least;
     }
   }
   EXPECT_GT(met, 150);

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "sim_cuda/scene/names.h"
-#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/presimulation.h"
 #include "sim_cuda/snapshot/snapshot.h"
 #include "tests/executors.h"
 #include "tests/random.h"

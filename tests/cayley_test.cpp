@@ -14,7 +14,7 @@ namespace {
 TEST(Cayley, TurnsByAnAngleToFourthOrder) {
   for (const double half : {0.01, 0.1, -0.2}) {
     EXPECT_NEAR(std::atan(half_tangent(half)), half, 0.2 * std::pow(std::abs(half), 5));
-    Quaterniond q = turn_along<double>(Vector3d(0, 0, half));
+    Quaterniond q = cayley_rotation<double>(Vector3d(0, 0, half));
     normalise(q);
     EXPECT_NEAR(q.angularDistance(Quaterniond(Eigen::AngleAxisd(2 * half, Vector3d::UnitZ()))), 0,
                 0.4 * std::pow(std::abs(half), 5));
@@ -59,10 +59,10 @@ double growth_of_momentum(const Turn& turn) {
 
 TEST(Cayley, ATumblerKeepsItsAngularMomentumInFloats) {
   constexpr double half_a_float_a_turn = 6e-8 * 100000;
-  EXPECT_LT(growth_of_momentum([](auto&&... all) { rotate_freely(all...); }), half_a_float_a_turn);
-  EXPECT_LT(growth_of_momentum([](auto&&... all) { turn_freely<SecondOrderTurn>(all...); }),
+  EXPECT_LT(growth_of_momentum([](auto&&... all) { rotate_first_order(all...); }), half_a_float_a_turn);
+  EXPECT_LT(growth_of_momentum([](auto&&... all) { rotate_lie_group<SecondOrderRotation>(all...); }),
             half_a_float_a_turn);
-  EXPECT_LT(growth_of_momentum([](auto&&... all) { turn_freely<FourthOrderTurn>(all...); }),
+  EXPECT_LT(growth_of_momentum([](auto&&... all) { rotate_lie_group<FourthOrderRotation>(all...); }),
             half_a_float_a_turn);
 }
 

@@ -178,22 +178,22 @@ TEST_P(Changes, WhoIsRemovedLeavesTheOthersAsTheyAre) {
     EXPECT_EQ(state.bodies.angular_velocity[i], before.bodies.angular_velocity[old[i]]) << i;
     EXPECT_EQ(after->initial().radius[i], world.initial().radius[old[i]]) << i;
     EXPECT_EQ(after->initial().mass[i], world.initial().mass[old[i]]) << i;
-    EXPECT_EQ(state.memory.walls[4][i], before.memory.walls[4][old[i]]) << i;
+    EXPECT_EQ(state.warm_start.walls[4][i], before.warm_start.walls[4][old[i]]) << i;
   }
   // What rested on each other goes on from what it knows.
   std::vector<std::array<std::uint32_t, 2>> kept;
   std::vector<double> impulses;
-  for (const ContactImpulse& c : before.memory.contacts)
+  for (const ContactImpulse& c : before.warm_start.contacts)
     if (std::ranges::find(old, c.a) != old.end() && std::ranges::find(old, c.b) != old.end()) {
       kept.push_back({c.a, c.b});
       impulses.push_back(c.impulse);
     }
   ASSERT_GT(kept.size(), 10u);
-  ASSERT_EQ(state.memory.contacts.size(), kept.size());
+  ASSERT_EQ(state.warm_start.contacts.size(), kept.size());
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    EXPECT_EQ(old[state.memory.contacts[k].a], kept[k][0]);
-    EXPECT_EQ(old[state.memory.contacts[k].b], kept[k][1]);
-    EXPECT_EQ(state.memory.contacts[k].impulse, impulses[k]);
+    EXPECT_EQ(old[state.warm_start.contacts[k].a], kept[k][0]);
+    EXPECT_EQ(old[state.warm_start.contacts[k].b], kept[k][1]);
+    EXPECT_EQ(state.warm_start.contacts[k].impulse, impulses[k]);
   }
   EXPECT_TRUE(after->scene().joints.empty()) << "each had lost a body";
 }
@@ -233,7 +233,7 @@ TEST_P(Changes, SleepersWakeWhereSomethingTheyTouchedIsRemoved) {
   world.step(60);
   const auto asleep = [](World& w) {
     std::vector<bool> list;
-    for (const std::uint32_t slow : w.state().memory.slow) list.push_back(slow == slow_and_asleep);
+    for (const std::uint32_t timer : w.state().warm_start.sleep_timer) list.push_back(timer == asleep_marker);
     return list;
   };
   ASSERT_THAT(asleep(world), ElementsAre(true, true, true, true, true, true));

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <type_traits>
 
+#include "sim_cuda/reference/drag_solution.h"
 #include "sim_cuda/reference/free_rotation.h"
 #include "sim_cuda/reference/impacts.h"
 #include "sim_cuda/reference/jacobi_elliptic.h"
 #include "sim_cuda/reference/kepler.h"
 #include "sim_cuda/reference/oscillations.h"
-#include "sim_cuda/reference/slowing.h"
 
 namespace collidoscope {
 namespace {
@@ -198,16 +198,16 @@ TEST(SlideToRoll, EndsWhereTheSurfaceIsAtRest) {
       << "sliding meets rolling";
 }
 
-TEST(Slowing, ObeysItsLawAndItsLimits) {
+TEST(DragSolution, ObeysItsLawAndItsLimits) {
   for (const double a : {0.0, 1e-9, 0.7})
     for (const double b : {0.0, 0.3}) {
       if (a == 0 && b == 0) continue;
-      const Slowing law{a, b};
+      const DragSolution law{a, b};
       EXPECT_EQ(law.speed(4, 0), 4);
       for (double t = 0.1; t < 5; t += 0.3)
         EXPECT_NEAR(slope([&](double s) { return law.speed(4, s); }, t), law.rate(law.speed(4, t)), 1e-9);
     }
-  EXPECT_NEAR((Slowing{1e-12, 0.3}.speed(4, 2)), (Slowing{0, 0.3}.speed(4, 2)), 1e-11);
+  EXPECT_NEAR((DragSolution{1e-12, 0.3}.speed(4, 2)), (DragSolution{0, 0.3}.speed(4, 2)), 1e-11);
 }
 
 }  // namespace

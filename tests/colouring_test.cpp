@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "sim_cuda/solver/soft_sweeps.h"
+#include "sim_cuda/solver/soft_iteration.h"
 #include "tests/executors.h"
 #include "tests/random.h"
 
@@ -39,7 +39,7 @@ class ColouringTest : public OnEachExecutor {
     Coloured result;
     for (std::size_t k = 0; k < begin.size(); ++k)
       result.colours.emplace_back(order.begin() + begin[k], order.begin() + begin[k] + count[k]);
-    EXPECT_EQ(control.download()[0].split_contacts, count.back());
+    EXPECT_EQ(control.download()[0].uncoloured_contacts, count.back());
     std::vector<std::uint8_t> colour_of(order.size());
     executor.copy_to_host(colour_of.data(), colouring.view().colour, colour_of.size());
     for (std::size_t j = 0; j < Colouring::colours; ++j)
@@ -124,14 +124,14 @@ TEST_P(ColouringTest, TurnsLetEachBodysContactsPassInTheOrderOfTheirColours) {
   const Coloured coloured = colour(contacts, 300, options());
   struct Waiting {
     Pair bodies;
-    Turns turns;
+    DependencyCounters counters;
     int colour;
   };
   std::vector<Waiting> waiting;
   for (int c = 0; c < Colouring::colours; ++c)
     for (const std::uint32_t k : coloured.colours[static_cast<std::size_t>(c)]) {
       const auto [a, b] = contacts[k];
-      waiting.push_back({contacts[k], Turns::of(coloured.used[a], coloured.used[b], c), c});
+      waiting.push_back({contacts[k], DependencyCounters::of(coloured.used[a], coloured.used[b], c), c});
     }
   std::reverse(waiting.begin(), waiting.end());  // the last to be free is asked first
   std::vector<std::uint8_t> count(300, 0);
@@ -140,14 +140,14 @@ TEST_P(ColouringTest, TurnsLetEachBodysContactsPassInTheOrderOfTheirColours) {
     std::vector<Waiting> still;
     for (const Waiting& w : waiting) {
       const auto [a, b] = w.bodies;
-      if (count[a] != w.turns.a || count[b] != w.turns.b) {
+      if (count[a] != w.counters.a || count[b] != w.counters.b) {
         still.push_back(w);
         continue;
       }
       EXPECT_GT(w.colour, std::max(last[a], last[b]));
       last[a] = last[b] = w.colour;
-      count[a] = w.turns.next_a;
-      count[b] = w.turns.next_b;
+      count[a] = w.counters.next_a;
+      count[b] = w.counters.next_b;
     }
     ASSERT_LT(still.size(), waiting.size()) << "they wait for each other";
     waiting = still;

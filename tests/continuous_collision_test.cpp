@@ -16,11 +16,11 @@ namespace {
 class Continuous : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Continuous);
 
-/// m: how near the origin a straight way from `d` to `d + way` comes.
-double nearest(const Vector3d& d, const Vector3d& way) {
-  const double length = way.squaredNorm();
-  const double at = length > 0 ? std::clamp(-d.dot(way) / length, 0.0, 1.0) : 0;
-  return (d + at * way).norm();
+/// m: how near the origin a straight way from `d` to `d + path` comes.
+double nearest(const Vector3d& d, const Vector3d& path) {
+  const double length = path.squaredNorm();
+  const double at = length > 0 ? std::clamp(-d.dot(path) / length, 0.0, 1.0) : 0;
+  return (d + at * path).norm();
 }
 
 TEST(ShareOutsideCore, StopsWhereTheyTouchAndOnlyBeforeACore) {
@@ -28,21 +28,21 @@ TEST(ShareOutsideCore, StopsWhereTheyTouchAndOnlyBeforeACore) {
   int cut = 0, stuck = 0;
   for (int k = 0; k < 100000; ++k) {
     const double reach = uniform(0.01, 2);
-    const Vector3d d = uniform.vector(3), way = uniform.vector(6);
-    const double share = share_outside_core<double>(d, way, reach);
-    ASSERT_GE(share, 0);
-    ASSERT_LE(share, 1);
-    const bool enters = d.norm() > reach / 2 && nearest(d, way) < reach / 2;
-    EXPECT_EQ(share < 1, enters);
+    const Vector3d d = uniform.vector(3), path = uniform.vector(6);
+    const double fraction = fraction_outside_core<double>(d, path, reach);
+    ASSERT_GE(fraction, 0);
+    ASSERT_LE(fraction, 1);
+    const bool enters = d.norm() > reach / 2 && nearest(d, path) < reach / 2;
+    EXPECT_EQ(fraction < 1, enters);
     if (!enters) continue;
     ++cut;
     if (d.norm() <= reach) {
-      EXPECT_EQ(share, 0);
+      EXPECT_EQ(fraction, 0);
       ++stuck;
       continue;
     }
-    EXPECT_NEAR((d + share * way).norm(), reach, 1e-9 * (d.norm() + way.norm()));
-    EXPECT_GE(nearest(d, share * way), reach * (1 - 1e-9));
+    EXPECT_NEAR((d + fraction * path).norm(), reach, 1e-9 * (d.norm() + path.norm()));
+    EXPECT_GE(nearest(d, fraction * path), reach * (1 - 1e-9));
   }
   EXPECT_GT(cut, 1000);
   EXPECT_GT(stuck, 30);
@@ -91,14 +91,14 @@ int passed(World& world, const Scene& scene, int steps) {
 }
 
 // A wall may push a body beyond its leash: without a way of its own it stays there, wherever that is.
-TEST(HeldMotion, OfWhoStandsStillIsNone) {
-  const Leash<float> leash{Vector3f(0, 0, 0), 1};
+TEST(ClampedMotion, OfWhoStandsStillIsNone) {
+  const DisplacementLimit<float> limit{Vector3f(0, 0, 0), 1};
   const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);
-  const HeldMotion<float> motion{&leash, &whole};
+  const ClampedMotion<float> motion{&limit, &whole};
   const Vector3f still(0, 0, 0), outside(0, 0, 1.5f), back(0, 0, -1), on(0, 0, 1);
-  EXPECT_EQ(motion.held_way(0, outside, still, 0.01f), still);
-  EXPECT_EQ(motion.held_way(0, outside, on, 0.01f), still);
-  EXPECT_EQ(motion.held_way(0, outside, back, 0.01f), Vector3f(0.01f * back));
+  EXPECT_EQ(motion.clamped_displacement(0, outside, still, 0.01f), still);
+  EXPECT_EQ(motion.clamped_displacement(0, outside, on, 0.01f), still);
+  EXPECT_EQ(motion.clamped_displacement(0, outside, back, 0.01f), Vector3f(0.01f * back));
 }
 
 TEST_P(Continuous, NobodyPassesThroughAnybodyInASwarm) {

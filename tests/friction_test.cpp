@@ -167,7 +167,7 @@ std::int64_t expect_kept(Scene scene, const RunOptions& options) {
     }
     EXPECT_LE(now.energy(), last * (1 + 1e-12)) << step;
     last = now.energy();
-    split = std::max(split, now.split_contacts);
+    split = std::max(split, now.uncoloured_contacts);
   }
   EXPECT_LT(last, 0.995 * before.energy());
   return split;

@@ -1,5 +1,5 @@
 // Integrators and rotation updates by themselves: the order of each against closed forms, and what a wrong
-// coefficient makes of it; invariants. free_motion_test.cpp has them in the solvers.
+// coefficient makes of it; invariants. free_integrator_test.cpp has them in the solvers.
 
 #include "sim_cuda/dynamics/integrators.h"
 
@@ -17,21 +17,21 @@
 namespace collidoscope {
 namespace {
 
-/// Of a mass on a spring, after 2 s; `flight`: a step of it.
+/// Of a mass on a spring, after 2 s; `step`: a step of it.
 template <class Fly>
 double spring_order(const Fly& fly) {
   const double eps = 1e6;
-  const PullingPoint<double> center{Vector3d(0, 0, 0), eps * eps * eps, eps};  // 1 rad/s
+  const PointAttractor<double> center{Vector3d(0, 0, 0), eps * eps * eps, eps};  // 1 rad/s
   const SmoothForces<double> forces{
-      PullView<double>{&center, 1}, DragLaw<double>{}, false, Vector3d(0, 0, 0), 1, 1};
+      AttractorView<double>{&center, 1}, DragLaw<double>{}, false, Vector3d(0, 0, 0), 1, 1};
   return order_of_error(
       [&](int steps) {
         Vector3d x(1, 0, 0), v(0, 0.5, 0);
         const double h = 2.0 / steps;
         for (int k = 0; k < steps; ++k) {
-          const FreeFlight<double> flight = fly(forces, x, v, forces.pull(x), h);
-          x += h * flight.along;
-          v = flight.after;
+          const FreeStep<double> step = fly(forces, x, v, forces.field(x), h);
+          x += h * step.drift_velocity;
+          v = step.velocity;
         }
         return (x - Vector3d(std::cos(2), 0.5 * std::sin(2), 0)).norm();
       },
@@ -39,11 +39,11 @@ double spring_order(const Fly& fly) {
 }
 template <class Kicks>
 double verlet_order() {
-  return spring_order([](const auto&... all) { return verlet_flight<Kicks>(all...); });
+  return spring_order([](const auto&... all) { return verlet_step<Kicks>(all...); });
 }
 template <class Tableau>
 double rk4_order() {
-  return spring_order([](const auto&... all) { return rk4_flight<Tableau>(all...); });
+  return spring_order([](const auto&... all) { return rk4_step<Tableau>(all...); });
 }
 /// Of an asymmetric body, after 1.5 s; `turn`: a step of it.
 template <class Turn>
@@ -61,14 +61,14 @@ double turning_order(const Turn& turn) {
 template <class Parts>
 double lie_order() {
   return turning_order(
-      [](auto& q, auto& w, const Vector3d& inertia, double h) { turn_freely<Parts>(q, w, inertia, h); });
+      [](auto& q, auto& w, const Vector3d& inertia, double h) { rotate_lie_group<Parts>(q, w, inertia, h); });
 }
 /// Of Euler's stage on a parabola, `wrong` of both of its coefficients.
 double euler_order(double wrong_acceleration, double wrong_step) {
   return order_of_error(
       [&](int steps) {
         Vector3d x(0, 0, 0);
-        StoredVector3<double> v(Vector3d(3, 0, 4));
+        PackedVector3<double> v(Vector3d(3, 0, 4));
         BodyView<double> bodies{};
         bodies.position = &x;
         bodies.velocity = &v;
@@ -125,19 +125,19 @@ TEST(Integrators, AreOfTheirOrderAndNoWrongCoefficientIs) {
 
   const auto paper = [](double wrong) {
     return turning_order([&](auto& q, auto& w, const Vector3d& inertia, double h) {
-      rotate_freely<double>(q, w, inertia, wrong * h);
+      rotate_first_order<double>(q, w, inertia, wrong * h);
     });
   };
   EXPECT_NEAR(paper(1), 1, near);
   EXPECT_LT(paper(off), 1 - near);
 
-  EXPECT_NEAR(lie_order<SecondOrderTurn>(), 2, near);
-  EXPECT_LT((lie_order<WrongParts<SecondOrderTurn, 0>>()), 2 - near);
-  EXPECT_NEAR(lie_order<FourthOrderTurn>(), 4, near);
+  EXPECT_NEAR(lie_order<SecondOrderRotation>(), 2, near);
+  EXPECT_LT((lie_order<WrongParts<SecondOrderRotation, 0>>()), 2 - near);
+  EXPECT_NEAR(lie_order<FourthOrderRotation>(), 4, near);
   for (const double order :
-       {lie_order<WrongParts<FourthOrderTurn, 0>>(), lie_order<WrongParts<FourthOrderTurn, 1>>(),
-        lie_order<WrongParts<FourthOrderTurn, 2>>(), lie_order<WrongParts<FourthOrderTurn, 3>>(),
-        lie_order<WrongParts<FourthOrderTurn, 4>>()})
+       {lie_order<WrongParts<FourthOrderRotation, 0>>(), lie_order<WrongParts<FourthOrderRotation, 1>>(),
+        lie_order<WrongParts<FourthOrderRotation, 2>>(), lie_order<WrongParts<FourthOrderRotation, 3>>(),
+        lie_order<WrongParts<FourthOrderRotation, 4>>()})
     EXPECT_LT(order, 4 - near);
 }
 
@@ -148,7 +148,7 @@ TEST(Integrators, TurnABallToTheFourthOrder) {
         Quaterniond q(1, 0, 0, 0);
         Vector3d w = spin;
         for (int k = 0; k < steps; ++k)
-          EXPECT_FALSE(turn_freely<SecondOrderTurn>(q, w, Vector3d(2, 2, 2), 1.0 / steps));
+          EXPECT_FALSE(rotate_lie_group<SecondOrderRotation>(q, w, Vector3d(2, 2, 2), 1.0 / steps));
         EXPECT_EQ(w, spin);
         return q.angularDistance(Quaterniond(Eigen::AngleAxisd(spin.norm(), spin.normalized())));
       },
@@ -177,14 +177,14 @@ TEST(Integrators, KeepAngularMomentumAndEnergyOfATumblerAndRunBackwards) {
     EXPECT_LT((now - momentum).norm(), 5e-16 * steps * momentum.norm());
     EXPECT_NEAR(q.norm(), 1, 1e-15);
   };
-  check([&](auto& q, auto& w, double h) { turn_freely<SecondOrderTurn>(q, w, inertia, h); }, 2e-5);
-  check([&](auto& q, auto& w, double h) { turn_freely<FourthOrderTurn>(q, w, inertia, h); }, 5e-10);
+  check([&](auto& q, auto& w, double h) { rotate_lie_group<SecondOrderRotation>(q, w, inertia, h); }, 2e-5);
+  check([&](auto& q, auto& w, double h) { rotate_lie_group<FourthOrderRotation>(q, w, inertia, h); }, 5e-10);
   // The way back is the way there.
   Quaterniond q(1, 0, 0, 0);
   Vector3d w(0.5, 1, -0.7);
   const Vector3d start = w;
   for (const double h : {0.05, -0.05})
-    for (int k = 0; k < 100; ++k) turn_freely<FourthOrderTurn>(q, w, inertia, h);
+    for (int k = 0; k < 100; ++k) rotate_lie_group<FourthOrderRotation>(q, w, inertia, h);
   EXPECT_LT(q.angularDistance(Quaterniond(1, 0, 0, 0)), 1e-12);
   EXPECT_LT((w - start).norm(), 1e-12);
 }
@@ -192,7 +192,7 @@ TEST(Integrators, KeepAngularMomentumAndEnergyOfATumblerAndRunBackwards) {
 TEST(Integrators, TurnAnythingHoweverFast) {
   Quaternionf q(1, 0, 0, 0);
   Vector3f w(1e9f, -1e9f, 1e9f);
-  for (int k = 0; k < 10; ++k) turn_freely<FourthOrderTurn>(q, w, Vector3f(1, 2, 2.5), 1000.0f);
+  for (int k = 0; k < 10; ++k) rotate_lie_group<FourthOrderRotation>(q, w, Vector3f(1, 2, 2.5), 1000.0f);
   EXPECT_NEAR(q.norm(), 1, 1e-6);
   EXPECT_TRUE(std::isfinite(w.norm()));
 }

@@ -24,7 +24,7 @@ TEST_P(JacobiSplit, ColoursNothing) {
   world.step(100);
   const StepStats stats = world.measure();
   EXPECT_GT(stats.speculative, 100);
-  EXPECT_EQ(stats.split_contacts, stats.speculative);
+  EXPECT_EQ(stats.uncoloured_contacts, stats.speculative);
   World coloured(pile(500, Solver::soft_step), options());
   coloured.step(1);
   World split(pile(500, Solver::jacobi_split), options());

@@ -11,8 +11,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/whole_file.h"
 #include "tests/test_files.h"
 
 namespace collidoscope {
@@ -100,15 +100,15 @@ TEST(SettingsFile, OtherVersionsAndPipesAreLeftAlone) {
   EXPECT_FALSE(read_settings_file(file, workspace).may_be_written);
 }
 
-TEST(WholeFile, IsWrittenOrAsItWas) {
+TEST(AtomicFile, IsWrittenOrAsItWas) {
   const TemporaryFolder folder;
   const std::string file = (folder / "a/b/c.json").string();
-  write_whole_file(file, "one");
-  write_whole_file(file, "two");
+  write_file_atomically(file, "one");
+  write_file_atomically(file, "two");
   std::ifstream stream(file);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "two");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "a/b"), {}), 1);
-  EXPECT_THROW(write_whole_file(file + "/below", "x"), MachineError);
+  EXPECT_THROW(write_file_atomically(file + "/below", "x"), MachineError);
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ ON_EACH_EXECUTOR(Sleepers);
 /// By body: whether it slept in the last step.
 std::vector<bool> sleepers(World& world) {
   std::vector<bool> asleep;
-  for (const std::uint32_t slow : world.state().memory.slow) asleep.push_back(slow == slow_and_asleep);
+  for (const std::uint32_t timer : world.state().warm_start.sleep_timer)
+    asleep.push_back(timer == asleep_marker);
   return asleep;
 }
 int count(World& world, std::size_t first = 0, std::size_t last = ~std::size_t{0}) {
@@ -78,15 +79,15 @@ TEST_P(Sleepers, KeepTheirStateAndWhatIsRememberedOfThem) {
     world.step(100);
     EXPECT_EQ(world.state_hash(), hash);
     const RunState after = world.state();
-    ASSERT_EQ(after.memory.contacts.size(), before.memory.contacts.size());
-    EXPECT_GE(after.memory.contacts.size(), 6u);
-    for (std::size_t k = 0; k < after.memory.contacts.size(); ++k)
-      EXPECT_EQ(after.memory.contacts[k].impulse, before.memory.contacts[k].impulse);
-    EXPECT_EQ(after.memory.grips, before.memory.grips);
-    EXPECT_EQ(after.memory.rolls, before.memory.rolls);
-    EXPECT_EQ(after.memory.walls, before.memory.walls);
-    EXPECT_EQ(after.memory.wall_grips, before.memory.wall_grips);
-    EXPECT_EQ(after.memory.wall_rolls, before.memory.wall_rolls);
+    ASSERT_EQ(after.warm_start.contacts.size(), before.warm_start.contacts.size());
+    EXPECT_GE(after.warm_start.contacts.size(), 6u);
+    for (std::size_t k = 0; k < after.warm_start.contacts.size(); ++k)
+      EXPECT_EQ(after.warm_start.contacts[k].impulse, before.warm_start.contacts[k].impulse);
+    EXPECT_EQ(after.warm_start.friction, before.warm_start.friction);
+    EXPECT_EQ(after.warm_start.rolling, before.warm_start.rolling);
+    EXPECT_EQ(after.warm_start.walls, before.warm_start.walls);
+    EXPECT_EQ(after.warm_start.wall_friction, before.warm_start.wall_friction);
+    EXPECT_EQ(after.warm_start.wall_rolling, before.warm_start.wall_rolling);
   }
 }
 
@@ -213,7 +214,7 @@ TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
   World joined(scene, options());
   joined.step(40);
   EXPECT_EQ(count(joined, 0, 2), 2);
-  const std::uint64_t impulses = joined.state().memory.joints.size();
+  const std::uint64_t impulses = joined.state().warm_start.joints.size();
   EXPECT_EQ(impulses, 1u);
   joined.step(90);  // it hits 1 at state 110, and 0 is 10 m from there
   EXPECT_EQ(count(joined), 0);
@@ -321,7 +322,7 @@ TEST_P(Sleepers, OffTheyCostNothing) {
   EXPECT_LT(without.info().allocated_bytes, with.info().allocated_bytes);
   EXPECT_EQ(without.state_hash(), unlisted.state_hash());
   EXPECT_EQ(without.state_hash(), with.state_hash()) << "until something sleeps";
-  EXPECT_TRUE(without.state().memory.slow.empty());
+  EXPECT_TRUE(without.state().warm_start.sleep_timer.empty());
   const auto launches = [](World& world) {
     int all = 0;
     for (const StageTime& stage : world.times().stages) all += static_cast<int>(stage.launches);
@@ -358,7 +359,7 @@ TEST_P(Sleepers, APileOfThousandsSleepsWholeAndWakesWhereItIsTouched) {
       std::ranges::max_element(at, {}, [](const Vector3d& x) { return x.z(); }) - at.begin());
   thrown.bodies.position[top] = Vector3d(1, 1, 12);
   thrown.bodies.velocity[top] = Vector3d(0, 0, -10);
-  thrown.memory.slow[top] = 0;
+  thrown.warm_start.sleep_timer[top] = 0;
   World other(scene, options());
   other.adopt(thrown);
   int awake = 1;

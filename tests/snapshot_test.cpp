@@ -48,7 +48,7 @@ void step_also_from_a_file(World& world) {
   EXPECT_EQ(again.state_hash(), world.state_hash()) << "step " << world.steps();
 }
 
-Scene rubbing_box(std::int64_t bodies) {
+Scene box_with_friction(std::int64_t bodies) {
   Scene scene = box_collider(bodies);
   scene.generators[0].radius_max = 7;
   scene.generators[0].speed_max = 3;
@@ -72,9 +72,9 @@ TEST_P(Snapshots, ARunGoesOnBitForBit) {
   plain.generators[0].radius_max = 7;
   for (const Solver solver : {Solver::impulse, Solver::soft_step})
     for (const Precision precision : {Precision::f32, Precision::f64})
-      for (const bool rubs : {false, true}) {
-        if (rubs && solver == Solver::impulse) continue;
-        Scene scene = rubs ? rubbing_box(400) : plain;
+      for (const bool has_friction : {false, true}) {
+        if (has_friction && solver == Solver::impulse) continue;
+        Scene scene = has_friction ? box_with_friction(400) : plain;
         scene.physics.solver = solver;
         scene.physics.precision = precision;
         World whole(scene, options()), first(scene, options());
@@ -132,7 +132,7 @@ TEST_P(Snapshots, BesideBodiesThatFailedGoOnBitForBit) {
 }
 
 TEST_P(Snapshots, ATurnedSettingActsAsInAWorldThatAdopts) {
-  World first(rubbing_box(300), options());
+  World first(box_with_friction(300), options());
   first.step(20);
   const Snapshot snapshot = by_way_of_a_file(snapshot_of(first));
   Scene edited = snapshot.scene;
@@ -189,7 +189,7 @@ class SpoiltSnapshot : public testing::Test {
   SpoiltSnapshot() {
     RunOptions o;
     o.executor = ExecutorKind::cpu;
-    World world(rubbing_box(20), o);
+    World world(box_with_friction(20), o);
     world.step(3);
     good_ = bytes_of(snapshot_of(world));
   }
@@ -293,7 +293,7 @@ TEST(SnapshotOfARun, KnowsTheTimeAlsoOfStepsOfOtherLengths) {
   const TemporaryFolder folder;
   RunOptions o;
   o.executor = ExecutorKind::cpu;
-  Scene scene = rubbing_box(20);
+  Scene scene = box_with_friction(20);
   scene.physics.time_step = 0.125;
   World first(scene, o);
   first.step(4);

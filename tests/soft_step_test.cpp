@@ -91,7 +91,7 @@ TEST(Softness, ALoadSinksInByItsStiffness) {
   // the impulse back, so the depth is where the spring's change is zero.
   const double h = 1.0 / 240, load = 7, mass = 3;
   const Softness<double> softness = Softness<double>::of(h);
-  const double omega = 2 * 3.14159265358979323846 * Softness<double>::turns_per_substep / h;
+  const double omega = 2 * 3.14159265358979323846 * Softness<double>::cycles_per_substep / h;
   SoftContact<double> contact{};
   contact.radius = 1;
   contact.impulse = load * h;
@@ -105,7 +105,7 @@ TEST_P(SoftStep, AColumnSinksInByThatMuch) {
   World world(scene, options());
   world.step(300);
   const double h = world.scene().physics.time_step / 4;
-  const double omega = 2 * 3.14159265358979323846 * Softness<double>::turns_per_substep / h;
+  const double omega = 2 * 3.14159265358979323846 * Softness<double>::cycles_per_substep / h;
   EXPECT_NEAR(world.measure().max_penetration, 9.81 * 2 / (omega * omega), 1e-9) << "mass is m/2, load m g";
 }
 
@@ -345,8 +345,8 @@ TEST_P(SoftStep, AnEffectThatIsOffCostsNoLaunchAndNoByte) {
   EXPECT_EQ(launches(b) - launches(a), 4 * 2 + 1);
 }
 
-template <bool dragged>
-void expect_foreseen() {
+template <bool with_drag>
+void expect_predicted() {
   // Each body moves in K substeps of semi-implicit Euler under what gravity leaves of itself where
   // frictionless support takes a part of it, and drag the more; whoever touch at some substep were foreseen,
   // by boxes and by gap.
@@ -374,7 +374,7 @@ void expect_foreseen() {
       const Vector3d support = direction();
       const double pressed = std::max(0.0, -g.dot(support));
       m = {Vector3d(0, 0, 0), uniform(0, 30) * direction(), g + pressed * support, uniform(0.01, 1),
-           dragged ? uniform(0, 3) / dt : 0};
+           with_drag ? uniform(0, 3) / dt : 0};
       if (random() % 3 == 0) m.pull = g;
     }
     body[1].x = (body[0].r + body[1].r + uniform(0, 1.5) * dt * 30) * direction();
@@ -390,12 +390,12 @@ void expect_foreseen() {
     }
     if (!meet) continue;
     ++met;
-    constexpr Course course = dragged ? Course::dragged : Course::straight;
-    const StoredVector3<double> stored[2] = {v[0], v[1]};
-    const Foresight<double> foresight{course, stored, dt, dt * dt * g.norm()};
-    EXPECT_TRUE(spheres_will_touch<double>(x[0], r[0], v[0], x[1], r[1], v[1], foresight));
+    constexpr MotionBound bound = with_drag ? MotionBound::linear_with_drag : MotionBound::linear;
+    const PackedVector3<double> stored[2] = {v[0], v[1]};
+    const SpeculativeMargin<double> margin{bound, stored, dt, dt * dt * g.norm()};
+    EXPECT_TRUE(spheres_will_touch<double>(x[0], r[0], v[0], x[1], r[1], v[1], margin));
     Aabb boxes[2];
-    const SweptBounds<double> bounds{x, stored, r, dt, foresight.slack, boxes};
+    const SweptBounds<double> bounds{x, stored, r, dt, margin.acceleration_margin, boxes};
     bounds(0);
     bounds(1);
     EXPECT_TRUE(overlap(boxes[0], boxes[1]));
@@ -403,8 +403,8 @@ void expect_foreseen() {
   EXPECT_GT(met, 500);
 }
 
-TEST(Foresight, MissesNoContactOfASmoothMotion) { expect_foreseen<false>(); }
-TEST(Foresight, MissesNoneWhereDragStopsOneOfTwo) { expect_foreseen<true>(); }
+TEST(SpeculativeMargin, MissesNoContactOfASmoothMotion) { expect_predicted<false>(); }
+TEST(SpeculativeMargin, MissesNoneWhereDragStopsOneOfTwo) { expect_predicted<true>(); }
 
 }  // namespace
 }  // namespace collidoscope

@@ -24,9 +24,9 @@ class Stages {
   explicit Stages(const RunOptions& options, const Guards& guards = {})
       : executor_(options), guard_(executor_, guards) {
     bodies.position.upload(std::vector<Vector>(n, Vector(1, 2, 3)));
-    bodies.velocity.upload(std::vector<StoredVector3<Real>>(n, Vector(0, 4, 3)));
+    bodies.velocity.upload(std::vector<PackedVector3<Real>>(n, Vector(0, 4, 3)));
     bodies.orientation.upload(std::vector<Quaternion<Real>>(n, Quaternion<Real>(1, 0, 0, 0)));
-    bodies.angular_velocity.upload(std::vector<StoredVector3<Real>>(n, Vector(0, 0, 7)));
+    bodies.angular_velocity.upload(std::vector<PackedVector3<Real>>(n, Vector(0, 0, 7)));
     boxes.upload(std::vector<Aabb>(n, Aabb{{0, 1, 2}, {2, 3, 4}}));
     field.upload(std::vector<Vector>(n, Vector(0, 0, -1)));
     contacts.upload({Pair{1, 2}, Pair{3, 4}});
@@ -210,7 +210,7 @@ TEST_P(StageGuards, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
   }
   // Whatever the precision, what overflows when it is squared is beyond all limits.
   Stages<float> fast(options());
-  fast.bodies.velocity.upload(std::vector<StoredVector3<float>>(n, Vector3f(0, 1e30f, 0)));
+  fast.bodies.velocity.upload(std::vector<PackedVector3<float>>(n, Vector3f(0, 1e30f, 0)));
   fast.run({{"forces"}});
   EXPECT_EQ(fast.found().body(), 0u);
   EXPECT_EQ(fast.read({{"forces"}}).value, static_cast<double>(1e30f));

@@ -39,7 +39,7 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
         "Islands that sleep, of all: bodies that touch, or soon may, sleep and wake together");
   }
   row("fastest", with_prefix(s.max_speed, "m/s"));
-  row("split", grouped_number(s.split_contacts),
+  row("split", grouped_number(s.uncoloured_contacts),
       "Contacts that no colour took, solved by splitting the masses of their bodies");
   row("outside", grouped_number(s.escaped), "Centres outside the box");
   row_text("momentum", with_prefix(std::hypot(s.momentum[0], s.momentum[1], s.momentum[2]), "kg m/s"));

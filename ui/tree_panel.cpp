@@ -57,7 +57,7 @@ void draw_quality(const WorkspaceView& view) {
   row("empty", number(q.empty_space), "Part of a box that no child fills: mean of inner nodes");
   row("own visits", number(q.own.mean),
       "Nodes that the method's own traversal reads for a body, which finds the pairs: mean");
-  row("own most", q.own.by_query ? grouped_number(q.own.most) : "-",
+  row("own most", q.own.by_query ? grouped_number(q.own.max) : "-",
       "Own visits of the longest query; not known of a method whose bodies have no query each");
   row("root visits", number(q.visits_mean),
       "Boxes that one and the same query tests for a body, from the root of each tree as it is drawn: mean. "

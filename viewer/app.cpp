@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/whole_file.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "ui/colored_levels.h"
 #include "ui/widgets.h"
@@ -82,7 +82,7 @@ World App::prepared(const Start& start) {
   std::int64_t bodies = std::ssize(start.scene.bodies) + std::ssize(start.scene.added);
   for (const BoxCollider& generator : start.scene.generators) bodies += generator.count;
   constexpr std::int64_t many = 20'000;
-  if (bodies < many && !settles(start.scene)) return start.world(options_.run);
+  if (bodies < many && !needs_presimulation(start.scene)) return start.world(options_.run);
   const std::string text = fmt::format("preparing {} bodies ...", grouped_number(bodies));
   constexpr float grey[] = {0.1f, 0.1f, 0.1f, 1};
   gui_.begin(picture_.width(), picture_.height());
@@ -101,7 +101,7 @@ bool App::run(const std::function<bool()>& ended) {
     bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
     busy |= shows_hard_cases() && !stability_.done();
-    busy |= settling_.has_value();
+    busy |= presimulation_.has_value();
     const bool idle =
         !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
     window_.poll(idle ? 0.05 : 0);
@@ -115,7 +115,7 @@ bool App::run(const std::function<bool()>& ended) {
     frame(std::min(seconds, 0.25));
   }
   try {
-    if (keeps_settings_) write_whole_file(settings_path(), settings_text(workspace_));
+    if (keeps_settings_) write_file_atomically(settings_path(), settings_text(workspace_));
   } catch (const MachineError& error) {
     say_on_stderr(error.what());
   }

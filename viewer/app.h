@@ -9,7 +9,7 @@
 #include <string>
 
 #include "headless/cli/command_line.h"
-#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/presimulation.h"
 #include "ui/workspace.h"
 #include "viewer/gui_input.h"
 #include "viewer/render/gui_pass.h"
@@ -106,9 +106,9 @@ class App {
     RunOptions options;
     LiveWorld::Record record;
   };
-  std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
-  std::optional<Settling> settling_;  ///< what is to begin next
-  std::string settling_scene_;        ///< its scene, as text
+  std::optional<Left> before_cases_;            ///< the run that a hard case took the place of
+  std::optional<Presimulation> presimulation_;  ///< what is to begin next
+  std::string settling_scene_;                  ///< its scene, as text
   EffectCosts costs_;
   int costs_generation_ = -1;   ///< of the World that costs_ speaks of
   bool keeps_settings_ = true;  ///< written at the end; set with workspace_

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 #include "viewer/app.h"
 #include "viewer/free_name.h"
 
@@ -36,7 +36,7 @@ void App::meet_stop_wish() {
       std::string bytes;
       write_snapshot(breaks_.before(live_), [&](std::string_view more) { bytes += more; });
       const std::string file = free_name(fmt::format("before_{:06}", stop->before + 1), "snapshot");
-      write_whole_file(file, bytes);
+      write_file_atomically(file, bytes);
       say(fmt::format("wrote {}, a snapshot of state {}", file, stop->before));
       break;
     }

@@ -111,7 +111,7 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // closes that
-      if (settling_) {
+      if (presimulation_) {
         workspace_.settings = live_.settings();
         workspace_.restart_wish = false;
         say("left as it is");

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "viewer/app_guard.h"
@@ -33,7 +33,7 @@ void App::meet_wishes(double seconds) {
   if (std::exchange(workspace_.remove_wish, false)) guarded([&] { remove_selected(); });
   const bool pending = workspace_.settings != live_.settings();
   if (workspace_.restart_wish && !pending) guarded([&] { restart(seconds); });
-  if (!workspace_.restart_wish && !pending) settling_.reset();
+  if (!workspace_.restart_wish && !pending) presimulation_.reset();
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   guarded([&] { meet_stop_wish(); });
@@ -71,21 +71,21 @@ void App::follow_reference() {
 /// Whether a run can begin with this scene, in `rest` if it is one that settles. Goes on with settling else:
 /// the run that there is stays until then.
 bool App::comes_to_rest(const Scene& scene, double seconds, std::optional<RunState>& rest) {
-  if (!settles(scene)) return true;
+  if (!needs_presimulation(scene)) return true;
   std::string text = write_scene(scene);
-  if (!settling_ || settling_scene_ != text) {
-    settling_.emplace(scene, live_.world().options());
+  if (!presimulation_ || settling_scene_ != text) {
+    presimulation_.emplace(scene, live_.world().options());
     settling_scene_ = std::move(text);
   }
   // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
-  settling_->go_on(std::clamp(500 * seconds, 30.0, 250.0));
-  if (!settling_->done()) {
+  presimulation_->go_on(std::clamp(500 * seconds, 30.0, 250.0));
+  if (!presimulation_->done()) {
     say(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
-                    settling_->steps(), settling_->most()));
+                    presimulation_->steps(), presimulation_->max_steps()));
     return false;
   }
-  rest = settling_->take();
-  settling_.reset();
+  rest = presimulation_->take();
+  presimulation_.reset();
   workspace_.notice.clear();
   return true;
 }
@@ -159,13 +159,14 @@ void App::export_history(bool csv) {
   const auto window = static_cast<std::size_t>(std::max(workspace_.window, 1));
   const std::string file =
       free_name(fmt::format("history_{:06}", live_.world().steps()), csv ? "csv" : "json");
-  write_whole_file(file, csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
+  write_file_atomically(file,
+                        csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
   say("wrote " + file);
 }
 
 void App::export_changes() {
   const std::string file = free_name(fmt::format("changes_{:06}", live_.world().steps()), "json");
-  write_whole_file(file, live_.changes_text());
+  write_file_atomically(file, live_.changes_text());
   say("wrote " + file);
 }
 

@@ -31,7 +31,7 @@ struct EffectTrial {
 
 void nothing(Scene&) {}
 void spin(Scene& scene) { scene.bodies[0].angular_velocity = Vector3d(0, 0, 1); }
-void rub(Scene& scene) {
+void add_friction(Scene& scene) {
   spin(scene);
   scene.materials[0].friction = 0.5;
 }
@@ -50,8 +50,8 @@ constexpr EffectTrial trials[] = {
      }},
     {"drag", nothing, [](Scene& s) { s.physics.drag.density = 1.2; }},
     {"rotation", nothing, spin},
-    {"friction", spin, rub},
-    {"rolling_resistance", rub, [](Scene& s) { s.materials[0].rolling_resistance = 0.02; }},
+    {"friction", spin, add_friction},
+    {"rolling_resistance", add_friction, [](Scene& s) { s.materials[0].rolling_resistance = 0.02; }},
     {"joints", nothing,
      [](Scene& s) {
        for (int k = 1; k < std::min<std::int64_t>(200, s.generators[0].count); k += 2) {

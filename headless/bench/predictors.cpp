@@ -57,7 +57,7 @@ constexpr Measure measures[] = {
     {"root visits a true pair", [](const TreeQuality& q) { return q.tests_per_pair; }},
     {"own visits, mean", [](const TreeQuality& q) { return q.own.mean; }},
     {"own visits, 99th percentile", [](const TreeQuality& q) { return by_query(q, q.own.p99); }},
-    {"own visits, most", [](const TreeQuality& q) { return by_query(q, static_cast<double>(q.own.most)); }},
+    {"own visits, most", [](const TreeQuality& q) { return by_query(q, static_cast<double>(q.own.max)); }},
     {"own visits, warp's most",
      [](const TreeQuality& q) { return by_query(q, q.own.warp_ratio * q.own.mean); }},
 };

@@ -98,12 +98,12 @@ std::vector<Contestant> contestants(const Scene& scene, const RunOptions& option
   Scene paper = ours;
   paper.physics.solver = Solver::impulse;
   paper.physics.substeps = substeps;
-  bool rubs = false;
+  bool has_friction = false;
   for (Material& material : paper.materials) {
-    rubs |= material.friction != 0;
+    has_friction |= material.friction != 0;
     material.friction = 0;
   }
-  add(paper, rubs ? ", no friction" : "");
+  add(paper, has_friction ? ", no friction" : "");
   if (!has_bullet()) return all;
   // Its own default step is 1/60 s.
   const int of_60 = std::max(1, static_cast<int>(std::lround(scene.physics.time_step * 60)));

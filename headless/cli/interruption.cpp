@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "headless/cli/standard_output.h"
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 namespace {

@@ -31,8 +31,8 @@ OutputFile::OutputFile(std::string flag, const std::string& target)
     return;
   }
   try {
-    WholeFile trial(target_);
-  } catch (const NotWritten& error) {
+    AtomicFile trial(target_);
+  } catch (const FileWriteError& error) {
     refuse(error.why);
   }
 }
@@ -42,23 +42,23 @@ void OutputFile::with_file(const Work& work) {
   try {
     if (!file_) file_.emplace(target_);
     work(*file_);
-  } catch (const NotWritten& error) {
+  } catch (const FileWriteError& error) {
     throw MachineError(flag_ + ": " + error.what());
   }
 }
 
 void OutputFile::write(std::string_view text) {
-  with_file([&](WholeFile& file) { file.write(text); });
+  with_file([&](AtomicFile& file) { file.write(text); });
 }
 
 void OutputFile::commit() {
-  with_file([](WholeFile& file) { file.commit(); });
+  with_file([](AtomicFile& file) { file.commit(); });
   file_.reset();
 }
 
 bool OutputFile::commit_new(const std::string& target) {
   bool put = false;
-  with_file([&](WholeFile& file) { put = file.commit_new(target); });
+  with_file([&](AtomicFile& file) { put = file.commit_new(target); });
   if (put) file_.reset();
   return put;
 }
@@ -73,8 +73,8 @@ void ensure_writable_folder(const std::string& flag, const std::string& folder) 
     refuse(fmt::format("{} cannot be made: {}", shown(folder),
                        failed ? failed.message() : "a file of this name is in the way"));
   try {
-    WholeFile trial((fs::path(folder) / "trial").string());
-  } catch (const NotWritten& error) {
+    AtomicFile trial((fs::path(folder) / "trial").string());
+  } catch (const FileWriteError& error) {
     refuse(fmt::format("{} cannot be written: {}", shown(folder), error.why));
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A file that a flag asks for, whole or as it was (whole_file.h). Made before a simulation starts, so that a
+// A file that a flag asks for, whole or as it was (atomic_file.h). Made before a simulation starts, so that a
 // target that cannot be written is refused before hours are spent; the temporary file exists only from the
 // first write() to commit() or the destructor.
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 
@@ -20,7 +20,7 @@ class OutputFile {
   void write(std::string_view text);
   /// Puts the file in its place. Once, last.
   void commit();
-  /// As WholeFile::commit_new() does it.
+  /// As AtomicFile::commit_new() does it.
   bool commit_new(const std::string& target);
 
  private:
@@ -29,7 +29,7 @@ class OutputFile {
   void with_file(const Work& work);
 
   std::string flag_, target_;
-  std::optional<WholeFile> file_;
+  std::optional<AtomicFile> file_;
 };
 
 /// A folder that a flag names: makes it and tries a file in it. Call it before anything is simulated. Throws

@@ -6,7 +6,7 @@
 
 #include <cerrno>
 
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "sim_cuda/run/step_estimate.h"
-#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/presimulation.h"
 
 namespace collidoscope {
 namespace {
@@ -53,13 +53,13 @@ std::string progress_line(std::string_view what, std::int64_t done, std::int64_t
 
 void announce_long_work() {
   const auto bar = std::make_shared<std::optional<Progress>>();
-  const auto progress = [bar](std::int64_t steps, std::int64_t most) {
-    if (!*bar) bar->emplace("settle", most);
+  const auto progress = [bar](std::int64_t steps, std::int64_t max_steps) {
+    if (!*bar) bar->emplace("settle", max_steps);
     (*bar)->update(steps);
-    if (steps == most) bar->reset();
+    if (steps == max_steps) bar->reset();
   };
   const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
-  set_settle_news({progress, say});
+  set_presimulation_callbacks({progress, say});
   set_slow_step_news([say, last = std::string()](const std::string& line) mutable {
     if (line != last) say(line);  // worlds of one scene are often made one after the other
     last = line;

@@ -91,7 +91,7 @@ std::string numbers_text(const RunReport& report) {
   std::string text = line("pairs", fmt::format("{} of boxes that overlap; {} touching", grouped(last.pairs),
                                                grouped(last.touching)));
   text += line("contacts", fmt::format("{} speculative, of the last step; {} mass-split",
-                                       grouped(last.speculative), grouped(last.split_contacts)));
+                                       grouped(last.speculative), grouped(last.uncoloured_contacts)));
   text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
   text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
                                last.potential_energy + 0.0));
@@ -220,7 +220,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
                    {"contacts", last.touching},  // its name before there were two counts
                    {"touching", last.touching},
                    {"speculative", last.speculative},
-                   {"split_contacts", last.split_contacts}};
+                   {"split_contacts", last.uncoloured_contacts}};
   json["energy"] = {{"initial", report.initial.energy()},
                     {"final", last.energy()},
                     {"kinetic", last.kinetic_energy},

@@ -18,8 +18,8 @@
 #include "headless/stability/stability_report.h"
 #include "headless/stability/trial_pool.h"
 #include "sim_cuda/core/assets.h"
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/whole_file.h"
 
 namespace collidoscope {
 namespace {
@@ -88,7 +88,7 @@ void save_failures(const StabilityRun& run, const RunOptions& options, const std
         fmt::format("{}-{}-{}.snapshot", row.one->name, name_of(solver_names, row.setting.solver),
                     name_of(precision_names, row.setting.precision));
     const std::string file = (std::filesystem::path(folder) / name).string();
-    write_whole_file(file, bytes);
+    write_file_atomically(file, bytes);
     std::fputs(fmt::format("{}: state {}; run --load {} --steps {} comes to what failed\n",
                            name_of(*row.one, row.setting), row.result.last_good, file,
                            row.result.steps - row.result.last_good)

@@ -118,24 +118,24 @@ void InvariantCollector::cones(const RunState& state) {
     return scene.materials[material.empty() ? 0 : material[body]].friction;
   };
   double most = 0, beyond = 0;  // N s
-  const auto compare = [&](double product, double impulse, const std::array<double, 3>& grip) {
+  const auto compare = [&](double product, double impulse, const std::array<double, 3>& tangential) {
     const double allowed = std::sqrt(product) * impulse;
     most = std::max(most, allowed);
-    beyond = std::max(beyond, Vector3d(grip[0], grip[1], grip[2]).norm() - allowed);
+    beyond = std::max(beyond, Vector3d(tangential[0], tangential[1], tangential[2]).norm() - allowed);
   };
-  const SolverMemory& memory = state.memory;
-  for (std::size_t k = 0; k < memory.grips.size(); ++k) {
-    const ContactImpulse& contact = memory.contacts[k];
-    compare(friction(contact.a) * friction(contact.b), contact.impulse, memory.grips[k]);
+  const WarmStart& warm_start = state.warm_start;
+  for (std::size_t k = 0; k < warm_start.friction.size(); ++k) {
+    const ContactImpulse& contact = warm_start.contacts[k];
+    compare(friction(contact.a) * friction(contact.b), contact.impulse, warm_start.friction[k]);
   }
   const std::size_t planes = scene.obstacles.size() + (subject_.initial.box ? 6 : 0);
   const std::size_t bodies = subject_.initial.size();
-  for (std::size_t p = 0; p < std::min(planes, memory.wall_grips.size() / std::max<std::size_t>(bodies, 1));
-       ++p) {
+  for (std::size_t p = 0;
+       p < std::min(planes, warm_start.wall_friction.size() / std::max<std::size_t>(bodies, 1)); ++p) {
     const int of_wall = p < scene.obstacles.size() ? scene.obstacles[p].material : 0;
     for (std::uint32_t body = 0; body < bodies; ++body)
       compare(friction(body) * scene.materials[static_cast<std::size_t>(of_wall)].friction,
-              memory.walls[p][body], memory.wall_grips[p * bodies + body]);
+              warm_start.walls[p][body], warm_start.wall_friction[p * bodies + body]);
   }
   take(result_.cone_violation, most > 0 ? beyond / most : 0);
 }

@@ -53,7 +53,7 @@ AccuracySubject accuracy_subject(const Scene& given, const RunOptions& options, 
   subject.samples = steps / subject.stride;
   subject.start.steps = 0;
   subject.start.time = 0;
-  std::ranges::fill(subject.start.ledgers, WallLedger{});
+  std::ranges::fill(subject.start.static_impulses, StaticImpulse{});
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const int threads = options.cpu_threads > 0 ? options.cpu_threads : static_cast<int>(cores);
   const WorldInfo info = world.info();

@@ -38,9 +38,9 @@ class BruteForce final : public BroadPhase {
     // One pair an item while that leaves enough for all threads; then powers of two, so that no number of
     // bodies takes more items than an int counts.
     const std::uint64_t stride = executor_.on_device() ? 32 : 1;
-    const std::uint64_t most_items = executor_.on_device() ? 1 << 21 : 1 << 14;
+    const std::uint64_t max_items = executor_.on_device() ? 1 << 21 : 1 << 14;
     std::uint64_t run = 1;
-    while (pairs_ / run > most_items) run *= 2;
+    while (pairs_ / run > max_items) run *= 2;
     const std::uint64_t groups = (pairs_ + run * stride - 1) / (run * stride);
     executor_.run("pairs", static_cast<std::int64_t>(groups * stride),
                   TestPairs{boxes_, pairs_, run, stride, sink});

@@ -14,9 +14,9 @@ namespace collidoscope {
 
 namespace {
 
-constexpr std::uint32_t rows_each = 4;  ///< tiles of rows that one tile of columns meets at a time
+constexpr std::uint32_t row_tiles = 4;  ///< tiles of rows that one tile of columns meets at a time
 
-[[maybe_unused]] constexpr std::uint32_t hits_each = 1;  ///< of a thread, until a GPU hands them over
+[[maybe_unused]] constexpr std::uint32_t hits_per_thread = 1;  ///< of a thread, until a GPU hands them over
 
 /// The unit of work: the rows first_row .. first_row + 4 * tile - 1 against the columns first_column ..
 /// first_column + tile - 1. Together the units cover every pair row < column; those on the diagonal hold
@@ -25,13 +25,13 @@ struct TileUnit {
   std::uint32_t first_row, first_column;
 
   SIM_HD TileUnit(std::uint64_t unit, std::uint32_t tile) {
-    const Pair group = decode_pair(unit / rows_each);  // of 4 tiles; (a, b) stands for a against b - 1 >= a
-    first_row = group.a * rows_each * tile;
-    first_column = ((group.b - 1) * rows_each + static_cast<std::uint32_t>(unit % rows_each)) * tile;
+    const Pair group = decode_pair(unit / row_tiles);  // of 4 tiles; (a, b) stands for a against b - 1 >= a
+    first_row = group.a * row_tiles * tile;
+    first_column = ((group.b - 1) * row_tiles + static_cast<std::uint32_t>(unit % row_tiles)) * tile;
   }
   static std::uint64_t count(std::uint64_t bodies, std::uint64_t tile) {
-    const std::uint64_t groups = (bodies + rows_each * tile - 1) / (rows_each * tile);
-    return rows_each * pair_count(groups + 1);
+    const std::uint64_t groups = (bodies + row_tiles * tile - 1) / (row_tiles * tile);
+    return row_tiles * pair_count(groups + 1);
   }
 };
 
@@ -58,7 +58,7 @@ struct TestTiles {
         high[k][c] = box.max[k];
       }
     }
-    for (std::uint32_t row = unit.first_row; row < unit.first_row + rows_each * tile && row < bodies; ++row) {
+    for (std::uint32_t row = unit.first_row; row < unit.first_row + row_tiles * tile && row < bodies; ++row) {
       const Aabb box = boxes[row];
       const std::uint32_t own = row < unit.first_column ? 0 : row - unit.first_column;  // columns up to here
       for (std::uint32_t c = own / lanes * lanes; c < tile; c += lanes) {
@@ -87,12 +87,12 @@ struct TestTiles {
 __global__ void __launch_bounds__(1024)
     test_tiles(const Aabb* boxes, std::uint32_t bodies, std::uint64_t units, PairSink sink) {
   extern __shared__ float4 shared[];
-  __shared__ std::uint32_t held;
+  __shared__ std::uint32_t hit_count;
   __shared__ unsigned long long first_place;
   const std::uint32_t tile = blockDim.x, thread = threadIdx.x;
   float4* const column_boxes = shared;  // two for each of T bodies: {min, -}, {max, -}
   Pair* const hits = reinterpret_cast<Pair*>(shared + 2 * tile);
-  const std::uint32_t room = hits_each * tile;
+  const std::uint32_t hit_capacity = hits_per_thread * tile;
   const auto load = [=](std::uint32_t body) { return body < bodies ? boxes[body] : Aabb::empty(); };
 
   for (std::uint64_t number = blockIdx.x; number < units; number += gridDim.x) {
@@ -101,22 +101,22 @@ __global__ void __launch_bounds__(1024)
     const Aabb own_column = load(unit.first_column + thread);
     column_boxes[2 * thread] = {own_column.min[0], own_column.min[1], own_column.min[2], 0};
     column_boxes[2 * thread + 1] = {own_column.max[0], own_column.max[1], own_column.max[2], 0};
-    if (thread == 0) held = 0;
+    if (thread == 0) hit_count = 0;
     __syncthreads();
 
-    Aabb row_box[rows_each];
-    for (std::uint32_t r = 0; r < rows_each; ++r) row_box[r] = load(unit.first_row + r * tile + thread);
+    Aabb row_box[row_tiles];
+    for (std::uint32_t r = 0; r < row_tiles; ++r) row_box[r] = load(unit.first_row + r * tile + thread);
     for (std::uint32_t c = 0; c < tile; ++c) {
       const float4 low = column_boxes[2 * c], high = column_boxes[2 * c + 1];
       const Aabb box{Vector3f(low.x, low.y, low.z), Vector3f(high.x, high.y, high.z)};
       std::uint32_t overlaps = 0;
-      for (std::uint32_t r = 0; r < rows_each; ++r)
+      for (std::uint32_t r = 0; r < row_tiles; ++r)
         overlaps |= static_cast<std::uint32_t>(overlap(row_box[r], box)) << r;
       for (std::uint32_t r = 0; overlaps >> r != 0; ++r) {
         const Pair pair{unit.first_row + r * tile + thread, unit.first_column + c};
         if ((overlaps >> r & 1) == 0 || pair.a >= pair.b || pair.b >= bodies) continue;
-        const std::uint32_t place = atomicAdd(&held, 1);
-        if (place < room)
+        const std::uint32_t place = atomicAdd(&hit_count, 1);
+        if (place < hit_capacity)
           hits[place] = pair;
         else
           sink.add(pair.a, pair.b);
@@ -124,7 +124,7 @@ __global__ void __launch_bounds__(1024)
     }
     __syncthreads();
 
-    const std::uint32_t count = held < room ? held : room;
+    const std::uint32_t count = hit_count < hit_capacity ? hit_count : hit_capacity;
     if (thread == 0 && count > 0)
       first_place = atomicAdd(reinterpret_cast<unsigned long long*>(sink.total), count);
     __syncthreads();
@@ -160,7 +160,7 @@ class BruteForceTiled final : public BroadPhase {
     const auto tile = static_cast<std::uint32_t>(shape.threads);
     const std::uint64_t units = TileUnit::count(bodies_, tile);
     if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min<std::uint64_t>(units, 1 << 16));
-    const std::size_t shared_bytes = (2 * sizeof(float4) + hits_each * sizeof(Pair)) * tile;
+    const std::size_t shared_bytes = (2 * sizeof(float4) + hits_per_thread * sizeof(Pair)) * tile;
     test_tiles<<<shape.blocks, shape.threads, shared_bytes, executor_.stream()>>>(boxes_, bodies_, units,
                                                                                   sink);
     check(cudaPeekAtLastError(), "launch brute_force_tiled as " + std::to_string(shape.blocks) +

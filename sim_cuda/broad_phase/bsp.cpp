@@ -18,8 +18,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/halved_tree.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/sort.h"
 
@@ -29,9 +29,9 @@ namespace {
 
 struct alignas(16) BspNode {
   float normal[3];
-  Cut cut;
-  /// Ends of intervals as ordered_bits, so that the lowest bid wins: of the left half ~high, of the right one
-  /// low. All ones where it has nothing but empty boxes, which reads as NaN.
+  SplitPosition split;
+  /// Ends of intervals as ordered_bits, so that the lowest value wins: of the left child ~high, of the right
+  /// one low. All ones where it has nothing but empty boxes, which reads as NaN.
   std::uint32_t left_max, right_min;
   float middle;  ///< the mean of the centres, projected
   std::uint32_t unused;
@@ -44,7 +44,7 @@ struct alignas(16) BspNode {
     return normal[k] * (normal[k] < 0 ? if_negative : if_positive)[k];
   }
 
-  SIM_HD Reach reached_by(const HalvedLeaf& query) const {
+  SIM_HD ChildOverlap overlapping_children(const BalancedLeaf& query) const {
     return {low(query.min, query.max) <= from_ordered_bits(~left_max),
             high(query.min, query.max) >= from_ordered_bits(right_min)};
   }
@@ -97,21 +97,21 @@ struct Cloud {
 
 struct ChoosePlane {
   static constexpr std::uint32_t samples = 32;
-  Halving tree;
+  BalancedTree tree;
   int level;
   const Aabb* boxes;
   const std::uint32_t* order;
   BspNode* nodes;
   SIM_HD void operator()(int item) const {
     const auto number = static_cast<std::uint32_t>(item);
-    const Halves halves = tree.halves(level, number);
-    if (!halves.inner()) return;
-    const std::uint32_t size = halves.end - halves.first, points = min_of(size, samples);
+    const NodeRange range = tree.range(level, number);
+    if (!range.inner()) return;
+    const std::uint32_t size = range.end - range.first, points = min_of(size, samples);
     double origin[3];
     Cloud cloud;
     for (std::uint32_t i = 0; i < points; ++i) {
       const auto step = static_cast<std::uint32_t>((2 * std::uint64_t{i} + 1) * size / (2 * points));
-      const Aabb box = boxes[order[halves.first + step]];
+      const Aabb box = boxes[order[range.first + step]];
       double point[3];
       for (int k = 0; k < 3; ++k) {
         point[k] = static_cast<double>(center_of(box, k));
@@ -125,18 +125,18 @@ struct ChoosePlane {
     double middle = 0;
     for (int k = 0; k < 3; ++k)
       middle += static_cast<double>(node.normal[k]) * (origin[k] + cloud.sum[k] / cloud.points);
-    node.cut = Cut(halves);
+    node.split = SplitPosition(range);
     node.left_max = node.right_min = ~0u;
     node.middle = static_cast<float>(middle);
     node.unused = 0;
-    store_whole(&nodes[Halving::heap(level, number)], node);
+    store_vectorized(&nodes[BalancedTree::heap(level, number)], node);
   }
 };
 
 /// Sorts by node, then along its normal. The lower the level, the fewer bits are left for the latter and the
 /// fewer bodies need them; a float's leading bits are finest about 0, where the median is.
 struct MakePlaneKeys {
-  Halving tree;
+  BalancedTree tree;
   int level;
   const Aabb* boxes;
   const std::uint32_t* order;
@@ -145,8 +145,8 @@ struct MakePlaneKeys {
   SIM_HD void operator()(int item) const {
     const auto place = static_cast<std::uint32_t>(item), number = tree.node_at(level, place);
     float along = 0;
-    if (tree.halves(level, number).inner()) {
-      const BspNode node = load_whole(&nodes[Halving::heap(level, number)]);
+    if (tree.range(level, number).inner()) {
+      const BspNode node = load_readonly(&nodes[BalancedTree::heap(level, number)]);
       const Aabb box = boxes[order[place]];
       for (int k = 0; k < 3; ++k) along += node.normal[k] * center_of(box, k);
       along -= node.middle;
@@ -156,8 +156,8 @@ struct MakePlaneKeys {
 };
 
 /// Each box widens the half that it now stands in: integers, so the order of arrival does not matter.
-struct WidenHalves {
-  Halving tree;
+struct ExpandChildren {
+  BalancedTree tree;
   int level;
   const Aabb* boxes;
   const std::uint32_t* order;
@@ -165,15 +165,15 @@ struct WidenHalves {
   SIM_HD void operator()(int item) const {
     const auto place = static_cast<std::uint32_t>(item), number = tree.node_at(level, place);
     const Aabb box = boxes[order[place]];
-    if (!tree.halves(level, number).inner() || is_empty(box)) return;
-    BspNode& node = nodes[Halving::heap(level, number)];
-    if (place < node.cut.middle())
-      bid(&node.left_max, ~ordered_bits(node.high(box.min.data(), box.max.data())));
+    if (!tree.range(level, number).inner() || is_empty(box)) return;
+    BspNode& node = nodes[BalancedTree::heap(level, number)];
+    if (place < node.split.middle())
+      lower_bits(&node.left_max, ~ordered_bits(node.high(box.min.data(), box.max.data())));
     else
-      bid(&node.right_min, ordered_bits(node.low(box.min.data(), box.max.data())));
+      lower_bits(&node.right_min, ordered_bits(node.low(box.min.data(), box.max.data())));
   }
-  /// Looks first: few bids at a busy place are the lowest so far.
-  SIM_HD static void bid(std::uint32_t* lowest, std::uint32_t value) {
+  /// Reads first: few values are lower than the stored one.
+  SIM_HD static void lower_bits(std::uint32_t* lowest, std::uint32_t value) {
     if (atomic_load(lowest) > value) atomic_min(lowest, value);
   }
 };
@@ -185,22 +185,22 @@ struct StartOrder {
 
 /// Drawn and measured as boxes around what the planes part, from the last level up.
 struct WriteBoxes {
-  Halving tree;
+  BalancedTree tree;
   int level;
-  const HalvedLeaf* leaves;
+  const BalancedLeaf* leaves;
   TreeSink sink;
   SIM_HD void operator()(int item) const {
     const auto node = static_cast<std::uint32_t>(item);
-    const Halves halves = tree.halves(level, node);
-    const std::uint32_t number = tree.number(halves);
+    const NodeRange range = tree.range(level, node);
+    const std::uint32_t number = tree.number(range);
     if (level == 0) sink.parent[number] = number;
-    if (!halves.inner()) {
+    if (!range.inner()) {
       if (level == 0) write_leaf(number);
       return;
     }
     Aabb around = Aabb::empty();
     for (std::uint32_t side = 0; side < 2; ++side) {
-      const Halves child = tree.halves(level + 1, 2 * node + side);
+      const NodeRange child = tree.range(level + 1, 2 * node + side);
       const std::uint32_t from = tree.number(child);
       if (!child.inner()) write_leaf(from);
       around = combine(around, sink.box[from]);
@@ -227,7 +227,7 @@ class Bsp final : public BroadPhase {
         temporary_(executor, "sort workspace") {}
 
   void reserve(std::int64_t bodies) override {
-    tree_ = Halving(bodies);
+    tree_ = BalancedTree(bodies);
     const auto n = static_cast<std::size_t>(bodies);
     for (Buffer<std::uint32_t>* each : {&keys_, &sorted_keys_, &order_, &sorted_order_})
       each->resize_discarding(n);
@@ -247,18 +247,18 @@ class Bsp final : public BroadPhase {
       sort_by_key(executor_, "sort", n, 32, keys_.data(), sorted_keys_.data(), order, sorted,
                   temporary_.data(), temporary_.bytes());
       std::swap(order, sorted);
-      executor_.run("build", n, WidenHalves{tree_, level, boxes, order, nodes_.data()});
+      executor_.run("build", n, ExpandChildren{tree_, level, boxes, order, nodes_.data()});
     }
-    executor_.run("build", n, MakeHalvedLeaves{boxes, order, leaves_.data()});
+    executor_.run("build", n, MakeBalancedLeaves{boxes, order, leaves_.data()});
   }
 
   void find_pairs(const PairSink& sink) override {
     executor_.run("pairs", tree_.n,
-                  DescendHalves<BspNode, PairSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
+                  TraverseBalanced<BspNode, PairSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
   }
   void count_visits(const VisitSink& sink) const override {
     executor_.run("quality", tree_.n,
-                  DescendHalves<BspNode, VisitSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
+                  TraverseBalanced<BspNode, VisitSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
   }
 
   std::int64_t tree_nodes() const override { return tree_.n > 0 ? 2 * std::int64_t{tree_.n} - 1 : 0; }
@@ -269,9 +269,9 @@ class Bsp final : public BroadPhase {
 
  private:
   Executor& executor_;
-  Halving tree_;
+  BalancedTree tree_;
   Buffer<std::uint32_t> keys_, sorted_keys_, order_, sorted_order_;
-  Buffer<HalvedLeaf> leaves_;
+  Buffer<BalancedLeaf> leaves_;
   Buffer<BspNode> nodes_;
   Buffer<std::byte> temporary_;
 };

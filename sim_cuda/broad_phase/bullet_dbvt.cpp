@@ -122,33 +122,34 @@ class BulletDbvt final : public BroadPhase {
   }
 
   /// btDbvt::collideTT of the tree with itself, which does not tell what it tests: the same pairs of nodes in
-  /// the same order. meet(a, b) for leaves whose volumes overlap; at the end count(tests of two volumes).
-  template <class Count, class Meet>
-  void collide(const Count& count, const Meet& meet) const {
+  /// the same order. on_overlap(a, b) for leaves whose volumes overlap; at the end count(tests of two
+  /// volumes).
+  template <class Count, class OnOverlap>
+  void collide(const Count& count, const OnOverlap& on_overlap) const {
     using Two = std::pair<const btDbvtNode*, const btDbvtNode*>;
     std::int64_t tests = 0;
-    std::vector<Two> waiting;
-    if (!tree_.empty()) waiting.emplace_back(tree_.m_root, tree_.m_root);
-    while (!waiting.empty()) {
-      const auto [a, b] = waiting.back();
-      waiting.pop_back();
+    std::vector<Two> stack;
+    if (!tree_.empty()) stack.emplace_back(tree_.m_root, tree_.m_root);
+    while (!stack.empty()) {
+      const auto [a, b] = stack.back();
+      stack.pop_back();
       if (a == b) {
         if (a->isleaf()) continue;
-        waiting.emplace_back(a->childs[0], a->childs[0]);
-        waiting.emplace_back(a->childs[1], a->childs[1]);
-        waiting.emplace_back(a->childs[0], a->childs[1]);
+        stack.emplace_back(a->childs[0], a->childs[0]);
+        stack.emplace_back(a->childs[1], a->childs[1]);
+        stack.emplace_back(a->childs[0], a->childs[1]);
         continue;
       }
       ++tests;
       if (!Intersect(a->volume, b->volume)) continue;
       if (a->isleaf() && b->isleaf()) {
-        meet(a, b);
+        on_overlap(a, b);
         continue;
       }
       const bool parts_a = a->isinternal(), parts_b = b->isinternal();
       for (int j = 0; j < (parts_b ? 2 : 1); ++j)
         for (int i = 0; i < (parts_a ? 2 : 1); ++i)
-          waiting.emplace_back(parts_a ? a->childs[i] : a, parts_b ? b->childs[j] : b);
+          stack.emplace_back(parts_a ? a->childs[i] : a, parts_b ? b->childs[j] : b);
     }
     count(tests);
   }
@@ -171,19 +172,19 @@ class BulletDbvt final : public BroadPhase {
       top = inner++;
       visit(nullptr, top, top);
     }
-    std::vector<Entry> waiting;
-    if (!tree_.empty()) waiting.push_back({tree_.m_root, top, 0});
-    while (!waiting.empty()) {
-      const Entry at = waiting.back();
-      waiting.pop_back();
+    std::vector<Entry> stack;
+    if (!tree_.empty()) stack.push_back({tree_.m_root, top, 0});
+    while (!stack.empty()) {
+      const Entry at = stack.back();
+      stack.pop_back();
       std::uint32_t number = at.parent;
       if (at.node->isleaf() || at.depth < deepest) {
         number = at.node->isleaf() ? leaf++ : inner++;
         visit(at.node, number, at.parent == none ? number : at.parent);
       }
       if (at.node->isleaf()) continue;
-      waiting.push_back({at.node->childs[1], number, at.depth + 1});
-      waiting.push_back({at.node->childs[0], number, at.depth + 1});
+      stack.push_back({at.node->childs[1], number, at.depth + 1});
+      stack.push_back({at.node->childs[0], number, at.depth + 1});
     }
     return inner - n;
   }

@@ -46,7 +46,7 @@ struct MergeLevel {
 };
 
 /// One body's query. Each pair is found once, from its left leaf: only leaves to the right of its own are
-/// looked for; or all are, and those to the left are passed over when they are met (whole).
+/// looked for; or all are, and those to the left are skipped when they overlap (whole).
 template <class Sink>
 struct Descend {
   LevelTree tree;
@@ -127,7 +127,7 @@ struct WriteBottomUpTree {
 };
 
 template <class Emit>
-struct EmitById {
+struct ScatterById {
   Emit emit;
   SIM_HD void operator()(int body) const {
     emit(static_cast<std::uint32_t>(body), static_cast<std::uint32_t>(body));
@@ -141,7 +141,7 @@ class InputOrder {
   void reserve(std::int64_t bodies) { bodies_ = bodies; }
   template <class Emit>
   void sort(const Aabb*, const Aabb*, const Emit& emit) {
-    executor_.run("build", bodies_, EmitById<Emit>{emit});
+    executor_.run("build", bodies_, ScatterById<Emit>{emit});
   }
 
  private:

@@ -96,7 +96,7 @@ struct CellGrid {
   }
 };
 
-/// Threads that share one look at all boxes, each of which then bids once for the longest side.
+/// Threads that share one look at all boxes, each of which then updates the longest side once.
 inline constexpr std::int64_t survey_lanes = 1 << 17;
 
 class CellList {

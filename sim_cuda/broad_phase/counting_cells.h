@@ -9,7 +9,7 @@
 namespace collidoscope {
 
 /// Bodies in a cell of a counting sort, beyond which they are sorted together.
-inline constexpr std::uint32_t crowded_cell = 128;
+inline constexpr std::uint32_t large_cell_size = 128;
 
 /// For keys of at most 32 bits. Beyond 2^21 cells their counters leave a GPU's cache.
 inline bool sorts_by_counting(SortMethod sort, std::int64_t bodies) {

@@ -48,24 +48,24 @@ struct TakeCensus {
 };
 
 /// One class, and its level where it is the coarsest there. Finer classes join it while the level holds at
-/// most `most_joined` times as many bodies as that class alone: solid bodies of that class fill no more than
+/// most `max_joined` times as many bodies as that class alone: solid bodies of that class fill no more than
 /// their own cells, so the lists stay that short.
 struct LayOutLevel {
-  static constexpr std::uint32_t most_joined = 16, lists_each = 2;
+  static constexpr std::uint32_t max_joined = 16, lists_each = 2;
   const Aabb* extent;
   const Census* census;
   std::uint32_t every;
   CellGrid* grid;
   SIM_HD void operator()(int item) const {
     std::int32_t level = 0, own_level = 0;
-    std::uint32_t alone = 0, together = 0, occupied = 0, lists = 0, first_list = 0;
+    std::uint32_t alone = 0, joined = 0, occupied = 0, lists = 0, first_list = 0;
     for (std::int32_t c = classes - 1; c >= 0; --c) {
       if (census->longest[c] == 0) continue;
       const std::uint32_t count = census->sampled[c] + 1;
-      together += count;
-      if (together > most_joined * alone) {
+      joined += count;
+      if (joined > max_joined * alone) {
         level = c;
-        alone = together = count;
+        alone = joined = count;
       }
       occupied |= 1u << level;
       if (c == item) own_level = level;
@@ -91,7 +91,7 @@ class HierarchicalGrid final : public BroadPhase {
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;
-    every_ = (bodies + most_sampled - 1) / most_sampled;
+    every_ = (bodies + max_sampled - 1) / max_sampled;
     census_.resize_discarding(1);
     cells_.reserve(bodies,
                    LayOutLevel::lists_each * (bodies + every_ * (classes + 1)));  // all that it can give
@@ -111,7 +111,7 @@ class HierarchicalGrid final : public BroadPhase {
   void find_pairs(const PairSink& sink) override { cells_.find_pairs(sink); }
 
  private:
-  static constexpr std::int64_t most_sampled = 4096;
+  static constexpr std::int64_t max_sampled = 4096;
 
   Executor& executor_;
   std::int64_t bodies_ = 0, every_ = 0;

@@ -7,13 +7,13 @@
 // The three axes are sorted once. A node's centres then stand in three lists, each sorted along one axis: the
 // first and last of each say which axis is the longest, the middle of its list is the median. Each level
 // parts the three lists, every part keeping its order, by a scan (Wald and Havran 2006 on the CPU). With n
-// the shape is known (halved_tree.h), so a level is a fixed number of launches.
+// the shape is known (balanced_tree.h), so a level is a fixed number of launches.
 
 #include <algorithm>
 #include <utility>
 
+#include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/halved_tree.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/sort.h"
@@ -24,10 +24,10 @@ namespace {
 
 struct alignas(16) KdNode {
   float left_max, right_min;  ///< m, on the axis: end of the left half, beginning of the right one
-  Cut cut;
+  SplitPosition split;
   std::uint32_t axis;
 
-  SIM_HD Reach reached_by(const HalvedLeaf& query) const {
+  SIM_HD ChildOverlap overlapping_children(const BalancedLeaf& query) const {
     return {query.min[axis] <= left_max, query.max[axis] >= right_min};
   }
 };
@@ -45,7 +45,7 @@ struct MakeAxisKeys {
 
 /// Bodies by place, sorted within each node: along x, then the same along y, and along z.
 struct AxisLists {
-  Halving tree;
+  BalancedTree tree;
   const std::uint32_t* bodies;
   SIM_HD std::uint32_t body(std::uint32_t axis, std::uint32_t place) const {
     return bodies[axis * tree.n + place];
@@ -59,19 +59,19 @@ struct ChooseAxis {
   KdNode* nodes;
   SIM_HD void operator()(int item) const {
     const auto node = static_cast<std::uint32_t>(item);
-    const Halves halves = lists.tree.halves(level, node);
+    const NodeRange range = lists.tree.range(level, node);
     float longest = -1;
     std::uint32_t axis = 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
       const auto coordinate = [&](std::uint32_t place) {
         return center_of(boxes[lists.body(k, place)], static_cast<int>(k));
       };
-      const float spread = coordinate(halves.end - 1) - coordinate(halves.first);
+      const float spread = coordinate(range.end - 1) - coordinate(range.first);
       if (!(spread > longest)) continue;
       longest = spread;
       axis = k;
     }
-    nodes[Halving::heap(level, node)].axis = axis;
+    nodes[BalancedTree::heap(level, node)].axis = axis;
   }
 };
 
@@ -84,7 +84,7 @@ struct ChooseSide {
   SIM_HD void operator()(int item) const {
     const auto place = static_cast<std::uint32_t>(item);
     const std::uint32_t node = lists.tree.node_at(level, place);
-    const std::uint32_t axis = nodes[Halving::heap(level, node)].axis;
+    const std::uint32_t axis = nodes[BalancedTree::heap(level, node)].axis;
     goes_left[lists.body(axis, place)] = place < lists.tree.begin(level + 1, 2 * node + 1);
   }
 };
@@ -95,65 +95,65 @@ struct ListSides {
   SIM_HD void operator()(int entry) const { left[entry] = goes_left[bodies[entry]]; }
 };
 
-struct PartLists {
+struct PartitionLists {
   AxisLists lists;
   int level;
   const std::uint32_t *left, *lefts_before;
-  std::uint32_t* parted;
+  std::uint32_t* partitioned;
   SIM_HD void operator()(int item) const {
     const auto entry = static_cast<std::uint32_t>(item);
     const std::uint32_t list = entry / lists.tree.n * lists.tree.n, place = entry - list;
-    const Halves halves = lists.tree.halves(level, lists.tree.node_at(level, place));
-    const std::uint32_t lefts = lefts_before[entry] - lefts_before[list + halves.first];
+    const NodeRange range = lists.tree.range(level, lists.tree.node_at(level, place));
+    const std::uint32_t lefts = lefts_before[entry] - lefts_before[list + range.first];
     const std::uint32_t to =
-        left[entry] != 0 ? halves.first + lefts : halves.middle + (place - halves.first - lefts);
-    parted[list + to] = lists.bodies[entry];
+        left[entry] != 0 ? range.first + lefts : range.middle + (place - range.first - lefts);
+    partitioned[list + to] = lists.bodies[entry];
   }
 };
 
-/// From the last level up: a node's box and, on its axis, where its halves end and begin.
-struct JoinHalves {
-  Halving tree;
+/// From the last level up: a node's box and, on its axis, where its children end and begin.
+struct MergeChildren {
+  BalancedTree tree;
   int level;
-  const HalvedLeaf* leaves;
+  const BalancedLeaf* leaves;
   Aabb* boxes;
   KdNode* nodes;
   SIM_HD Aabb box_of(std::uint32_t node) const {
     const std::uint32_t first = tree.begin(level + 1, node);
     return tree.begin(level + 1, node + 1) - first == 1 ? leaves[first].box()
-                                                        : boxes[Halving::heap(level + 1, node)];
+                                                        : boxes[BalancedTree::heap(level + 1, node)];
   }
   SIM_HD void operator()(int item) const {
-    const auto node = static_cast<std::uint32_t>(item), at = Halving::heap(level, node);
-    const Halves halves = tree.halves(level, node);
-    if (!halves.inner()) return;
+    const auto node = static_cast<std::uint32_t>(item), at = BalancedTree::heap(level, node);
+    const NodeRange range = tree.range(level, node);
+    if (!range.inner()) return;
     const Aabb left = box_of(2 * node), right = box_of(2 * node + 1);
     const std::uint32_t axis = nodes[at].axis;
     boxes[at] = combine(left, right);
-    store_whole(&nodes[at], KdNode{left.max[axis], right.min[axis], Cut(halves), axis});
+    store_vectorized(&nodes[at], KdNode{left.max[axis], right.min[axis], SplitPosition(range), axis});
   }
 };
 
 /// A node is drawn and measured as the region that its planes leave of the root's box: what a query enters.
 struct WriteRegions {
-  Halving tree;
+  BalancedTree tree;
   int level;
   const KdNode* nodes;
-  const HalvedLeaf* leaves;
+  const BalancedLeaf* leaves;
   const Aabb* root;
   TreeSink sink;
   SIM_HD void operator()(int item) const {
     const auto node = static_cast<std::uint32_t>(item);
-    const Halves halves = tree.halves(level, node);
-    if (!halves.inner()) return;
-    const KdNode from = nodes[Halving::heap(level, node)];
-    const std::uint32_t number = tree.number(halves);
+    const NodeRange range = tree.range(level, node);
+    if (!range.inner()) return;
+    const KdNode from = nodes[BalancedTree::heap(level, node)];
+    const std::uint32_t number = tree.number(range);
     if (level == 0) {
       sink.box[number] = *root;
       sink.parent[number] = number;
     }
     for (std::uint32_t side = 0; side < 2; ++side) {
-      const Halves child = tree.halves(level + 1, 2 * node + side);
+      const NodeRange child = tree.range(level + 1, 2 * node + side);
       const std::uint32_t to = tree.number(child);
       Aabb box = sink.box[number];
       (side == 0 ? box.max : box.min)[from.axis] = side == 0 ? from.left_max : from.right_min;
@@ -168,7 +168,7 @@ struct WriteRegions {
 };
 
 struct WriteOneLeaf {
-  const HalvedLeaf* leaf;
+  const BalancedLeaf* leaf;
   TreeSink sink;
   SIM_HD void operator()(int) const {
     sink.box[0] = leaf->box();
@@ -185,7 +185,7 @@ class KdTree final : public BroadPhase {
         sorted_keys_(executor, "sorted keys"),
         ids_(executor, "ids to sort"),
         lists_(executor, "bodies along each axis"),
-        parted_(executor, "bodies along each axis"),
+        partitioned_(executor, "bodies along each axis"),
         side_(executor, "sides of bodies"),
         left_(executor, "bodies that go left"),
         before_(executor, "bodies that go left"),
@@ -195,10 +195,10 @@ class KdTree final : public BroadPhase {
         temporary_(executor, "sort workspace") {}
 
   void reserve(std::int64_t bodies) override {
-    tree_ = Halving(bodies);
+    tree_ = BalancedTree(bodies);
     const auto n = static_cast<std::size_t>(bodies);
     for (Buffer<std::uint32_t>* each : {&keys_, &sorted_keys_, &ids_, &side_}) each->resize_discarding(n);
-    for (Buffer<std::uint32_t>* each : {&lists_, &parted_}) each->resize_discarding(3 * n);
+    for (Buffer<std::uint32_t>* each : {&lists_, &partitioned_}) each->resize_discarding(3 * n);
     for (Buffer<std::uint32_t>* each : {&left_, &before_}) each->resize_discarding(3 * n + 1);
     leaves_.resize_discarding(n);
     nodes_.resize_discarding(tree_.heap_size());
@@ -215,7 +215,7 @@ class KdTree final : public BroadPhase {
       sort_by_key(executor_, "sort", n, 32, keys_.data(), sorted_keys_.data(), ids_.data(),
                   lists_.data() + axis * n, temporary_.data(), temporary_.bytes());
     }
-    std::uint32_t *list = lists_.data(), *parted = parted_.data();
+    std::uint32_t *list = lists_.data(), *partitioned = partitioned_.data();
     for (int level = 0; level < tree_.levels; ++level) {
       const AxisLists lists{tree_, list};
       executor_.run("build", std::int64_t{1} << level, ChooseAxis{lists, level, boxes, nodes_.data()});
@@ -223,24 +223,24 @@ class KdTree final : public BroadPhase {
       executor_.run("build", 3 * n, ListSides{list, side_.data(), left_.data()});
       exclusive_scan(executor_, "build", 3 * n, left_.data(), before_.data(), temporary_.data(),
                      temporary_.bytes());
-      executor_.run("build", 3 * n, PartLists{lists, level, left_.data(), before_.data(), parted});
-      std::swap(list, parted);
+      executor_.run("build", 3 * n, PartitionLists{lists, level, left_.data(), before_.data(), partitioned});
+      std::swap(list, partitioned);
     }
-    executor_.run("build", n, MakeHalvedLeaves{boxes, list, leaves_.data()});
+    executor_.run("build", n, MakeBalancedLeaves{boxes, list, leaves_.data()});
     for (int up = 1; up <= tree_.levels; ++up) {
       const int level = tree_.levels - up;
       executor_.run("build", std::int64_t{1} << level,
-                    JoinHalves{tree_, level, leaves_.data(), boxes_.data(), nodes_.data()});
+                    MergeChildren{tree_, level, leaves_.data(), boxes_.data(), nodes_.data()});
     }
   }
 
   void find_pairs(const PairSink& sink) override {
     executor_.run("pairs", tree_.n,
-                  DescendHalves<KdNode, PairSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
+                  TraverseBalanced<KdNode, PairSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
   }
   void count_visits(const VisitSink& sink) const override {
     executor_.run("quality", tree_.n,
-                  DescendHalves<KdNode, VisitSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
+                  TraverseBalanced<KdNode, VisitSink>{nodes_.data(), leaves_.data(), tree_.n, sink});
   }
 
   std::int64_t tree_nodes() const override { return tree_.n > 0 ? 2 * std::int64_t{tree_.n} - 1 : 0; }
@@ -253,9 +253,9 @@ class KdTree final : public BroadPhase {
 
  private:
   Executor& executor_;
-  Halving tree_;
-  Buffer<std::uint32_t> keys_, sorted_keys_, ids_, lists_, parted_, side_, left_, before_;
-  Buffer<HalvedLeaf> leaves_;
+  BalancedTree tree_;
+  Buffer<std::uint32_t> keys_, sorted_keys_, ids_, lists_, partitioned_, side_, left_, before_;
+  Buffer<BalancedLeaf> leaves_;
   Buffer<KdNode> nodes_;
   Buffer<Aabb> boxes_;
   Buffer<std::byte> temporary_;

@@ -12,7 +12,7 @@ namespace {
 
 /// Whether the smaller bodies of the scene, heaped up, would share cells of a counting sort: on average over
 /// all bodies, with more others than half of what a cell should hold.
-bool heap_crowds(const InitialBodies& bodies, const Box& box) {
+bool pile_exceeds_cells(const InitialBodies& bodies, const Box& box) {
   constexpr double packed = 0.64;  // volume fraction of random close packing of spheres
   std::vector<double> radii = bodies.radius;
   std::ranges::sort(radii);
@@ -24,15 +24,15 @@ bool heap_crowds(const InitialBodies& bodies, const Box& box) {
     const double share = tenths / 10.0, r = radii[static_cast<std::size_t>(share * (n - 1))];
     const double ball = 4 * std::numbers::pi / 3 * r * r * r;
     const double heap = std::min(share * n, space / ball);
-    if (share * heap > crowded_cell / 2.0) return true;
+    if (share * heap > large_cell_size / 2.0) return true;
   }
   return false;
 }
 
 /// How bodies share the cells that the leading bits of their keys number.
-struct Crowding {
-  double others = 0;  ///< in the cell of a body, on average
-  double most = 0;    ///< bodies in the fullest cell
+struct CellOccupancy {
+  double mean_others = 0;  ///< in the cell of a body, on average
+  double max_bodies = 0;   ///< bodies in the fullest cell
 };
 
 /// The 63-bit keys of every k-th body, sorted; all of them where there are few.
@@ -40,7 +40,7 @@ class KeySample {
  public:
   KeySample(const std::vector<Vector3d>& position, const Box& box) : bodies_(position.size()) {
     const Aabb extent{box.min.cast<float>(), box.max.cast<float>()};
-    const std::size_t stride = bodies_ / most + 1;
+    const std::size_t stride = bodies_ / max_samples + 1;
     for (std::size_t k = 0; k < bodies_; k += stride) {
       const Vector3f center = position[k].cast<float>();
       keys_.push_back(morton_key<std::uint64_t>({center, center}, extent));
@@ -48,7 +48,7 @@ class KeySample {
     std::ranges::sort(keys_);
   }
 
-  Crowding in_cells(int bits) const {
+  CellOccupancy in_cells(int bits) const {
     const int shift = 63 - bits;
     double pairs = 0;
     std::size_t fullest = 0;
@@ -63,7 +63,7 @@ class KeySample {
   }
 
  private:
-  static constexpr std::size_t most = 1 << 16;
+  static constexpr std::size_t max_samples = 1 << 16;
   std::size_t bodies_;
   std::vector<std::uint64_t> keys_;
 };
@@ -74,18 +74,18 @@ int key_bits_called_for(const InitialBodies& bodies, const std::vector<Vector3d>
   const auto n = static_cast<std::int64_t>(bodies.size());
   const bool counting = sorts_by_counting(sort, n);
   const int shortest = counting || n > 1 << 24 ? 30 : 24;
-  if (n <= crowded_cell) return shortest;
-  if (!bodies.box || heap_crowds(bodies, *bodies.box)) return 63;
+  if (n <= large_cell_size) return shortest;
+  if (!bodies.box || pile_exceeds_cells(bodies, *bodies.box)) return 63;
   const KeySample keys(position, *bodies.box);
   if (counting) {
     // Beyond this a block that sorts one cell takes longer than the library for all keys.
     constexpr double largest_cell = 1024;
-    const Crowding cells = keys.in_cells(counting_cell_bits(n));
-    if (cells.others > crowded_cell || cells.most > largest_cell) return 63;
+    const CellOccupancy cells = keys.in_cells(counting_cell_bits(n));
+    if (cells.mean_others > large_cell_size || cells.max_bodies > largest_cell) return 63;
   }
-  constexpr double bearable = 8;  // more visits a query; a good tree takes about 20 of its own
+  constexpr double acceptable = 8;  // more visits a query; a good tree takes about 20 of its own
   for (const int bits : {24, 30})
-    if (bits >= shortest && keys.in_cells(bits).others <= bearable) return bits;
+    if (bits >= shortest && keys.in_cells(bits).mean_others <= acceptable) return bits;
   return 63;
 }
 

@@ -2,14 +2,14 @@
 // on (Apetrei 2014) with the node numbers of Karras 2012, which tell each node where its right neighbour
 // stands: its rope (Prokopenko & Lebrun-Grandié 2024), by which queries walk.
 //
-// On a GPU the leaves of a warp join each other first, without a word to memory. Box of boxes: nothing
+// On a GPU the leaves of a warp join each other first, without memory traffic. Box of boxes: nothing
 // rounds, and the tree is the same.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/morton_order.h"
-#include "sim_cuda/broad_phase/parting.h"
 #include "sim_cuda/broad_phase/rope_walk.h"
-#include "sim_cuda/core/whole_record.h"
+#include "sim_cuda/core/vector_load.h"
 
 namespace collidoscope {
 
@@ -18,7 +18,7 @@ namespace {
 /// Of leaves first .. last, on its way up.
 struct Subtree {
   std::uint32_t first, last;
-  std::uint32_t left, right;  ///< heights of the partings at either end
+  std::uint32_t left, right;  ///< split bits at either end
   RopedNode node;
 
   /// The sibling of a left child is to the right.
@@ -26,14 +26,14 @@ struct Subtree {
   SIM_HD bool is_root() const { return left == right; }
 };
 
-/// What the child that comes first at a parting leaves for the other.
-struct Word {
-  static constexpr std::uint64_t nobody = ~std::uint64_t{0};
-  std::uint32_t far, height;  ///< its other end, and the parting there
+/// What the child that arrives first at a split stores for the other.
+struct FirstArrival {
+  static constexpr std::uint64_t none = ~std::uint64_t{0};
+  std::uint32_t far_end, split_bit;  ///< its other end, and the split bit there
 
-  SIM_HD std::uint64_t packed() const { return std::uint64_t{height} << 32 | far; }
-  SIM_HD static Word unpacked(std::uint64_t word) {
-    return {static_cast<std::uint32_t>(word), static_cast<std::uint32_t>(word >> 32)};
+  SIM_HD std::uint64_t packed() const { return std::uint64_t{split_bit} << 32 | far_end; }
+  SIM_HD static FirstArrival unpacked(std::uint64_t packed) {
+    return {static_cast<std::uint32_t>(packed), static_cast<std::uint32_t>(packed >> 32)};
   }
 };
 
@@ -42,41 +42,42 @@ struct Word {
 struct Climb {
   std::uint32_t n;
   RopedNode* nodes;
-  std::uint64_t* words;  ///< by parting
+  std::uint64_t* arrivals;  ///< by split
 
   /// A subtree grows by its sibling and is stored.
-  SIM_HD void join(Subtree& own, const Word& word, const RopedNode& sibling) const {
+  SIM_HD void join(Subtree& own, const FirstArrival& arrival, const RopedNode& sibling) const {
     const bool is_left = own.is_left();
     const std::uint32_t split = is_left ? own.last : own.first - 1;
     if (is_left) {
-      own.last = word.far;
-      own.right = word.height;
+      own.last = arrival.far_end;
+      own.right = arrival.split_bit;
       own.node.rope = sibling.rope;
     } else {
-      own.first = word.far;
-      own.left = word.height;
+      own.first = arrival.far_end;
+      own.left = arrival.split_bit;
     }
     for (int k = 0; k < 3; ++k) {
       own.node.min[k] = min_of(own.node.min[k], sibling.min[k]);
       own.node.max[k] = max_of(own.node.max[k], sibling.max[k]);
     }
     own.node.child = split == own.first ? split : n + split;
-    store_whole(&nodes[n + (own.is_root() ? 0 : own.is_left() ? own.last : own.first)], own.node);
+    store_vectorized(&nodes[n + (own.is_root() ? 0 : own.is_left() ? own.last : own.first)], own.node);
   }
 
-  /// A subtree joins the neighbour from which it parts lower in the tree, until it is the whole. Who comes
-  /// first leaves word and stops, the second goes on.
+  /// A subtree joins the neighbour with the lower split bit, until it is the whole. Who comes
+  /// first stores its range and stops, the second goes on.
   SIM_HD void climb(Subtree own) const {
     while (!own.is_root()) {
       const bool is_left = own.is_left();
       const std::uint32_t split = is_left ? own.last : own.first - 1;
-      const Word mine = is_left ? Word{own.first, own.left} : Word{own.last, own.right};
-      const std::uint64_t there = atomic_swap(&words[split], mine.packed());
-      if (there == Word::nobody) return;
-      words[split] = Word::nobody;  // both were here
-      const Word its = Word::unpacked(there);
+      const FirstArrival mine =
+          is_left ? FirstArrival{own.first, own.left} : FirstArrival{own.last, own.right};
+      const std::uint64_t previous = atomic_exchange(&arrivals[split], mine.packed());
+      if (previous == FirstArrival::none) return;
+      arrivals[split] = FirstArrival::none;  // both were here
+      const FirstArrival its = FirstArrival::unpacked(previous);
       const std::uint32_t place = is_left ? split + 1 : split;
-      join(own, its, load_fresh(&nodes[its.far == place ? place : n + place]));
+      join(own, its, load_l2(&nodes[its.far_end == place ? place : n + place]));
     }
   }
 };
@@ -88,18 +89,18 @@ struct Build {
   const Aabb* boxes;
   Climb above;
 
-  SIM_HD std::uint32_t height(std::uint32_t i) const { return parting_height(keys, above.n, i); }
-  /// To the right of the parting stands a left child, or, if the next parting is higher, a leaf.
+  SIM_HD std::uint32_t split_bit_at(std::uint32_t i) const { return split_bit(keys, above.n, i); }
+  /// To the right of the split stands a left child, or, if the next split bit is higher, a leaf.
   SIM_HD std::uint32_t rope(std::uint32_t place, std::uint32_t right) const {
     if (place == above.n - 1) return no_rope;
-    return height(place + 1) < right ? above.n + place + 1 : place + 1;
+    return split_bit_at(place + 1) < right ? above.n + place + 1 : place + 1;
   }
   SIM_HD Subtree leaf(std::uint32_t place) const {
-    Subtree leaf{place, place, height(place - 1), height(place), {}};
+    Subtree leaf{place, place, split_bit_at(place - 1), split_bit_at(place), {}};
     leaf.node.child = body_at[place];
     leaf.node.set_box(boxes[leaf.node.child]);
     leaf.node.rope = rope(place, leaf.right);
-    store_whole(&above.nodes[place], leaf.node);
+    store_vectorized(&above.nodes[place], leaf.node);
     return leaf;
   }
   SIM_HD void operator()(int item) const { above.climb(leaf(static_cast<std::uint32_t>(item))); }
@@ -119,16 +120,17 @@ __global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
   const std::uint64_t stride = std::uint64_t{gridDim.x} * blockDim.x;
   std::uint64_t begin = std::uint64_t{blockIdx.x} * blockDim.x + (threadIdx.x - lane);
   for (; begin < n; begin += stride) {
-    bool holds = begin + lane < n;
-    Subtree own = build.leaf(holds ? static_cast<std::uint32_t>(begin) + lane : n - 1);
+    bool active = begin + lane < n;
+    Subtree own = build.leaf(active ? static_cast<std::uint32_t>(begin) + lane : n - 1);
     for (;;) {
       const bool is_left = own.is_left();
-      const std::uint32_t held = __ballot_sync(all, holds), lefts = __ballot_sync(all, is_left);
-      const std::uint32_t before = held & ((1u << lane) - 1), after = held & ~((2u << lane) - 1);
+      const std::uint32_t active_lanes = __ballot_sync(all, active), lefts = __ballot_sync(all, is_left);
+      const std::uint32_t before = active_lanes & ((1u << lane) - 1),
+                          after = active_lanes & ~((2u << lane) - 1);
       const int previous = 31 - __clz(static_cast<int>(before)), next = __ffs(static_cast<int>(after)) - 1;
-      const bool joins = holds && is_left && after != 0 && !(lefts >> next & 1);
+      const bool joins = active && is_left && after != 0 && !(lefts >> next & 1);
       if (__ballot_sync(all, joins) == 0) break;
-      if (!is_left && before != 0 && (lefts >> previous & 1)) holds = false;
+      if (!is_left && before != 0 && (lefts >> previous & 1)) active = false;
       const int from = joins ? next : static_cast<int>(lane);
       RopedNode sibling;
       for (int k = 0; k < 3; ++k) {
@@ -136,11 +138,11 @@ __global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
         sibling.max[k] = __shfl_sync(all, own.node.max[k], from);
       }
       sibling.rope = __shfl_sync(all, own.node.rope, from);
-      const Word word{__shfl_sync(all, own.last, from), __shfl_sync(all, own.right, from)};
-      if (joins) build.above.join(own, word, sibling);
+      const FirstArrival arrival{__shfl_sync(all, own.last, from), __shfl_sync(all, own.right, from)};
+      if (joins) build.above.join(own, arrival, sibling);
     }
     __syncwarp(all);  // what the others stored is there for those who meet its parents
-    if (holds) build.above.climb(own);
+    if (active) build.above.climb(own);
   }
 }
 
@@ -171,17 +173,17 @@ class LbvhRopes final : public RopeTreeMethod<Key> {
   using Base::executor_, Base::n_, Base::nodes_, Base::order_;
 
  public:
-  explicit LbvhRopes(Executor& executor) : Base(executor), words_(executor, "words of tree climbers") {}
+  explicit LbvhRopes(Executor& executor) : Base(executor), arrivals_(executor, "words of tree climbers") {}
 
   void reserve(std::int64_t bodies) override {
     Base::reserve(bodies);
-    words_.resize_discarding(n_);
-    executor_.fill(words_.data(), 0xff, words_.bytes());  // nobody
+    arrivals_.resize_discarding(n_);
+    executor_.fill(arrivals_.data(), 0xff, arrivals_.bytes());  // nobody
   }
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
     order_.sort(boxes, extent);
-    const Build<Key> build{order_.keys(), order_.bodies(), boxes, {n_, nodes_.data(), words_.data()}};
+    const Build<Key> build{order_.keys(), order_.bodies(), boxes, {n_, nodes_.data(), arrivals_.data()}};
 #if defined(__CUDACC__)
     if (executor_.on_device())
       return executor_.run_kernel("build", {n_, false, nullptr}, build_by_warp<Key>, build);
@@ -193,7 +195,7 @@ class LbvhRopes final : public RopeTreeMethod<Key> {
   }
 
  private:
-  Buffer<std::uint64_t> words_;
+  Buffer<std::uint64_t> arrivals_;
 };
 
 }  // namespace

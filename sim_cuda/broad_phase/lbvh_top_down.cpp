@@ -6,7 +6,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/pair_sink.h"
-#include "sim_cuda/core/whole_record.h"
+#include "sim_cuda/core/vector_load.h"
 
 namespace collidoscope {
 
@@ -56,7 +56,7 @@ struct SplitNodes {
   const Key* keys;
   const std::uint32_t* order;
   Levels levels;
-  std::uint32_t *first, *parent, *met, *leaf_of_place;
+  std::uint32_t *first, *parent, *arrival, *leaf_of_place;
   QueueNode* nodes;
 
   SIM_HD std::int64_t items(int level) const { return levels.size[level]; }
@@ -78,7 +78,7 @@ struct SplitNodes {
     if (item == 0) levels.begin[level + 1] = next;
     const std::uint32_t node = begin + static_cast<std::uint32_t>(item);
     const std::uint32_t low = first[node], high = nodes[node].last;
-    met[node] = none;
+    arrival[node] = none;
     if (low == high) {
       nodes[node].child = leaf_flag | order[low];
       leaf_of_place[low] = node;
@@ -106,7 +106,7 @@ struct SplitLevel {
 struct Refit {
   const Aabb* boxes;
   const std::uint32_t* parent;
-  std::uint32_t* met;
+  std::uint32_t* arrival;
   QueueNode* nodes;
   const std::uint32_t* leaf_of_place;
   SIM_HD void operator()(int place) const {
@@ -118,11 +118,11 @@ struct Refit {
       node.max[k] = box.max[k];
     }
     for (;;) {
-      store_whole(&nodes[at], node);
+      store_vectorized(&nodes[at], node);
       const std::uint32_t above = parent[at];
-      if (above == none || atomic_swap(&met[above], at) == none) return;  // the other child goes on
+      if (above == none || atomic_exchange(&arrival[above], at) == none) return;  // the other child goes on
       const QueueNode up = nodes[above];
-      const QueueNode other = load_fresh(&nodes[at == up.child ? at + 1 : at - 1]);
+      const QueueNode other = load_l2(&nodes[at == up.child ? at + 1 : at - 1]);
       for (int k = 0; k < 3; ++k) {
         node.min[k] = min_of(node.min[k], other.min[k]);
         node.max[k] = max_of(node.max[k], other.max[k]);
@@ -135,7 +135,7 @@ struct Refit {
 };
 
 /// One body's query. Each pair is found once, from its left leaf: only leaves to the right of its own are
-/// looked for; or all are, and those to the left are passed over when they are met (whole).
+/// looked for; or all are, and those to the left are skipped when they overlap (whole).
 template <int depth, class Sink>
 struct DescendFromRoot {
   const QueueNode* nodes;
@@ -144,21 +144,21 @@ struct DescendFromRoot {
   Sink sink;
   SIM_HD void operator()(int item) const {
     const auto place = static_cast<std::uint32_t>(item), from = whole ? 0 : place + 1;
-    const QueueNode query = load_whole(&nodes[leaf_of_place[place]]);
+    const QueueNode query = load_readonly(&nodes[leaf_of_place[place]]);
     auto batch = start_query(sink, item, query.child & ~leaf_flag);
     // A node that overlaps pops before its children push: at most one entry a level waits, plus one.
     std::uint32_t stack[depth + 1];
-    int waiting = 0;
+    int stacked = 0;
     const std::uint32_t root_child = nodes[0].child;
-    if (!(root_child & leaf_flag)) stack[waiting++] = root_child;
-    while (waiting > 0) {
-      const std::uint32_t child = stack[--waiting];
+    if (!(root_child & leaf_flag)) stack[stacked++] = root_child;
+    while (stacked > 0) {
+      const std::uint32_t child = stack[--stacked];
       for (std::uint32_t at = child; at < child + 2; ++at) {
-        const QueueNode node = load_whole(&nodes[at]);
+        const QueueNode node = load_readonly(&nodes[at]);
         batch.visit();
         if (node.last < from || !overlap(query, node)) continue;
         if (!(node.child & leaf_flag))
-          stack[waiting++] = node.child;
+          stack[stacked++] = node.child;
         else if (node.last > place)
           batch.add(node.child & ~leaf_flag);
       }
@@ -185,7 +185,7 @@ struct WriteTopDownTree {
   }
 };
 
-/// Leaves by their place, inner nodes after them: n - 1 partings, one for each.
+/// Leaves by their place, inner nodes after them: n - 1 splits, one for each.
 struct NumberNodes {
   const QueueNode* nodes;
   std::uint32_t n;
@@ -205,7 +205,7 @@ class LbvhTopDown final : public BroadPhase {
         levels_(executor, "levels of the queue"),
         first_(executor, "first places of nodes"),
         parent_(executor, "parents of nodes"),
-        met_(executor, "tree climbers"),
+        arrival_(executor, "tree climbers"),
         leaf_(executor, "leaves by place"),
         nodes_(executor, "tree nodes") {}
 
@@ -213,28 +213,29 @@ class LbvhTopDown final : public BroadPhase {
     n_ = static_cast<std::uint32_t>(bodies);
     order_.reserve(bodies);
     leaf_.resize_discarding(n_);
-    levels_.resize_discarding(2 * (most_levels + 1));
+    levels_.resize_discarding(2 * (max_levels + 1));
     const std::size_t nodes = n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0;
-    for (Buffer<std::uint32_t>* numbers : {&first_, &parent_, &met_}) numbers->resize_discarding(nodes);
+    for (Buffer<std::uint32_t>* numbers : {&first_, &parent_, &arrival_}) numbers->resize_discarding(nodes);
     nodes_.resize_discarding(nodes);
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
     order_.sort(boxes, extent);
-    const Levels levels{levels_.data(), levels_.data() + most_levels + 1};
+    const Levels levels{levels_.data(), levels_.data() + max_levels + 1};
     executor_.begin_stage("build");
     levels_.fill_zero();
     executor_.run("build", 1, PutRoot{n_, levels, first_.data(), parent_.data(), nodes_.data()});
     const SplitNodes<Key> split{order_.keys(),  order_.bodies(), levels,       first_.data(),
-                                parent_.data(), met_.data(),     leaf_.data(), nodes_.data()};
-    if (executor_.on_device() && n_ > most_in_rounds) {
+                                parent_.data(), arrival_.data(), leaf_.data(), nodes_.data()};
+    if (executor_.on_device() && n_ > max_in_rounds) {
       for (int level = 0; level < levels_needed(); ++level)
-        executor_.run("build", Count(levels.size + level, widest(level)), SplitLevel<Key>{split, level});
+        executor_.run("build", Count(levels.size + level, max_level_size(level)),
+                      SplitLevel<Key>{split, level});
     } else {
       executor_.run_rounds("build", levels_needed(), n_, split);
     }
-    executor_.run("build", n_, Refit{boxes, parent_.data(), met_.data(), nodes_.data(), leaf_.data()});
+    executor_.run("build", n_, Refit{boxes, parent_.data(), arrival_.data(), nodes_.data(), leaf_.data()});
   }
 
   void find_pairs(const PairSink& sink) override { executor_.run("pairs", n_, query(sink)); }
@@ -252,28 +253,28 @@ class LbvhTopDown final : public BroadPhase {
  private:
   // Beyond so many bodies each level is a launch on a GPU, the empty levels too. The rounds of one launch
   // have a block on each multiprocessor, which is too few: 1.23 ms instead of 0.48 for 1,000,000 on an H200.
-  static constexpr std::uint32_t most_in_rounds = 200'000;
+  static constexpr std::uint32_t max_in_rounds = 200'000;
   /// No level has more nodes than this.
-  std::int64_t widest(int level) const {
+  std::int64_t max_level_size(int level) const {
     const std::int64_t nodes = tree_nodes();
     return level < 40 && (std::int64_t{1} << level) < nodes ? std::int64_t{1} << level : nodes;
   }
   // A split by a bit takes one level for each bit, then equal keys are halved.
-  static constexpr int most_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
+  static constexpr int max_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
   int levels_needed() const {
     int halvings = 0;
     while ((std::uint64_t{1} << halvings) < n_) ++halvings;
     return order_.key_bits() + halvings + 1;
   }
   template <class Sink>
-  DescendFromRoot<most_levels, Sink> query(const Sink& sink) const {
+  DescendFromRoot<max_levels, Sink> query(const Sink& sink) const {
     return {nodes_.data(), leaf_.data(), executor_.options().whole_queries, sink};
   }
 
   Executor& executor_;
   std::uint32_t n_ = 0;
   MortonOrder<Key> order_;
-  Buffer<std::uint32_t> levels_, first_, parent_, met_, leaf_;
+  Buffer<std::uint32_t> levels_, first_, parent_, arrival_, leaf_;
   Buffer<QueueNode> nodes_;
 };
 

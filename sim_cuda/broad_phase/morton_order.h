@@ -7,8 +7,8 @@
 //
 // Up to 2^21 bodies with 24- or 30-bit keys it is a counting sort: as many cells as bodies, one counter each,
 // and within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
-// place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LongItems). Beyond,
-// and for 63-bit keys, the library sorts; ExecutorOptions::sort may say otherwise.
+// place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LargeItems).
+// Beyond, and for 63-bit keys, the library sorts; ExecutorOptions::sort may say otherwise.
 
 #include <cstdint>
 #include <type_traits>
@@ -56,25 +56,25 @@ struct ScatterToCells {
   const Key* keys;
   int cell_shift;
   const std::uint32_t *begin, *rank;
-  std::uint32_t* arrived;
+  std::uint32_t* unsorted;
   SIM_HD void operator()(int body) const {
-    arrived[begin[keys[body] >> cell_shift] + rank[body]] = static_cast<std::uint32_t>(body);
+    unsorted[begin[keys[body] >> cell_shift] + rank[body]] = static_cast<std::uint32_t>(body);
   }
 };
 
 /// A cell's bodies, which stand in order of arrival, by (key, id). In a usual cell each body counts those
-/// before it. A crowded cell is sorted whole by the item of its first place: by a block where there is one.
+/// before it. A large cell is sorted whole by the item of its first place: by a block where there is one.
 template <class Emit>
-struct SettleCells {
+struct SortWithinCells {
   const std::uint32_t* keys;
   int cell_shift;
-  const std::uint32_t *begin, *arrived;
-  std::uint32_t *sorted_keys, *sorted;  ///< by place; `sorted` of crowded cells only, and scratch
+  const std::uint32_t *begin, *unsorted;
+  std::uint32_t *sorted_keys, *sorted;  ///< by place; `sorted` of large cells only, and scratch
   Emit emit;
 
   struct Cell {
     std::uint32_t first, size;
-    SIM_HD bool crowded() const { return size > crowded_cell; }
+    SIM_HD bool is_large() const { return size > large_cell_size; }
   };
   SIM_HD Cell cell_of(std::uint32_t key) const {
     const std::uint32_t first = begin[key >> cell_shift];
@@ -82,42 +82,42 @@ struct SettleCells {
   }
 
   SIM_HD void operator()(int k) const {
-    const std::uint32_t body = arrived[k], key = keys[body];
+    const std::uint32_t body = unsorted[k], key = keys[body];
     const Cell cell = cell_of(key);
-    if (cell.crowded()) {
-      if (static_cast<std::uint32_t>(k) == cell.first) sort_alone(cell);
+    if (cell.is_large()) {
+      if (static_cast<std::uint32_t>(k) == cell.first) sort_by_thread(cell);
       return;
     }
     std::uint32_t place = cell.first;
     for (std::uint32_t j = cell.first; j < cell.first + cell.size; ++j) {
-      const std::uint32_t other = arrived[j];
-      const std::uint32_t its = keys[other];
-      place += its < key || (its == key && other < body);
+      const std::uint32_t other = unsorted[j];
+      const std::uint32_t other_key = keys[other];
+      place += other_key < key || (other_key == key && other < body);
     }
     sorted_keys[place] = key;
     emit(place, body);
   }
-  SIM_HD void take(std::uint32_t place) const {
-    sorted[place] = arrived[place];
-    sorted_keys[place] = keys[arrived[place]];
+  SIM_HD void copy_key(std::uint32_t place) const {
+    sorted[place] = unsorted[place];
+    sorted_keys[place] = keys[unsorted[place]];
   }
-  SIM_HD KeyedRun run(const Cell& cell) const { return {sorted_keys + cell.first, sorted + cell.first}; }
-  SIM_HD void sort_alone(const Cell& cell) const {
-    for (std::uint32_t i = 0; i < cell.size; ++i) take(cell.first + i);
+  SIM_HD KeyedSegment run(const Cell& cell) const { return {sorted_keys + cell.first, sorted + cell.first}; }
+  SIM_HD void sort_by_thread(const Cell& cell) const {
+    for (std::uint32_t i = 0; i < cell.size; ++i) copy_key(cell.first + i);
     sort_run(run(cell), cell.size);
     for (std::uint32_t i = 0; i < cell.size; ++i) emit(cell.first + i, sorted[cell.first + i]);
   }
 
-  SIM_HD bool is_long(int k) const {
-    const Cell cell = cell_of(keys[arrived[k]]);
-    return cell.crowded() && static_cast<std::uint32_t>(k) == cell.first;
+  SIM_HD bool is_large(int k) const {
+    const Cell cell = cell_of(keys[unsorted[k]]);
+    return cell.is_large() && static_cast<std::uint32_t>(k) == cell.first;
   }
 #if defined(__CUDACC__)
-  __device__ void together(int k) const {
-    const Cell cell = cell_of(keys[arrived[k]]);
-    for (std::uint32_t i = threadIdx.x; i < cell.size; i += blockDim.x) take(cell.first + i);
+  __device__ void process_by_block(int k) const {
+    const Cell cell = cell_of(keys[unsorted[k]]);
+    for (std::uint32_t i = threadIdx.x; i < cell.size; i += blockDim.x) copy_key(cell.first + i);
     __syncthreads();
-    sort_run_together(run(cell), cell.size);
+    sort_run_by_block(run(cell), cell.size);
     for (std::uint32_t i = threadIdx.x; i < cell.size; i += blockDim.x)
       emit(cell.first + i, sorted[cell.first + i]);
   }
@@ -125,13 +125,13 @@ struct SettleCells {
 };
 
 template <class Emit>
-struct EmitInOrder {
+struct ScatterInOrder {
   const std::uint32_t* order;
   Emit emit;
   SIM_HD void operator()(int place) const { emit(static_cast<std::uint32_t>(place), order[place]); }
 };
 
-struct NoteBody {
+struct StoreBody {
   std::uint32_t* body_at;
   SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { body_at[place] = body; }
 };
@@ -175,7 +175,7 @@ class MortonOrder {
     sort(boxes, extent, emit, bodies_);
   }
   /// For those who read bodies() afterwards.
-  void sort(const Aabb* boxes, const Aabb* extent) { sort(boxes, extent, NoteBody{bodies_by_place()}); }
+  void sort(const Aabb* boxes, const Aabb* extent) { sort(boxes, extent, StoreBody{bodies_by_place()}); }
   /// If `items` is all bodies. If it is 0, nothing is emitted, and keys() stay those of the last sort.
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items) {
@@ -194,8 +194,8 @@ class MortonOrder {
     else
       sort_by_key(executor_, "sort", bodies_, key_bits_, keys, sorted_keys_.data(), ids, order_.data(),
                   temporary_.data(), temporary_.bytes());
-    if constexpr (!std::is_same_v<Emit, NoteBody>)  // that is what the sort has done
-      executor_.run("sort", items, EmitInOrder<Emit>{order_.data(), emit});
+    if constexpr (!std::is_same_v<Emit, StoreBody>)  // that is what the sort has done
+      executor_.run("sort", items, ScatterInOrder<Emit>{order_.data(), emit});
   }
 #endif
 
@@ -220,10 +220,10 @@ class MortonOrder {
                    temporary_.data(), temporary_.bytes());
     executor_.run("sort", items,
                   ScatterToCells<Key>{keys_.data(), shift, begin_.data(), ids_.data(), order_.data()});
-    // Ranks have done their work: their memory takes the bodies of crowded cells.
+    // Ranks have done their work: their memory takes the bodies of large cells.
     executor_.run("sort", items,
-                  SettleCells<Emit>{keys_.data(), shift, begin_.data(), order_.data(), sorted_keys_.data(),
-                                    ids_.data(), emit});
+                  SortWithinCells<Emit>{keys_.data(), shift, begin_.data(), order_.data(),
+                                        sorted_keys_.data(), ids_.data(), emit});
   }
 #endif
   std::uint32_t* bodies_by_place() { return cell_bits_ > 0 ? ids_.data() : order_.data(); }

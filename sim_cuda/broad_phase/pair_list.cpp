@@ -42,12 +42,12 @@ struct SortPairs {
     }
   }
 
-  SIM_HD bool is_long(int body) const {
-    return body < bodies && *total <= capacity && offset[body + 1] - offset[body] > long_list;
+  SIM_HD bool is_large(int body) const {
+    return body < bodies && *total <= capacity && offset[body + 1] - offset[body] > large_list_size;
   }
 #if defined(__CUDACC__)
-  __device__ void together(int body) const {
-    sort_segment_together(second + offset[body], offset[body + 1] - offset[body]);
+  __device__ void process_by_block(int body) const {
+    sort_segment_by_block(second + offset[body], offset[body + 1] - offset[body]);
   }
 #endif
 };

@@ -23,7 +23,7 @@ struct PairSink {
 
   /// Each overlapping pair once, in either order; x != y. Where one query may find several, PairBatch costs
   /// less: all that add() meet at one counter.
-  SIM_HD void add(std::uint32_t x, std::uint32_t y) const { put(atomic_take(total, 1), x, y); }
+  SIM_HD void add(std::uint32_t x, std::uint32_t y) const { put(atomic_add_aggregated(total, 1), x, y); }
 
   SIM_HD void put(std::uint64_t place, std::uint32_t x, std::uint32_t y) const {
     const Pair pair = x < y ? Pair{x, y} : Pair{y, x};
@@ -37,26 +37,26 @@ class PairBatch {
  public:
   SIM_HD PairBatch(const PairSink& sink, std::uint32_t body) : sink_(sink), body_(body) {}
   SIM_HD void add(std::uint32_t other) {
-    if (held_ == room) put_all(atomic_add(sink_.total, room));
-    // Constant places, here and in put_all(), let a GPU keep them in registers.
+    if (buffered_ == room) flush(atomic_add(sink_.total, room));
+    // Constant places, here and in flush(), let a GPU keep them in registers.
     for (std::uint32_t k = 0; k < room; ++k)
-      if (k == held_) other_[k] = other;
-    ++held_;
+      if (k == buffered_) other_[k] = other;
+    ++buffered_;
   }
   /// One more node of the hierarchy is read: VisitCount.
   SIM_HD void visit() const {}
-  SIM_HD void finish() { put_all(atomic_take(sink_.total, held_)); }
+  SIM_HD void finish() { flush(atomic_add_aggregated(sink_.total, buffered_)); }
 
  private:
-  SIM_HD void put_all(std::uint64_t first) {
+  SIM_HD void flush(std::uint64_t first) {
     for (std::uint32_t k = 0; k < room; ++k)
-      if (k < held_) sink_.put(first + k, body_, other_[k]);
-    held_ = 0;
+      if (k < buffered_) sink_.put(first + k, body_, other_[k]);
+    buffered_ = 0;
   }
 
   static constexpr std::uint32_t room = 8;  // more than most queries find: one visit to the counter for each
   PairSink sink_;                           // a copy: parameters of a kernel have no address
-  std::uint32_t body_, held_ = 0, other_[room] = {};
+  std::uint32_t body_, buffered_ = 0, other_[room] = {};
 };
 
 /// In place of a PairSink: the same traversal counts what it reads.

@@ -15,7 +15,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/rope_tree.h"
-#include "sim_cuda/core/whole_record.h"
+#include "sim_cuda/core/vector_load.h"
 
 namespace collidoscope {
 
@@ -57,7 +57,7 @@ struct StartClusters {
     leaf.set_box(boxes[body]);
     leaf.child = body;
     leaf.rope = RopedNode::none;
-    store_whole(&nodes[place], leaf);
+    store_vectorized(&nodes[place], leaf);
     Cluster cluster;
     for (int k = 0; k < 3; ++k) {
       cluster.min[k] = leaf.min[k];
@@ -65,7 +65,7 @@ struct StartClusters {
     }
     cluster.node = place;
     cluster.unused = 0;
-    store_whole(&clusters[place], cluster);
+    store_vectorized(&clusters[place], cluster);
     links.link[place] = TreeLinks::none;
     if (place == 0) *count = n;
   }
@@ -81,13 +81,13 @@ struct FindNearest {
     const auto i = static_cast<std::uint32_t>(item), m = *count;
     std::uint32_t best = (i ^ 1) < m ? i ^ 1 : i;
     if (m <= due) {
-      const Cluster own = load_whole(&clusters[i]);
+      const Cluster own = load_readonly(&clusters[i]);
       float least =
-          best == i ? std::numeric_limits<float>::infinity() : distance(own, load_whole(&clusters[best]));
+          best == i ? std::numeric_limits<float>::infinity() : distance(own, load_readonly(&clusters[best]));
       const std::uint32_t first = i > radius ? i - radius : 0, last = min_of(i + radius, m - 1);
       for (std::uint32_t j = first; j <= last; ++j) {
         if (j == i) continue;
-        const float d = distance(own, load_whole(&clusters[j]));
+        const float d = distance(own, load_readonly(&clusters[j]));
         if (d < least || (d == least && (best == i || (i ^ j) < (i ^ best)))) {
           least = d;
           best = j;
@@ -123,9 +123,9 @@ struct MergeClusters {
     const std::uint32_t j = nearest[i];
     const bool mutual = j != i && nearest[j] == i;
     if (mutual && j < i) return;
-    Cluster cluster = load_whole(&clusters[i]);
+    Cluster cluster = load_readonly(&clusters[i]);
     if (mutual) {
-      const Cluster other = load_whole(&clusters[j]);
+      const Cluster other = load_readonly(&clusters[j]);
       // n - m inner nodes are there already; this round adds one for each cluster that merges into another.
       const std::uint32_t node = n + (n - m) + merged_before[j];
       links.join(cluster.node, other.node, node);
@@ -138,10 +138,10 @@ struct MergeClusters {
         made.min[k] = cluster.min[k];
         made.max[k] = cluster.max[k];
       }
-      store_whole(&nodes[node], made);
+      store_vectorized(&nodes[node], made);
       cluster.node = node;
     }
-    store_whole(&next[i - merged_before[i]], cluster);
+    store_vectorized(&next[i - merged_before[i]], cluster);
   }
 };
 
@@ -202,7 +202,7 @@ class Ploc final : public RopeTreeMethod<Key> {
                                   count + 1, nodes_.data(), links});
       std::swap(clusters, next);
     }
-    executor_.run("build", Base::tree_nodes(), TieRopes{links, nodes_.data()});
+    executor_.run("build", Base::tree_nodes(), SetEscapeIndices{links, nodes_.data()});
   }
 
   void write_tree(const TreeSink& sink) const override {

@@ -19,8 +19,13 @@ SIM_HD inline NodeSums combine(const NodeSums& a, const NodeSums& b) {
 }
 
 SIM_HD inline QuerySums combine(const QuerySums& a, const QuerySums& b) {
-  return {a.q1 + b.q1,   a.q2 + b.q2,         a.q3 + b.q3,  a.area + b.area,
-          a.epo + b.epo, a.visits + b.visits, a.met + b.met};
+  return {a.q1 + b.q1,
+          a.q2 + b.q2,
+          a.q3 + b.q3,
+          a.area + b.area,
+          a.epo + b.epo,
+          a.visits + b.visits,
+          a.overlaps + b.overlaps};
 }
 
 namespace {
@@ -113,7 +118,7 @@ SIM_HD inline double area_within(const Aabb& body, const Aabb& node) {
 /// One body's query, by its leaf.
 struct Query {
   TreeView tree;
-  std::uint32_t *node_visits, *body_visits, *leaf_visits, *met;
+  std::uint32_t *node_visits, *body_visits, *leaf_visits, *overlaps;
   double* epo;
   const std::uint32_t* leaf_node;
   SIM_HD void operator()(int place) const {
@@ -127,24 +132,24 @@ struct Query {
       const Aabb its = tree.box[node];
       if (!overlap(box, its)) return false;
       if (tree.children[node] == 0) found += node != leaf;
-      if (!holds(node, leaf)) outside += area_within(box, its) * (tree.children[node] == 0 ? 2 : 1);
+      if (!contains(node, leaf)) outside += area_within(box, its) * (tree.children[node] == 0 ? 2 : 1);
       return true;
     });
     body_visits[tree.body[leaf]] = leaf_visits[place] = visits;
-    met[place] = found;
+    overlaps[place] = found;
     epo[place] = outside;
   }
-  SIM_HD bool holds(std::uint32_t node, std::uint32_t leaf) const {
+  SIM_HD bool contains(std::uint32_t node, std::uint32_t leaf) const {
     while (leaf > node) leaf = tree.parent[leaf];  // parents stand before their children
     return leaf == node;
   }
 };
 
 /// The query alone.
-struct CountMet {
+struct CountOverlaps {
   TreeView tree;
   const std::uint32_t* leaf_node;
-  std::uint32_t* met;
+  std::uint32_t* overlaps;
   SIM_HD void operator()(int place) const {
     const std::uint32_t leaf = leaf_node[place];
     const Aabb box = tree.box[leaf];
@@ -154,7 +159,7 @@ struct CountMet {
       found += hit && node != leaf && tree.children[node] == 0;
       return hit;
     });
-    met[place] = found;
+    overlaps[place] = found;
   }
 };
 
@@ -176,7 +181,7 @@ struct PlacesOfBodies {
 
 struct LoadQuery {
   TreeView tree;
-  const std::uint32_t *leaf_node, *leaf_visits, *met;
+  const std::uint32_t *leaf_node, *leaf_visits, *overlaps;
   const double* epo;
   SIM_HD QuerySums operator()(std::int64_t place) const {
     const Extent extent(tree.box[leaf_node[place]]);
@@ -188,7 +193,7 @@ struct LoadQuery {
     sums.area = extent.area();
     sums.epo = epo[place];
     sums.visits = leaf_visits[place];
-    sums.met = met[place];
+    sums.overlaps = overlaps[place];
     return sums;
   }
 };
@@ -206,13 +211,13 @@ struct WriteVisited {
   TreeView tree;
   std::uint32_t body;
   const std::uint32_t *place_of_body, *leaf_node;
-  std::uint32_t most;
+  std::uint32_t limit;
   std::uint32_t* list;  // {number, nodes...}
   SIM_HD void operator()(int) const {
     const Aabb box = tree.box[leaf_node[place_of_body[body]]];
     std::uint32_t count = 0;
     walk(tree, [&](std::uint32_t node) {
-      if (count < most) list[1 + count] = node;
+      if (count < limit) list[1 + count] = node;
       ++count;
       return overlap(box, tree.box[node]);
     });
@@ -222,7 +227,7 @@ struct WriteVisited {
 
 /// Of n >= 1 queries.
 struct QuerySpread {
-  std::uint32_t least = 0, p99 = 0, most = 0;
+  std::uint32_t min = 0, p99 = 0, max = 0;
   double of_warps = 0;  ///< mean over 32 that follow each other of their most
 
   explicit QuerySpread(std::vector<std::uint32_t> visits) {
@@ -237,8 +242,8 @@ struct QuerySpread {
     const auto at = visits.begin() + (std::ssize(visits) - 1) * 99 / 100;
     std::nth_element(visits.begin(), at, visits.end());
     p99 = *at;
-    most = *std::max_element(at, visits.end());
-    least = *std::min_element(visits.begin(), at + 1);
+    max = *std::max_element(at, visits.end());
+    min = *std::min_element(visits.begin(), at + 1);
   }
 };
 
@@ -254,7 +259,7 @@ TreeMeter::TreeMeter(Executor& executor)
       node_visits_(executor, "visits of nodes"),
       body_visits_(executor, "visits of bodies"),
       leaf_visits_(executor, "visits of bodies"),
-      met_(executor, "pairs of bodies"),
+      overlaps_(executor, "pairs of bodies"),
       leaf_node_(executor, "leaves of bodies"),
       place_(executor, "places of bodies"),
       own_visits_(executor, "visits of queries"),
@@ -281,7 +286,7 @@ TreeQuality TreeMeter::measure(const TreeView& tree, std::int64_t bodies) {
   for (Buffer<float>* values : {&level_, &sah_share_, &overlap_, &empty_, &visited_})
     values->resize_discarding(nodes);
   node_visits_.resize_discarding(nodes);
-  for (Buffer<std::uint32_t>* counts : {&body_visits_, &leaf_visits_, &met_, &leaf_node_, &place_})
+  for (Buffer<std::uint32_t>* counts : {&body_visits_, &leaf_visits_, &overlaps_, &leaf_node_, &place_})
     counts->resize_discarding(n);
   epo_.resize_discarding(n);
   node_sums_.resize_discarding(reduce_scratch_size(tree.nodes));
@@ -292,19 +297,19 @@ TreeQuality TreeMeter::measure(const TreeView& tree, std::int64_t bodies) {
   executor_.run("quality", bodies, PlacesOfBodies{tree.leaf_body, place_.data()});
   executor_.run("quality", tree.nodes, LeafNodes{tree, place_.data(), leaf_node_.data()});
   executor_.run("quality", bodies,
-                Query{tree, node_visits_.data(), body_visits_.data(), leaf_visits_.data(), met_.data(),
+                Query{tree, node_visits_.data(), body_visits_.data(), leaf_visits_.data(), overlaps_.data(),
                       epo_.data(), leaf_node_.data()});
   NodeSums over_nodes;
   executor_.copy_to_host(
       &over_nodes, reduce<NodeSums>(executor_, "quality", tree.nodes, MeasureNode{tree}, node_sums_.data()),
       sizeof over_nodes);
   QuerySums over_queries;
-  executor_.copy_to_host(
-      &over_queries,
-      reduce<QuerySums>(executor_, "quality", bodies,
-                        LoadQuery{tree, leaf_node_.data(), leaf_visits_.data(), met_.data(), epo_.data()},
-                        query_sums_.data()),
-      sizeof over_queries);
+  executor_.copy_to_host(&over_queries,
+                         reduce<QuerySums>(executor_, "quality", bodies,
+                                           LoadQuery{tree, leaf_node_.data(), leaf_visits_.data(),
+                                                     overlaps_.data(), epo_.data()},
+                                           query_sums_.data()),
+                         sizeof over_queries);
   executor_.run("quality", tree.nodes,
                 StoreNode{MeasureNode{tree}, over_nodes.area, node_visits_.data(), sah_share_.data(),
                           overlap_.data(), empty_.data(), visited_.data()});
@@ -326,15 +331,15 @@ TreeQuality TreeMeter::measure(const TreeView& tree, std::int64_t bodies) {
                            8 * over_queries.q3 * static_cast<double>(tree.nodes)) /
                               count,
       whole.volume());
-  quality.pairs = over_queries.met / 2;
-  quality.tests_per_pair = ratio(over_queries.visits, static_cast<double>(over_queries.met));
+  quality.pairs = over_queries.overlaps / 2;
+  quality.tests_per_pair = ratio(over_queries.visits, static_cast<double>(over_queries.overlaps));
   quality.visits_mean = over_queries.visits / count;
 
   const QuerySpread spread(leaf_visits_.download());
   quality.warp_ratio = spread.of_warps / quality.visits_mean;
   quality.visits_p99 = spread.p99;
-  quality.visits_max = spread.most;
-  quality.visits_min = spread.least;
+  quality.visits_max = spread.max;
+  quality.visits_min = spread.min;
   quality.leaves = leaves(tree);
   return quality;
 }
@@ -358,7 +363,7 @@ OwnVisits TreeMeter::own_visits(const BroadPhase& method, std::int64_t bodies) {
   if (!own.by_query) return own;
   const QuerySpread spread(visits);
   own.p99 = spread.p99;
-  own.most = spread.most;
+  own.max = spread.max;
   own.warp_ratio = ratio(spread.of_warps, own.mean);
   return own;
 }
@@ -375,7 +380,7 @@ std::vector<std::int64_t> TreeMeter::leaves(const TreeView& tree) {
 
 void TreeMeter::enqueue_queries(const TreeView& tree) {
   executor_.run("quality", static_cast<std::int64_t>(leaf_node_.size()),
-                CountMet{tree, leaf_node_.data(), met_.data()});
+                CountOverlaps{tree, leaf_node_.data(), overlaps_.data()});
 }
 
 std::int64_t TreeMeter::visits_of(std::uint32_t body) const {
@@ -384,14 +389,14 @@ std::int64_t TreeMeter::visits_of(std::uint32_t body) const {
   return visits;
 }
 
-std::vector<std::uint32_t> TreeMeter::visited(const TreeView& tree, std::uint32_t body, std::int64_t most) {
+std::vector<std::uint32_t> TreeMeter::visited(const TreeView& tree, std::uint32_t body, std::int64_t limit) {
   Buffer<std::uint32_t> list(executor_, "visited nodes");
-  list.resize_discarding(static_cast<std::size_t>(most) + 1);
+  list.resize_discarding(static_cast<std::size_t>(limit) + 1);
   executor_.run("quality", 1,
-                WriteVisited{tree, body, place_.data(), leaf_node_.data(), static_cast<std::uint32_t>(most),
+                WriteVisited{tree, body, place_.data(), leaf_node_.data(), static_cast<std::uint32_t>(limit),
                              list.data()});
   std::vector<std::uint32_t> host = list.download();
-  host.resize(1 + static_cast<std::size_t>(std::min<std::int64_t>(host[0], most)));
+  host.resize(1 + static_cast<std::size_t>(std::min<std::int64_t>(host[0], limit)));
   host.erase(host.begin());
   return host;
 }

@@ -20,7 +20,7 @@ struct NodeSums {
 /// bodies found to overlap, so each pair twice.
 struct QuerySums {
   double q1 = 0, q2 = 0, q3 = 0, area = 0, epo = 0, visits = 0;
-  std::int64_t met = 0;
+  std::int64_t overlaps = 0;
 };
 
 /// Least and greatest of values, where there are any.
@@ -55,15 +55,15 @@ class TreeMeter {
                                  std::int64_t count, int from = 0, int to = 63);
   std::vector<NodeReport> nodes(const TreeView& tree, const std::vector<std::uint32_t>& places);
   NodeSpread spread(const TreeView& tree, NodeMetric metric, const NodeSelection& selection);
-  /// The nodes that the query of a body tests, in its order; the first `most`.
-  std::vector<std::uint32_t> visited(const TreeView& tree, std::uint32_t body, std::int64_t most);
+  /// The nodes that the query of a body tests, in its order; the first `limit`.
+  std::vector<std::uint32_t> visited(const TreeView& tree, std::uint32_t body, std::int64_t limit);
 
  private:
   Executor& executor_;
   Buffer<float> level_, sah_share_, overlap_, empty_, visited_;  ///< by node
   Buffer<std::uint32_t> node_visits_;                            ///< by node
   Buffer<std::uint32_t> body_visits_;                            ///< by id
-  Buffer<std::uint32_t> leaf_visits_, met_, leaf_node_;          ///< by place in the tree's order
+  Buffer<std::uint32_t> leaf_visits_, overlaps_, leaf_node_;     ///< by place in the tree's order
   Buffer<std::uint32_t> place_;                                  ///< by id
   Buffer<std::uint32_t> own_visits_;                             ///< by the items of the method's stage
   Buffer<std::uint64_t> shared_visits_;

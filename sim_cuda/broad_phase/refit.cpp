@@ -10,20 +10,20 @@
 // slow. (Where the library sorts, as with 63-bit keys, it sorts in every step, the old keys if no new ones.)
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/morton_order.h"
-#include "sim_cuda/broad_phase/parting.h"
 #include "sim_cuda/broad_phase/rope_tree.h"
 #include "sim_cuda/core/reduce.h"
-#include "sim_cuda/core/whole_record.h"
+#include "sim_cuda/core/vector_load.h"
 
 namespace collidoscope {
 
 namespace {
 
-constexpr double decayed = 1.25;  // of the least sum of areas
+constexpr double rebuild_ratio = 1.25;  // of the least sum of areas
 
-/// What the next update builds, and by what it is judged.
-struct Upkeep {
+/// What the next update builds, and what it is compared with.
+struct RebuildState {
   std::uint32_t leaves, nodes;  ///< all, or 0
   double least_area;            ///< m^2, since the last build
 };
@@ -39,26 +39,26 @@ struct PlaceLeafBody {
 };
 
 /// Leaves climb; where two subtrees meet, the second to come links them and goes on (Apetrei 2014). The node
-/// that parts leaves i and i + 1 is n + i.
+/// that separates leaves i and i + 1 is n + i.
 template <class Key>
 struct LinkNodes {
   const Key* keys;
   std::uint32_t n;
   RopedNode* nodes;
   TreeLinks links;
-  std::uint32_t* met;  ///< by parting: `no_rope`, or the far end of the subtree that came first
+  std::uint32_t* arrival;  ///< by split: `no_rope`, or the far end of the subtree that came first
 
-  SIM_HD std::uint32_t height(std::uint32_t i) const { return parting_height(keys, n, i); }
+  SIM_HD std::uint32_t split_bit_at(std::uint32_t i) const { return split_bit(keys, n, i); }
   SIM_HD void operator()(int item) const {
     std::uint32_t first = static_cast<std::uint32_t>(item), last = first, at = first;
     while (first > 0 || last < n - 1) {
-      const bool is_left = height(last) < height(first - 1);
+      const bool is_left = split_bit_at(last) < split_bit_at(first - 1);
       const std::uint32_t split = is_left ? last : first - 1;
       RopedNode& above = nodes[n + split];
-      (is_left ? above.child : above.rope) = at;  // until the ropes are tied, the right child
-      const std::uint32_t far = atomic_swap(&met[split], is_left ? first : last);
+      (is_left ? above.child : above.rope) = at;  // until the escape indices are set, the right child
+      const std::uint32_t far = atomic_exchange(&arrival[split], is_left ? first : last);
       if (far == no_rope) return;
-      met[split] = no_rope;  // both were here
+      arrival[split] = no_rope;  // both were here
       const std::uint32_t other = atomic_load(is_left ? &above.rope : &above.child);
       links.join(is_left ? at : other, is_left ? other : at, n + split);
       (is_left ? last : first) = far;
@@ -74,22 +74,22 @@ struct RefitNodes {
   std::uint32_t n;
   RopedNode* nodes;
   TreeLinks links;
-  std::uint32_t* met;
+  std::uint32_t* arrival;
   SIM_HD void operator()(int item) const {
     auto at = static_cast<std::uint32_t>(item);
     RopedNode node = nodes[at];
     Aabb box = boxes[node.child];
     for (;;) {
       node.set_box(box);
-      store_whole(&nodes[at], node);
+      store_vectorized(&nodes[at], node);
       if (links.is_root(at)) return;
       const std::uint32_t above = links.parent(at);
-      if (atomic_swap(&met[above - n], at) == no_rope) return;
-      met[above - n] = no_rope;
+      if (atomic_exchange(&arrival[above - n], at) == no_rope) return;
+      arrival[above - n] = no_rope;
       node.child = nodes[above].child;
       node.rope = nodes[above].rope;
       const std::uint32_t sibling = links.is_left(at) ? links.link[at] : node.child;
-      box = combine(box, load_fresh(&nodes[sibling]).box());
+      box = combine(box, load_l2(&nodes[sibling]).box());
       at = above;
     }
   }
@@ -98,7 +98,7 @@ struct RefitNodes {
 struct InnerArea {
   const RopedNode* nodes;
   SIM_HD AreaSum operator()(std::int64_t item) const {
-    const RopedNode node = load_whole(&nodes[item]);
+    const RopedNode node = load_readonly(&nodes[item]);
     double side[3];
     for (int k = 0; k < 3; ++k)
       side[k] = max_of(static_cast<double>(node.max[k]) - static_cast<double>(node.min[k]), 0.0);
@@ -106,16 +106,16 @@ struct InnerArea {
   }
 };
 
-struct Judge {
+struct DecideRebuild {
   const AreaSum* now;
   std::uint32_t n;
-  Upkeep* upkeep;
+  RebuildState* rebuild_state;
   SIM_HD void operator()(int) const {
-    const bool built = upkeep->leaves != 0;
-    if (built || now->area < upkeep->least_area) upkeep->least_area = now->area;
-    const bool rebuild = now->area > decayed * upkeep->least_area;
-    upkeep->leaves = rebuild ? n : 0;
-    upkeep->nodes = rebuild ? 2 * n - 1 : 0;
+    const bool built = rebuild_state->leaves != 0;
+    if (built || now->area < rebuild_state->least_area) rebuild_state->least_area = now->area;
+    const bool rebuild = now->area > rebuild_ratio * rebuild_state->least_area;
+    rebuild_state->leaves = rebuild ? n : 0;
+    rebuild_state->nodes = rebuild ? 2 * n - 1 : 0;
   }
 };
 
@@ -128,32 +128,32 @@ class RefitBvh final : public RopeTreeMethod<Key> {
   explicit RefitBvh(Executor& executor)
       : Base(executor),
         link_(executor, "links of nodes"),
-        met_(executor, "tree climbers"),
+        arrival_(executor, "tree climbers"),
         sums_(executor, "sums of areas"),
-        upkeep_(executor, "upkeep of the tree") {}
+        rebuild_state_(executor, "upkeep of the tree") {}
 
   void reserve(std::int64_t bodies) override {
     Base::reserve(bodies);
     link_.resize_discarding(nodes_.size());
-    met_.resize_discarding(n_);
-    executor_.fill(met_.data(), 0xff, met_.bytes());
+    arrival_.resize_discarding(n_);
+    executor_.fill(arrival_.data(), 0xff, arrival_.bytes());
     sums_.resize_discarding(reduce_scratch_size(bodies));
-    upkeep_.upload({Upkeep{n_, static_cast<std::uint32_t>(nodes_.size()), 0}});
+    rebuild_state_.upload({RebuildState{n_, static_cast<std::uint32_t>(nodes_.size()), 0}});
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
-    Upkeep* upkeep = upkeep_.data();
-    const Count leaves(&upkeep->leaves, n_), nodes(&upkeep->nodes, Base::tree_nodes());
+    RebuildState* rebuild_state = rebuild_state_.data();
+    const Count leaves(&rebuild_state->leaves, n_), nodes(&rebuild_state->nodes, Base::tree_nodes());
     const TreeLinks links{link_.data()};
     order_.sort(boxes, extent, PlaceLeafBody{nodes_.data()}, leaves);
-    executor_.run("build", leaves, LinkNodes<Key>{order_.keys(), n_, nodes_.data(), links, met_.data()});
-    executor_.run("build", nodes, TieRopes{links, nodes_.data()});
-    executor_.run("build", n_, RefitNodes{boxes, n_, nodes_.data(), links, met_.data()});
+    executor_.run("build", leaves, LinkNodes<Key>{order_.keys(), n_, nodes_.data(), links, arrival_.data()});
+    executor_.run("build", nodes, SetEscapeIndices{links, nodes_.data()});
+    executor_.run("build", n_, RefitNodes{boxes, n_, nodes_.data(), links, arrival_.data()});
     if (n_ == 1) return;
     const AreaSum* area =
         reduce<AreaSum>(executor_, "build", n_ - 1, InnerArea{nodes_.data() + n_}, sums_.data());
-    executor_.run("build", 1, Judge{area, n_, upkeep});
+    executor_.run("build", 1, DecideRebuild{area, n_, rebuild_state});
   }
 
   void write_tree(const TreeSink& sink) const override {
@@ -161,9 +161,9 @@ class RefitBvh final : public RopeTreeMethod<Key> {
   }
 
  private:
-  Buffer<std::uint32_t> link_, met_;
+  Buffer<std::uint32_t> link_, arrival_;
   Buffer<AreaSum> sums_;
-  Buffer<Upkeep> upkeep_;
+  Buffer<RebuildState> rebuild_state_;
 };
 
 }  // namespace

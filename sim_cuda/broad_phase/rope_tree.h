@@ -1,6 +1,7 @@
 #pragma once
-// Ropes (rope_walk.h) for trees that are not built from left to right. Whoever builds one gives each pair of
-// siblings its links; the ropes follow from these in one launch, and so does what write_tree() asks for.
+// Ropes (escape indices, rope_walk.h) for trees that are not built from left to right. Whoever builds one
+// gives each pair of siblings its links; the ropes follow from these in one launch, and so does what
+// write_tree() asks for.
 
 #include <cstdint>
 
@@ -27,7 +28,7 @@ struct TreeLinks {
 };
 
 /// A left child's rope leads to its sibling, a right one's where its parent's does.
-struct TieRopes {
+struct SetEscapeIndices {
   TreeLinks links;
   RopedNode* nodes;
   SIM_HD void operator()(int item) const {

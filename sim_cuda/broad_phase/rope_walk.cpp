@@ -1,6 +1,6 @@
 #include "sim_cuda/broad_phase/rope_walk.h"
 
-#include "sim_cuda/core/whole_record.h"
+#include "sim_cuda/core/vector_load.h"
 
 namespace collidoscope {
 
@@ -13,10 +13,10 @@ struct WalkRopes {
   std::uint32_t n;
   Sink sink;
   SIM_HD void operator()(int leaf) const {
-    const RopedNode query = load_whole(&nodes[leaf]);
+    const RopedNode query = load_readonly(&nodes[leaf]);
     auto batch = start_query(sink, leaf, query.child);
     for (std::uint32_t at = query.rope; at != no_rope;) {
-      const RopedNode node = load_whole(&nodes[at]);
+      const RopedNode node = load_readonly(&nodes[at]);
       batch.visit();
       const bool hit = overlap(query, node), is_leaf = at < n;
       if (hit && is_leaf) batch.add(node.child);
@@ -40,7 +40,7 @@ struct WalkRopes {
 constexpr std::uint32_t warp_size = 32;
 constexpr std::int64_t lanes_a_query = 4;        // no more: dividing costs time too
 constexpr std::uint32_t idle_lanes_to_wait = 4;  // before work is handed out
-constexpr std::uint32_t most_shared =
+constexpr std::uint32_t max_shared =
     200'000;  // queries: on an H200, which runs 8,448 warps at once, both are as fast
 
 /// The rest of a walk.
@@ -59,7 +59,7 @@ std::size_t warp_space(int threads) {
 }
 
 __global__ void __launch_bounds__(1024)
-    walk_ropes_together(const RopedNode* nodes, std::uint32_t n, PairSink sink) {
+    walk_ropes_by_warp(const RopedNode* nodes, std::uint32_t n, PairSink sink) {
   extern __shared__ WarpSpace spaces[];
   const std::uint32_t warp = threadIdx.x / warp_size, lane = threadIdx.x % warp_size;
   const std::uint32_t lanes = min(warp_size, blockDim.x - warp * warp_size);
@@ -76,43 +76,43 @@ __global__ void __launch_bounds__(1024)
   Walk walk{0, no_rope, no_rope};
   std::uint32_t rope = no_rope;  // where this lane's walk can be divided; `walk.end`: nowhere
   RopedNode query{};
-  std::uint32_t held = 0;
-  const auto give = [&](std::uint32_t pairs) {
+  std::uint32_t buffered = 0;
+  const auto flush = [&](std::uint32_t pairs) {
     std::uint64_t place = 0;
     if (lane == 0) place = atomic_add(sink.total, std::uint64_t{pairs});
     place = __shfl_sync(all, place, 0);
-    held -= pairs;
-    if (lane < pairs) sink.put(place + lane, space.found[held + lane].x, space.found[held + lane].y);
+    buffered -= pairs;
+    if (lane < pairs) sink.put(place + lane, space.found[buffered + lane].x, space.found[buffered + lane].y);
     __syncwarp(all);
   };
 
   for (;;) {
     const bool idle = walk.at == walk.end;
-    const std::uint32_t idlers = __ballot_sync(all, idle);
-    if (idlers == all && next == last) break;
-    if (idlers == all || count(idlers) >= idle_lanes_to_wait) {
-      const std::uint32_t rank = count(idlers & below);
+    const std::uint32_t idle_lanes = __ballot_sync(all, idle);
+    if (idle_lanes == all && next == last) break;
+    if (idle_lanes == all || count(idle_lanes) >= idle_lanes_to_wait) {
+      const std::uint32_t rank = count(idle_lanes & below);
       if (next < last) {
         if (idle && rank < last - next) {
           walk = {next + rank, no_rope, no_rope};
-          query = load_whole(&nodes[walk.leaf]);
+          query = load_readonly(&nodes[walk.leaf]);
           walk.at = query.rope;
           rope = no_rope;
         }
-        next += min(count(idlers), last - next);
+        next += min(count(idle_lanes), last - next);
       } else {
         const bool has_more = walk.at != walk.end && rope != walk.end;
-        const std::uint32_t givers = __ballot_sync(all, has_more);
-        const std::uint32_t number = count(givers & below);
-        if (has_more && number < count(idlers)) {
+        const std::uint32_t donors = __ballot_sync(all, has_more);
+        const std::uint32_t number = count(donors & below);
+        if (has_more && number < count(idle_lanes)) {
           space.rest[number] = {walk.leaf, rope, walk.end};
           walk.end = rope;
         }
         __syncwarp(all);
-        if (idle && rank < count(givers)) {
+        if (idle && rank < count(donors)) {
           walk = space.rest[rank];
           rope = walk.end;
-          query = load_whole(&nodes[walk.leaf]);
+          query = load_readonly(&nodes[walk.leaf]);
         }
         __syncwarp(all);
       }
@@ -121,7 +121,7 @@ __global__ void __launch_bounds__(1024)
     bool found = false;
     std::uint32_t other = 0;
     if (walk.at != walk.end) {
-      const RopedNode node = load_whole(&nodes[walk.at]);
+      const RopedNode node = load_readonly(&nodes[walk.at]);
       const bool hit = overlap(query, node), is_leaf = walk.at < n;
       found = hit && is_leaf;
       other = node.child;
@@ -130,14 +130,14 @@ __global__ void __launch_bounds__(1024)
       walk.at = down ? node.child : node.rope;
       if (walk.at == rope) rope = walk.end;  // there is nothing before it any more
     }
-    const std::uint32_t finders = __ballot_sync(all, found);
-    if (finders == 0) continue;
-    if (found) space.found[held + count(finders & below)] = {query.child, other};
-    held += count(finders);
+    const std::uint32_t found_lanes = __ballot_sync(all, found);
+    if (found_lanes == 0) continue;
+    if (found) space.found[buffered + count(found_lanes & below)] = {query.child, other};
+    buffered += count(found_lanes);
     __syncwarp(all);
-    if (held >= lanes) give(lanes);
+    if (buffered >= lanes) flush(lanes);
   }
-  if (held > 0) give(held);
+  if (buffered > 0) flush(buffered);
 }
 
 #endif
@@ -146,8 +146,8 @@ __global__ void __launch_bounds__(1024)
 
 void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink) {
 #if defined(__CUDACC__)
-  if (executor.on_device() && n <= most_shared)
-    return executor.run_kernel("pairs", {lanes_a_query * n, true, warp_space}, walk_ropes_together, nodes, n,
+  if (executor.on_device() && n <= max_shared)
+    return executor.run_kernel("pairs", {lanes_a_query * n, true, warp_space}, walk_ropes_by_warp, nodes, n,
                                sink);
 #endif
   executor.run("pairs", n, WalkRopes<PairSink>{nodes, n, sink});

@@ -12,7 +12,7 @@ namespace {
 
 /// Tells a leaf's ancestors the leftmost leaf under them. An ancestor that knows a leaf as far left has told
 /// its own.
-struct TellAncestors {
+struct PropagateLeftmost {
   const std::uint32_t* parent;
   std::uint32_t* leftmost;
   SIM_HD void operator()(int leaf) const {
@@ -121,7 +121,7 @@ void Tree::arrange(const BroadPhase& method, std::int64_t bodies) {
   method.write_tree({raw_box_.data(), raw_parent_.data(), leaf_body_.data()});
   executor_.fill(leftmost_.data(), 0xff, leftmost_.bytes());
   executor_.fill(level_first_.data(), 0xff, level_first_.bytes());
-  executor_.run("tree", bodies, TellAncestors{raw_parent_.data(), leftmost_.data()});
+  executor_.run("tree", bodies, PropagateLeftmost{raw_parent_.data(), leftmost_.data()});
   deepest_.fill_zero();
   executor_.run("tree", nodes,
                 MakeTreeKeys{raw_parent_.data(), leftmost_.data(), key_.data(), deepest_.data(), id_.data()});

@@ -58,7 +58,7 @@ struct OwnVisits {
   /// Whether the rest is known: not where the traversal has no query of a single body (bullet_dbvt).
   bool by_query = false;
   double p99 = 0;
-  std::int64_t most = 0;
+  std::int64_t max = 0;
   double warp_ratio = 0;  ///< mean over 32 queries that follow each other of their most visits, over the mean
 };
 
@@ -82,7 +82,8 @@ struct TreeQuality {
   double expected_visits =
       0;  ///< mean over queries of the sum over nodes of prod(extent + 2 query) / root's volume
   std::int64_t pairs = 0;
-  double tests_per_pair = 0;  ///< box tests of all queries over twice the pairs: each pair is met by both
+  double tests_per_pair =
+      0;  ///< box tests of all queries over twice the pairs: both queries of a pair find it
   OwnVisits own;
 };
 

@@ -7,13 +7,13 @@
 
 namespace collidoscope {
 
-/// Walks the tree from the root: meets each box whose parent overlaps `query`, children before siblings, and
+/// Walks the tree from the root: visits each box whose parent overlaps `query`, children before siblings, and
 /// says of each whether to go down. No stack: nodes know their parents, and siblings follow each other.
-template <class Meet>
-SIM_HD void walk(const TreeView& tree, const Meet& meet) {
+template <class Visit>
+SIM_HD void walk(const TreeView& tree, const Visit& visit) {
   std::uint32_t node = 0;
   for (;;) {
-    if (meet(node) && tree.children[node] > 0) {
+    if (visit(node) && tree.children[node] > 0) {
       node = tree.first_child[node];
       continue;
     }

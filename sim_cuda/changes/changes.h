@@ -79,8 +79,8 @@ std::optional<Scene> next_run(const World& world, const Change& change);
 
 /// The run after a change: another World, or null where `world` itself could change, its launch shape.
 /// `options` are world's own, or such with another executor. `rest`: where it begins at state 0, the state to
-/// begin in, of a scene that settles (settle.h); else it is made here. Throws as World does, and changes
-/// nothing then.
+/// begin in, of a scene that settles (presimulation.h); else it is made here. Throws as World does, and
+/// changes nothing then.
 std::unique_ptr<World> changed_world(World& world, const Change& change, RunOptions options,
                                      const RunState* rest = nullptr);
 /// The same from a state that was kept; never null.

@@ -64,7 +64,7 @@ SIM_HD constexpr float round_up(double x) {
   return static_cast<double>(f) < x ? next_up(f) : f;
 }
 
-SIM_HD inline std::uint32_t bits_set(std::uint32_t bits) {
+SIM_HD inline std::uint32_t count_bits(std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   return static_cast<std::uint32_t>(__popc(bits));
 #else

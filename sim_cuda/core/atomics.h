@@ -33,7 +33,7 @@ SIM_HD inline std::uint64_t atomic_add(std::uint64_t* target, std::uint64_t valu
 
 /// Takes `numbers` numbers, 0 to 15, of a counter that many take from at once, and returns the first: on a
 /// GPU, the threads of a warp that arrive together share one atomic.
-SIM_HD inline std::uint64_t atomic_take(std::uint64_t* counter, std::uint32_t numbers) {
+SIM_HD inline std::uint64_t atomic_add_aggregated(std::uint64_t* counter, std::uint32_t numbers) {
 #if defined(__CUDA_ARCH__)
   const auto group = cooperative_groups::coalesced_threads();
   const std::uint32_t below = (1u << group.thread_rank()) - 1;
@@ -52,7 +52,7 @@ SIM_HD inline std::uint64_t atomic_take(std::uint64_t* counter, std::uint32_t nu
 }
 
 /// The same of any numbers, by sums up the lanes of the warp.
-SIM_HD inline std::uint32_t atomic_take(std::uint32_t* counter, std::uint32_t numbers) {
+SIM_HD inline std::uint32_t atomic_add_aggregated(std::uint32_t* counter, std::uint32_t numbers) {
 #if defined(__CUDA_ARCH__)
   const auto group = cooperative_groups::coalesced_threads();
   std::uint32_t sum = numbers;
@@ -72,7 +72,7 @@ SIM_HD inline std::uint32_t atomic_take(std::uint32_t* counter, std::uint32_t nu
 /// Puts a value and returns the one before; what others wrote before they put theirs is seen after it, and
 /// what this thread wrote is seen by who gets its value.
 template <class T>
-SIM_HD T atomic_swap(T* target, std::type_identity_t<T> value) {
+SIM_HD T atomic_exchange(T* target, std::type_identity_t<T> value) {
 #if defined(__CUDA_ARCH__)
   return cuda::atomic_ref<T, cuda::thread_scope_device>(*target).exchange(value, cuda::memory_order_acq_rel);
 #else
@@ -81,8 +81,8 @@ SIM_HD T atomic_swap(T* target, std::type_identity_t<T> value) {
 }
 
 /// Puts `value` if `expected` stands there. Returns what stood there.
-SIM_HD inline std::uint32_t atomic_replace(std::uint32_t* target, std::uint32_t expected,
-                                           std::uint32_t value) {
+SIM_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t* target, std::uint32_t expected,
+                                                    std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
   return atomicCAS(target, expected, value);
 #else
@@ -115,8 +115,8 @@ SIM_HD inline void atomic_min(std::uint64_t* target, std::uint64_t value) {
 #endif
 }
 
-/// Does not wait for anything: for places where few bid.
-SIM_HD inline void atomic_max_unseen(std::uint64_t* target, std::uint64_t value) {
+/// Without a read first: for places with little contention.
+SIM_HD inline void atomic_max_unchecked(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
   atomicMax(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
 #else
@@ -127,14 +127,14 @@ SIM_HD inline void atomic_max_unseen(std::uint64_t* target, std::uint64_t value)
 #endif
 }
 
-/// Looks before it bids: most bids at a busy place are lower than what stands there, and a load costs far
+/// Reads first: most values at a busy place are lower than the stored one, and a load costs far
 /// less than an atomic.
 SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
   static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
   if (*reinterpret_cast<volatile std::uint64_t*>(target) >= value) return;
 #endif
-  atomic_max_unseen(target, value);
+  atomic_max_unchecked(target, value);
 }
 
 SIM_HD inline void atomic_or(std::uint32_t* target, std::uint32_t bits) {

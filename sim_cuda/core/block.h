@@ -7,7 +7,7 @@
 namespace collidoscope {
 
 /// A list of more entries than this keeps one thread busy for longer than a block needs to gather.
-inline constexpr std::uint32_t long_list = 256;
+inline constexpr std::uint32_t large_list_size = 256;
 
 #if defined(__CUDACC__)
 
@@ -15,11 +15,11 @@ inline constexpr std::uint32_t long_list = 256;
 class BlockRanks {
  public:
   /// How many said yes before this thread, in this call and those before.
-  __device__ std::uint32_t take(bool yes) {
+  __device__ std::uint32_t rank(bool selected) {
     __shared__ std::uint32_t in_warp[32];
     const std::uint32_t warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = (blockDim.x + 31) / 32;
     const std::uint32_t lanes = min(32u, blockDim.x - 32 * warp);
-    const std::uint32_t votes = __ballot_sync(lanes == 32 ? ~0u : (1u << lanes) - 1, yes);
+    const std::uint32_t votes = __ballot_sync(lanes == 32 ? ~0u : (1u << lanes) - 1, selected);
     if (lane == 0) in_warp[warp] = static_cast<std::uint32_t>(__popc(votes));
     __syncthreads();
     std::uint32_t before = total_;

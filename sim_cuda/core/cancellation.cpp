@@ -11,7 +11,7 @@ void Cancellation::set_poll(std::function<void()> poll, Clock::duration interval
   next_ = {};
 }
 
-bool Cancellation::look() {
+bool Cancellation::poll() {
   if (!requested() && poll_ && std::this_thread::get_id() == poller_) {
     const Clock::time_point now = Clock::now();
     if (now >= next_) {
@@ -19,7 +19,7 @@ bool Cancellation::look() {
       next_ = Clock::now() + interval_;
     }
   }
-  return requested() && !held_.load(std::memory_order_relaxed);
+  return requested() && !suspended_.load(std::memory_order_relaxed);
 }
 
 }  // namespace collidoscope

@@ -24,15 +24,15 @@ class Cancellation {
   /// Outside of cancellable work: work may begin again.
   void clear() noexcept { requested_.store(false, std::memory_order_relaxed); }
 
-  /// While held, look() does not see the request.
-  void hold(bool on) noexcept { held_.store(on, std::memory_order_relaxed); }
+  /// While suspended, poll() does not see the request.
+  void suspend(bool on) noexcept { suspended_.store(on, std::memory_order_relaxed); }
 
   /// Calls `poll` on this thread while cancellable work runs on it, about once in each `interval`; 0: as
   /// often as the work looks. `poll` may call request(); it must not throw, and must not touch a World.
   void set_poll(std::function<void()> poll, Clock::duration interval = std::chrono::milliseconds(20));
 
   /// For cancellable work: polls if that is due, and says whether to end. Any thread.
-  bool look();
+  bool poll();
 
   /// s. Work that writes what it cannot undo is not interrupted where it is expected to take no longer;
   /// longer work first saves what it writes. 0 in tests: it always does.
@@ -40,7 +40,7 @@ class Cancellation {
 
  private:
   static_assert(std::atomic<bool>::is_always_lock_free);
-  std::atomic<bool> requested_ = false, held_ = false;
+  std::atomic<bool> requested_ = false, suspended_ = false;
   std::function<void()> poll_;
   std::thread::id poller_;
   Clock::duration interval_{};

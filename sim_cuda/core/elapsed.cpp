@@ -7,15 +7,15 @@ namespace collidoscope {
 namespace {
 
 /// A moment in the work of a stream, on the device's clock.
-class Moment {
+class DeviceEvent {
  public:
-  Moment() { check(cudaEventCreate(&event_), "create an event"); }
-  ~Moment() { cudaEventDestroy(event_); }
-  Moment(const Moment&) = delete;
-  Moment& operator=(const Moment&) = delete;
+  DeviceEvent() { check(cudaEventCreate(&event_), "create an event"); }
+  ~DeviceEvent() { cudaEventDestroy(event_); }
+  DeviceEvent(const DeviceEvent&) = delete;
+  DeviceEvent& operator=(const DeviceEvent&) = delete;
 
   void record(cudaStream_t stream) { check(cudaEventRecord(event_, stream), "record an event"); }
-  double milliseconds_since(const Moment& before) const {
+  double milliseconds_since(const DeviceEvent& before) const {
     float elapsed = 0;
     check(cudaEventElapsedTime(&elapsed, before.event_, event_), "read the time between two events");
     return static_cast<double>(elapsed);
@@ -31,7 +31,7 @@ class Moment {
 double milliseconds_of([[maybe_unused]] Executor& executor, const std::function<void()>& work) {
 #if SIM_CUDA
   if (executor.on_device()) {
-    Moment begin, end;
+    DeviceEvent begin, end;
     begin.record(executor.stream());
     work();
     end.record(executor.stream());

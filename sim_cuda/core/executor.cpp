@@ -12,8 +12,8 @@ namespace collidoscope {
 
 namespace {
 
-int cpu_threads(int asked) {
-  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+int cpu_threads(int requested) {
+  return requested > 0 ? requested : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void Executor::synchronize() {
 #if SIM_CUDA
   if (!on_device()) return;
   const char* const doing = "finish the work given to it";
-  Cancellation* const cancellation = shields_ > 0 ? nullptr : options_.cancellation;
+  Cancellation* const cancellation = suspensions_ > 0 ? nullptr : options_.cancellation;
   if (cancellation == nullptr) return check(cudaStreamSynchronize(stream_), doing);
   // The first 5 ms are polled without sleep, which is as quick as cudaStreamSynchronize(). After that, each
   // sleep is 1/64 of the time waited so far, so that it adds at most that share; and at most 5 ms.
@@ -131,7 +131,7 @@ void Executor::synchronize() {
     cudaGetLastError();  // clears cudaErrorNotReady, which is not a failure
     const Clock::duration waited = Clock::now() - start;
     if (waited < short_work) continue;
-    heed();
+    throw_if_cancelled();
     std::this_thread::sleep_for(std::min<Clock::duration>(waited / 64, longest_sleep));
   }
 #endif
@@ -139,8 +139,8 @@ void Executor::synchronize() {
 
 // ---- cancellation ----
 
-void Executor::heed() {
-  if (!on_device()) return team_.heed();
+void Executor::throw_if_cancelled() {
+  if (!on_device()) return team_.throw_if_cancelled();
   if (!team_.is_cancelled()) return;
   abandon_gpu();
   throw Cancelled();
@@ -148,15 +148,15 @@ void Executor::heed() {
 
 bool Executor::interrupted() const { return team_.stopped(); }
 
-void Executor::shield(int more) {
-  shields_ += more;
-  team_.set_cancellation(shields_ > 0 ? nullptr : options_.cancellation);
+void Executor::suspend_cancellation(int more) {
+  suspensions_ += more;
+  team_.set_cancellation(suspensions_ > 0 ? nullptr : options_.cancellation);
 }
 
 // ---- stages ----
 
 void Executor::begin_stage(const char* name, bool own_shape) {
-  if (!on_device()) heed();
+  if (!on_device()) throw_if_cancelled();
   stages_.begin(name, own_shape);
 }
 
@@ -182,9 +182,9 @@ void Executor::run_loop(std::int64_t count, const void* stage, ItemLoop loop) {
     count_loop(count, 0);
     return run_in_chunks(team_, count, cpu_chunk, loop, stage);
   }
-  const std::int64_t asked =
+  const std::int64_t requested =
       automatic ? 64 : static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads;
-  const std::int64_t lanes = std::min(asked, count);
+  const std::int64_t lanes = std::min(requested, count);
   count_loop(count, lanes);
   run_in_lanes(team_, count, lanes, options_.lane_order, cpu_chunk, loop, stage);
 }

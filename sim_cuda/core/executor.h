@@ -81,7 +81,7 @@ class Executor {
   // between chunks. On a GPU, the functions that wait for the device throw it; the device continues its work.
 
   /// Throws Cancelled if that was requested. For work between stages.
-  void heed();
+  void throw_if_cancelled();
   /// Something was cancelled and may be incomplete: buffers that outlive a step, too. On a GPU the executor
   /// cannot be used any more.
   bool interrupted() const;
@@ -90,8 +90,8 @@ class Executor {
   /// While an object of this class exists, nothing is cancelled.
   class Uninterrupted {
    public:
-    explicit Uninterrupted(Executor& executor) : executor_(executor) { executor_.shield(1); }
-    ~Uninterrupted() { executor_.shield(-1); }
+    explicit Uninterrupted(Executor& executor) : executor_(executor) { executor_.suspend_cancellation(1); }
+    ~Uninterrupted() { executor_.suspend_cancellation(-1); }
     Uninterrupted(const Uninterrupted&) = delete;
     Uninterrupted& operator=(const Uninterrupted&) = delete;
 
@@ -130,13 +130,13 @@ class Executor {
   }
 
   /// Runs several rounds of one stage, each over all its items before the next begins (round_kernels.h).
-  /// `most`: the expected number of items in a round, from which (B, T) is chosen; 0: nothing runs.
+  /// `max_items`: the expected number of items in a round, from which (B, T) is chosen; 0: nothing runs.
   template <ItemRounds Rounds>
-  void run_rounds(const char* name, int rounds, std::int64_t most, const Rounds& stage) {
-    if (most == 0) return;
+  void run_rounds(const char* name, int rounds, std::int64_t max_items, const Rounds& stage) {
+    if (max_items == 0) return;
     begin_stage(name);
 #if defined(__CUDACC__)
-    if (on_device()) return launch_rounds(planner_, stream_, name, rounds, most, stage);
+    if (on_device()) return launch_rounds(planner_, stream_, name, rounds, max_items, stage);
 #endif
     for (int round = 0; round < rounds; ++round)
       if (const std::int64_t items = stage.items(round); items > 0)
@@ -174,14 +174,14 @@ class Executor {
   void run_loop(std::int64_t count, const void* stage, ItemLoop loop);
   /// One more parallel loop of the stage in progress: `lanes` of them share the items; 0: chunks.
   void count_loop(std::int64_t items, std::int64_t lanes);
-  void shield(int more);
+  void suspend_cancellation(int more);
 
   ExecutorOptions options_;
   ThreadTeam team_;
   ComputeDevice device_;
   MemorySpace memory_;
   StageRecorder stages_;
-  int shields_ = 0;  ///< objects of class Uninterrupted
+  int suspensions_ = 0;  ///< objects of class Uninterrupted
 #if SIM_CUDA
   LaunchPlanner planner_;
   cudaStream_t stream_ = nullptr;

@@ -31,8 +31,8 @@ struct ExecutorOptions {
   LaneOrder lane_order = LaneOrder::contiguous;
   int key_bits = 0;  ///< Morton keys: 24, 30 or 63; 0: what the scene calls for (key_bits.h)
   SortMethod sort = SortMethod::automatic;
-  /// Each body's query looks for all that it overlaps, so that both bodies of a pair meet it, as in the
-  /// paper. Else each pair is met once, from one side. Of bvh_bottom_up, bvh_recursive and lbvh_top_down.
+  /// Each body's query looks for all that it overlaps, so that both bodies of a pair find it, as in the
+  /// paper. Else each pair is found once, from one side. Of bvh_bottom_up, bvh_recursive and lbvh_top_down.
   bool whole_queries = false;
   std::int64_t memory_limit = 0;  ///< bytes in the executor's memory space; 0: all available memory
   bool allow_large = false;       ///< takes all memory that is available, not only 80 % of it

@@ -23,8 +23,8 @@ std::optional<std::int64_t> number_in(const std::string& file) {
 
 // Plain texts: a std::filesystem::path of libstdc++ 12 that finds no memory to grow damages itself.
 std::int64_t free_in_group(const std::string& folder, const char* limit, const char* usage) {
-  const auto most = number_in(folder + '/' + limit), used = number_in(folder + '/' + usage);
-  return most && used ? std::max<std::int64_t>(*most - *used, 0) : no_limit;
+  const auto max = number_in(folder + '/' + limit), used = number_in(folder + '/' + usage);
+  return max && used ? std::max<std::int64_t>(*max - *used, 0) : no_limit;
 }
 
 }  // namespace

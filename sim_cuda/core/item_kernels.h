@@ -17,11 +17,11 @@ namespace collidoscope {
 /// thousands of contacts. On a GPU the threads of a block execute such an item together, after each thread
 /// has finished its other items.
 ///
-///   SIM_HD bool is_long(int item) const;
-///   __device__ void together(int item) const;  // the same result, bit for bit, as operator()(item)
+///   SIM_HD bool is_large(int item) const;
+///   __device__ void process_by_block(int item) const;  // the same result, bit for bit, as operator()(item)
 template <class Stage>
-concept LongItems = requires(const Stage& stage) {
-  stage.is_long(0);
+concept LargeItems = requires(const Stage& stage) {
+  stage.is_large(0);
 };
 
 #if defined(__CUDACC__)
@@ -31,26 +31,27 @@ template <class Stage>
 __device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
   for (std::int64_t i = first; i < items; i += stride) stage(static_cast<int>(i));
 }
-template <LongItems Stage>
+template <LargeItems Stage>
 __device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
-  constexpr std::uint32_t room = 64;  // long items of a block; one thread alone executes any further ones
-  __shared__ int waiting[room];
-  __shared__ std::uint32_t waits;
-  if (threadIdx.x == 0) waits = 0;
+  constexpr std::uint32_t capacity =
+      64;  // large items of a block; one thread alone executes any further ones
+  __shared__ int queued[capacity];
+  __shared__ std::uint32_t queued_count;
+  if (threadIdx.x == 0) queued_count = 0;
   __syncthreads();
   for (std::int64_t i = first; i < items; i += stride) {
     const int item = static_cast<int>(i);
-    if (stage.is_long(item))
-      if (const std::uint32_t place = atomicAdd(&waits, 1); place < room) {
-        waiting[place] = item;
+    if (stage.is_large(item))
+      if (const std::uint32_t place = atomicAdd(&queued_count, 1); place < capacity) {
+        queued[place] = item;
         continue;
       }
     stage(item);
   }
   __syncthreads();
-  const std::uint32_t all = waits < room ? waits : room;
+  const std::uint32_t all = queued_count < capacity ? queued_count : capacity;
   for (std::uint32_t k = 0; k < all; ++k) {
-    stage.together(waiting[k]);
+    stage.process_by_block(queued[k]);
     __syncthreads();
   }
 }

@@ -22,18 +22,19 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
   check(cudaFuncGetAttributes(&attributes, kernel), doing);
   const auto shared_bytes = [&](int block) { return shared != nullptr ? shared(block) : 0; };
   constexpr std::size_t granted = 48 << 10;  // bytes; a kernel that needs more must declare it
-  if (const std::size_t most = shared_bytes(device_.max_threads); most > granted)
-    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(most)),
+  if (const std::size_t max_shared = shared_bytes(device_.max_threads); max_shared > granted)
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                               static_cast<int>(max_shared)),
           doing);
   const auto resident = [&](int block) {
     int blocks = 0;
     check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, block, shared_bytes(block)), doing);
     return blocks;
   };
-  int best = threads, most = 0;
+  int best = threads, best_threads = 0;
   for (int block = 128; threads == 0 && block >= 32; block -= 32)
-    if (const int at_once = resident(block) * block; at_once > most) {
-      most = at_once;
+    if (const int at_once = resident(block) * block; at_once > best_threads) {
+      best_threads = at_once;
       best = block;
     }
   KernelFit fit{};
@@ -48,10 +49,10 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
 
 LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, std::int64_t items,
                                         bool at_once, SharedBytes shared) {
-  const KernelFit& fit = kernel_fit(kernel, asked_.threads, name, shared);
+  const KernelFit& fit = kernel_fit(kernel, requested_.threads, name, shared);
   const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
-  LaunchShape shape{asked_.blocks, fit.threads};
+  LaunchShape shape{requested_.blocks, fit.threads};
   // A thread for each item: the hardware starts a block whenever another ends, which balances queries of
   // unequal length.
   if (shape.blocks == 0) shape.blocks = static_cast<int>(at_once ? std::min(needed, resident) : needed);
@@ -59,18 +60,18 @@ LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, st
   return shape;
 }
 
-LaunchShape LaunchPlanner::choose_waiting_shape(const void* kernel, const char* name, std::int64_t items,
-                                                int blocks_each) {
+LaunchShape LaunchPlanner::choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
+                                                    int blocks_per_multiprocessor) {
   // At least one block to a multiprocessor, so that all of them move data. No more than one or two, because
   // the time of a grid-wide wait grows with the number of blocks.
-  const std::int64_t blocks = std::int64_t{device_.multiprocessors} * blocks_each,
+  const std::int64_t blocks = std::int64_t{device_.multiprocessors} * blocks_per_multiprocessor,
                      shared = (items + blocks - 1) / blocks;
   const int usual = static_cast<int>(
-      std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, device_.max_threads / blocks_each));
-  const int threads = asked_.threads > 0 ? asked_.threads : usual;
+      std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, device_.max_threads / blocks_per_multiprocessor));
+  const int threads = requested_.threads > 0 ? requested_.threads : usual;
   const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
-  LaunchShape shape{asked_.blocks, threads};
+  LaunchShape shape{requested_.blocks, threads};
   if (shape.blocks > resident) return {0, 0};
   if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min((items + threads - 1) / threads, resident));
   note_shape(items, shape, fit);

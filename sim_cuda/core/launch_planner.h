@@ -23,15 +23,17 @@ class LaunchPlanner {
   LaunchPlanner(const ComputeDevice& device, StageRecorder& stages);
 
   /// Sets B and T; 0 is "auto". Both must be within the limits of the device.
-  void set_shape(LaunchShape asked) { asked_ = asked; }
+  void set_shape(LaunchShape requested) { requested_ = requested; }
 
   /// (B, T) for a kernel with so many items. `shared` may be null. Where B is "auto", it is a thread for each
   /// item; with `at_once` no more blocks than run at once.
   LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
                            SharedBytes shared);
   /// (B, T) for a kernel whose threads wait for each other, so that all must run at once. Where "auto", about
-  /// `blocks_each` blocks to a multiprocessor. B = 0: the (B, T) asked for would be more than run at once.
-  LaunchShape choose_waiting_shape(const void* kernel, const char* name, std::int64_t items, int blocks_each);
+  /// `blocks_per_multiprocessor` blocks to a multiprocessor. B = 0: the (B, T) asked for would be more than
+  /// run at once.
+  LaunchShape choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
+                                       int blocks_per_multiprocessor);
 
   /// How many threads run at once if each needs 64 registers.
   std::int64_t threads_at_once() const { return std::int64_t{1024} * device_.multiprocessors; }
@@ -49,7 +51,7 @@ class LaunchPlanner {
 
   const ComputeDevice& device_;
   StageRecorder& stages_;
-  LaunchShape asked_;
+  LaunchShape requested_;
   std::map<std::pair<const void*, int>, KernelFit> fits_;
 };
 

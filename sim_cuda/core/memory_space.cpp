@@ -26,14 +26,14 @@ std::string largest_of(std::map<std::string, std::int64_t> bytes_by_name, const 
   std::vector<std::pair<std::int64_t, std::string>> by_size;
   for (const auto& [each, sum] : bytes_by_name) by_size.emplace_back(sum, each);
   std::sort(by_size.rbegin(), by_size.rend());
-  constexpr std::size_t most_shown = 4;
+  constexpr std::size_t max_shown = 4;
   std::string text;
-  for (std::size_t k = 0; k < by_size.size() && k < most_shown; ++k)
+  for (std::size_t k = 0; k < by_size.size() && k < max_shown; ++k)
     text += (k > 0 ? ", '" : "'") + by_size[k].second + "' " + std::to_string(by_size[k].first);
   return text;
 }
 
-void give_back(void* memory, [[maybe_unused]] bool on_device) {
+void free_memory(void* memory, [[maybe_unused]] bool on_device) {
 #if SIM_CUDA
   // cudaFree() waits for the device. The error that it returns may come from an earlier call. It is ignored:
   // the next checked call reports it.
@@ -75,18 +75,18 @@ std::int64_t MemorySpace::room_bytes() const {
 }
 
 std::int64_t MemorySpace::imagine(const std::function<void()>& make) {
-  struct UntilTheEnd {  // also where `make` throws
+  struct ResetOnExit {  // also where `make` throws
     bool& on;
-    ~UntilTheEnd() { on = false; }
+    ~ResetOnExit() { on = false; }
   } imagined{imagining_};
   imagining_ = true;
   return rehearse(make);
 }
 
 std::int64_t MemorySpace::rehearse(const std::function<void()>& reserve) {
-  struct UntilTheEnd {  // also where `reserve` throws
+  struct ResetOnExit {  // also where `reserve` throws
     bool& on;
-    ~UntilTheEnd() { on = false; }
+    ~ResetOnExit() { on = false; }
   } rehearsal{rehearsing_};
   rehearsing_ = true;
   rehearsed_bytes_ = 0;
@@ -128,7 +128,7 @@ void* MemorySpace::allocate(const char* name, std::size_t bytes) {
   try {
     allocations_[memory] = {name, bytes};
   } catch (...) {
-    give_back(memory, device_.is_gpu);
+    free_memory(memory, device_.is_gpu);
     throw;
   }
   allocated_bytes_ += static_cast<std::int64_t>(bytes);
@@ -146,7 +146,7 @@ void MemorySpace::release(void* memory, std::size_t bytes) {
   if (memory == nullptr) return;
   allocated_bytes_ -= static_cast<std::int64_t>(bytes);
   allocations_.erase(memory);
-  give_back(memory, device_.is_gpu);
+  free_memory(memory, device_.is_gpu);
 }
 
 }  // namespace collidoscope

@@ -23,7 +23,7 @@ struct OrderedSums {
 
   /// `entry(k, vectors)` sets the vectors of entry k.
   template <class Entry>
-  SIM_HD static OrderedSums over(std::uint32_t entries, const Entry& entry) {
+  SIM_HD static OrderedSums accumulate(std::uint32_t entries, const Entry& entry) {
     OrderedSums sums;
     for (Vector3<Real>& each : sums.sum) each = Vector3<Real>::Zero();
     for (std::uint32_t k = 0; k < entries; ++k) {
@@ -37,9 +37,9 @@ struct OrderedSums {
 #if defined(__CUDACC__)
   /// By all threads of a block, each of which gets the sums.
   template <class Entry>
-  __device__ static OrderedSums over_together(std::uint32_t entries, const Entry& entry) {
+  __device__ static OrderedSums accumulate_by_block(std::uint32_t entries, const Entry& entry) {
     constexpr std::uint32_t tile = 128, banks_apart = 1;
-    __shared__ Real fetched[3 * vectors][tile + banks_apart];
+    __shared__ Real staged[3 * vectors][tile + banks_apart];
     __shared__ Real total[3 * count];
     for (std::uint32_t c = threadIdx.x; c < 3 * count; c += blockDim.x) total[c] = 0;
     for (std::uint32_t from = 0; from < entries; from += tile) {
@@ -48,14 +48,14 @@ struct OrderedSums {
         Vector3<Real> vector[vectors];
         entry(from + k, vector);
         for (int v = 0; v < vectors; ++v)
-          for (int axis = 0; axis < 3; ++axis) fetched[3 * v + axis][k] = vector[v][axis];
+          for (int axis = 0; axis < 3; ++axis) staged[3 * v + axis][k] = vector[v][axis];
       }
       __syncthreads();
       for (std::uint32_t c = threadIdx.x; c < 3 * count; c += blockDim.x) {
         Real sum = total[c];
         for (std::uint32_t k = 0; k < here; ++k)
           for (int v = 0; v < vectors; ++v)
-            if (sum_of_vector(v) == static_cast<int>(c / 3)) sum += fetched[3 * v + c % 3][k];
+            if (sum_of_vector(v) == static_cast<int>(c / 3)) sum += staged[3 * v + c % 3][k];
         total[c] = sum;
       }
       __syncthreads();

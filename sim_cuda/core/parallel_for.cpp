@@ -36,7 +36,7 @@ class SpareArenas {
     static SpareArenas& spare = *new SpareArenas;
     return spare;
   }
-  Arena take(int threads) {
+  Arena acquire(int threads) {
     const std::lock_guard lock(mutex_);
     std::vector<Arena>& spare = spare_[threads];
     if (!spare.empty()) {
@@ -48,7 +48,7 @@ class SpareArenas {
     arena->initialize();  // or it is none that may be used again, where memory is refused to it later
     return arena;
   }
-  void give_back(int threads, Arena arena) noexcept {
+  void release(int threads, Arena arena) noexcept {
     const std::lock_guard lock(mutex_);
     try {
       spare_.at(threads).push_back(std::move(arena));
@@ -64,8 +64,8 @@ class SpareArenas {
 }  // namespace
 
 struct ThreadTeam::Impl {
-  explicit Impl(int count) : threads(count), arena(SpareArenas::all().take(count)) {}
-  ~Impl() { SpareArenas::all().give_back(threads, std::move(arena)); }
+  explicit Impl(int count) : threads(count), arena(SpareArenas::all().acquire(count)) {}
+  ~Impl() { SpareArenas::all().release(threads, std::move(arena)); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   int threads;
@@ -125,7 +125,7 @@ class Stride {
  public:
   explicit Stride(std::int64_t grain) : grain_(grain), items_(std::min<std::int64_t>(grain, 4)) {}
   std::int64_t items() const { return items_.load(std::memory_order_relaxed); }
-  void took(std::int64_t items, std::int64_t nanoseconds) {
+  void record(std::int64_t items, std::int64_t nanoseconds) {
     constexpr std::int64_t longest = 20'000'000;
     const std::int64_t next = nanoseconds < longest / 2 ? std::min(2 * items, grain_)
                               : nanoseconds > longest   ? items / 2
@@ -143,7 +143,7 @@ class Stride {
 void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
                               void (*body)(void*, std::int64_t, std::int64_t), void* context) {
   if (count <= 0) return;
-  heed();
+  throw_if_cancelled();
   const bool alone = count <= grain || impl_->threads == 1;
   if (count <= grain || (alone && cancellation_ == nullptr)) {
     body(context, 0, count);
@@ -151,23 +151,23 @@ void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
     share(count, grain, [&](std::int64_t begin, std::int64_t end) { body(context, begin, end); });
   } else {
     Stride stride(grain);
-    const auto watched = [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t before = coarse_clock(); begin < end && !look();) {
+    const auto polled = [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t before = coarse_clock(); begin < end && !poll();) {
         const std::int64_t items = std::min(stride.items(), end - begin);
         body(context, begin, begin + items);
         begin += items;
         const std::int64_t now = coarse_clock();
-        stride.took(items, now - before);
+        stride.record(items, now - before);
         before = now;
       }
     };
-    alone ? watched(0, count) : share(count, grain, watched);
+    alone ? polled(0, count) : share(count, grain, polled);
   }
   if (stopped()) throw_cancelled();
 }
 
-bool ThreadTeam::look() {
-  if (!cancellation_->look()) return false;
+bool ThreadTeam::poll() {
+  if (!cancellation_->poll()) return false;
   stopped_.store(true, std::memory_order_relaxed);
   return true;
 }

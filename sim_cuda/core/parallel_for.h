@@ -23,11 +23,11 @@ class ThreadTeam {
   bool stopped() const { return stopped_.load(std::memory_order_relaxed); }
   void resume() { stopped_.store(false, std::memory_order_relaxed); }
   /// Throws Cancelled if that was requested. By the thread that calls parallel_for().
-  void heed() {
+  void throw_if_cancelled() {
     if (is_cancelled()) throw_cancelled();
   }
   /// Within a body that takes long: whether to return at once. parallel_for() then throws.
-  bool is_cancelled() { return cancellation_ != nullptr && look(); }
+  bool is_cancelled() { return cancellation_ != nullptr && poll(); }
 
   /// Calls body(context, begin, end) on disjoint ranges that cover [0, count), about `grain` long; without a
   /// cancellation also longer. Returns when all have returned. Must not be nested. Throws Cancelled where
@@ -46,7 +46,7 @@ class ThreadTeam {
   void sort(KeyedIndex* records, std::int64_t count);
 
  private:
-  bool look();
+  bool poll();
   [[noreturn]] static void throw_cancelled();
   template <class Body>
   void share(std::int64_t count, std::int64_t grain, const Body& body);

@@ -9,12 +9,12 @@ namespace {
 
 constexpr int digit_bits = 4;
 constexpr std::uint32_t digits = 1u << digit_bits;
-constexpr std::int64_t least_stretch = 16;  // records: with as many counters a thread, the table is no longer
-                                            // than the keys
-constexpr std::int64_t all_take_part = 65'536;  // threads: up to here each that B x T has takes its share
+constexpr std::int64_t min_records_per_lane = 16;  // records: with as many counters a thread, the table is no
+                                                   // longer than the keys
+constexpr std::int64_t one_record_lanes = 65'536;  // threads: up to here each that B x T has takes its share
 
 /// The records of a lane: neighbours, so that the order of equal keys is that of lanes.
-struct Stretches {
+struct LaneRanges {
   std::int64_t count, lanes;
   SIM_HD std::int64_t begin(int lane) const { return count * lane / lanes; }
 };
@@ -22,34 +22,34 @@ struct Stretches {
 /// The table holds all lanes' zeros, then all lanes' ones, and so on: its running sums are where each goes.
 template <class Key>
 struct CountDigits {
-  Stretches stretches;
+  LaneRanges ranges;
   const Key* keys;
   int shift;
   std::uint32_t* table;
   SIM_HD void operator()(int lane) const {
     std::uint32_t counts[digits] = {};
-    for (std::int64_t i = stretches.begin(lane); i < stretches.begin(lane + 1); ++i)
+    for (std::int64_t i = ranges.begin(lane); i < ranges.begin(lane + 1); ++i)
       ++counts[(keys[i] >> shift) & (digits - 1)];
-    for (std::uint32_t d = 0; d < digits; ++d) table[d * stretches.lanes + lane] = counts[d];
+    for (std::uint32_t d = 0; d < digits; ++d) table[d * ranges.lanes + lane] = counts[d];
   }
 };
 
 template <class Key>
-struct PutByDigit {
-  Stretches stretches;
+struct ScatterByDigit {
+  LaneRanges ranges;
   const Key* keys;
   const std::uint32_t* values;
   int shift;
   const std::uint32_t* table;
-  Key* put_keys;
-  std::uint32_t* put_values;
+  Key* out_keys;
+  std::uint32_t* out_values;
   SIM_HD void operator()(int lane) const {
     std::uint32_t next[digits];
-    for (std::uint32_t d = 0; d < digits; ++d) next[d] = table[d * stretches.lanes + lane];
-    for (std::int64_t i = stretches.begin(lane); i < stretches.begin(lane + 1); ++i) {
+    for (std::uint32_t d = 0; d < digits; ++d) next[d] = table[d * ranges.lanes + lane];
+    for (std::int64_t i = ranges.begin(lane); i < ranges.begin(lane + 1); ++i) {
       const std::uint32_t place = next[(keys[i] >> shift) & (digits - 1)]++;
-      put_keys[place] = keys[i];
-      put_values[place] = values[i];
+      out_keys[place] = keys[i];
+      out_values[place] = values[i];
     }
   }
 };
@@ -70,7 +70,7 @@ struct SumGroup {
   }
 };
 
-struct SumBefore {
+struct ScanGroup {
   std::uint32_t* values;
   std::int64_t count;
   const std::uint32_t* before;  ///< of each group; nullptr: there is one
@@ -85,26 +85,28 @@ struct SumBefore {
 };
 
 /// `values` become the sums of what is before each; `sums` has room for those of all levels.
-void running_sums(Executor& executor, const char* stage, std::uint32_t* values, std::int64_t count,
-                  std::uint32_t* sums) {
+void exclusive_scan_in_place(Executor& executor, const char* stage, std::uint32_t* values, std::int64_t count,
+                             std::uint32_t* sums) {
   const std::int64_t groups = groups_of(count);
   if (groups > 1) {
     executor.run(stage, groups, SumGroup{values, count, sums});
-    running_sums(executor, stage, sums, groups, sums + groups);
+    exclusive_scan_in_place(executor, stage, sums, groups, sums + groups);
   }
-  executor.run(stage, groups, SumBefore{values, count, groups > 1 ? sums : nullptr});
+  executor.run(stage, groups, ScanGroup{values, count, groups > 1 ? sums : nullptr});
 }
 
-std::int64_t usual_lanes(std::int64_t count) { return (count + least_stretch - 1) / least_stretch; }
-std::int64_t most_lanes(std::int64_t count) {
-  return std::max(usual_lanes(count), std::min(count, all_take_part));
+std::int64_t default_lanes(std::int64_t count) {
+  return (count + min_records_per_lane - 1) / min_records_per_lane;
+}
+std::int64_t max_lanes(std::int64_t count) {
+  return std::max(default_lanes(count), std::min(count, one_record_lanes));
 }
 
 }  // namespace
 
 std::size_t radix_sort_temporary_bytes(std::int64_t count) {
   std::int64_t words = 0;
-  for (std::int64_t level = digits * most_lanes(count); level > 0; level = groups_of(level)) {
+  for (std::int64_t level = digits * max_lanes(count); level > 0; level = groups_of(level)) {
     words += level;
     if (level == 1) break;
   }
@@ -116,16 +118,17 @@ void radix_sort(Executor& executor, const char* stage, std::int64_t count, int k
                 std::uint32_t* values, Key* spare_keys, std::uint32_t* spare_values, void* temporary) {
   if (count == 0) return;
   const LaunchShape shape = executor.options().shape;
-  const std::int64_t asked = std::int64_t{shape.blocks} * shape.threads;
-  const Stretches stretches{count, asked > 0 ? std::min(asked, most_lanes(count)) : usual_lanes(count)};
+  const std::int64_t requested = std::int64_t{shape.blocks} * shape.threads;
+  const LaneRanges ranges{count,
+                          requested > 0 ? std::min(requested, max_lanes(count)) : default_lanes(count)};
   auto* table = static_cast<std::uint32_t*>(temporary);
-  const std::int64_t entries = digits * stretches.lanes;
+  const std::int64_t entries = digits * ranges.lanes;
   // An even number of passes ends where it began.
   for (int shift = 0; shift < key_bits || shift % (2 * digit_bits) != 0; shift += digit_bits) {
-    executor.run(stage, stretches.lanes, CountDigits<Key>{stretches, keys, shift, table});
-    running_sums(executor, stage, table, entries, table + entries);
-    executor.run(stage, stretches.lanes,
-                 PutByDigit<Key>{stretches, keys, values, shift, table, spare_keys, spare_values});
+    executor.run(stage, ranges.lanes, CountDigits<Key>{ranges, keys, shift, table});
+    exclusive_scan_in_place(executor, stage, table, entries, table + entries);
+    executor.run(stage, ranges.lanes,
+                 ScatterByDigit<Key>{ranges, keys, values, shift, table, spare_keys, spare_values});
     std::swap(keys, spare_keys);
     std::swap(values, spare_values);
   }

@@ -1,7 +1,7 @@
 #pragma once
 // A radix sort whose every launch is shared by exactly B x T threads, after Harada & Howes 2011
 // ("Introduction to GPU Radix Sort"), whom the paper follows: four bits a pass; each thread counts the digits
-// of its own stretch of the keys, the counts are summed, and each thread puts its stretch where they say. So
+// of its own range of the keys, the counts are summed, and each thread puts its range where they say. So
 // its cost over (B, T) can be compared with the paper's; a library's sort, which picks its own shape, is
 // faster.
 

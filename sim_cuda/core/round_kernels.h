@@ -26,8 +26,8 @@ namespace collidoscope {
 
 /// What every stage of several rounds has:
 ///
-///   SIM_HD std::int64_t items(int round) const;  // called when the rounds before are done, unless planned
-///   SIM_HD void operator()(int round, int item) const;
+///   SIM_HD std::int64_t items(int round) const;  // called when the rounds before are done, unless
+///   static_item_counts SIM_HD void operator()(int round, int item) const;
 ///
 /// The items of one round must not depend on each other.
 template <class Rounds>
@@ -39,45 +39,45 @@ concept ItemRounds = requires(const Rounds& rounds, int number) {
 /// No round changes the number of items of a later one. On a GPU one block alone then executes consecutive
 /// rounds of few items, and no other block waits for it between them:
 ///
-///   static constexpr bool planned = true;
+///   static constexpr bool static_item_counts = true;
 template <class Rounds>
-concept PlannedRounds = ItemRounds<Rounds> && requires {
-  requires Rounds::planned;
+concept StaticRounds = ItemRounds<Rounds> && requires {
+  requires Rounds::static_item_counts;
 };
 
 /// The first rounds are split into reading and doing, so that an item is read before its turn:
 ///
-///   static constexpr int fetched;  // the number of these rounds
-///   SIM_HD Fetched fetch(int round, int item) const;  // reads what no item but this one writes in any round
-///   SIM_HD void operator()(Fetched) const;
+///   static constexpr int prefetched_rounds;  // the number of these rounds
+///   SIM_HD Operands fetch(int round, int item) const;  // reads what no item but this one writes in any
+///   round SIM_HD void operator()(Operands) const;
 template <class Rounds>
-concept FetchingRounds = PlannedRounds<Rounds> && requires {
-  typename Rounds::Fetched;
+concept PrefetchingRounds = StaticRounds<Rounds> && requires {
+  typename Rounds::Operands;
 };
 
-/// On a GPU the first rounds are executed as a chain: an item starts as soon as the items that it needs are
-/// done, without a wait for whole rounds. take_turn() is needed only where nvcc compiles.
+/// On a GPU the first rounds are executed without synchronisation: an item starts as soon as the items that
+/// it needs are done, without a wait for whole rounds. try_process() is needed only where nvcc compiles.
 ///
-///   static constexpr int chained;  // the number of these rounds; 0: no chain
-///   static constexpr bool chained_beyond_threads;  // also where `most` items are more than threads at once
-///   SIM_HD std::int64_t chained_items() const;  // of all these rounds, numbered in the order of the rounds
-///   SIM_HD Fetched fetch(std::uint32_t item) const;
-///   __device__ bool take_turn(Fetched&) const;  // true: did the item, since all that it needs are done
+///   static constexpr int sync_free_rounds;  // the number of these rounds; 0: none
+///   static constexpr bool sync_free_beyond_threads;  // also where `max_items` items are more than threads
+///   at once SIM_HD std::int64_t sync_free_items() const;  // of all these rounds, numbered in the order of
+///   the rounds SIM_HD Operands fetch(std::uint32_t item) const;
+///   __device__ bool try_process(Operands&) const;  // true: did the item, since all that it needs are done
 template <class Rounds>
-concept ChainedRounds = FetchingRounds<Rounds> &&(Rounds::chained > 0);
+concept SyncFreeRounds = PrefetchingRounds<Rounds> &&(Rounds::sync_free_rounds > 0);
 
-/// One round has long items (LongItems). It is called without its number, as operator()(item):
+/// One round has large items (LargeItems). It is called without its number, as operator()(item):
 ///
-///   static constexpr int long_round;  // from 0; negative: none
+///   static constexpr int large_item_round;  // from 0; negative: none
 template <class Rounds>
-concept RoundsOfLongItems = PlannedRounds<Rounds> && LongItems<Rounds> &&(Rounds::long_round >= 0);
+concept RoundsWithLargeItems = StaticRounds<Rounds> && LargeItems<Rounds> &&(Rounds::large_item_round >= 0);
 
 template <class Rounds>
 SIM_HD void run_item(const Rounds& rounds, int round, int item) {
-  if constexpr (FetchingRounds<Rounds>)
-    if (round < Rounds::fetched) return rounds(rounds.fetch(round, item));
-  if constexpr (RoundsOfLongItems<Rounds>)
-    if (round == Rounds::long_round) return rounds(item);
+  if constexpr (PrefetchingRounds<Rounds>)
+    if (round < Rounds::prefetched_rounds) return rounds(rounds.fetch(round, item));
+  if constexpr (RoundsWithLargeItems<Rounds>)
+    if (round == Rounds::large_item_round) return rounds(item);
   rounds(round, item);
 }
 
@@ -107,15 +107,15 @@ __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const 
 template <class Rounds>
 __device__ void run_items_of(const Rounds& stage, int round, std::int64_t first, std::int64_t items,
                              std::int64_t stride) {
-  if constexpr (RoundsOfLongItems<Rounds>)
-    if (round == Rounds::long_round) return run_items(first, items, stride, stage);
+  if constexpr (RoundsWithLargeItems<Rounds>)
+    if (round == Rounds::large_item_round) return run_items(first, items, stride, stage);
   for (std::int64_t i = first; i < items; i += stride) run_item(stage, round, static_cast<int>(i));
 }
 
 /// The first block alone executes each round of so few items that this takes less time than a grid-wide wait.
 template <class Rounds>
-requires PlannedRounds<Rounds> __device__ void run_rounds_in(const cooperative_groups::grid_group& grid,
-                                                             const int rounds, const Rounds& stage) {
+requires StaticRounds<Rounds> __device__ void run_rounds_in(const cooperative_groups::grid_group& grid,
+                                                            const int rounds, const Rounds& stage) {
   const auto rank = static_cast<std::int64_t>(grid.thread_rank());
   const auto lanes = static_cast<std::int64_t>(grid.size());
   bool first = true, was_alone = false;
@@ -137,22 +137,22 @@ __global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, cons
   run_rounds_in(cooperative_groups::this_grid(), rounds, stage);
 }
 
-/// Executes rounds [0, chained) as a chain, then the others. There is no deadlock: all threads run at once,
-/// and each takes its items in increasing order. Of the items that are not done, the first therefore needs
-/// none of the others, and its thread has reached it.
-template <ChainedRounds Rounds>
-__global__ void __launch_bounds__(1024, 1) run_chain(const int rounds, const Rounds stage) {
+/// Executes rounds [0, sync_free_rounds) in the order of dependencies, then the others. There is no deadlock:
+/// all threads run at once, and each takes its items in increasing order. Of the items that are not done, the
+/// first therefore needs none of the others, and its thread has reached it.
+template <SyncFreeRounds Rounds>
+__global__ void __launch_bounds__(1024, 1) run_dependency_ordered(const int rounds, const Rounds stage) {
   const cooperative_groups::grid_group grid = cooperative_groups::this_grid();
   const auto rank = static_cast<std::int64_t>(grid.thread_rank());
   const auto lanes = static_cast<std::int64_t>(grid.size());
-  const std::int64_t chained = stage.chained_items();
-  for (std::int64_t i = rank; i < chained; i += lanes) {
-    typename Rounds::Fetched item = stage.fetch(static_cast<std::uint32_t>(i));
-    // take_turn() does the item within the loop, because a lane of the same warp may be waiting for it.
+  const std::int64_t sync_free = stage.sync_free_items();
+  for (std::int64_t i = rank; i < sync_free; i += lanes) {
+    typename Rounds::Operands item = stage.fetch(static_cast<std::uint32_t>(i));
+    // try_process() does the item within the loop, because a lane of the same warp may be waiting for it.
     bool done = false;
-    while (!done) done = stage.take_turn(item);
+    while (!done) done = stage.try_process(item);
   }
-  for (int round = Rounds::chained; round < rounds; ++round) {
+  for (int round = Rounds::sync_free_rounds; round < rounds; ++round) {
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
     grid.sync();
@@ -166,13 +166,14 @@ __global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const 
                std::int64_t{gridDim.x} * blockDim.x);
 }
 
-/// `most` items in a round determine (B, T).
+/// `max_items` items in a round determine (B, T).
 template <class Rounds>
 void launch_rounds(LaunchPlanner& planner, cudaStream_t stream, const char* name, int rounds,
-                   std::int64_t most, const Rounds& stage) {
-  const auto launch_together = [&](void (*kernel)(int, Rounds), int blocks_each) {
+                   std::int64_t max_items, const Rounds& stage) {
+  const auto launch_cooperative = [&](void (*kernel)(int, Rounds), int blocks_per_multiprocessor) {
     const auto all = reinterpret_cast<const void*>(kernel);
-    const LaunchShape shape = planner.choose_waiting_shape(all, name, most, blocks_each);
+    const LaunchShape shape =
+        planner.choose_cooperative_shape(all, name, max_items, blocks_per_multiprocessor);
     if (shape.blocks == 0) return false;
     const void* arguments[] = {&rounds, &stage};
     check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),
@@ -182,13 +183,13 @@ void launch_rounds(LaunchPlanner& planner, cudaStream_t stream, const char* name
     check_launch(name, shape);
     return true;
   };
-  if constexpr (ChainedRounds<Rounds>)
-    if (Rounds::chained_beyond_threads || most <= planner.threads_at_once())
-      if (launch_together(&run_chain<Rounds>, 2)) return;
-  if (launch_together(&run_all_rounds<Rounds>, 1)) return;
+  if constexpr (SyncFreeRounds<Rounds>)
+    if (Rounds::sync_free_beyond_threads || max_items <= planner.threads_at_once())
+      if (launch_cooperative(&run_dependency_ordered<Rounds>, 2)) return;
+  if (launch_cooperative(&run_all_rounds<Rounds>, 1)) return;
   const auto one = reinterpret_cast<const void*>(&run_one_round<Rounds>);
   for (int round = 0; round < rounds; ++round) {
-    const LaunchShape shape = planner.choose_shape(one, name, most, true, nullptr);
+    const LaunchShape shape = planner.choose_shape(one, name, max_items, true, nullptr);
     run_one_round<Rounds><<<shape.blocks, shape.threads, 0, stream>>>(round, stage);
     check_launch(name, shape);
   }

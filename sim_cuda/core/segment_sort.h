@@ -8,7 +8,7 @@
 
 namespace collidoscope {
 
-struct NumberRun {
+struct NumberSegment {
   using Value = std::uint32_t;
   static constexpr std::uint32_t tile_bits = 11;  ///< 2^tile_bits values fit in a block's shared memory
   std::uint32_t* numbers;
@@ -17,7 +17,7 @@ struct NumberRun {
 };
 
 /// Keys with the ids of their bodies: ordered by (key, id).
-struct KeyedRun {
+struct KeyedSegment {
   using Value = std::uint64_t;
   static constexpr std::uint32_t tile_bits = 9;  ///< 4 KiB: it must not cost the kernel resident blocks
   std::uint32_t *keys, *ids;
@@ -64,7 +64,7 @@ SIM_HD void sort_run(const Run& run, std::int64_t count) {
 }
 
 SIM_HD inline void sort_segment(std::uint32_t* values, std::int64_t count) {
-  sort_run(NumberRun{values}, count);
+  sort_run(NumberSegment{values}, count);
 }
 
 #if defined(__CUDACC__)
@@ -81,10 +81,10 @@ struct SortTile {
 /// so that a run of any length is one of 2^k with its end missing. What is nearer than a tile is compared in
 /// shared memory.
 template <class Run>
-__device__ void sort_run_together(const Run& run, std::uint32_t count) {
+__device__ void sort_run_by_block(const Run& run, std::uint32_t count) {
   using Value = typename Run::Value;
   constexpr std::uint32_t tile_bits = Run::tile_bits, tile = 1u << tile_bits;
-  __shared__ Value near[tile];
+  __shared__ Value shared[tile];
   const auto compare = [](const auto& all, std::uint32_t low, std::uint32_t high, std::uint32_t end) {
     if (high >= end) return;
     const Value first = all.get(low), second = all.get(high);
@@ -93,7 +93,7 @@ __device__ void sort_run_together(const Run& run, std::uint32_t count) {
     all.put(high, first);
   };
   // Of two sorted runs of 2^k, the first with the second backwards: afterwards none of it is above the other.
-  const auto flip = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
+  const auto merge_flipped = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
     const std::uint32_t last = (1u << k) - 1;
     for (std::uint32_t i = threadIdx.x; i >> k << (k + 1) < end; i += blockDim.x) {
       const std::uint32_t begin = i >> k << (k + 1);
@@ -102,40 +102,40 @@ __device__ void sort_run_together(const Run& run, std::uint32_t count) {
     __syncthreads();
   };
   // Those that are 2^k apart.
-  const auto halve = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
+  const auto compare_apart = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
     for (std::uint32_t i = threadIdx.x; i >> k << (k + 1) < end; i += blockDim.x) {
       const std::uint32_t low = (i >> k << (k + 1)) + (i & ((1u << k) - 1));
       compare(all, low, low + (1u << k), end);
     }
     __syncthreads();
   };
-  const auto in_tiles = [&](const auto& work) {
+  const auto for_each_tile = [&](const auto& work) {
     for (std::uint32_t from = 0; from < count; from += tile) {
       const std::uint32_t here = min(tile, count - from);
-      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) near[k] = run.get(from + k);
+      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) shared[k] = run.get(from + k);
       __syncthreads();
       work(here);
-      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) run.put(from + k, near[k]);
+      for (std::uint32_t k = threadIdx.x; k < here; k += blockDim.x) run.put(from + k, shared[k]);
       __syncthreads();
     }
   };
-  in_tiles([&](std::uint32_t here) {
+  for_each_tile([&](std::uint32_t here) {
     for (std::uint32_t k = 0; 1u << k < here; ++k) {
-      flip(SortTile<Value>{near}, k, here);
-      for (std::uint32_t apart = k; apart-- > 0;) halve(SortTile<Value>{near}, apart, here);
+      merge_flipped(SortTile<Value>{shared}, k, here);
+      for (std::uint32_t apart = k; apart-- > 0;) compare_apart(SortTile<Value>{shared}, apart, here);
     }
   });
   for (std::uint32_t k = tile_bits; 1u << k < count; ++k) {
-    flip(run, k, count);
-    for (std::uint32_t apart = k; apart-- > tile_bits;) halve(run, apart, count);
-    in_tiles([&](std::uint32_t here) {
-      for (std::uint32_t apart = tile_bits; apart-- > 0;) halve(SortTile<Value>{near}, apart, here);
+    merge_flipped(run, k, count);
+    for (std::uint32_t apart = k; apart-- > tile_bits;) compare_apart(run, apart, count);
+    for_each_tile([&](std::uint32_t here) {
+      for (std::uint32_t apart = tile_bits; apart-- > 0;) compare_apart(SortTile<Value>{shared}, apart, here);
     });
   }
 }
 
-inline __device__ void sort_segment_together(std::uint32_t* values, std::uint32_t count) {
-  sort_run_together(NumberRun{values}, count);
+inline __device__ void sort_segment_by_block(std::uint32_t* values, std::uint32_t count) {
+  sort_run_by_block(NumberSegment{values}, count);
 }
 
 #endif

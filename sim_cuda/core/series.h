@@ -5,7 +5,7 @@
 namespace collidoscope {
 
 /// e^x - 1, for x <= 0 (below -700: -1). Exact near 0, too.
-constexpr double exponential_less_one(double x) {
+constexpr double expm1_series(double x) {
   if (!(x > -700)) return -1;
   int halvings = 0;
   for (; x < -0.5; x /= 2) ++halvings;

@@ -72,9 +72,9 @@ void StageRecorder::run_watched(const StageEnded& ended, const std::function<voi
   end();
   substep_ = 0;
   watch_ = &ended;
-  struct UntilTheEnd {  // also where `work` throws
+  struct ResetOnExit {  // also where `work` throws
     const StageEnded*& watch;
-    ~UntilTheEnd() { watch = nullptr; }
+    ~ResetOnExit() { watch = nullptr; }
   } watched{watch_};
   work();
   end();

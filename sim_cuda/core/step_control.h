@@ -16,8 +16,8 @@ struct StepControl {
   std::uint64_t contacts_needed;
   std::uint32_t pairs;  ///< stored; 0 after an overflow, so that all later stages are empty
   std::uint32_t contacts;
-  std::uint32_t split_contacts;                                        ///< contacts beyond the colours
-  std::uint32_t pairs_committed, contacts_committed, split_committed;  ///< of the last committed run
+  std::uint32_t uncoloured_contacts;                                        ///< contacts beyond the colours
+  std::uint32_t pairs_committed, contacts_committed, uncoloured_committed;  ///< of the last committed run
 };
 
 }  // namespace collidoscope

@@ -5,8 +5,9 @@
 //   a = -mu d / (|d|^2 + eps^2)^(3/2),  potential -mu / sqrt(|d|^2 + eps^2) J/kg, 0 far away
 //
 // d from the point to the body, mu in m^3/s^2, eps > 0 in m; ranges in limits.h. Called for by a list of
-// attractors. Contacts foresee a step by the largest pull there is, 2 mu / (3 sqrt(3) eps^2), at |d| = eps /
-// sqrt(2): an eps far below all distances that matter makes for many contacts that never come to be.
+// attractors. The speculative margin of a step uses the largest acceleration, 2 mu / (3 sqrt(3) eps^2), at
+// |d| = eps / sqrt(2): an eps far below all distances that matter makes for many contacts that never come to
+// be.
 
 #include <cmath>
 #include <vector>
@@ -18,17 +19,17 @@
 namespace collidoscope {
 
 template <class Real>
-struct PullingPoint {
+struct PointAttractor {
   Vector3<Real> position;  ///< m
   Real strength;           ///< m^3/s^2
   Real softening;          ///< m, > 0
 
-  static PullingPoint of(const Attractor& attractor) {
+  static PointAttractor of(const Attractor& attractor) {
     return {attractor.position.cast<Real>(), static_cast<Real>(attractor.strength),
             static_cast<Real>(attractor.softening)};
   }
   /// m/s^2.
-  SIM_HD Vector3<Real> pull(const Vector3<Real>& x) const {
+  SIM_HD Vector3<Real> acceleration(const Vector3<Real>& x) const {
     const Vector3<Real> d = position - x;
     const Real squared = d.dot(d) + softening * softening;
     using std::sqrt;
@@ -45,22 +46,22 @@ struct PullingPoint {
 
 /// All that pull; in the executor's memory.
 template <class Real>
-struct PullView {
-  const PullingPoint<Real>* points = nullptr;
+struct AttractorView {
+  const PointAttractor<Real>* points = nullptr;
   int count = 0;
 };
 
 /// Writes the field, m/s^2, where each body is.
 template <class Real>
-struct PullBodies {
-  PullView<Real> attractors;
+struct EvaluateField {
+  AttractorView<Real> attractors;
   const Vector3<Real>* position;
   Vector3<Real>* field;
 
   SIM_HD void operator()(int body) const {
     const Vector3<Real> x = position[body];
     Vector3<Real> sum = Vector3<Real>::Zero();
-    for (int k = 0; k < attractors.count; ++k) sum += attractors.points[k].pull(x);
+    for (int k = 0; k < attractors.count; ++k) sum += attractors.points[k].acceleration(x);
     field[body] = sum;
   }
 };

@@ -18,11 +18,13 @@ struct OfAwakeBodies {
     if (is_awake(body)) stage(body);
   }
 
-  SIM_HD bool is_long(int body) const requires LongItems<Stage> {
-    return is_awake(body) && stage.is_long(body);
+  SIM_HD bool is_large(int body) const requires LargeItems<Stage> {
+    return is_awake(body) && stage.is_large(body);
   }
 #if defined(__CUDACC__)
-  __device__ void together(int body) const requires LongItems<Stage> { stage.together(body); }
+  __device__ void process_by_block(int body) const requires LargeItems<Stage> {
+    stage.process_by_block(body);
+  }
 #endif
 };
 

@@ -9,7 +9,7 @@
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/linear_algebra.h"
-#include "sim_cuda/core/stored_vector.h"
+#include "sim_cuda/core/packed_vector.h"
 
 namespace collidoscope {
 
@@ -17,9 +17,9 @@ namespace collidoscope {
 template <class Real>
 struct BodyView {
   Vector3<Real>* position;                ///< m, centre of mass
-  StoredVector3<Real>* velocity;          ///< m/s
+  PackedVector3<Real>* velocity;          ///< m/s
   Quaternion<Real>* orientation;          ///< principal axes to world; null where nothing turns
-  StoredVector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
+  PackedVector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
   const Real* radius;                     ///< m
   const Real* mass;                       ///< kg; 0 of a body that no force moves
   const Real* inverse_mass;               ///< 1/kg, the same
@@ -27,8 +27,8 @@ struct BodyView {
 };
 
 /// What walls and obstacles did to a body since the start. In double, whatever the precision of the run: it
-/// is a ledger.
-struct WallLedger {
+/// is a long sum.
+struct StaticImpulse {
   double impulse = 0;     ///< N s, sum of magnitudes
   double vector[3] = {};  ///< N s, given to the body
   double push_work = 0;   ///< J, potential energy that pushing it out of walls added
@@ -46,19 +46,19 @@ struct BodyBuffers {
         inverse_mass(executor, "inverse masses"),
         inertia(executor, "inertia"),
         material(executor, "materials of bodies"),
-        ledger(executor, "wall ledgers") {}
+        static_impulses(executor, "wall ledgers") {}
   BodyView<Real> view() const {
     return {position.data(), velocity.data(), orientation.data(),  angular_velocity.data(),
             radius.data(),   mass.data(),     inverse_mass.data(), inertia.data()};
   }
   Buffer<Vector3<Real>> position;
-  Buffer<StoredVector3<Real>> velocity;
+  Buffer<PackedVector3<Real>> velocity;
   Buffer<Quaternion<Real>> orientation;
-  Buffer<StoredVector3<Real>> angular_velocity;
+  Buffer<PackedVector3<Real>> angular_velocity;
   Buffer<Real> radius, mass, inverse_mass;
   Buffer<Vector3<Real>> inertia;
-  Buffer<std::uint16_t> material;  ///< empty where all are of material 0
-  Buffer<WallLedger> ledger;       ///< empty where there are no walls
+  Buffer<std::uint16_t> material;         ///< empty where all are of material 0
+  Buffer<StaticImpulse> static_impulses;  ///< empty where there are no walls
 };
 
 }  // namespace collidoscope

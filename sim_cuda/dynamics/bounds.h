@@ -3,7 +3,7 @@
 
 #include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/linear_algebra.h"
-#include "sim_cuda/core/stored_vector.h"
+#include "sim_cuda/core/packed_vector.h"
 
 namespace collidoscope {
 
@@ -34,27 +34,27 @@ struct BodyBounds {
 };
 
 /// The box of all that the body will pass through in `time` while it moves smoothly: along its velocity, and
-/// aside by what an acceleration of at most `slack` / time^2 makes of it. `anywhere`: of all that it can come
-/// to at the speed that it has, whatever turns it.
+/// aside by what an acceleration of at most `acceleration_margin` / time^2 makes of it. `anywhere`: of all
+/// that it can come to at the speed that it has, whatever turns it.
 template <class Real>
 struct SweptBounds {
   const Vector3<Real>* position;
-  const StoredVector3<Real>* velocity;
+  const PackedVector3<Real>* velocity;
   const Real* radius;
-  Real time;   ///< s
-  Real slack;  ///< m
+  Real time;                 ///< s
+  Real acceleration_margin;  ///< m
   Aabb* boxes;
   bool anywhere = false;
 
   SIM_HD void operator()(int body) const {
-    const Vector3<Real> x = position[body], way = time * velocity[body].load();
-    const Real r = radius[body] + slack;
+    const Vector3<Real> x = position[body], displacement = time * velocity[body].load();
+    const Real r = radius[body] + acceleration_margin;
     Vector3<Real> low, high;
     using std::sqrt;
-    const Real reach = anywhere ? r + sqrt(way.dot(way)) : Real(0);
+    const Real reach = anywhere ? r + sqrt(displacement.dot(displacement)) : Real(0);
     for (int k = 0; k < 3; ++k) {
-      low[k] = anywhere ? x[k] - reach : x[k] - r + min_of(way[k], Real(0));
-      high[k] = anywhere ? x[k] + reach : x[k] + r + max_of(way[k], Real(0));
+      low[k] = anywhere ? x[k] - reach : x[k] - r + min_of(displacement[k], Real(0));
+      high[k] = anywhere ? x[k] + reach : x[k] + r + max_of(displacement[k], Real(0));
     }
     boxes[body] = box_around<Real>(low, high);
   }

@@ -18,19 +18,19 @@ SIM_HD Real half_tangent(Real half) {
 
 /// By twice `half`, rad, about it, in the world's axes; not normalised.
 template <class Real>
-SIM_HD Quaternion<Real> turn_along(const Vector3<Real>& half) {
+SIM_HD Quaternion<Real> cayley_rotation(const Vector3<Real>& half) {
   const Vector3<Real> tangent = (1 + min_of(half.dot(half), Real(1)) / 3) * half;
   return {Real(1), tangent.x(), tangent.y(), tangent.z()};
 }
 
 /// A body turns about its own principal axis `k` by twice `half`. `momentum`: in its axes, which turn.
 template <class Real>
-SIM_HD void turn_about(int k, Real half, Quaternion<Real>& q, Vector3<Real>& momentum) {
+SIM_HD void rotate_about_axis(int k, Real half, Quaternion<Real>& q, Vector3<Real>& momentum) {
   using std::sqrt;
   const Real t = half_tangent(half), c = 1 / sqrt(1 + t * t), s = c * t;
-  Quaternion<Real> turn(c, 0, 0, 0);
-  turn.coeffs()[k] = s;  // Eigen's order is x y z w
-  q = q * turn;
+  Quaternion<Real> rotation(c, 0, 0, 0);
+  rotation.coeffs()[k] = s;  // Eigen's order is x y z w
+  q = q * rotation;
   const Real cosine = c * c - s * s, sine = 2 * s * c;
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const Real m_i = momentum[i], m_j = momentum[j];

@@ -10,13 +10,13 @@ namespace collidoscope {
 /// the other, so that its items are independent of each other. Where a round finds nothing, both sets agree,
 /// and the rounds that follow have no items.
 template <class Real>
-struct HoldApart {
+struct ClampToImpact {
   const Pair* contacts;
   BodyView<Real> bodies;
   std::int64_t body_count;
   const StepControl* control;
-  HeldMotion<Real> motion;
-  std::uint32_t* share;
+  ClampedMotion<Real> motion;
+  std::uint32_t* fraction;
   std::uint32_t* entered;
   Real h;  ///< s
 
@@ -25,50 +25,53 @@ struct HoldApart {
     return round == 1 || atomic_load(entered + round - 1) != 0 ? control->contacts : 0;
   }
   SIM_HD void operator()(int round, int item) const {
-    round == 0 ? let_go(item) : hold(round, contacts[item]);
+    round == 0 ? reset(item) : clamp(round, contacts[item]);
   }
 
-  static constexpr std::uint32_t one = 0x3f800000;  // 1.0f
-  SIM_HD void let_go(int body) const {
-    share[body] = share[body_count + body] = one;
+  static constexpr std::uint32_t float_one = 0x3f800000;  // 1.0f
+  SIM_HD void reset(int body) const {
+    fraction[body] = fraction[body_count + body] = float_one;
     if (body == 0)
       for (int k = 0; k <= ContinuousCollision<Real>::rounds; ++k) entered[k] = 0;
   }
 
-  SIM_HD void hold(int round, Pair pair) const {
-    const std::uint32_t* now = share + (round % 2 == 1 ? 0 : body_count);
-    std::uint32_t* next = share + (round % 2 == 1 ? body_count : 0);
-    const float share_a = std::bit_cast<float>(now[pair.a]), share_b = std::bit_cast<float>(now[pair.b]);
-    const auto way = [&](std::uint32_t body, float part) -> Vector3<Real> {
-      return static_cast<Real>(part) *
-             motion.way(static_cast<int>(body), bodies.position[body], bodies.velocity[body], h);
+  SIM_HD void clamp(int round, Pair pair) const {
+    const std::uint32_t* now = fraction + (round % 2 == 1 ? 0 : body_count);
+    std::uint32_t* next = fraction + (round % 2 == 1 ? body_count : 0);
+    const float fraction_a = std::bit_cast<float>(now[pair.a]),
+                fraction_b = std::bit_cast<float>(now[pair.b]);
+    const auto scaled_displacement = [&](std::uint32_t body, float scale) -> Vector3<Real> {
+      return static_cast<Real>(scale) *
+             motion.displacement(static_cast<int>(body), bodies.position[body], bodies.velocity[body], h);
     };
     const Vector3<Real> d = bodies.position[pair.b] - bodies.position[pair.a];
-    const auto s = static_cast<float>(share_outside_core<Real>(
-        d, way(pair.b, share_b) - way(pair.a, share_a), bodies.radius[pair.a] + bodies.radius[pair.b]));
+    const auto s = static_cast<float>(fraction_outside_core<Real>(
+        d, scaled_displacement(pair.b, fraction_b) - scaled_displacement(pair.a, fraction_a),
+        bodies.radius[pair.a] + bodies.radius[pair.b]));
     if (s < 1) atomic_store(entered + round, std::uint32_t{1});
-    lower(next, pair.a, share_a * s);
-    lower(next, pair.b, share_b * s);
+    lower(next, pair.a, fraction_a * s);
+    lower(next, pair.b, fraction_b * s);
   }
-  SIM_HD void lower(std::uint32_t* next, std::uint32_t body, float part) const {
-    if (part < 1 && bodies.inverse_mass[body] > 0)
-      atomic_min(next + body, std::bit_cast<std::uint32_t>(part));
+  SIM_HD void lower(std::uint32_t* next, std::uint32_t body, float scale) const {
+    if (scale < 1 && bodies.inverse_mass[body] > 0)
+      atomic_min(next + body, std::bit_cast<std::uint32_t>(scale));
   }
 };
 
 namespace {
 
 template <class Real>
-struct TakeLeash {
+struct BeginDisplacementLimit {
   BodyView<Real> bodies;
-  Real time, slack;
+  Real time, acceleration_margin;
   const StepControl* control;
-  Leash<Real>* leash;
+  DisplacementLimit<Real>* limit;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     const Vector3<Real> v = bodies.velocity[body];
     using std::sqrt;
-    leash[body] = {bodies.position[body], time * sqrt(v.dot(v)) + slack + bodies.radius[body] / 2};
+    limit[body] = {bodies.position[body],
+                   time * sqrt(v.dot(v)) + acceleration_margin + bodies.radius[body] / 2};
   }
 };
 
@@ -77,8 +80,8 @@ struct TakeLeash {
 template <class Real>
 ContinuousCollision<Real>::ContinuousCollision(Executor& executor)
     : executor_(executor),
-      leash_(executor, "leashes"),
-      share_(executor, "shares of ways"),
+      displacement_limit_(executor, "leashes"),
+      fraction_(executor, "shares of ways"),
       entered_(executor, "rounds of held motion") {}
 
 template <class Real>
@@ -87,22 +90,24 @@ void ContinuousCollision<Real>::enable(const BodyView<Real>& bodies, std::int64_
   bodies_ = bodies;
   body_count_ = body_count;
   control_ = control;
-  leash_.resize_discarding(static_cast<std::size_t>(body_count));
-  share_.resize_discarding(2 * static_cast<std::size_t>(body_count));
+  displacement_limit_.resize_discarding(static_cast<std::size_t>(body_count));
+  fraction_.resize_discarding(2 * static_cast<std::size_t>(body_count));
   entered_.resize_discarding(rounds + 1);
 }
 
 template <class Real>
-void ContinuousCollision<Real>::begin(Real time, Real slack) {
-  executor_.run("continuous", body_count_, TakeLeash<Real>{bodies_, time, slack, control_, leash_.data()});
+void ContinuousCollision<Real>::begin(Real time, Real acceleration_margin) {
+  executor_.run(
+      "continuous", body_count_,
+      BeginDisplacementLimit<Real>{bodies_, time, acceleration_margin, control_, displacement_limit_.data()});
 }
 
 template <class Real>
-void ContinuousCollision<Real>::hold(const BodyView<Real>& ways, const Pair* contacts, std::int64_t capacity,
-                                     Real h) {
-  executor_.run_rounds(
-      "continuous", rounds + 1, std::max(capacity, body_count_),
-      HoldApart<Real>{contacts, ways, body_count_, control_, motion(), share_.data(), entered_.data(), h});
+void ContinuousCollision<Real>::clamp_motion(const BodyView<Real>& moving, const Pair* contacts,
+                                             std::int64_t capacity, Real h) {
+  executor_.run_rounds("continuous", rounds + 1, std::max(capacity, body_count_),
+                       ClampToImpact<Real>{contacts, moving, body_count_, control_, motion(),
+                                           fraction_.data(), entered_.data(), h});
 }
 
 template class ContinuousCollision<float>;

@@ -46,8 +46,8 @@ struct DragLaw {
     return min_of((a + (2 * a + a * a + b4) / (root + 1)) / (1 + a + root), Real(1));
   }
 
-  /// The same if the speed stayed as it is: the rate of drag x h, from 0 to 2e18.
-  SIM_HD Real rate(Real speed, Real radius, Real inverse_mass, Real h) const {
+  /// The same if the speed stayed as it is: the rate of drag times h, from 0 to 2e18.
+  SIM_HD Real decay(Real speed, Real radius, Real inverse_mass, Real h) const {
     return bounded(linear, h * radius * inverse_mass) +
            bounded(quadratic, h * radius * radius * inverse_mass * speed);
   }
@@ -72,9 +72,9 @@ struct DragBodies {
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    bodies.velocity[body] = slowed(body, bodies.velocity[body]);
+    bodies.velocity[body] = after_drag(body, bodies.velocity[body]);
   }
-  SIM_HD Vector3<Real> slowed(int body, const Vector3<Real>& v) const {
+  SIM_HD Vector3<Real> after_drag(int body, const Vector3<Real>& v) const {
     Vector3<Real> next = v + h * gravity;
     if (field != nullptr) next += h * field[body];
     using std::sqrt;

@@ -10,7 +10,7 @@
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
-#include "sim_cuda/dynamics/needle.h"
+#include "sim_cuda/dynamics/slender_body.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
@@ -18,24 +18,24 @@ namespace collidoscope {
 /// One free step of rotation. The angular momentum L = R I R^T w is kept (no torque); the body turns by h w
 /// about w through a Cayley map (q' = normalised (1, h w / 2) q, second-order in the angle: it turns by 2
 /// atan(h|w|/2)), and w' follows from L in the new axes. First order in h as a whole; exact in direction for
-/// a sphere, whose w does not change. A needle turns as needle.h has it. Whether w changed.
+/// a sphere, whose w does not change. A slender body rotates as slender_body.h has it. Whether w changed.
 template <class Real>
-SIM_HD bool rotate_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
+SIM_HD bool rotate_first_order(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
   const Vector3<Real> half = (h / 2) * w;
-  const Quaternion<Real> turn(Real(1), half.x(), half.y(), half.z());
+  const Quaternion<Real> rotation(Real(1), half.x(), half.y(), half.z());
   if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
-    q = turn * q;
+    q = rotation * q;
     normalise(q);
     return false;
   }
-  if (const int axis = needle_axis(inertia); axis >= 0) {
-    turn_needle(axis, q, w, inertia, h);
+  if (const int axis = slender_axis(inertia); axis >= 0) {
+    rotate_slender(axis, q, w, inertia, h);
     return true;
   }
   const Vector3<Real> w_body = q.conjugate() * w;
   const Vector3<Real> momentum =
       q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
-  q = turn * q;
+  q = rotation * q;
   normalise_evenly(q);
   const Vector3<Real> l_body = q.conjugate() * momentum;
   w = q * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
@@ -48,26 +48,26 @@ struct MoveBodies {
   Vector3<Real> acceleration;  ///< m/s^2
   Vector3<Real> low, high;     ///< m, the box
   Real h;                      ///< s
-  HeldMotion<Real> motion;     ///< without continuous collision: no leash
-  bool pulled;                 ///< adds the acceleration
-  bool boxed;                  ///< the box has walls
-  bool turns;                  ///< bodies rotate here
+  ClampedMotion<Real> motion;  ///< without continuous collision: no limit
+  bool with_acceleration;      ///< adds the acceleration
+  bool with_container;         ///< the box has walls
+  bool with_rotation;          ///< bodies rotate here
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     Vector3<Real> v = bodies.velocity[body];
-    if (pulled) {
+    if (with_acceleration) {
       v += h * acceleration;
       bodies.velocity[body] = v;
     }
     const Vector3<Real> x = bodies.position[body];
     Vector3<Real> next;
-    if (motion.leash != nullptr)
-      next = x + motion.held_way(body, x, v, h);
+    if (motion.limit != nullptr)
+      next = x + motion.clamped_displacement(body, x, v, h);
     else
       next = x + h * v;
-    if (boxed) {
+    if (with_container) {
       // The walls have already stopped what would leave; this catches the last rounding of a sphere smaller
       // than that.
       for (int k = 0; k < 3; ++k)
@@ -75,9 +75,9 @@ struct MoveBodies {
           next[k] = clamp_to(next[k], low[k], high[k]);
     }
     bodies.position[body] = next;
-    if (turns) {
+    if (with_rotation) {
       Vector3<Real> w = bodies.angular_velocity[body];
-      if (rotate_freely<Real>(bodies.orientation[body], w, bodies.inertia[body], h))
+      if (rotate_first_order<Real>(bodies.orientation[body], w, bodies.inertia[body], h))
         bodies.angular_velocity[body] = w;
     }
   }
@@ -89,6 +89,6 @@ template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
                  const StepControl* control, const std::uint8_t* asleep = nullptr,
-                 const HeldMotion<Real>& motion = {});
+                 const ClampedMotion<Real>& motion = {});
 
 }  // namespace collidoscope

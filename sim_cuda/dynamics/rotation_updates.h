@@ -12,20 +12,20 @@
 // 1999) would take four evaluations in place of 25 turns; but it drifts in energy, and bodies that tumble are
 // off 20 times as far with it at the same h, fast tops 1.2 times.
 //
-// A turn by an angle is a Cayley map of fourth order in the angle (cayley.h). Needles turn as needle.h has
-// it. Pure functions of SI units.
+// A turn by an angle is a Cayley map of fourth order in the angle (cayley.h). Slender bodies rotate as
+// slender_body.h has it. Pure functions of SI units.
 
 #include "sim_cuda/dynamics/cayley.h"
-#include "sim_cuda/dynamics/needle.h"
+#include "sim_cuda/dynamics/slender_body.h"
 
 namespace collidoscope {
 
 /// Shares of h that the parts of a turn take; symmetric, of sum 1.
-struct SecondOrderTurn {
+struct SecondOrderRotation {
   static constexpr int parts = 1;
   static constexpr double share(int) { return 1; }
 };
-struct FourthOrderTurn {
+struct FourthOrderRotation {
   static constexpr int parts = 5;
   static constexpr double outer = 0.41449077179437573714;  ///< 1 / (4 - 4^(1/3))
   static constexpr double share(int part) { return part == 2 ? 1 - 4 * outer : outer; }
@@ -33,14 +33,14 @@ struct FourthOrderTurn {
 
 /// q, from principal axes to the world's, and w, rad/s in the world's, after h s. Whether w changed.
 template <class Parts, class Real>
-SIM_HD bool turn_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
+SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
   if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
-    q = turn_along<Real>((h / 2) * w) * q;
+    q = cayley_rotation<Real>((h / 2) * w) * q;
     normalise(q);
     return false;
   }
-  if (const int axis = needle_axis(inertia); axis >= 0) {
-    turn_needle(axis, q, w, inertia, h);
+  if (const int axis = slender_axis(inertia); axis >= 0) {
+    rotate_slender(axis, q, w, inertia, h);
     return true;
   }
   const Vector3<Real> w_body = q.conjugate() * w;
@@ -48,14 +48,14 @@ SIM_HD bool turn_freely(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Rea
   const Vector3<Real> momentum = q * body;
   for (int part = 0; part < Parts::parts; ++part) {
     const Real quarter = Real(Parts::share(part)) * h / 4;  // half of the half that a first turn takes
-    const auto turn = [&](int k, Real half_time) {
-      turn_about(k, half_time * body[k] / inertia[k], q, body);
+    const auto rotate = [&](int k, Real half_time) {
+      rotate_about_axis(k, half_time * body[k] / inertia[k], q, body);
     };
-    turn(0, quarter);
-    turn(1, quarter);
-    turn(2, 2 * quarter);
-    turn(1, quarter);
-    turn(0, quarter);
+    rotate(0, quarter);
+    rotate(1, quarter);
+    rotate(2, 2 * quarter);
+    rotate(1, quarter);
+    rotate(0, quarter);
   }
   normalise_evenly(q);
   body = q.conjugate() * momentum;

@@ -28,14 +28,14 @@ SIM_HD inline BodySums combine(const BodySums& a, const BodySums& b) {
 template <class Real>
 struct MeasureBody {
   BodyView<Real> bodies;
-  const WallLedger* ledger;  ///< null where there are no walls
+  const StaticImpulse* static_impulses;  ///< null where there are no walls
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
   Vector3d gravity;  ///< m/s^2
-  PullView<Real> attractors;
+  AttractorView<Real> attractors;
   double ground;  ///< m, z at which potential energy is zero
-  bool boxed;
+  bool with_container;
   Vector3d low, high;  ///< m, the box
 
   SIM_HD BodySums operator()(std::int64_t body) const {
@@ -65,10 +65,11 @@ struct MeasureBody {
     }
     s.wall_impulse = s.push_work = 0;
     s.wall_vector = Vector3d(0, 0, 0);
-    if (ledger != nullptr) {
-      s.wall_impulse = ledger[body].impulse;
-      s.wall_vector = Vector3d(ledger[body].vector[0], ledger[body].vector[1], ledger[body].vector[2]);
-      s.push_work = ledger[body].push_work;
+    if (static_impulses != nullptr) {
+      s.wall_impulse = static_impulses[body].impulse;
+      s.wall_vector = Vector3d(static_impulses[body].vector[0], static_impulses[body].vector[1],
+                               static_impulses[body].vector[2]);
+      s.push_work = static_impulses[body].push_work;
     }
     s.max_speed_squared = v.dot(v);
     s.max_depth = 0;
@@ -82,7 +83,7 @@ struct MeasureBody {
           s.max_depth, -static_cast<double>(boxes.boxes[b].gap(bodies.position[body], bodies.radius[body])));
     s.non_finite = whole ? 0 : 1;
     s.escaped = 0;
-    if (boxed) {
+    if (with_container) {
       bool inside = true;
       for (int k = 0; k < 3; ++k) inside = inside && x[k] >= low[k] && x[k] <= high[k];
       s.escaped = inside || moved ? 0 : 1;
@@ -160,7 +161,7 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
   if (source.body_count == 0) return;
   const std::optional<Box>& box = source.box;
   const MeasureBody<Real> load{source.bodies,
-                               source.ledger,
+                               source.static_impulses,
                                source.planes,
                                source.plane_count,
                                source.boxes,

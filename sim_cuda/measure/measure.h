@@ -41,12 +41,12 @@ template <class Real>
 struct MeasureSource {
   BodyView<Real> bodies;
   std::int64_t body_count;
-  const WallLedger* ledger;  ///< null where there are no walls
+  const StaticImpulse* static_impulses;  ///< null where there are no walls
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
   Vector3d gravity;  ///< m/s^2
-  PullView<Real> attractors;
+  AttractorView<Real> attractors;
   std::optional<Box> box;
   ContactView<Real> contacts;  ///< of the current state
   const StepControl* control;

@@ -7,24 +7,24 @@ namespace collidoscope {
 
 namespace {
 
-/// Whether a body touches others, or may soon. `foreseeing`: any course but Course::rest. It is a template
-/// parameter: as a run-time branch it costs 1 % of a step of the solver `impulse` (50,000 bodies of the
-/// paper, H200).
-template <class Real, bool foreseeing>
+/// Whether a body touches others, or may soon. `with_margin`: any bound but MotionBound::none. It is a
+/// template parameter: as a run-time branch it costs 1 % of a step of the solver `impulse` (50,000 bodies of
+/// the paper, H200).
+template <class Real, bool with_margin>
 struct TouchTest {
   SphereView<Real> spheres;
-  Foresight<Real> foresight;
+  SpeculativeMargin<Real> margin;
   Vector3<Real> x, v;
   Real r;
-  SIM_HD TouchTest(const SphereView<Real>& all, const Foresight<Real>& soon, int body)
-      : spheres(all), foresight(soon), x(all.position[body]), r(all.radius[body]) {
-    if constexpr (foreseeing) v = soon.velocity[body];
+  SIM_HD TouchTest(const SphereView<Real>& all, const SpeculativeMargin<Real>& speculative, int body)
+      : spheres(all), margin(speculative), x(all.position[body]), r(all.radius[body]) {
+    if constexpr (with_margin) v = speculative.velocity[body];
   }
   SIM_HD bool with(std::uint32_t other) const {
     const Vector3<Real> y = spheres.position[other];
     const Real s = spheres.radius[other];
-    if constexpr (foreseeing)
-      return spheres_will_touch<Real>(x, r, v, y, s, foresight.velocity[other], foresight);
+    if constexpr (with_margin)
+      return spheres_will_touch<Real>(x, r, v, y, s, margin.velocity[other], margin);
     else
       return spheres_touch<Real>(x, r, y, s);
   }
@@ -33,35 +33,37 @@ struct TouchTest {
 /// The pairs of a body, the smaller of their ids, and which of them are contacts. `excluding`: some pairs
 /// have none. It is a template parameter: as a run-time branch it costs 4 % of a step of the solver `impulse`
 /// (as above).
-template <class Real, bool foreseeing, bool excluding>
+template <class Real, bool with_margin, bool excluding>
 struct TestedPairs {
   PairView pairs;
   SphereView<Real> spheres;
-  Foresight<Real> foresight;
-  PartedPairs parted;
+  SpeculativeMargin<Real> margin;
+  ExcludedPairs excluded_pairs;
   const StepControl* control;
 
-  SIM_HD TouchTest<Real, foreseeing> of(int body) const { return {spheres, foresight, body}; }
+  SIM_HD TouchTest<Real, with_margin> of(int body) const { return {spheres, margin, body}; }
   SIM_HD std::uint32_t begin(int body) const { return pairs.offset[body]; }
   SIM_HD std::uint32_t end(int body) const { return pairs.offset[body + 1]; }
-  SIM_HD bool is_contact(const TouchTest<Real, foreseeing>& touch, int body, std::uint32_t k) const {
+  SIM_HD bool is_contact(const TouchTest<Real, with_margin>& touch, int body, std::uint32_t k) const {
     const std::uint32_t other = pairs.second[k];
-    return touch.with(other) && !(excluding && apart(static_cast<std::uint32_t>(body), other));
+    return touch.with(other) && !(excluding && excluded(static_cast<std::uint32_t>(body), other));
   }
-  SIM_HD bool is_long(int body) const { return !control->overflow && end(body) - begin(body) > long_list; }
+  SIM_HD bool is_large(int body) const {
+    return !control->overflow && end(body) - begin(body) > large_list_size;
+  }
 
  private:
   /// Two bodies that no force moves, or that a joint holds, have no contact.
-  SIM_HD bool apart(std::uint32_t a, std::uint32_t b) const {
+  SIM_HD bool excluded(std::uint32_t a, std::uint32_t b) const {
     const Real* inverse_mass = spheres.inverse_mass;
     if (inverse_mass != nullptr && inverse_mass[a] == 0 && inverse_mass[b] == 0) return true;
-    return parted.count > 0 && parted.hold(a, b);
+    return excluded_pairs.count > 0 && excluded_pairs.contains(a, b);
   }
 };
 
-template <class Real, bool foreseeing, bool excluding>
+template <class Real, bool with_margin, bool excluding>
 struct CountContacts {
-  TestedPairs<Real, foreseeing, excluding> tested;
+  TestedPairs<Real, with_margin, excluding> tested;
   std::uint32_t* count;
   SIM_HD void operator()(int body) const {
     if (tested.control->overflow) return;
@@ -72,13 +74,13 @@ struct CountContacts {
     count[body] = touching;
   }
 
-  SIM_HD bool is_long(int body) const { return tested.is_long(body); }
+  SIM_HD bool is_large(int body) const { return tested.is_large(body); }
 #if defined(__CUDACC__)
-  __device__ void together(int body) const {
+  __device__ void process_by_block(int body) const {
     const auto touch = tested.of(body);
     BlockRanks ranks;
     for (std::uint32_t from = tested.begin(body), end = tested.end(body); from < end; from += blockDim.x)
-      ranks.take(from + threadIdx.x < end && tested.is_contact(touch, body, from + threadIdx.x));
+      ranks.rank(from + threadIdx.x < end && tested.is_contact(touch, body, from + threadIdx.x));
     if (threadIdx.x == 0) count[body] = ranks.total();
   }
 #endif
@@ -99,9 +101,9 @@ struct AcceptContacts {
   }
 };
 
-template <class Real, bool foreseeing, bool excluding>
+template <class Real, bool with_margin, bool excluding>
 struct WriteContacts {
-  TestedPairs<Real, foreseeing, excluding> tested;
+  TestedPairs<Real, with_margin, excluding> tested;
   const std::uint32_t* offset;
   Pair* bodies_of;
   Vector3<Real>* normal;
@@ -113,15 +115,15 @@ struct WriteContacts {
       if (tested.is_contact(touch, body, k)) write(touch, body, k, at++);
   }
 
-  SIM_HD bool is_long(int body) const { return tested.is_long(body) && !has_none(body); }
+  SIM_HD bool is_large(int body) const { return tested.is_large(body) && !has_none(body); }
 #if defined(__CUDACC__)
-  __device__ void together(int body) const {
+  __device__ void process_by_block(int body) const {
     const auto touch = tested.of(body);
     BlockRanks ranks;
     for (std::uint32_t from = tested.begin(body), end = tested.end(body); from < end; from += blockDim.x) {
       const std::uint32_t k = from + threadIdx.x;
       const bool found = k < end && tested.is_contact(touch, body, k);
-      const std::uint32_t rank = ranks.take(found);
+      const std::uint32_t rank = ranks.rank(found);
       if (found) write(touch, body, k, offset[body] + rank);
     }
   }
@@ -131,7 +133,7 @@ struct WriteContacts {
   SIM_HD bool has_none(int body) const {
     return tested.control->overflow || offset[body] == offset[body + 1];
   }
-  SIM_HD void write(const TouchTest<Real, foreseeing>& touch, int body, std::uint32_t k,
+  SIM_HD void write(const TouchTest<Real, with_margin>& touch, int body, std::uint32_t k,
                     std::uint32_t at) const {
     const std::uint32_t other = tested.pairs.second[k];
     bodies_of[at] = {static_cast<std::uint32_t>(body), other};
@@ -164,23 +166,23 @@ void ContactList<Real>::reserve(std::int64_t bodies, std::int64_t capacity) {
 
 template <class Real>
 void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& spheres,
-                             const Foresight<Real>& foresight, const PartedPairs& parted,
+                             const SpeculativeMargin<Real>& margin, const ExcludedPairs& excluded_pairs,
                              StepControl* control) {
-  const auto with = [&]<bool foreseeing, bool excluding>() {
-    const TestedPairs<Real, foreseeing, excluding> tested{pairs, spheres, foresight, parted, control};
-    executor_.run("contacts", bodies_, CountContacts<Real, foreseeing, excluding>{tested, count_.data()});
+  const auto with = [&]<bool with_margin, bool excluding>() {
+    const TestedPairs<Real, with_margin, excluding> tested{pairs, spheres, margin, excluded_pairs, control};
+    executor_.run("contacts", bodies_, CountContacts<Real, with_margin, excluding>{tested, count_.data()});
     exclusive_scan(executor_, "contacts", bodies_, count_.data(), offset_.data(), temporary_.data(),
                    temporary_.bytes());
     executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
     executor_.run("contacts", bodies_,
-                  WriteContacts<Real, foreseeing, excluding>{tested, offset_.data(), bodies_of_.data(),
-                                                             normal_.data()});
+                  WriteContacts<Real, with_margin, excluding>{tested, offset_.data(), bodies_of_.data(),
+                                                              normal_.data()});
   };
-  const bool foreseeing = foresight.course != Course::rest;
-  if (parted.count > 0 || spheres.inverse_mass != nullptr)
-    foreseeing ? with.template operator()<true, true>() : with.template operator()<false, true>();
+  const bool with_margin = margin.bound != MotionBound::none;
+  if (excluded_pairs.count > 0 || spheres.inverse_mass != nullptr)
+    with_margin ? with.template operator()<true, true>() : with.template operator()<false, true>();
   else
-    foreseeing ? with.template operator()<true, false>() : with.template operator()<false, false>();
+    with_margin ? with.template operator()<true, false>() : with.template operator()<false, false>();
 }
 
 template class ContactList<float>;

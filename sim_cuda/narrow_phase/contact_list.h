@@ -27,11 +27,11 @@ struct SphereView {
 
 /// Pairs that never touch, whatever their shapes, since a joint holds them: ordered, in the executor's
 /// memory.
-struct PartedPairs {
+struct ExcludedPairs {
   const Pair* pairs = nullptr;
   std::uint32_t count = 0;
 
-  SIM_HD bool hold(std::uint32_t a, std::uint32_t b) const {
+  SIM_HD bool contains(std::uint32_t a, std::uint32_t b) const {
     return find_pair(pairs, 0, count, a, b) != no_pair;
   }
 };
@@ -43,10 +43,10 @@ class ContactList {
   /// Outside the step. `capacity` in contacts.
   void reserve(std::int64_t bodies, std::int64_t capacity);
   std::int64_t capacity() const { return static_cast<std::int64_t>(bodies_of_.size()); }
-  /// Tests all pairs but the parted ones; those count as well that `foresight` says may touch soon. Where the
+  /// Tests all pairs but the excluded ones; those count as well that may touch within `margin`. Where the
   /// capacity is too small: control->overflow, contacts_needed, and an empty list, as for pairs.
-  void find(const PairView& pairs, const SphereView<Real>& spheres, const Foresight<Real>& foresight,
-            const PartedPairs& parted, StepControl* control);
+  void find(const PairView& pairs, const SphereView<Real>& spheres, const SpeculativeMargin<Real>& margin,
+            const ExcludedPairs& excluded_pairs, StepControl* control);
   ContactView<Real> view() const { return {bodies_of_.data(), normal_.data()}; }
 
  private:

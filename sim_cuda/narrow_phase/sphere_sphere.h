@@ -3,7 +3,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
-#include "sim_cuda/core/stored_vector.h"
+#include "sim_cuda/core/packed_vector.h"
 
 namespace collidoscope {
 
@@ -15,45 +15,46 @@ SIM_HD bool spheres_touch(const Vector3<Real>& a, Real radius_a, const Vector3<R
   return d.dot(d) <= reach * reach;
 }
 
-/// What a body may do within the foreseen time, beside what gravity and attractors do to it.
-enum class Course {
-  rest,      ///< stay where it is: nothing is foreseen
-  straight,  ///< go on
-  dragged,   ///< lose any part of its way to a medium
-  any,       ///< turn anywhere, at the speed it has: continuous collision
+/// What a body may do within the predicted time, beside what gravity and attractors do to it.
+enum class MotionBound {
+  none,              ///< stay where it is: nothing is predicted
+  linear,            ///< go on
+  linear_with_drag,  ///< lose any part of its way to a medium
+  any_direction,     ///< turn anywhere, at the speed it has: continuous collision
 };
 
-/// What a contact must foresee, beside what touches now.
+/// How far contacts look ahead, beside what touches now.
 template <class Real>
-struct Foresight {
-  Course course = Course::rest;
-  const StoredVector3<Real>* velocity = nullptr;  ///< m/s, by id
+struct SpeculativeMargin {
+  MotionBound bound = MotionBound::none;
+  const PackedVector3<Real>* velocity = nullptr;  ///< m/s, by id
   Real time = 0;                                  ///< s
-  Real slack = 0;                                 ///< m: |acceleration| time^2 of what pulls
+  Real acceleration_margin = 0;                   ///< m: |acceleration| time^2 of gravity and attractors
 };
 
-/// Whether two spheres may touch within the foreseen time while they move smoothly: while each is
+/// Whether two spheres may touch within the predicted time while they move smoothly: while each is
 /// accelerated by no more than gravity less what holds it up. The relative acceleration of two such bodies is
 /// at most |g|: frictionless support leaves of g the part within a plane, so each acceleration lies in the
 /// ball over the diameter g. So the gap shrinks by at most time |v_b - v_a| + |g| time^2 (semi-implicit
 /// Euler's own K (K + 1) / (2 K^2) is at most 1). Attractors add at most their largest pull to each of the
 /// two. Drag leaves of each body's way any part: of |l_b v_b - l_a v_a|, l between 0 and 1, the largest is
-/// at a corner. Of two bodies on any course, each may come towards the other.
+/// at a corner. Of two bodies with MotionBound::any_direction, each may come towards the other.
 template <class Real>
 SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& velocity_a,
                                const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
-                               const Foresight<Real>& foresight) {
+                               const SpeculativeMargin<Real>& margin) {
   using std::sqrt;
-  if (foresight.course == Course::any) {
+  if (margin.bound == MotionBound::any_direction) {
     const Real speeds = sqrt(velocity_a.dot(velocity_a)) + sqrt(velocity_b.dot(velocity_b));
-    return spheres_touch<Real>(a, radius_a, b, radius_b + (foresight.time * speeds + 2 * foresight.slack));
+    return spheres_touch<Real>(a, radius_a, b,
+                               radius_b + (margin.time * speeds + 2 * margin.acceleration_margin));
   }
-  const Vector3<Real> way = velocity_b - velocity_a;
-  Real squared = way.dot(way);
-  if (foresight.course == Course::dragged)
+  const Vector3<Real> relative_velocity = velocity_b - velocity_a;
+  Real squared = relative_velocity.dot(relative_velocity);
+  if (margin.bound == MotionBound::linear_with_drag)
     squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
-  const Real margin = foresight.time * sqrt(squared) + foresight.slack;
-  return spheres_touch<Real>(a, radius_a, b, radius_b + margin);
+  const Real distance = margin.time * sqrt(squared) + margin.acceleration_margin;
+  return spheres_touch<Real>(a, radius_a, b, radius_b + distance);
 }
 
 /// The unit normal from a to b, and the gap along it (m; negative where they overlap). Coincident centres, or

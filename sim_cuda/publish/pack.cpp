@@ -131,7 +131,7 @@ struct PackContacts {
   }
 };
 
-template <class Real, bool turning>
+template <class Real, bool with_rotation>
 struct PackJoints {
   JointView<Real> joints;
   BodyView<Real> bodies;
@@ -140,7 +140,7 @@ struct PackJoints {
   SIM_HD void operator()(int place) const {
     const JointRow<Real>& joint = joints.rows[place];
     const bool world = joint.b == JointRow<Real>::world;
-    const JointEnds<Real, turning> ends(bodies, joint);
+    const JointEnds<Real, with_rotation> ends(bodies, joint);
     const Vector3<Real> anchor = ends.a.center + ends.a.arm;
     const Real r_a = bodies.radius[joint.a], size = world ? r_a : min_of(r_a, bodies.radius[joint.b]);
     JointInstance record{};
@@ -153,12 +153,13 @@ struct PackJoints {
       put(record.from, ends.a.center);
       put(record.to, world ? anchor : ends.b.center);
       put(record.at, anchor);
-      if (turning && joint.kind == JointKind::hinge) put(record.aside, size * (ends.a.axes * joint.axis_a));
+      if (with_rotation && joint.kind == JointKind::hinge)
+        put(record.aside, size * (ends.a.axes * joint.axis_a));
     } else {
       put(record.from, anchor);
-      put(record.to, anchor + ends.apart);
+      put(record.to, anchor + ends.separation);
       using std::sqrt;
-      const Real length = sqrt(ends.apart.dot(ends.apart)), pull = sqrt(gravity.dot(gravity));
+      const Real length = sqrt(ends.separation.dot(ends.separation)), pull = sqrt(gravity.dot(gravity));
       if (joint.kind == JointKind::spring) {
         look = JointLook::spring;
       } else if (joint.low < joint.high && length < joint.high && finite(joint.high) && pull > 0) {

@@ -167,7 +167,7 @@ void add_stack(std::vector<AnalyticCase>& cases) {
   one.name = "stack_sinking";
   one.compared = "height of the top, m";
   one.because = "contacts yield by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
-  const double turn = 2 * std::numbers::pi * Softness<double>::turns_per_substep;
+  const double turn = 2 * std::numbers::pi * Softness<double>::cycles_per_substep;
   one.methods = by_euler(leading_theory(2, g * n * (n - 1) / (turn * turn)));
   const double height = one.scene.bodies.back().position.z();
   one.error = [=](World& world, int steps) {

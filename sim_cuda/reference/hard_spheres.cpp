@@ -45,7 +45,7 @@ void refuse_the_unknown(const Scene& scene, const InitialBodies& bodies, const E
       fault(fmt::format("bodies that no force moves (body {})", i));
       break;
     }
-  if (settles(scene)) fault("piles at rest (variant settled): infinitely many collisions");
+  if (needs_presimulation(scene)) fault("piles at rest (variant settled): infinitely many collisions");
   if (!faults.empty()) throw InputError(std::move(faults));
 }
 
@@ -83,7 +83,7 @@ HardSpheres::HardSpheres(const Scene& scene)
 
   const std::size_t bodies = initial_.size();
   memories_.resize(bodies);
-  if (!planes_.empty()) ledgers_.resize(bodies);
+  if (!planes_.empty()) static_impulses_.resize(bodies);
   Vector3d low(0, 0, 0), high(0, 0, 0);
   double largest = 0;
   for (std::size_t i = 0; i < bodies; ++i) {
@@ -293,9 +293,9 @@ SphereCollision HardSpheres::bounce(std::uint32_t body, std::uint32_t p) {
   memory.rebound = e * approach;
   const double mass = initial_.mass[body];
   const SphereCollision done{time_, body, no_body, p, plane.normal, mass * change};
-  WallLedger& ledger = ledgers_[body];
-  ledger.impulse += done.impulse;
-  for (int k = 0; k < 3; ++k) ledger.vector[k] += done.impulse * plane.normal[k];
+  StaticImpulse& static_impulse = static_impulses_[body];
+  static_impulse.impulse += done.impulse;
+  for (int k = 0; k < 3; ++k) static_impulse.vector[k] += done.impulse * plane.normal[k];
   dissipated_ += mass * (1 - e * e) * approach * approach / 2;
 
   const bool rests = time_ + time_to_plane(0, memory.rebound, pull, 0) == time_;
@@ -356,9 +356,9 @@ StepStats HardSpheres::measure() const {
       stats.escaped +=
           (x.array() < initial_.box->min.array()).any() || (x.array() > initial_.box->max.array()).any();
   }
-  for (const WallLedger& ledger : ledgers_) {
-    stats.wall_impulse += ledger.impulse;
-    for (int k = 0; k < 3; ++k) stats.wall_impulse_vector[k] += ledger.vector[k];
+  for (const StaticImpulse& static_impulse : static_impulses_) {
+    stats.wall_impulse += static_impulse.impulse;
+    for (int k = 0; k < 3; ++k) stats.wall_impulse_vector[k] += static_impulse.vector[k];
   }
   for (int k = 0; k < 3; ++k) {
     stats.momentum[k] = momentum[k];

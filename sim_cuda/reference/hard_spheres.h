@@ -86,7 +86,7 @@ class HardSpheres {
   BodyStates bodies() const;  ///< now, by id; nothing turns
   /// Now: energies, momenta, what the walls gave, overlap; the rest, which only steps have, is 0.
   StepStats measure() const;
-  const std::vector<WallLedger>& ledgers() const { return ledgers_; }  ///< by body
+  const std::vector<StaticImpulse>& static_impulses() const { return static_impulses_; }  ///< by body
 
   struct Counts {
     std::int64_t pairs = 0, planes = 0;  ///< collisions
@@ -137,7 +137,7 @@ class HardSpheres {
   double threshold_;                  // m/s
   std::vector<Flight> flights_;
   std::vector<Memory> memories_;
-  std::vector<WallLedger> ledgers_;
+  std::vector<StaticImpulse> static_impulses_;
   std::optional<NeighbourGrid> grid_;
   EventQueue queue_;
   std::size_t queue_limit_ = 0;  // events; beyond it, what is past is dropped

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "sim_cuda/reference/analytic_cases.h"
+#include "sim_cuda/reference/drag_solution.h"
 #include "sim_cuda/reference/free_rotation.h"
 #include "sim_cuda/reference/kepler.h"
 #include "sim_cuda/reference/leading_error.h"
 #include "sim_cuda/reference/oscillations.h"
-#include "sim_cuda/reference/slowing.h"
 
 namespace collidoscope {
 namespace {
@@ -133,8 +133,8 @@ AnalyticCase slowed(const char* name, const char* because) {
   const Body ball = one.scene.bodies[0];
   const Drag& medium = one.scene.physics.drag;
   const double r = ball.radius, m = *ball.mass, v0 = ball.velocity.norm(), t = one.horizon;
-  const Slowing law{6 * std::numbers::pi * medium.viscosity * r / m,                          // Stokes
-                    medium.density * medium.coefficient * std::numbers::pi * r * r / 2 / m};  // Newton
+  const DragSolution law{6 * std::numbers::pi * medium.viscosity * r / m,                          // Stokes
+                         medium.density * medium.coefficient * std::numbers::pi * r * r / 2 / m};  // Newton
   one.scale = v0;
   const SmoothProblem problem{[=](const SmoothState& v) { return SmoothState::Constant(1, law.rate(v[0])); },
                               [=](double s) { return SmoothState::Constant(1, law.speed(v0, s)); },

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim_cuda/solver/residual.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 

@@ -25,7 +25,7 @@ struct Commit {
     ++control->committed;
     control->pairs_committed = control->pairs;
     control->contacts_committed = control->contacts;
-    control->split_committed = control->split_contacts;
+    control->uncoloured_committed = control->uncoloured_contacts;
   }
 };
 
@@ -39,7 +39,7 @@ class TypedPipeline final : public Pipeline {
 
   void run() override {
     const auto stages = [&] {
-      detect(foresight());
+      detect(speculative_margin());
       if (before_writing_ && !executor_.on_device()) before_writing_(*control_.data());
       // colour, prepare, forces, solve, move, relax, bounce, friction, keep; or those of another solver
       solver_->advance(contacts_.view(), impulses_.data());
@@ -53,31 +53,31 @@ class TypedPipeline final : public Pipeline {
   }
 
   void detect() override { detect({}); }
-  void detect(const Foresight<Real>& foresight) {
-    find_pairs(foresight);
+  void detect(const SpeculativeMargin<Real>& margin) {
+    find_pairs(margin);
     // contacts
-    contacts_.find(pairs_.view(), state_.spheres(), foresight, parted(), control_.data());
+    contacts_.find(pairs_.view(), state_.spheres(), margin, excluded_pairs(), control_.data());
   }
 
   void find_pairs() override { find_pairs({}); }
-  void find_pairs(const Foresight<Real>& foresight) {
-    find_bounds(foresight);
+  void find_pairs(const SpeculativeMargin<Real>& margin) {
+    find_bounds(margin);
     // keys, sort, build; or those of another broad phase
     broad_phase_->update(boxes_.data(), extent());
     // pairs
     pairs_.find(*broad_phase_, control_.data());
   }
 
-  void find_bounds(const Foresight<Real>& foresight) {
+  void find_bounds(const SpeculativeMargin<Real>& margin) {
     const BodyBuffers<Real>& bodies = state_.bodies();
-    if (foresight.course == Course::rest)
+    if (margin.bound == MotionBound::none)
       executor_.run("bounds", body_count_,
                     BodyBounds<Real>{bodies.position.data(), bodies.radius.data(), boxes_.data()});
     else
       executor_.run(
           "bounds", body_count_,
-          SweptBounds<Real>{bodies.position.data(), foresight.velocity, bodies.radius.data(), foresight.time,
-                            foresight.slack, boxes_.data(), effects_.continuous_collision});
+          SweptBounds<Real>{bodies.position.data(), margin.velocity, bodies.radius.data(), margin.time,
+                            margin.acceleration_margin, boxes_.data(), effects_.continuous_collision});
   }
 
   /// Of all bodies: the box, or a reduction over their bounds.
@@ -87,13 +87,13 @@ class TypedPipeline final : public Pipeline {
   }
 
   /// For how long, and along what courses, contacts are foreseen.
-  Foresight<Real> foresight() const {
-    const Real time = solver_->foresight();
+  SpeculativeMargin<Real> speculative_margin() const {
+    const Real time = solver_->prediction_time();
     if (!(time > 0)) return {};
-    const Course course = effects_.continuous_collision ? Course::any
-                          : effects_.drag               ? Course::dragged
-                                                        : Course::straight;
-    return {course, state_.bodies().velocity.data(), time, state_.slack_in(time)};
+    const MotionBound bound = effects_.continuous_collision ? MotionBound::any_direction
+                              : effects_.drag               ? MotionBound::linear_with_drag
+                                                            : MotionBound::linear;
+    return {bound, state_.bodies().velocity.data(), time, state_.acceleration_margin_in(time)};
   }
 
   // ---- set-up and access ----
@@ -132,8 +132,8 @@ class TypedPipeline final : public Pipeline {
   }
   void dismiss_guards() override { guard_.reset(); }
 
-  SolverMemory memory() override { return solver_->memory(); }
-  void remember(const SolverMemory& memory) override { solver_->remember(memory); }
+  WarmStart save_warm_start() override { return solver_->save_warm_start(); }
+  void load_warm_start(const WarmStart& warm_start) override { solver_->load_warm_start(warm_start); }
 
   StepControl control() override {  // without memory of its own: what a step has done is known in any case
     StepControl now;
@@ -145,27 +145,27 @@ class TypedPipeline final : public Pipeline {
     StepControl now = control();
     now.pairs_committed = from.pairs_committed;
     now.contacts_committed = from.contacts_committed;
-    now.split_committed = from.split_committed;
+    now.uncoloured_committed = from.uncoloured_committed;
     executor_.copy_to_executor(control_.data(), &now, sizeof now);
   }
-  void visit_lasting(const ArrayVisit& visit) override {
+  void visit_lasting(const ArrayVisitor& visit) override {
     visit(control_.data(), control_.bytes());
     const BodyBuffers<Real>& bodies = state_.bodies();
     visit(bodies.position.data(), bodies.position.bytes());
     visit(bodies.velocity.data(), bodies.velocity.bytes());
     visit(bodies.orientation.data(), bodies.orientation.bytes());
     visit(bodies.angular_velocity.data(), bodies.angular_velocity.bytes());
-    visit(bodies.ledger.data(), bodies.ledger.bytes());
-    solver_->visit_memory(visit);
+    visit(bodies.static_impulses.data(), bodies.static_impulses.bytes());
+    solver_->visit_warm_start(visit);
   }
   BroadPhase& broad_phase() override { return *broad_phase_; }
   std::int64_t broad_phase_bytes() const override { return broad_phase_bytes_; }
 
   void measure(StepStats& stats) override {
     measurer_.measure(
-        {state_.view(), body_count_, state_.bodies().ledger.data(), state_.planes(), state_.plane_count(),
-         state_.boxes(), state_.gravity().template cast<double>(), state_.attractors(), state_.box(),
-         contacts_.view(), control_.data(), contacts_.capacity(), impulses_.view()},
+        {state_.view(), body_count_, state_.bodies().static_impulses.data(), state_.planes(),
+         state_.plane_count(), state_.boxes(), state_.gravity().template cast<double>(), state_.attractors(),
+         state_.box(), contacts_.view(), control_.data(), contacts_.capacity(), impulses_.view()},
         stats);
     if (joints_) add(joints_->measure(), joints_->count(), stats);
     if (const Sleeping<Real>* sleeping = solver_->sleeping()) add(sleeping->measure(), stats);
@@ -181,9 +181,9 @@ class TypedPipeline final : public Pipeline {
                 state_.gravity(), solver_->sleeping() ? solver_->sleeping()->view() : SleepView{}, errors},
                publish_counts_);
   }
-  std::vector<WallLedger> ledgers() override { return state_.bodies().ledger.download(); }
-  void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) override {
-    state_.upload(states, ledgers);
+  std::vector<StaticImpulse> static_impulses() override { return state_.bodies().static_impulses.download(); }
+  void set_bodies(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses) override {
+    state_.upload(states, static_impulses);
   }
   BodyReport inspect(std::uint32_t id, const TreeView& tree) override {
     return collidoscope::inspect<Real>(executor_,
@@ -194,7 +194,7 @@ class TypedPipeline final : public Pipeline {
 
  private:
   Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
-  PartedPairs parted() const { return joints_ ? joints_->parted() : PartedPairs{}; }
+  ExcludedPairs excluded_pairs() const { return joints_ ? joints_->excluded_pairs() : ExcludedPairs{}; }
   GuardedView<Real> guarded() const {
     return {state_.view(),    body_count_,          boxes_.data(),  state_.field(),
             contacts_.view(), contacts_.capacity(), control_.data()};

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/guard/finding.h"
@@ -22,7 +22,7 @@
 #include "sim_cuda/scene/initial_bodies.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/residual.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
@@ -73,7 +73,7 @@ class Pipeline {
   virtual void clear_overflow() = 0;
   virtual void set_counts(const StepControl& control) = 0;  ///< of the last committed run, as they are there
   /// The arrays that runs write and that outlive them: the state, and what is remembered of it.
-  virtual void visit_lasting(const ArrayVisit& visit) = 0;
+  virtual void visit_lasting(const ArrayVisitor& visit) = 0;
   virtual BroadPhase& broad_phase() = 0;
   virtual std::int64_t broad_phase_bytes() const = 0;  ///< that the method took when it was made
 
@@ -87,14 +87,14 @@ class Pipeline {
   virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
                        const float* errors) = 0;
 
-  virtual std::int64_t joints() const = 0;        ///< that are simulated
-  virtual std::vector<WallLedger> ledgers() = 0;  ///< empty where there are no walls
+  virtual std::int64_t joints() const = 0;                   ///< that are simulated
+  virtual std::vector<StaticImpulse> static_impulses() = 0;  ///< empty where there are no walls
   /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
   /// worlds have walls.
-  virtual void set_bodies(const BodyStates& states, const std::vector<WallLedger>& ledgers) = 0;
+  virtual void set_bodies(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses) = 0;
   /// What the solver remembers of the steps before, and the same of another world, put in its place.
-  virtual SolverMemory memory() = 0;
-  virtual void remember(const SolverMemory& memory) = 0;
+  virtual WarmStart save_warm_start() = 0;
+  virtual void load_warm_start(const WarmStart& warm_start) = 0;
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 

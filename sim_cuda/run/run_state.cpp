@@ -15,14 +15,14 @@ std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIds& id
   return moved;
 }
 
-SolverMemory renumbered(const SolverMemory& memory, const BodyIds& ids, std::size_t count) {
-  SolverMemory moved;
-  moved.slow = by_new_id(memory.slow, ids, count, 0u);
+WarmStart renumbered(const WarmStart& warm_start, const BodyIds& ids, std::size_t count) {
+  WarmStart moved;
+  moved.sleep_timer = by_new_id(warm_start.sleep_timer, ids, count, 0u);
   const auto wake = [&](std::uint32_t id) {
-    if (id < moved.slow.size()) moved.slow[id] = 0;
+    if (id < moved.sleep_timer.size()) moved.sleep_timer[id] = 0;
   };
-  for (std::size_t k = 0; k < memory.contacts.size(); ++k) {
-    const ContactImpulse& contact = memory.contacts[k];
+  for (std::size_t k = 0; k < warm_start.contacts.size(); ++k) {
+    const ContactImpulse& contact = warm_start.contacts[k];
     const std::uint32_t a = ids[contact.a], b = ids[contact.b];
     if (a == no_body || b == no_body) {
       wake(a);
@@ -30,10 +30,10 @@ SolverMemory renumbered(const SolverMemory& memory, const BodyIds& ids, std::siz
       continue;
     }
     moved.contacts.push_back({a, b, contact.impulse});
-    if (!memory.grips.empty()) moved.grips.push_back(memory.grips[k]);
-    if (!memory.rolls.empty()) moved.rolls.push_back(memory.rolls[k]);
+    if (!warm_start.friction.empty()) moved.friction.push_back(warm_start.friction[k]);
+    if (!warm_start.rolling.empty()) moved.rolling.push_back(warm_start.rolling[k]);
   }
-  for (JointMemory joint : memory.joints) {
+  for (WarmStartJoint joint : warm_start.joints) {
     const bool to_world = joint.b == PlacedJoint::world;
     joint.a = ids[joint.a];
     if (!to_world) joint.b = ids[joint.b];
@@ -45,14 +45,14 @@ SolverMemory renumbered(const SolverMemory& memory, const BodyIds& ids, std::siz
     }
   }
   using Part = std::array<double, 3>;
-  for (std::size_t p = 0; p < memory.walls.size(); ++p) {
-    moved.walls.push_back(by_new_id(memory.walls[p], ids, count, 0.0));
+  for (std::size_t p = 0; p < warm_start.walls.size(); ++p) {
+    moved.walls.push_back(by_new_id(warm_start.walls[p], ids, count, 0.0));
     const auto take = [&](const std::vector<Part>& from, std::vector<Part>& to) {
       const std::vector<Part> plane = by_new_id(from, ids, count, Part{}, p * ids.size());
       to.insert(to.end(), plane.begin(), plane.end());
     };
-    take(memory.wall_grips, moved.wall_grips);
-    take(memory.wall_rolls, moved.wall_rolls);
+    take(warm_start.wall_friction, moved.wall_friction);
+    take(warm_start.wall_rolling, moved.wall_rolling);
   }
   return moved;
 }
@@ -69,8 +69,8 @@ RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh)
   }
   RunState moved{state.steps,
                  std::move(fresh),
-                 by_new_id(state.ledgers, ids, count, WallLedger{}),
-                 renumbered(state.memory, ids, count),
+                 by_new_id(state.static_impulses, ids, count, StaticImpulse{}),
+                 renumbered(state.warm_start, ids, count),
                  state.settings,
                  {},
                  state.time};

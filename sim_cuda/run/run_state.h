@@ -8,15 +8,15 @@
 
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/run/body_states.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
 struct RunState {
   std::int64_t steps = 0;
   BodyStates bodies;
-  std::vector<WallLedger> ledgers;  ///< by body; empty where there are no walls
-  SolverMemory memory;
+  std::vector<StaticImpulse> static_impulses;  ///< by body; empty where there are no walls
+  WarmStart warm_start;
   /// Of all settings but N: a world of others lets nothing sleep on.
   std::uint64_t settings = 0;
   std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed where they are

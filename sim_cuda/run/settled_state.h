@@ -1,6 +1,6 @@
 #pragma once
 // Where a scene of the variant `settled` begins. World's constructor asks for it. It is found by a World of
-// its own, and so written above World: snapshot/settle.cpp.
+// its own, and so written above World: snapshot/presimulation.cpp.
 
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/run_options.h"

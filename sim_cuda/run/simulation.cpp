@@ -175,8 +175,8 @@ void Simulation::detect() {
 RunState Simulation::state() {
   return {steps_,
           pipeline().bodies(),
-          pipeline().ledgers(),
-          pipeline().memory(),
+          pipeline().static_impulses(),
+          pipeline().save_warm_start(),
           settings_hash(scene),
           guards.frozen(),
           time()};
@@ -192,15 +192,15 @@ void Simulation::adopt(const RunState& other, const BodyIds& ids) {
     state.bodies.velocity[body].setZero();
     state.bodies.angular_velocity[body].setZero();
   }
-  if (other.settings != settings_hash(scene)) state.memory.slow.clear();
+  if (other.settings != settings_hash(scene)) state.warm_start.sleep_timer.clear();
   put(state);
   stepped_ = false;
   guards.adopted();
 }
 
 void Simulation::put(const RunState& state) {
-  runner_.pipeline().set_bodies(state.bodies, state.ledgers);
-  runner_.pipeline().remember(state.memory);
+  runner_.pipeline().set_bodies(state.bodies, state.static_impulses);
+  runner_.pipeline().load_warm_start(state.warm_start);
   steps_ = state.steps;
   // Where all steps were of this length, their number alone says it, without a sum's rounding.
   const bool one_length = state.time == static_cast<double>(state.steps) * scene.physics.time_step;

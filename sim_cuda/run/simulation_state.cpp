@@ -16,7 +16,7 @@ std::vector<Vector3<Real>> narrowed(const std::vector<Vector3d>& wide) {
   return narrow;
 }
 template <class Real>
-std::vector<StoredVector3<Real>> stored(const std::vector<Vector3d>& wide) {
+std::vector<PackedVector3<Real>> stored(const std::vector<Vector3d>& wide) {
   const std::vector<Vector3<Real>> narrow = narrowed<Real>(wide);
   return {narrow.begin(), narrow.end()};
 }
@@ -76,7 +76,7 @@ SimulationState<Real>::SimulationState(Executor& executor, const Scene& scene, c
       attractors_(executor, "attractors"),
       field_(executor, "accelerations"),
       bodies_(executor),
-      prescribed_(executor, "bodies that no force moves"),
+      kinematic_(executor, "bodies that no force moves"),
       mesh_(executor, "meshes of bodies"),
       restitution_of_material_(executor, "restitution by material"),
       friction_of_material_(executor, "friction by material"),
@@ -84,14 +84,14 @@ SimulationState<Real>::SimulationState(Executor& executor, const Scene& scene, c
       rolling_of_plane_(executor, "rolling resistance by plane"),
       planes_(executor, "walls"),
       box_surfaces_(executor, "box obstacles") {
-  executor.heed();
+  executor.throw_if_cancelled();
   upload_bodies(initial);
-  executor.heed();
+  executor.throw_if_cancelled();
   if (effects.rotation) upload_rotation(initial);
   upload_materials(scene, initial, substeps);
   if (effects.attractor) upload_attractors(scene);
   upload_surfaces(scene);
-  executor.heed();
+  executor.throw_if_cancelled();
 }
 
 template <class Real>
@@ -99,7 +99,7 @@ void SimulationState<Real>::upload_bodies(const InitialBodies& initial) {
   const std::size_t n = initial.size();
   bodies_.position.upload(narrowed<Real>(initial.position));
   bodies_.velocity.upload(initial.velocity.empty()
-                              ? std::vector<StoredVector3<Real>>(n, Vector3<Real>(Vector3<Real>::Zero()))
+                              ? std::vector<PackedVector3<Real>>(n, Vector3<Real>(Vector3<Real>::Zero()))
                               : stored<Real>(initial.velocity));
   std::vector<Real> radius(n), mass(n), inverse_mass(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -107,13 +107,13 @@ void SimulationState<Real>::upload_bodies(const InitialBodies& initial) {
     mass[i] = static_cast<Real>(initial.mass[i]);
     inverse_mass[i] = 1 / mass[i];
   }
-  std::vector<std::uint32_t> prescribed;
+  std::vector<std::uint32_t> kinematic;
   for (std::size_t i = 0; i < initial.motion.size(); ++i) {
     if (initial.motion[i] == Motion::dynamic) continue;
-    prescribed.push_back(static_cast<std::uint32_t>(i));
+    kinematic.push_back(static_cast<std::uint32_t>(i));
     mass[i] = inverse_mass[i] = 0;
   }
-  prescribed_.upload(prescribed);
+  kinematic_.upload(kinematic);
   bodies_.radius.upload(radius);
   bodies_.mass.upload(mass);
   bodies_.inverse_mass.upload(inverse_mass);
@@ -124,7 +124,7 @@ template <class Real>
 void SimulationState<Real>::upload_rotation(const InitialBodies& initial) {
   const std::size_t n = initial.size();
   std::vector<Quaternion<Real>> orientation(n, Quaternion<Real>(1, 0, 0, 0));
-  std::vector<StoredVector3<Real>> spin(n, Vector3<Real>(Vector3<Real>::Zero()));
+  std::vector<PackedVector3<Real>> spin(n, Vector3<Real>(Vector3<Real>::Zero()));
   std::vector<Vector3<Real>> inertia(n);
   for (std::size_t i = 0; i < n; ++i) {
     if (!initial.orientation.empty()) orientation[i] = initial.orientation[i].template cast<Real>();
@@ -160,10 +160,10 @@ void SimulationState<Real>::upload_materials(const Scene& scene, const InitialBo
 
 template <class Real>
 void SimulationState<Real>::upload_attractors(const Scene& scene) {
-  std::vector<PullingPoint<Real>> points;
+  std::vector<PointAttractor<Real>> points;
   for (const Attractor& a : scene.physics.attractors) {
-    points.push_back(PullingPoint<Real>::of(a));
-    largest_pull_ += static_cast<Real>(largest_pull(a));
+    points.push_back(PointAttractor<Real>::of(a));
+    max_field_ += static_cast<Real>(max_field(a));
   }
   attractors_.upload(points);
   field_.resize_discarding(static_cast<std::size_t>(body_count_));
@@ -187,13 +187,13 @@ void SimulationState<Real>::upload_surfaces(const Scene& scene) {
   }
   box_surfaces_.upload(box_surfaces<Real>(scene));
   if (plane_count() > 0 || !scene.boxes.empty())
-    bodies_.ledger.upload(std::vector<WallLedger>(static_cast<std::size_t>(body_count_)));
+    bodies_.static_impulses.upload(std::vector<StaticImpulse>(static_cast<std::size_t>(body_count_)));
 }
 
 template <class Real>
-Real SimulationState<Real>::slack_in(Real time) const {
+Real SimulationState<Real>::acceleration_margin_in(Real time) const {
   using std::sqrt;
-  return time * time * (sqrt(gravity_.dot(gravity_)) + 2 * largest_pull_);
+  return time * time * (sqrt(gravity_.dot(gravity_)) + 2 * max_field_);
 }
 
 template <class Real>
@@ -204,14 +204,14 @@ SolverScene<Real> SimulationState<Real>::solver_scene(const Scene& scene, int su
   const std::uint16_t* material = bodies_.material.data();
   return {.bodies = bodies_.view(),
           .body_count = body_count_,
-          .prescribed = {prescribed_.data(), static_cast<std::int64_t>(prescribed_.size())},
+          .kinematic = {kinematic_.data(), static_cast<std::int64_t>(kinematic_.size())},
           .restitution = restitution_,
           .friction = {friction_of_material_.data(), material},
           .rolling = {rolling_of_material_.data(), material, rolling_of_plane_.data()},
           .planes = planes_.data(),
           .plane_count = plane_count(),
           .boxes = boxes(),
-          .ledger = bodies_.ledger.data(),
+          .static_impulses = bodies_.static_impulses.data(),
           .gravity = gravity_,
           .drag = DragLaw<Real>::of(physics.drag),
           .attractors = attractors(),
@@ -219,7 +219,7 @@ SolverScene<Real> SimulationState<Real>::solver_scene(const Scene& scene, int su
           .effects = effects_,
           .box = box_,
           .time_step = time_step,
-          .slack = slack_in(time_step),
+          .acceleration_margin = acceleration_margin_in(time_step),
           .substeps = substeps,
           .iterations = physics.iterations,
           .integrator = physics.integrator,
@@ -252,7 +252,8 @@ BodyStates SimulationState<Real>::download() const {
 }
 
 template <class Real>
-void SimulationState<Real>::upload(const BodyStates& states, const std::vector<WallLedger>& ledgers) {
+void SimulationState<Real>::upload(const BodyStates& states,
+                                   const std::vector<StaticImpulse>& static_impulses) {
   const std::size_t n = states.position.size();
   const auto write = [&](const auto& buffer, const auto& values) {
     executor_.copy_to_executor(buffer.data(), values.data(), n * sizeof values[0]);
@@ -265,7 +266,8 @@ void SimulationState<Real>::upload(const BodyStates& states, const std::vector<W
     write(bodies_.orientation, orientation);
     write(bodies_.angular_velocity, stored<Real>(states.angular_velocity));
   }
-  if (bodies_.ledger.size() > 0 && ledgers.size() >= n) write(bodies_.ledger, ledgers);
+  if (bodies_.static_impulses.size() > 0 && static_impulses.size() >= n)
+    write(bodies_.static_impulses, static_impulses);
 }
 
 template class SimulationState<float>;

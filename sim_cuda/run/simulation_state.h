@@ -34,13 +34,15 @@ class SimulationState {
   const WallPlane<Real>* planes() const { return planes_.data(); }
   int plane_count() const { return static_cast<int>(planes_.size()); }
   BoxView<Real> boxes() const { return {box_surfaces_.data(), static_cast<int>(box_surfaces_.size())}; }
-  PullView<Real> attractors() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
+  AttractorView<Real> attractors() const {
+    return {attractors_.data(), static_cast<int>(attractors_.size())};
+  }
   SphereView<Real> spheres() const {
     return {bodies_.position.data(), bodies_.radius.data(),
-            prescribed_.size() > 0 ? bodies_.inverse_mass.data() : nullptr};
+            kinematic_.size() > 0 ? bodies_.inverse_mass.data() : nullptr};
   }
   /// m: what gravity and attractors add to the relative motion of two bodies in `time` s.
-  Real slack_in(Real time) const;
+  Real acceleration_margin_in(Real time) const;
   /// What a solver works on. `joints`: null where the effect is off.
   SolverScene<Real> solver_scene(const Scene& scene, int substeps, StepControl* control,
                                  Joints<Real>* joints) const;
@@ -48,7 +50,7 @@ class SimulationState {
   // Copies from and to the host; outside of runs.
   BodyStates download() const;
   /// Overwrites bodies 0 .. states.position.size() - 1, and their ledgers if both worlds have walls.
-  void upload(const BodyStates& states, const std::vector<WallLedger>& ledgers);
+  void upload(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses);
 
  private:
   void upload_bodies(const InitialBodies& initial);
@@ -61,13 +63,13 @@ class SimulationState {
   const std::int64_t body_count_;
   const Effects effects_;
   const std::optional<Box> box_;
-  const Vector3<Real> gravity_;            // m/s^2, zero where the effect is off
-  Buffer<PullingPoint<Real>> attractors_;  // empty where the effect is off, as is
-  Buffer<Vector3<Real>> field_;            // their pull on each body, m/s^2
-  Real largest_pull_ = 0;                  // m/s^2, of all attractors together
+  const Vector3<Real> gravity_;              // m/s^2, zero where the effect is off
+  Buffer<PointAttractor<Real>> attractors_;  // empty where the effect is off, as is
+  Buffer<Vector3<Real>> field_;              // their pull on each body, m/s^2
+  Real max_field_ = 0;                       // m/s^2, of all attractors together
   BodyBuffers<Real> bodies_;
-  Buffer<std::uint32_t> prescribed_;  // ids of static and kinematic bodies
-  Buffer<std::uint32_t> mesh_;        // by body, 0: a sphere; empty where all are
+  Buffer<std::uint32_t> kinematic_;  // ids of static and kinematic bodies
+  Buffer<std::uint32_t> mesh_;       // by body, 0: a sphere; empty where all are
   Buffer<Real> restitution_of_material_;
   Buffer<Real> friction_of_material_;                    // empty where the effect is off
   Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well

@@ -42,11 +42,11 @@ MovingSpheres spheres_of(const Beginning& beginning) {
   }
   const Physics& physics = scene.physics;
   if (physics.solver == Solver::impulse) return spheres;
-  double pull = effects.gravity ? physics.gravity.norm() : 0;
+  double acceleration = effects.gravity ? physics.gravity.norm() : 0;
   for (const Attractor& attractor : physics.attractors)
-    if (effects.attractor) pull += 2 * largest_pull(attractor);
+    if (effects.attractor) acceleration += 2 * max_field(attractor);
   spheres.time = physics.time_step;
-  spheres.slack = spheres.time * spheres.time * pull;
+  spheres.acceleration_margin = spheres.time * spheres.time * acceleration;
   spheres.anywhere = effects.continuous_collision;
   return spheres;
 }

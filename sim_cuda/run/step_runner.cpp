@@ -108,7 +108,7 @@ std::int64_t StepRunner::lacking(Capacity capacity) {
 bool StepRunner::grow() {
   const StepControl control = pipeline_->control();
   if (!control.overflow) return false;
-  executor_.heed();
+  executor_.throw_if_cancelled();
   const Capacity now = pipeline_->capacity();
   Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
                   grown(control.contacts_needed, now.contacts, "contacts", 64)};

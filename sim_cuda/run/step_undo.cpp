@@ -6,14 +6,14 @@
 namespace collidoscope {
 
 void StepUndo::begin_step(int runs) {
-  aside_.forget();
+  backup_.clear();
   in_step_ = executor_.options().cancellation != nullptr && !executor_.on_device();
   runs_ = runs;
   if (in_step_ && runs > 1) start_ = Cancellation::Clock::now();
 }
 
 void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, double solve_seconds) {
-  if (!in_step_ || aside_.holds() || to_the_end_) return;
+  if (!in_step_ || backup_.has_copy() || to_the_end_) return;
   if (control.overflow) return;  // such a run writes nothing
   double rest = runs_ * solve_seconds;
   if (runs_ > 1) {  // later ones find their contacts anew, which takes as long as it took the first
@@ -24,18 +24,18 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
     to_the_end_.emplace(executor_);
     return;
   }
-  executor_.heed();
+  executor_.throw_if_cancelled();
   const Executor::Uninterrupted whole(executor_);
   try {
-    aside_.put(executor_.team(), [&](const ArrayVisit& visit) { pipeline.visit_lasting(visit); });
+    backup_.save(executor_.team(), [&](const ArrayVisitor& visit) { pipeline.visit_lasting(visit); });
   } catch (const std::bad_alloc&) {  // no room for a copy
-    aside_.forget();
+    backup_.clear();
     to_the_end_.emplace(executor_);
   }
 }
 
 void StepUndo::end_step() {
-  aside_.forget();
+  backup_.clear();
   leave_step();
 }
 
@@ -45,8 +45,8 @@ void StepUndo::leave_step() {
 }
 
 void StepUndo::undo() {
-  aside_.put_back(executor_.team());
-  aside_.forget();
+  backup_.restore(executor_.team());
+  backup_.clear();
 }
 
 }  // namespace collidoscope

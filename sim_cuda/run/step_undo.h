@@ -5,9 +5,9 @@
 
 #include <optional>
 
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/run/pipeline.h"
 
 namespace collidoscope {
@@ -33,7 +33,7 @@ class StepUndo {
   Cancellation::Clock::time_point start_{};  ///< of a step of several runs
   int runs_ = 1;
   bool in_step_ = false;
-  Aside aside_;
+  HostBackup backup_;
   std::optional<Executor::Uninterrupted> to_the_end_;
 };
 

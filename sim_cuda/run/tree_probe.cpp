@@ -73,11 +73,11 @@ NodeSpread TreeProbe::spread(NodeMetric metric, const NodeSelection& selection) 
 
 // ---- queries ----
 
-std::vector<std::uint32_t> TreeProbe::visited(std::uint32_t id, std::int64_t most) {
+std::vector<std::uint32_t> TreeProbe::visited(std::uint32_t id, std::int64_t limit) {
   quality();
   if (id >= run_.initial.size())
     throw std::out_of_range("visited_nodes: there is no body " + std::to_string(id));
-  return run_.current_tree().meter().visited(run_.arranged_tree(), id, most);
+  return run_.current_tree().meter().visited(run_.arranged_tree(), id, limit);
 }
 
 std::int64_t TreeProbe::visits_of(std::uint32_t id) {

@@ -42,8 +42,8 @@ class TreeProbe {
   /// Of the nodes in the selection's levels; `inside` counts those within its range, too.
   NodeSpread spread(NodeMetric metric, const NodeSelection& selection);
 
-  /// The places of the nodes that the query of a body tests, in its order; the first `most`.
-  std::vector<std::uint32_t> visited(std::uint32_t id, std::int64_t most);
+  /// The places of the nodes that the query of a body tests, in its order; the first `limit`.
+  std::vector<std::uint32_t> visited(std::uint32_t id, std::int64_t limit);
   std::int64_t visits_of(std::uint32_t id);  ///< how many they are; 0 without a tree
 
   /// Finds the pairs of the current state `repeats` times, from positions to the ordered list, plain and then

@@ -21,7 +21,7 @@ constexpr std::uint32_t max_tries = 32768;
 
 /// Before the k-th of many. Throws Cancelled.
 void look_now_and_then(Cancellation* cancellation, std::size_t k) {
-  if (k % 1024 == 0 && cancellation != nullptr && cancellation->look()) throw Cancelled();
+  if (k % 1024 == 0 && cancellation != nullptr && cancellation->poll()) throw Cancelled();
 }
 
 /// The next float above or below x, which is finite.
@@ -151,7 +151,7 @@ std::optional<Box> box_in_effect(const Scene& scene) {
   return box;
 }
 
-bool settles(const Scene& scene) {
+bool needs_presimulation(const Scene& scene) {
   return std::ranges::any_of(scene.generators,
                              [](const BoxCollider& g) { return g.variant == Variant::settled; });
 }

@@ -40,7 +40,7 @@ double largest_radius(const BoxCollider& generator);
 std::optional<Box> box_in_effect(const Scene& scene);
 
 /// Whether a generator is `settled`.
-bool settles(const Scene& scene);
+bool needs_presimulation(const Scene& scene);
 
 /// m, the greatest radius_max, within limits.h, with which the spheres of this generator fit in the box.
 double greatest_radius_max(const BoxCollider& generator, const Box& box);

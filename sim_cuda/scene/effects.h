@@ -14,7 +14,7 @@ struct Effects {
       false;  ///< orientation and spin are stored and integrated; called for by anything that turns
   bool friction = false;  ///< Coulomb's, with rotation; called for by a material whose friction is not 0
   bool rolling_resistance = false;  ///< with friction; called for by a material of which it is not 0
-  bool joints = false;              ///< called for by a list of joints: solver/joint_rows.h
+  bool joints = false;              ///< called for by a list of joints: solver/joint_constraint.h
   /// Nothing passes through anything; called for by a starting speed that crosses the smallest radius in a
   /// substep: dynamics/continuous_collision.h
   bool continuous_collision = false;

@@ -105,7 +105,7 @@ struct Attractor {
 };
 
 /// m/s^2, the most that one attractor pulls anywhere.
-inline double largest_pull(const Attractor& attractor) {
+inline double max_field(const Attractor& attractor) {
   return std::abs(attractor.strength) * 2 / (3 * std::sqrt(3.0) * attractor.softening * attractor.softening);
 }
 

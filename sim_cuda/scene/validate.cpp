@@ -214,9 +214,9 @@ class Validator {
       const bool good =
           number(path.at("strength"), a.strength, -limits::max_strength, limits::max_strength, "m^3/s^2");
       if (number(path.at("softening"), a.softening, limits::min_softening, limits::max_softening, "m") &&
-          good && largest_pull(a) > limits::max_gravity)
+          good && max_field(a) > limits::max_gravity)
         fault(path.at("softening"),
-              fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", largest_pull(a),
+              fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", max_field(a),
                           limits::max_gravity));
     }
   }
@@ -241,9 +241,9 @@ class Validator {
       if (!names.insert(m.name).second) fault(path, "two materials must not have one name");
       number(path.at("density"), m.density, limits::min_density, limits::max_density, "kg/m^3");
       number(path.at("restitution"), m.restitution, 0, limits::max_restitution, "");
-      const bool rubs =
+      const bool has_friction =
           number(path.at("friction"), m.friction, 0, limits::max_friction, "") && m.friction != 0;
-      if (rubs && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
+      if (has_friction && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
         fault(path.at("friction"),
               "must be 0 with the solver impulse, unless a list of effects leaves friction out (soft_step "
               "has it)");

@@ -22,9 +22,9 @@ namespace collidoscope {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are written as they lie in memory");
-static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(WallLedger) == 40 &&
-              sizeof(ContactImpulse) == 16 && sizeof(JointMemory) == 72);
-static_assert(sizeof(SolverMemory) == 8 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
+static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(StaticImpulse) == 40 &&
+              sizeof(ContactImpulse) == 16 && sizeof(WarmStartJoint) == 72);
+static_assert(sizeof(WarmStart) == 8 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
 
 constexpr std::size_t word = 8;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
@@ -56,7 +56,7 @@ class Fingerprint {
 /// The members of a file in their order, for who writes and who reads them alike.
 template <class Archive, class SnapshotOrConst>
 void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
-  auto& [steps, bodies, ledgers, memory, settings, frozen, time] = snapshot.state;
+  auto& [steps, bodies, static_impulses, warm_start, settings, frozen, time] = snapshot.state;
   archive.text(scene);
   archive.text(directory);
   archive.number(steps);
@@ -67,15 +67,15 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.list(bodies.velocity);
   archive.list(bodies.angular_velocity);
   archive.list(bodies.orientation);
-  archive.list(ledgers);
-  archive.list(memory.contacts);
-  archive.lists(memory.walls);
-  archive.list(memory.grips);
-  archive.list(memory.wall_grips);
-  archive.list(memory.rolls);
-  archive.list(memory.wall_rolls);
-  archive.list(memory.slow);
-  archive.list(memory.joints);
+  archive.list(static_impulses);
+  archive.list(warm_start.contacts);
+  archive.lists(warm_start.walls);
+  archive.list(warm_start.friction);
+  archive.list(warm_start.wall_friction);
+  archive.list(warm_start.rolling);
+  archive.list(warm_start.wall_rolling);
+  archive.list(warm_start.sleep_timer);
+  archive.list(warm_start.joints);
   if (archive.version() >= 2) archive.list(frozen);
   if (archive.version() >= 3) archive.number(time);
 }
@@ -250,24 +250,26 @@ class Reader {
 /// Whether the lists fit together, so that whoever uses them need not ask.
 bool fits(const RunState& state) {
   const std::size_t n = state.bodies.position.size();
-  const SolverMemory& memory = state.memory;
+  const WarmStart& warm_start = state.warm_start;
   const auto per = [](std::size_t size, std::size_t items) { return size == 0 || size == items; };
   bool good = state.steps >= 0 && state.bodies.velocity.size() == n &&
               state.bodies.angular_velocity.size() == n && state.bodies.orientation.size() == n &&
-              per(state.ledgers.size(), n) && per(memory.grips.size(), memory.contacts.size()) &&
-              per(memory.wall_grips.size(), memory.walls.size() * n) &&
-              per(memory.rolls.size(), memory.contacts.size()) &&
-              per(memory.wall_rolls.size(), memory.walls.size() * n) && per(memory.slow.size(), n);
-  for (const std::vector<double>& wall : memory.walls) good = good && wall.size() == n;
+              per(state.static_impulses.size(), n) &&
+              per(warm_start.friction.size(), warm_start.contacts.size()) &&
+              per(warm_start.wall_friction.size(), warm_start.walls.size() * n) &&
+              per(warm_start.rolling.size(), warm_start.contacts.size()) &&
+              per(warm_start.wall_rolling.size(), warm_start.walls.size() * n) &&
+              per(warm_start.sleep_timer.size(), n);
+  for (const std::vector<double>& wall : warm_start.walls) good = good && wall.size() == n;
   std::uint64_t before = 0;
-  for (const ContactImpulse& contact : memory.contacts) {
+  for (const ContactImpulse& contact : warm_start.contacts) {
     const std::uint64_t ids = static_cast<std::uint64_t>(contact.a) << 32 | contact.b;
     good = good && contact.a < contact.b && contact.b < n && ids > before;
     before = ids;
   }
   for (std::size_t k = 0; k < state.frozen.size(); ++k)
     good = good && state.frozen[k] < n && (k == 0 || state.frozen[k - 1] < state.frozen[k]);
-  for (const JointMemory& joint : memory.joints)
+  for (const WarmStartJoint& joint : warm_start.joints)
     good = good && joint.a < n && (joint.b < n || joint.b == PlacedJoint::world);
   return good;
 }

@@ -1,9 +1,10 @@
 #pragma once
 // Box obstacles against spheres. To one sphere and for one substep, a box is the half-space beyond its
 // supporting plane where they touch, or would: whatever else happens to the sphere, it cannot pass a box
-// whose plane it does not pass. Which plane that is, `facing` says of a sphere that touches (the nearest
-// point; inside, the nearest face), and `swept` of one under way: it goes from supporting plane to
-// supporting plane, each of which the way is free to, until it is at the box grown by the radius, or past it.
+// whose plane it does not pass. Which plane that is, `contact_plane_at` says of a sphere that touches (the
+// nearest point; inside, the nearest face), and `first_plane_on_path` of one under way: it goes from
+// supporting plane to supporting plane, each of which the way is free to, until it is at the box grown by the
+// radius, or past it.
 //
 // Called for by a list of boxes among the obstacles. Every body looks at every box: meant for dozens.
 
@@ -14,11 +15,11 @@ namespace collidoscope {
 
 /// Bodies stay where normal . x >= offset; none: they are nowhere near.
 template <class Real>
-struct Face {
+struct ContactPlane {
   Vector3<Real> normal;  ///< unit; 0: none
   Real offset;           ///< m
 
-  SIM_HD static Face none() { return {Vector3<Real>::Zero(), Real(-1e30)}; }
+  SIM_HD static ContactPlane none() { return {Vector3<Real>::Zero(), Real(-1e30)}; }
   SIM_HD bool is_none() const { return normal.dot(normal) == 0; }
 };
 
@@ -61,7 +62,7 @@ struct BoxSurface {
   SIM_HD Vector3<Real> own(const Vector3<Real>& v) const {
     return {side[0].dot(v), side[1].dot(v), side[2].dot(v)};
   }
-  SIM_HD Face<Real> face(const Nearest& near) const {
+  SIM_HD ContactPlane<Real> plane_of(const Nearest& near) const {
     const Vector3<Real> normal =
         near.normal.x() * side[0] + near.normal.y() * side[1] + near.normal.z() * side[2];
     return {normal, normal.dot(center) + near.support};
@@ -71,21 +72,25 @@ struct BoxSurface {
   SIM_HD Real gap(const Vector3<Real>& x, Real radius) const {
     return nearest(own(x - center)).distance - radius;
   }
-  SIM_HD Face<Real> facing(const Vector3<Real>& x) const { return face(nearest(own(x - center))); }
+  SIM_HD ContactPlane<Real> contact_plane_at(const Vector3<Real>& x) const {
+    return plane_of(nearest(own(x - center)));
+  }
 
-  /// Of a sphere at x that will go by `way`, m.
-  SIM_HD Face<Real> swept(const Vector3<Real>& x, const Vector3<Real>& way, Real radius) const {
-    constexpr int most = 16;  // two or three are usual; where that is not enough, the plane is near enough
-    const Vector3<Real> from = own(x - center), along = own(way);
+  /// Of a sphere at x that will go by `displacement`, m.
+  SIM_HD ContactPlane<Real> first_plane_on_path(const Vector3<Real>& x, const Vector3<Real>& displacement,
+                                                Real radius) const {
+    constexpr int max_iterations =
+        16;  // two or three are usual; where that is not enough, the plane is near enough
+    const Vector3<Real> from = own(x - center), along = own(displacement);
     const Real touching = Real(1e-5) * radius;
     Real t = 0;
     for (int k = 0;; ++k) {
       const Nearest near = nearest(from + t * along);
       const Real gap = near.distance - radius, approach = -near.normal.dot(along);
-      if (!(approach > 0)) return Face<Real>::none();
-      if (gap <= touching || k == most) return face(near);
+      if (!(approach > 0)) return ContactPlane<Real>::none();
+      if (gap <= touching || k == max_iterations) return plane_of(near);
       t += gap / approach;
-      if (!(t <= 1)) return Face<Real>::none();
+      if (!(t <= 1)) return ContactPlane<Real>::none();
     }
   }
 };
@@ -97,12 +102,12 @@ struct BoxView {
   int count = 0;
 };
 
-/// What bodies remember of boxes; box by box, all bodies of each. Null without boxes.
+/// What a step keeps of bodies and boxes; box by box, all bodies of each. Null without boxes.
 template <class Real>
 struct BoxContacts {
   BoxView<Real> view;
-  Face<Real>* face;        ///< of this substep
-  Vector3<Real>* touched;  ///< unit, along which it pressed last in this step
+  ContactPlane<Real>* plane;  ///< of this substep
+  Vector3<Real>* normal;      ///< unit, along which it touched last in this step
 };
 
 }  // namespace collidoscope

@@ -16,17 +16,17 @@ constexpr std::uint8_t unused = Colouring::colours + 2;
 constexpr int key_bits = 6;
 static_assert(unused < (1 << key_bits));
 
-/// Beside a colour: one that a contact has bid for.
+/// Beside a colour: one that a contact has proposed.
 constexpr std::uint8_t tentative = 0x80;
 
 /// Unique, and independent of how contacts are numbered up to order: ties of the hash go by ids. Later rounds
-/// outbid earlier ones, so that nobody has to clear the bids between rounds.
-SIM_HD inline std::uint64_t bid(std::uint64_t hash, std::uint32_t round, std::uint32_t contact) {
+/// outrank earlier ones, so that the proposals need not be cleared between rounds.
+SIM_HD inline std::uint64_t proposal(std::uint64_t hash, std::uint32_t round, std::uint32_t contact) {
   return static_cast<std::uint64_t>(round + 1) << 56 | (hash & 0x00ffffff00000000u) | contact;
 }
 
 /// The n-th of the bits that are set, from the lowest on; there are more than n.
-SIM_HD inline std::uint8_t set_bit(std::uint32_t bits, std::uint32_t n) {
+SIM_HD inline std::uint8_t nth_set_bit(std::uint32_t bits, std::uint32_t n) {
   while (n-- > 0) bits &= bits - 1;
   std::uint8_t bit = 0;
   while ((bits >> bit & 1) == 0) ++bit;
@@ -42,31 +42,32 @@ struct BeginBodies {
   }
 };
 
-/// Where contacts bid for a colour at a body: it has twice as many places as contacts, and no more than
+/// Where contacts propose a colour at a body: it has twice as many places as contacts, and no more than
 /// colours.
-SIM_HD inline std::uint64_t* bid_place(std::uint64_t* bids, const ColouredBody& body, std::uint8_t colour) {
+SIM_HD inline std::uint64_t* proposal_slot(std::uint64_t* proposals, const ColouredBody& body,
+                                           std::uint8_t colour) {
   const std::uint32_t places = min_of(2 * body.degree, static_cast<std::uint32_t>(Colouring::colours));
-  return bids + body.bids + colour % places;
+  return proposals + body.proposals + colour % places;
 }
-constexpr std::uint32_t bids_per_contact = 4;  // twice, and at both bodies
+constexpr std::uint32_t proposals_per_contact = 4;  // twice, and at both bodies
 
 struct ClearContacts {
   std::uint8_t first;  // the colour to start from
   const StepControl* control;
   std::uint8_t* colour;
   std::uint32_t* contact;
-  std::uint64_t* bids;
+  std::uint64_t* proposals;
   SIM_HD void operator()(int k) const {
     contact[k] = static_cast<std::uint32_t>(k);
     const bool there = static_cast<std::uint32_t>(k) < control->contacts;
     colour[k] = there ? first : unused;
-    if (!there || bids == nullptr) return;
-    for (std::uint32_t i = 0; i < bids_per_contact; ++i)
-      bids[bids_per_contact * static_cast<std::uint64_t>(k) + i] = 0;
+    if (!there || proposals == nullptr) return;
+    for (std::uint32_t i = 0; i < proposals_per_contact; ++i)
+      proposals[proposals_per_contact * static_cast<std::uint64_t>(k) + i] = 0;
   }
 };
 
-struct LeaveSleepersOut {
+struct ExcludeSleeping {
   const Pair* contacts;
   const std::uint8_t* asleep;
   std::uint8_t* colour;
@@ -104,13 +105,13 @@ struct ClearRounds {
   }
 };
 
-/// A round has two halves: all bid; then those who won at both their bodies take the colour.
-struct BidInRounds {
+/// A round has two halves: all propose; then those that won at both their bodies take the colour.
+struct ProposeInRounds {
   const Pair* contacts;
   const StepControl* control;
   std::int64_t capacity;
   ColouredBody* bodies;
-  std::uint64_t* bids;
+  std::uint64_t* proposals;
   std::uint8_t* colour;
   Pending pending;
 
@@ -139,27 +140,27 @@ struct BidInRounds {
       return;
     }
     // Each contact that is coloured took one bit.
-    const std::uint32_t left = max_of(a.degree - bits_set(a.used), b.degree - bits_set(b.used));
-    const std::uint32_t choices = min_of((left + 1) / 2, bits_set(free));
+    const std::uint32_t left = max_of(a.degree - count_bits(a.used), b.degree - count_bits(b.used));
+    const std::uint32_t choices = min_of((left + 1) / 2, count_bits(free));
     const std::uint64_t hash = hash_of(pair);
-    const auto dice = static_cast<std::uint32_t>(mix64(hash + round));
-    const std::uint8_t wanted =
-        set_bit(free, static_cast<std::uint32_t>(static_cast<std::uint64_t>(dice) * choices >> 32));
-    colour[contact] = wanted | tentative;
-    atomic_max_unseen(bid_place(bids, a, wanted), bid(hash, round, contact));
-    atomic_max_unseen(bid_place(bids, b, wanted), bid(hash, round, contact));
+    const auto random = static_cast<std::uint32_t>(mix64(hash + round));
+    const std::uint8_t chosen =
+        nth_set_bit(free, static_cast<std::uint32_t>(static_cast<std::uint64_t>(random) * choices >> 32));
+    colour[contact] = chosen | tentative;
+    atomic_max_unchecked(proposal_slot(proposals, a, chosen), proposal(hash, round, contact));
+    atomic_max_unchecked(proposal_slot(proposals, b, chosen), proposal(hash, round, contact));
   }
 
   SIM_HD void decide(std::uint32_t round, std::uint32_t contact) const {
     if ((colour[contact] & tentative) == 0) return;
-    const std::uint8_t wanted = colour[contact] & static_cast<std::uint8_t>(~tentative);
+    const std::uint8_t chosen = colour[contact] & static_cast<std::uint8_t>(~tentative);
     const Pair pair = contacts[contact];
-    const std::uint64_t mine = bid(hash_of(pair), round, contact);
-    if (*bid_place(bids, bodies[pair.a], wanted) == mine &&
-        *bid_place(bids, bodies[pair.b], wanted) == mine) {
-      colour[contact] = wanted;
-      atomic_or(&bodies[pair.a].used, std::uint32_t{1} << wanted);
-      atomic_or(&bodies[pair.b].used, std::uint32_t{1} << wanted);
+    const std::uint64_t own = proposal(hash_of(pair), round, contact);
+    if (*proposal_slot(proposals, bodies[pair.a], chosen) == own &&
+        *proposal_slot(proposals, bodies[pair.b], chosen) == own) {
+      colour[contact] = chosen;
+      atomic_or(&bodies[pair.a].used, std::uint32_t{1} << chosen);
+      atomic_or(&bodies[pair.b].used, std::uint32_t{1} << chosen);
     } else {
       colour[contact] = uncoloured;
       pending.raise(round + 1, contact);
@@ -186,20 +187,20 @@ struct FindColours {
     return low;
   }
   SIM_HD void operator()(int c) const {
-    const bool split = c == Colouring::colours;
+    const bool uncoloured_set = c == Colouring::colours;
     begin[c] = lower_bound(static_cast<std::uint8_t>(c));
-    count[c] = lower_bound(split ? unused : static_cast<std::uint8_t>(c + 1)) - begin[c];
-    if (split) control->split_contacts = count[c];
+    count[c] = lower_bound(uncoloured_set ? unused : static_cast<std::uint8_t>(c + 1)) - begin[c];
+    if (uncoloured_set) control->uncoloured_contacts = count[c];
   }
 };
 
 }  // namespace
 
-Colouring::Colouring(Executor& executor, bool by_lots)
+Colouring::Colouring(Executor& executor, bool enabled)
     : executor_(executor),
-      by_lots_(by_lots),
+      enabled_(enabled),
       degrees_(executor),
-      bids_(executor, "colouring bids"),
+      proposals_(executor, "colouring bids"),
       coloured_(executor, "colours of bodies"),
       pending_(executor, "colouring rounds"),
       colour_(executor, "contact colours"),
@@ -213,8 +214,8 @@ Colouring::Colouring(Executor& executor, bool by_lots)
 void Colouring::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   const auto contacts = static_cast<std::size_t>(contact_capacity);
   degrees_.reserve(bodies, contact_capacity);
-  if (by_lots_) {
-    bids_.resize_discarding(bids_per_contact * contacts);
+  if (enabled_) {
+    proposals_.resize_discarding(proposals_per_contact * contacts);
     coloured_.resize_discarding(static_cast<std::size_t>(bodies));
     pending_.resize_discarding((rounds + 1) * Pending::places * Pending::apart);
   }
@@ -232,18 +233,22 @@ void Colouring::colour(const Pair* contacts, StepControl* control, const std::ui
   const ContactSet all{contacts, nullptr, nullptr, &control->contacts};
   degrees_.count("colour", all);
   executor_.run("colour", capacity,
-                ClearContacts{by_lots_ ? uncoloured : no_colour_free, control, colour_.data(),
-                              contact_.data(), bids_.data()});
+                ClearContacts{enabled_ ? uncoloured : no_colour_free, control, colour_.data(),
+                              contact_.data(), proposals_.data()});
   if (asleep != nullptr)
     executor_.run("colour", Count(&control->contacts, capacity),
-                  LeaveSleepersOut{contacts, asleep, colour_.data()});
-  if (by_lots_) {
+                  ExcludeSleeping{contacts, asleep, colour_.data()});
+  if (enabled_) {
     executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});
     executor_.run("colour", rounds + 1, ClearRounds{control, {pending_.data()}});
-    executor_.run_rounds(
-        "colour", 2 * rounds, capacity,
-        BidInRounds{
-            contacts, control, capacity, coloured_.data(), bids_.data(), colour_.data(), {pending_.data()}});
+    executor_.run_rounds("colour", 2 * rounds, capacity,
+                         ProposeInRounds{contacts,
+                                         control,
+                                         capacity,
+                                         coloured_.data(),
+                                         proposals_.data(),
+                                         colour_.data(),
+                                         {pending_.data()}});
   }
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());

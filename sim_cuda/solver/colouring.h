@@ -3,10 +3,10 @@
 // colour after the other, with the same result in any order. The colouring is physics (it decides the order
 // of impulses), so it is a pure function of the contacts.
 //
-// In each round, an uncoloured contact bids for a colour that is free at both its bodies: by its hash and the
+// In each round, an uncoloured contact proposes a colour that is free at both its bodies: by its hash and the
 // round, one of the lowest half as many as the busier body has uncoloured contacts. It gets the colour where
-// nobody outbids it at either body (Luby 1986, with one lottery for each body and colour); the highest bid of
-// all always does. So a body hands out many colours at once, where a matching a colour (Jones & Plassmann
+// no other proposal has a higher priority at either body (Luby 1986, for each body and colour); the highest
+// of all always does. So a body hands out many colours at once, where a matching a colour (Jones & Plassmann
 // 1993, on the line graph) would take as many rounds as the busiest body has contacts: a pile of 50,000 needs
 // 7 rounds instead of 33, for as many colours. What is left after `rounds` rounds, or finds no
 // free colour, is the mass-split set, solved last.
@@ -22,9 +22,9 @@ namespace collidoscope {
 
 /// A body while its contacts are coloured.
 struct alignas(16) ColouredBody {
-  std::uint32_t used;    ///< bit c is set where colour c is taken
-  std::uint32_t degree;  ///< contacts that it takes part in
-  std::uint32_t bids;    ///< where those of its contacts start
+  std::uint32_t used;       ///< bit c is set where colour c is taken
+  std::uint32_t degree;     ///< contacts that it takes part in
+  std::uint32_t proposals;  ///< where those of its contacts start
 };
 
 struct ColourView {
@@ -40,7 +40,7 @@ template <class Stage>
 struct ColourByColour {
   ColourView view;
   Stage stage;
-  static constexpr bool planned = true;
+  static constexpr bool static_item_counts = true;
   SIM_HD std::int64_t items(int colour) const { return read_only(view.count + colour); }
   SIM_HD void operator()(int colour, int item) const {
     stage(static_cast<int>(view.order[read_only(view.begin + colour) + static_cast<std::uint32_t>(item)]));
@@ -52,11 +52,11 @@ class Colouring {
   static constexpr int colours = 32;
   static constexpr int rounds = 24;
 
-  /// `by_lots` false: nothing is coloured, and all contacts are the mass-split set.
-  explicit Colouring(Executor& executor, bool by_lots = true);
+  /// `enabled` false: nothing is coloured, and all contacts are the mass-split set.
+  explicit Colouring(Executor& executor, bool enabled = true);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Colours control->contacts contacts; sets control->split_contacts. Those of bodies that are `asleep` (by
-  /// body, or null) get no colour and stand behind all others in `order`.
+  /// Colours control->contacts contacts; sets control->uncoloured_contacts. Those of bodies that are `asleep`
+  /// (by body, or null) get no colour and stand behind all others in `order`.
   void colour(const Pair* contacts, StepControl* control, const std::uint8_t* asleep = nullptr);
   /// Of all contacts.
   const ContactDegrees& degrees() const { return degrees_; }
@@ -66,9 +66,9 @@ class Colouring {
 
  private:
   Executor& executor_;
-  const bool by_lots_;
+  const bool enabled_;
   ContactDegrees degrees_;
-  Buffer<std::uint64_t> bids_;  ///< by body, then by colour
+  Buffer<std::uint64_t> proposals_;  ///< by body, then by colour
   Buffer<ColouredBody> coloured_;
   Buffer<std::uint32_t> pending_;  ///< per round: whether there are contacts to look at
   Buffer<std::uint8_t> colour_, sorted_colour_;

@@ -10,80 +10,80 @@ template <class Real>
 ContactCache<Real>::ContactCache(Executor& executor, std::int64_t body_count, bool with_friction)
     : body_count_(body_count),
       with_friction_(with_friction),
-      known_contacts_(executor, "contacts of the last step"),
-      known_first_(executor, "first contacts of the last step"),
-      known_impulse_(executor, "impulses of the last step"),
-      known_grip_(executor, "friction of the last step"),
-      known_count_(executor, "number of contacts of the last step") {
-  known_count_.upload({0});
-  known_first_.upload(std::vector<std::uint32_t>(static_cast<std::size_t>(body_count), 0));
+      previous_contacts_(executor, "contacts of the last step"),
+      previous_first_(executor, "first contacts of the last step"),
+      previous_impulse_(executor, "impulses of the last step"),
+      previous_friction_(executor, "friction of the last step"),
+      previous_count_(executor, "number of contacts of the last step") {
+  previous_count_.upload({0});
+  previous_first_.upload(std::vector<std::uint32_t>(static_cast<std::size_t>(body_count), 0));
 }
 
 template <class Real>
 void ContactCache<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
-  const std::size_t known = std::max(static_cast<std::size_t>(contact_capacity), loaded_);
-  known_contacts_.resize_keeping(known);
-  known_impulse_.resize_keeping(known);
-  if (with_friction_) known_grip_.resize_keeping(known);
+  const std::size_t previous = std::max(static_cast<std::size_t>(contact_capacity), loaded_);
+  previous_contacts_.resize_keeping(previous);
+  previous_impulse_.resize_keeping(previous);
+  if (with_friction_) previous_friction_.resize_keeping(previous);
 }
 
 template <class Real>
 KeepContacts<Real> ContactCache<Real>::keeping(const Pair* contacts, const std::uint32_t* place_of,
-                                               const StoredContact<Real>* soft, const ContactSums<Real>* sums,
+                                               const PackedContact<Real>* soft, const ContactSums<Real>* sums,
                                                Real* total) const {
   return {contacts,
           place_of,
           soft,
           sums,
-          known_grip_.data(),
+          previous_friction_.data(),
           total,
-          known_contacts_.data(),
-          known_first_.data(),
-          known_impulse_.data()};
+          previous_contacts_.data(),
+          previous_first_.data(),
+          previous_impulse_.data()};
 }
 
 template <class Real>
-void ContactCache<Real>::save(SolverMemory& memory) const {
+void ContactCache<Real>::save(WarmStart& warm_start) const {
   const std::size_t count = size();
-  const std::vector<Pair> contacts = known_contacts_.download(count);
-  const std::vector<Real> impulse = known_impulse_.download(count);
+  const std::vector<Pair> contacts = previous_contacts_.download(count);
+  const std::vector<Real> impulse = previous_impulse_.download(count);
   for (std::size_t k = 0; k < count; ++k)
-    memory.contacts.push_back({contacts[k].a, contacts[k].b, static_cast<double>(impulse[k])});
-  if (with_friction_) memory.grips = widened_vectors<Real>(known_grip_.download(count), count);
+    warm_start.contacts.push_back({contacts[k].a, contacts[k].b, static_cast<double>(impulse[k])});
+  if (with_friction_) warm_start.friction = widened_vectors<Real>(previous_friction_.download(count), count);
 }
 
 template <class Real>
-void ContactCache<Real>::load(const SolverMemory& memory) {
-  const std::size_t count = memory.contacts.size();
-  const bool grips = with_friction_ && memory.grips.size() == count;
+void ContactCache<Real>::load(const WarmStart& warm_start) {
+  const std::size_t count = warm_start.contacts.size();
+  const bool has_friction = with_friction_ && warm_start.friction.size() == count;
   loaded_ = count;
   const auto m = std::max(static_cast<std::size_t>(contact_capacity_), count);
   std::vector<Pair> contacts(m);
   std::vector<Real> impulse(m);
-  std::vector<Vector3<Real>> grip(with_friction_ ? m : 0, Vector3<Real>::Zero());
+  std::vector<Vector3<Real>> friction(with_friction_ ? m : 0, Vector3<Real>::Zero());
   for (std::size_t k = 0; k < count; ++k) {
-    contacts[k] = {memory.contacts[k].a, memory.contacts[k].b};
-    impulse[k] = static_cast<Real>(memory.contacts[k].impulse);
-    if (grips) grip[k] = narrowed_vector<Real>(memory.grips[k]);
+    contacts[k] = {warm_start.contacts[k].a, warm_start.contacts[k].b};
+    impulse[k] = static_cast<Real>(warm_start.contacts[k].impulse);
+    if (has_friction) friction[k] = narrowed_vector<Real>(warm_start.friction[k]);
   }
-  known_contacts_.upload(contacts);
+  previous_contacts_.upload(contacts);
   std::vector<std::uint32_t> first(static_cast<std::size_t>(body_count_), 0);
   for (std::uint32_t k = 0; k < count; ++k)
-    if (KnownContacts::is_first(contacts.data(), k)) first[contacts[k].a] = k;
-  known_first_.upload(first);
-  known_impulse_.upload(impulse);
-  known_grip_.upload(grip);
-  known_count_.upload({static_cast<std::uint32_t>(count)});
+    if (PreviousContacts::is_first(contacts.data(), k)) first[contacts[k].a] = k;
+  previous_first_.upload(first);
+  previous_impulse_.upload(impulse);
+  previous_friction_.upload(friction);
+  previous_count_.upload({static_cast<std::uint32_t>(count)});
 }
 
 template <class Real>
-void ContactCache<Real>::visit(const ArrayVisit& visit) const {
-  const std::size_t known = *known_count_.data();
-  visit(known_count_.data(), known_count_.bytes());
-  visit(known_contacts_.data(), known * sizeof(Pair));
-  visit(known_impulse_.data(), known * sizeof(Real));
-  if (known_grip_.size() > 0) visit(known_grip_.data(), known * sizeof(Vector3<Real>));
+void ContactCache<Real>::visit(const ArrayVisitor& visit) const {
+  const std::size_t previous = *previous_count_.data();
+  visit(previous_count_.data(), previous_count_.bytes());
+  visit(previous_contacts_.data(), previous * sizeof(Pair));
+  visit(previous_impulse_.data(), previous * sizeof(Real));
+  if (previous_friction_.size() > 0) visit(previous_friction_.data(), previous * sizeof(Vector3<Real>));
 }
 
 template class ContactCache<float>;

@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
-#include "sim_cuda/core/whole_record.h"
-#include "sim_cuda/solver/known_contacts.h"
-#include "sim_cuda/solver/soft_memory.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/core/vector_load.h"
+#include "sim_cuda/solver/contact_storage.h"
+#include "sim_cuda/solver/previous_contacts.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
@@ -21,23 +21,24 @@ template <class Real>
 struct KeepContacts {
   const Pair* contacts;
   const std::uint32_t* place_of;
-  const StoredContact<Real>* soft;
+  const PackedContact<Real>* soft;
   const ContactSums<Real>* sums;
-  Vector3<Real>* known_grip;  ///< null without friction
-  Real* total;                ///< N s, of the step; null: not recorded
-  Pair* known_contacts;
-  std::uint32_t* known_first;
-  Real* known_impulse;
+  Vector3<Real>* previous_friction;  ///< null without friction
+  Real* total;                       ///< N s, of the step; null: not recorded
+  Pair* previous_contacts;
+  std::uint32_t* previous_first;
+  Real* previous_impulse;
   SIM_HD void operator()(int contact) const {
     const auto number = static_cast<std::uint32_t>(contact);
     const std::uint32_t place = place_of[contact];
     const Pair ids = contacts[contact];
-    known_contacts[contact] = ids;
-    if (KnownContacts::is_first(contacts, number)) known_first[ids.a] = number;
-    const StoredContact<Real> kept = load_whole(&soft[place]);
-    known_impulse[contact] = kept.impulse;
-    if (known_grip != nullptr)
-      known_grip[contact] = kept.impulse > 0 ? kept.rubbed : Vector3<Real>(Vector3<Real>::Zero());
+    previous_contacts[contact] = ids;
+    if (PreviousContacts::is_first(contacts, number)) previous_first[ids.a] = number;
+    const PackedContact<Real> kept = load_readonly(&soft[place]);
+    previous_impulse[contact] = kept.impulse;
+    if (previous_friction != nullptr)
+      previous_friction[contact] =
+          kept.impulse > 0 ? kept.friction_impulse : Vector3<Real>(Vector3<Real>::Zero());
     if (total != nullptr) total[contact] = sums[place].total;
   }
 };
@@ -59,32 +60,34 @@ class ContactCache {
   /// `contact_capacity`: of the step. Keeps what is there.
   void reserve(std::int64_t contact_capacity);
   /// In contacts; at least what load() was given.
-  std::size_t capacity() const { return known_contacts_.size(); }
+  std::size_t capacity() const { return previous_contacts_.size(); }
 
-  KnownContacts view() const { return {known_contacts_.data(), known_count_.data(), known_first_.data()}; }
-  const Real* impulse() const { return known_impulse_.data(); }         ///< N s, along the normal
-  const Vector3<Real>* friction() const { return known_grip_.data(); }  ///< N s; null without friction
+  PreviousContacts view() const {
+    return {previous_contacts_.data(), previous_count_.data(), previous_first_.data()};
+  }
+  const Real* impulse() const { return previous_impulse_.data(); }             ///< N s, along the normal
+  const Vector3<Real>* friction() const { return previous_friction_.data(); }  ///< N s; null without friction
   /// The stage that fills it. `total`: as KeepContacts::total.
   KeepContacts<Real> keeping(const Pair* contacts, const std::uint32_t* place_of,
-                             const StoredContact<Real>* soft, const ContactSums<Real>* sums,
+                             const PackedContact<Real>* soft, const ContactSums<Real>* sums,
                              Real* total) const;
-  std::uint32_t* count() const { return known_count_.data(); }
+  std::uint32_t* count() const { return previous_count_.data(); }
 
-  std::size_t size() const { return known_count_.download()[0]; }  ///< waits for the device
-  void save(SolverMemory& memory) const;
-  void load(const SolverMemory& memory);
-  void visit(const ArrayVisit& visit) const;
+  std::size_t size() const { return previous_count_.download()[0]; }  ///< waits for the device
+  void save(WarmStart& warm_start) const;
+  void load(const WarmStart& warm_start);
+  void visit(const ArrayVisitor& visit) const;
 
  private:
   const std::int64_t body_count_;
   const bool with_friction_;
   std::int64_t contact_capacity_ = 0;
-  std::size_t loaded_ = 0;             ///< contacts that load() was given
-  Buffer<Pair> known_contacts_;        ///< ordered by (a, b)
-  Buffer<std::uint32_t> known_first_;  ///< of each body a, the first
-  Buffer<Real> known_impulse_;         ///< N s
-  Buffer<Vector3<Real>> known_grip_;   ///< N s; empty without friction
-  Buffer<std::uint32_t> known_count_;  ///< one
+  std::size_t loaded_ = 0;                   ///< contacts that load() was given
+  Buffer<Pair> previous_contacts_;           ///< ordered by (a, b)
+  Buffer<std::uint32_t> previous_first_;     ///< of each body a, the first
+  Buffer<Real> previous_impulse_;            ///< N s
+  Buffer<Vector3<Real>> previous_friction_;  ///< N s; empty without friction
+  Buffer<std::uint32_t> previous_count_;     ///< one
 };
 
 }  // namespace collidoscope

@@ -34,9 +34,9 @@ struct CountContactsOfBodies {
 /// Where a body's entries stand is free: only what they say reaches the state.
 struct PlaceEntries {
   const std::uint32_t* count;
-  std::uint32_t *handed_out, *begin;
+  std::uint32_t *allocated, *begin;
   SIM_HD void operator()(int body) const {
-    if (count[body] > 0) begin[body] = atomic_take(handed_out, count[body]);
+    if (count[body] > 0) begin[body] = atomic_add_aggregated(allocated, count[body]);
   }
 };
 

@@ -40,12 +40,12 @@ struct SortLists {
   }
   SIM_HD std::uint32_t placed(std::uint32_t end) const { return 2 * place[end / 2] + end % 2; }
 
-  SIM_HD bool is_long(int body) const { return degrees.count[body] > long_list; }
+  SIM_HD bool is_large(int body) const { return degrees.count[body] > large_list_size; }
 #if defined(__CUDACC__)
-  __device__ void together(int body) const {
+  __device__ void process_by_block(int body) const {
     const std::uint32_t count = degrees.count[body];
     std::uint32_t* mine = entry + degrees.begin[body];
-    sort_segment_together(mine, count);
+    sort_segment_by_block(mine, count);
     if (place == nullptr) return;
     for (std::uint32_t k = threadIdx.x; k < count; k += blockDim.x) mine[k] = placed(mine[k]);
   }

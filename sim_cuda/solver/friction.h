@@ -28,53 +28,54 @@ struct Friction {
 
 /// `impulse`, no longer than `limit` >= 0.
 template <class Real>
-SIM_HD Vector3<Real> within(const Vector3<Real>& impulse, Real limit) {
+SIM_HD Vector3<Real> clamp_length(const Vector3<Real>& impulse, Real limit) {
   const Real squared = impulse.dot(impulse);
   if (!(squared > limit * limit)) return impulse;
   using std::sqrt;
   return (limit / sqrt(squared)) * impulse;
 }
 
-/// Works against a slip of `slip` m/s with `mass` kg; `given` in N s is what was given so far, and at most
-/// `limit` long afterwards. Returns what is new.
+/// Works against a slip of `slip` m/s with `mass` kg; `accumulated` in N s is what was given so far, and at
+/// most `limit` long afterwards. Returns what is new.
 template <class Real>
-SIM_HD Vector3<Real> rub(const Vector3<Real>& slip, Real mass, Real limit, Vector3<Real>& given) {
-  const Vector3<Real> next = within<Real>(given - mass * slip, limit);
-  const Vector3<Real> change = next - given;
-  given = next;
+SIM_HD Vector3<Real> solve_friction(const Vector3<Real>& slip, Real mass, Real limit,
+                                    Vector3<Real>& accumulated) {
+  const Vector3<Real> next = clamp_length<Real>(accumulated - mass * slip, limit);
+  const Vector3<Real> change = next - accumulated;
+  accumulated = next;
   return change;
 }
 
 /// The part of a vector across a unit normal.
 template <class Real>
-SIM_HD Vector3<Real> across(const Vector3<Real>& vector, const Vector3<Real>& normal) {
+SIM_HD Vector3<Real> tangential_part(const Vector3<Real>& vector, const Vector3<Real>& normal) {
   return vector - vector.dot(normal) * normal;
 }
 
 /// How a body turns, and what an angular impulse makes of it.
 template <class Real>
-struct Spin {
-  Vector3<Real> rate;     ///< rad/s
-  Vector3<Real> inertia;  ///< kg m^2, principal
-  Quaternion<Real> axes;  ///< principal axes to world; not read for a ball
+struct AngularState {
+  Vector3<Real> velocity;  ///< rad/s
+  Vector3<Real> inertia;   ///< kg m^2, principal
+  Quaternion<Real> axes;   ///< principal axes to world; not read for a ball
 
-  SIM_HD static Spin of(const BodyView<Real>& bodies, std::uint32_t body) {
+  SIM_HD static AngularState of(const BodyView<Real>& bodies, std::uint32_t body) {
     return {bodies.angular_velocity[body], bodies.inertia[body], bodies.orientation[body]};
   }
-  SIM_HD bool ball() const { return inertia.x() == inertia.y() && inertia.y() == inertia.z(); }
+  SIM_HD bool is_isotropic() const { return inertia.x() == inertia.y() && inertia.y() == inertia.z(); }
   /// 1/(kg m^2), about the axis that turns most easily: what a slip is divided by must not be less.
-  SIM_HD Real ease() const {
+  SIM_HD Real inverse_inertia_max() const {
     const Real least = inertia.x() < inertia.y() ? inertia.x() : inertia.y();
     return 1 / (least < inertia.z() ? least : inertia.z());
   }
   /// `impulse` in N m s, world axes.
-  SIM_HD void turn(const Vector3<Real>& impulse) {
-    if (ball()) {
-      rate += impulse / inertia.x();
+  SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {
+    if (is_isotropic()) {
+      velocity += impulse / inertia.x();
       return;
     }
     const Vector3<Real> body = axes.conjugate() * impulse;
-    rate += axes * Vector3<Real>(body.x() / inertia.x(), body.y() / inertia.y(), body.z() / inertia.z());
+    velocity += axes * Vector3<Real>(body.x() / inertia.x(), body.y() / inertia.y(), body.z() / inertia.z());
   }
 };
 

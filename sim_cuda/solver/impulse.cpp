@@ -15,7 +15,7 @@ struct ResolveContact {
   BodyView<Real> bodies;
   Restitution<Real> restitution;
   ImpulseSum<Real> impulses;
-  bool push;  ///< overlaps apart
+  bool correct_positions;  ///< overlaps apart
 
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts.bodies[contact];
@@ -30,11 +30,11 @@ struct ResolveContact {
       bodies.velocity[b] = v_b + impulse * w_b * normal;
       impulses.add(contact, impulse);
     }
-    if (push) {
+    if (correct_positions) {
       const Vector3<Real> x_a = bodies.position[a], x_b = bodies.position[b];
       const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
       const Separation<Real> now = separate<Real>(x_a, r_a, x_b, r_b);
-      const Real distance = PushRule<Real>::correction(-now.gap, min_of(r_a, r_b));
+      const Real distance = PositionCorrection<Real>::distance(-now.gap, min_of(r_a, r_b));
       if (!(distance > 0)) return;
       const Real share = distance / (w_a + w_b);
       bodies.position[a] = x_a - share * w_a * now.normal;
@@ -56,14 +56,14 @@ struct ClearImpulses {
 // averaging raises the energy.
 
 template <class Real>
-struct ResolveSplit {
+struct ResolveUncoloured {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
   Restitution<Real> restitution;
   const std::uint32_t *order, *begin, *count;
   Real *impulse, *shift;
   ImpulseSum<Real> impulses;
-  bool push;  ///< overlaps apart
+  bool correct_positions;  ///< overlaps apart
 
   SIM_HD void operator()(int item) const {
     const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
@@ -75,52 +75,52 @@ struct ResolveSplit {
     const Real e = restitution.between(restitution.of_body(a), restitution.of_body(b), approach);
     impulse[contact] = approach > 0 ? (1 + e) * approach / w : Real(0);
     impulses.add(contact, impulse[contact]);
-    if (push) {
+    if (correct_positions) {
       const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
       const Real gap = separate<Real>(bodies.position[a], r_a, bodies.position[b], r_b).gap;
-      shift[contact] = PushRule<Real>::correction(-gap, min_of(r_a, r_b)) / w;
+      shift[contact] = PositionCorrection<Real>::distance(-gap, min_of(r_a, r_b)) / w;
     }
   }
 };
 
 /// A body's share of all its contacts in the set, added in increasing id of the other body.
 template <class Real>
-struct ApplySplit {
+struct ApplyUncoloured {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
-  ContactsByBodyView split;
+  ContactsByBodyView uncoloured;
   const Real *impulse, *shift;
-  bool push;
+  bool correct_positions;
 
   SIM_HD void operator()(int body) const {
-    const std::uint32_t n = split.count[body];
-    if (n > 0) apply(body, Given::over(n, entry(body)));
+    const std::uint32_t n = uncoloured.count[body];
+    if (n > 0) apply(body, ImpulseSums::accumulate(n, entry(body)));
   }
-  SIM_HD bool is_long(int body) const { return split.count[body] > long_list; }
+  SIM_HD bool is_large(int body) const { return uncoloured.count[body] > large_list_size; }
 #if defined(__CUDACC__)
-  __device__ void together(int body) const {
-    const Given given = Given::over_together(split.count[body], entry(body));
-    if (threadIdx.x == 0) apply(body, given);
+  __device__ void process_by_block(int body) const {
+    const ImpulseSums impulses = ImpulseSums::accumulate_by_block(uncoloured.count[body], entry(body));
+    if (threadIdx.x == 0) apply(body, impulses);
   }
 #endif
 
  private:
   /// Momentum and, where overlaps are pushed, mass times displacement.
-  using Given = OrderedSums<Real, 0, 1>;
+  using ImpulseSums = OrderedSums<Real, 0, 1>;
 
   SIM_HD auto entry(int body) const {
-    return [this, body](std::uint32_t k, Vector3<Real>* given) {
-      const ContactEnd end = split.end(body, k);
+    return [this, body](std::uint32_t k, Vector3<Real>* vectors) {
+      const ContactEnd end = uncoloured.end(body, k);
       const Real sign = end.sign<Real>();
       const Vector3<Real> normal = contacts.normal[end.contact];
-      given[0] = sign * impulse[end.contact] * normal;
-      given[1] =
-          push ? Vector3<Real>(sign * shift[end.contact] * normal) : Vector3<Real>(Vector3<Real>::Zero());
+      vectors[0] = sign * impulse[end.contact] * normal;
+      vectors[1] = correct_positions ? Vector3<Real>(sign * shift[end.contact] * normal)
+                                     : Vector3<Real>(Vector3<Real>::Zero());
     };
   }
-  SIM_HD void apply(int body, const Given& given) const {
-    bodies.velocity[body] += bodies.inverse_mass[body] * given.sum[0];
-    if (push) bodies.position[body] += bodies.inverse_mass[body] * given.sum[1];
+  SIM_HD void apply(int body, const ImpulseSums& impulses) const {
+    bodies.velocity[body] += bodies.inverse_mass[body] * impulses.sum[0];
+    if (correct_positions) bodies.position[body] += bodies.inverse_mass[body] * impulses.sum[1];
   }
 };
 
@@ -152,79 +152,81 @@ ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& 
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
       colouring_(executor),
-      split_degrees_(executor),
-      split_(executor),
-      split_impulse_(executor, "split impulses"),
-      split_push_(executor, "split pushes"),
-      prescribed_(executor, scene.bodies, scene.prescribed, scene.control),
-      free_motion_(executor, scene),
+      uncoloured_degrees_(executor),
+      uncoloured_(executor),
+      uncoloured_impulse_(executor, "split impulses"),
+      uncoloured_correction_(executor, "split pushes"),
+      kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
+      free_integrator_(executor, scene),
       residuals_(executor) {}
 
 template <class Real>
 void ImpulseSolver<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
   colouring_.reserve(scene_.body_count, contact_capacity);
-  split_degrees_.reserve(scene_.body_count, contact_capacity);
-  split_.reserve(scene_.body_count, contact_capacity);
+  uncoloured_degrees_.reserve(scene_.body_count, contact_capacity);
+  uncoloured_.reserve(scene_.body_count, contact_capacity);
   residuals_.reserve(contact_capacity);
-  split_impulse_.resize_discarding(static_cast<std::size_t>(contact_capacity));
-  split_push_.resize_discarding(static_cast<std::size_t>(contact_capacity));
+  uncoloured_impulse_.resize_discarding(static_cast<std::size_t>(contact_capacity));
+  uncoloured_correction_.resize_discarding(static_cast<std::size_t>(contact_capacity));
 }
 
 template <class Real>
 void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
-  prescribed_.begin();
+  kinematic_.begin();
   colouring_.colour(contacts.bodies, scene_.control);
   const ColourView colours = colouring_.view();
-  const ContactSet split{contacts.bodies, colours.order, colours.begin + Colouring::colours,
-                         &scene_.control->split_contacts};
-  split_degrees_.count("solve", split);
-  split_.list("solve", split, split_degrees_);
+  const ContactSet uncoloured{contacts.bodies, colours.order, colours.begin + Colouring::colours,
+                              &scene_.control->uncoloured_contacts};
+  uncoloured_degrees_.count("solve", uncoloured);
+  uncoloured_.list("solve", uncoloured, uncoloured_degrees_);
   if (impulses != nullptr)
     executor_.run("solve", Count(&scene_.control->contacts, contact_capacity_),
                   ClearImpulses<Real>{impulses});
-  record_sweep(contacts, 0);
+  record_iteration(contacts, 0);
   for (int iteration = 0; iteration < scene_.iterations; ++iteration) {
-    const bool push = iteration + 1 == scene_.iterations;
-    sweep(contacts, {impulses}, push);
-    record_sweep(contacts, iteration + 1);
+    const bool correct_positions = iteration + 1 == scene_.iterations;
+    iterate(contacts, {impulses}, correct_positions);
+    record_iteration(contacts, iteration + 1);
   }
-  free_motion_.begin();
+  free_integrator_.begin();
   if (scene_.plane_count > 0)
     executor_.run("walls", scene_.body_count,
                   ResolveWalls<Real>{scene_.bodies, scene_.planes, scene_.plane_count, scene_.restitution,
-                                     scene_.gravity, h_, scene_.ledger, scene_.control});
+                                     scene_.gravity, h_, scene_.static_impulses, scene_.control});
   if (scene_.effects.drag)
     executor_.run("drag", scene_.body_count,
                   DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});
-  free_motion_.fly(h_, false);
-  free_motion_.move(h_, false);
-  prescribed_.hold(h_);
+  free_integrator_.integrate(h_, false);
+  free_integrator_.move(h_, false);
+  kinematic_.restore(h_);
 }
 
 template <class Real>
-void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses,
-                                bool push) {
+void ImpulseSolver<Real>::iterate(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses,
+                                  bool correct_positions) {
   const ColourView colours = colouring_.view();
-  const ContactsByBodyView split = split_.view(split_degrees_);
+  const ContactsByBodyView uncoloured = uncoloured_.view(uncoloured_degrees_);
   const BodyView<Real>& bodies = scene_.bodies;
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   const std::int64_t colour_capacity =
       contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
-  executor_.run_rounds(
-      "solve", Colouring::colours, colour_capacity,
-      ColourByColour<ResolveContact<Real>>{colours, {contacts, bodies, scene_.restitution, impulses, push}});
-  executor_.run("solve", Count(&scene_.control->split_contacts, contact_capacity_),
-                ResolveSplit<Real>{contacts, bodies, scene_.restitution, colours.order,
-                                   colours.begin + Colouring::colours, split.count, split_impulse_.data(),
-                                   split_push_.data(), impulses, push});
-  executor_.run("solve", split_degrees_.bodies(),
-                ApplySplit<Real>{contacts, bodies, split, split_impulse_.data(), split_push_.data(), push});
+  executor_.run_rounds("solve", Colouring::colours, colour_capacity,
+                       ColourByColour<ResolveContact<Real>>{
+                           colours, {contacts, bodies, scene_.restitution, impulses, correct_positions}});
+  executor_.run("solve", Count(&scene_.control->uncoloured_contacts, contact_capacity_),
+                ResolveUncoloured<Real>{contacts, bodies, scene_.restitution, colours.order,
+                                        colours.begin + Colouring::colours, uncoloured.count,
+                                        uncoloured_impulse_.data(), uncoloured_correction_.data(), impulses,
+                                        correct_positions});
+  executor_.run("solve", uncoloured_degrees_.bodies(),
+                ApplyUncoloured<Real>{contacts, bodies, uncoloured, uncoloured_impulse_.data(),
+                                      uncoloured_correction_.data(), correct_positions});
 }
 
 template <class Real>
-void ImpulseSolver<Real>::record_sweep(const ContactView<Real>& contacts, int sweep) {
-  residuals_.record(sweep, contact_capacity_,
+void ImpulseSolver<Real>::record_iteration(const ContactView<Real>& contacts, int iteration) {
+  residuals_.record(iteration, contact_capacity_,
                     ImpulseResidual<Real>{contacts, scene_.bodies, scene_.restitution, scene_.control},
                     scene_.control);
 }

@@ -16,7 +16,7 @@
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contacts_by_body.h"
-#include "sim_cuda/solver/free_motion.h"
+#include "sim_cuda/solver/free_integrator.h"
 #include "sim_cuda/solver/residuals.h"
 
 namespace collidoscope {
@@ -24,13 +24,13 @@ namespace collidoscope {
 /// The positional push of two overlapping spheres: a fraction of what exceeds the slop, bounded. Lengths
 /// scale with the smaller sphere, so that dust and boulders behave alike.
 template <class Real>
-struct PushRule {
+struct PositionCorrection {
   static constexpr double fraction =
       0.2;  ///< of the excess depth, per step (Baumgarte's usual range is 0.1 to 0.3)
   static constexpr double slop = 0.01;  ///< depth left alone, in radii of the smaller sphere
   static constexpr double limit = 0.2;  ///< largest correction per step, in radii of the smaller sphere
   /// `depth` > 0 in m, `radius` of the smaller sphere in m; returns m, >= 0.
-  SIM_HD static Real correction(Real depth, Real radius) {
+  SIM_HD static Real distance(Real depth, Real radius) {
     return clamp_to(Real(fraction) * (depth - Real(slop) * radius), Real(0), Real(limit) * radius);
   }
 };
@@ -40,7 +40,7 @@ class ImpulseSolver final : public ContactSolver<Real> {
  public:
   ImpulseSolver(Executor& executor, const SolverScene<Real>& scene);
   int runs_per_step() const override { return scene_.substeps; }
-  Real foresight() const override { return 0; }
+  Real prediction_time() const override { return 0; }
   void reserve(std::int64_t contact_capacity) override;
   /// `iterations` sweeps over all colours; the push is made in the last.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
@@ -49,21 +49,21 @@ class ImpulseSolver final : public ContactSolver<Real> {
   std::vector<Residual> residuals() const override;
 
  private:
-  /// `push`: overlaps apart, too.
-  void sweep(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses, bool push);
-  void record_sweep(const ContactView<Real>& contacts, int sweep);
+  /// `correct_positions`: overlaps apart, too.
+  void iterate(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses, bool correct_positions);
+  void record_iteration(const ContactView<Real>& contacts, int iteration);
 
   Executor& executor_;
   const SolverScene<Real> scene_;
   const Real h_;  ///< s, of a run
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
-  ContactDegrees split_degrees_;  ///< of the mass-split set
-  ContactsByBody split_;
-  Buffer<Real> split_impulse_;  ///< per contact, N s
-  Buffer<Real> split_push_;     ///< per contact, kg m
-  PrescribedMotion<Real> prescribed_;
-  FreeMotion<Real> free_motion_;
+  ContactDegrees uncoloured_degrees_;  ///< of the mass-split set
+  ContactsByBody uncoloured_;
+  Buffer<Real> uncoloured_impulse_;     ///< per contact, N s
+  Buffer<Real> uncoloured_correction_;  ///< per contact, kg m
+  KinematicMotion<Real> kinematic_;
+  FreeIntegrator<Real> free_integrator_;
   Residuals residuals_;
 };
 

@@ -1,10 +1,10 @@
 #pragma once
 // The two ends of a joint while it is solved: the bodies, the anchors, and the effect of an impulse there.
-// Static bodies and the world take none. `turning`: with the effect rotation; without it, bodies are held at
-// their centres.
+// Static bodies and the world take none. `with_rotation`: with the effect rotation; without it, bodies are
+// held at their centres.
 //
-// `turning` and the phase are template parameters of the sweeps: as run-time branches they cost 2 % each
-// of a step of the scene `bridge` on an H200.
+// `with_rotation` and the phase are template parameters of the sweeps: as run-time branches they cost 2 %
+// each of a step of the scene `bridge` on an H200.
 
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/joint_state.h"
@@ -12,15 +12,15 @@
 
 namespace collidoscope {
 
-template <class Real, bool turning>
+template <class Real, bool with_rotation>
 struct JointEnd {
   Vector3<Real> center, velocity;  ///< m, m/s
   Real inverse_mass;               ///< 1/kg
   Vector3<Real> arm;               ///< m, from the centre to the anchor
   // Read only where bodies turn:
-  Vector3<Real> rate;             ///< rad/s
-  Vector3<Real> inverse_inertia;  ///< 1/(kg m^2), principal
-  Quaternion<Real> axes;          ///< principal axes to world
+  Vector3<Real> angular_velocity;  ///< rad/s
+  Vector3<Real> inverse_inertia;   ///< 1/(kg m^2), principal
+  Quaternion<Real> axes;           ///< principal axes to world
 
   SIM_HD static JointEnd of(const BodyView<Real>& bodies, std::uint32_t body, const Vector3<Real>& anchor) {
     JointEnd end;
@@ -28,8 +28,8 @@ struct JointEnd {
     end.velocity = bodies.velocity[body];
     end.inverse_mass = bodies.inverse_mass[body];
     end.arm = anchor;
-    if constexpr (turning) {
-      end.rate = bodies.angular_velocity[body];
+    if constexpr (with_rotation) {
+      end.angular_velocity = bodies.angular_velocity[body];
       end.axes = bodies.orientation[body];
       const Vector3<Real> inertia = bodies.inertia[body];
       end.inverse_inertia = end.inverse_mass > 0
@@ -42,7 +42,7 @@ struct JointEnd {
   SIM_HD static JointEnd of_world(const Vector3<Real>& place) {
     JointEnd end;
     end.center = place;
-    end.velocity = end.arm = end.rate = end.inverse_inertia = Vector3<Real>::Zero();
+    end.velocity = end.arm = end.angular_velocity = end.inverse_inertia = Vector3<Real>::Zero();
     end.inverse_mass = 0;
     end.axes = Quaternion<Real>(1, 0, 0, 0);
     return end;
@@ -50,79 +50,82 @@ struct JointEnd {
   SIM_HD void store(const BodyView<Real>& bodies, std::uint32_t body) const {
     if (!(inverse_mass > 0)) return;
     bodies.velocity[body] = velocity;
-    if constexpr (turning) bodies.angular_velocity[body] = rate;
+    if constexpr (with_rotation) bodies.angular_velocity[body] = angular_velocity;
   }
 
   /// m/s, of a point of the body, `from` its centre.
-  SIM_HD Vector3<Real> speed_at(const Vector3<Real>& from) const {
-    if constexpr (turning)
-      return velocity + rate.cross(from);
+  SIM_HD Vector3<Real> velocity_at(const Vector3<Real>& from) const {
+    if constexpr (with_rotation)
+      return velocity + angular_velocity.cross(from);
     else
       return velocity;
   }
   /// The same, as a mean over the next move of h seconds, which turns bodies by a Cayley map of h rate.
-  SIM_HD Vector3<Real> mean_speed_at(const Vector3<Real>& from, Real h) const {
-    if constexpr (turning)
-      return velocity + mean_turn(from, h);
+  SIM_HD Vector3<Real> mean_velocity_at(const Vector3<Real>& from, Real h) const {
+    if constexpr (with_rotation)
+      return velocity + mean_rotation_velocity(from, h);
     else
       return velocity;
   }
-  SIM_HD Vector3<Real> mean_turn(const Vector3<Real>& vector, Real h) const {
-    const Vector3<Real> half = (h / 2) * rate, along = rate.cross(vector);
-    return (along + half.cross(along)) / (1 + half.dot(half));
+  SIM_HD Vector3<Real> mean_rotation_velocity(const Vector3<Real>& vector, Real h) const {
+    const Vector3<Real> half = (h / 2) * angular_velocity, change = angular_velocity.cross(vector);
+    return (change + half.cross(change)) / (1 + half.dot(half));
   }
   /// rad/s, that an angular impulse of so many N m s adds.
-  SIM_HD Vector3<Real> eased(const Vector3<Real>& moment) const {
-    const bool ball =
+  SIM_HD Vector3<Real> apply_inverse_inertia(const Vector3<Real>& moment) const {
+    const bool isotropic =
         inverse_inertia.x() == inverse_inertia.y() && inverse_inertia.y() == inverse_inertia.z();
-    if (ball) return inverse_inertia.x() * moment;
+    if (isotropic) return inverse_inertia.x() * moment;
     const Vector3<Real> own = axes.conjugate() * moment;
     return axes * Vector3<Real>(inverse_inertia.x() * own.x(), inverse_inertia.y() * own.y(),
                                 inverse_inertia.z() * own.z());
   }
   /// 1/kg, against an impulse along a unit vector, `from` the centre.
-  SIM_HD Real ease_along(const Vector3<Real>& direction, const Vector3<Real>& from) const {
-    if constexpr (turning) {
+  SIM_HD Real inverse_effective_mass(const Vector3<Real>& direction, const Vector3<Real>& from) const {
+    if constexpr (with_rotation) {
       const Vector3<Real> moment = from.cross(direction);
-      return inverse_mass + moment.dot(eased(moment));
+      return inverse_mass + moment.dot(apply_inverse_inertia(moment));
     } else {
       return inverse_mass;
     }
   }
   /// 1/kg, against any impulse there.
-  SIM_HD void add_ease(const Vector3<Real>& from, Symmetric3<Real>& ease) const {
-    ease.xx += inverse_mass;
-    ease.yy += inverse_mass;
-    ease.zz += inverse_mass;
-    if constexpr (turning) {
-      const Vector3<Real> x = eased(Vector3<Real>(0, from.z(), -from.y())).cross(from);
-      const Vector3<Real> y = eased(Vector3<Real>(-from.z(), 0, from.x())).cross(from);
-      const Vector3<Real> z = eased(Vector3<Real>(from.y(), -from.x(), 0)).cross(from);
-      ease.xx += x.x();
-      ease.yy += y.y();
-      ease.zz += z.z();
-      ease.xy += y.x();
-      ease.xz += z.x();
-      ease.yz += z.y();
+  SIM_HD void add_inverse_mass_matrix(const Vector3<Real>& from, Symmetric3<Real>& matrix) const {
+    matrix.xx += inverse_mass;
+    matrix.yy += inverse_mass;
+    matrix.zz += inverse_mass;
+    if constexpr (with_rotation) {
+      const Vector3<Real> x = apply_inverse_inertia(Vector3<Real>(0, from.z(), -from.y())).cross(from);
+      const Vector3<Real> y = apply_inverse_inertia(Vector3<Real>(-from.z(), 0, from.x())).cross(from);
+      const Vector3<Real> z = apply_inverse_inertia(Vector3<Real>(from.y(), -from.x(), 0)).cross(from);
+      matrix.xx += x.x();
+      matrix.yy += y.y();
+      matrix.zz += z.z();
+      matrix.xy += y.x();
+      matrix.xz += z.x();
+      matrix.yz += z.y();
     }
   }
-  SIM_HD void push(const Vector3<Real>& impulse, const Vector3<Real>& from) {
+  SIM_HD void apply_impulse(const Vector3<Real>& impulse, const Vector3<Real>& from) {
     velocity += inverse_mass * impulse;
-    if constexpr (turning) rate += eased(from.cross(impulse));
+    if constexpr (with_rotation) angular_velocity += apply_inverse_inertia(from.cross(impulse));
   }
-  SIM_HD void turn(const Vector3<Real>& impulse) { rate += eased(impulse); }
+  SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {
+    angular_velocity += apply_inverse_inertia(impulse);
+  }
 };
 
-template <class Real, bool turning>
+template <class Real, bool with_rotation>
 struct JointEnds {
-  JointEnd<Real, turning> a, b;
-  Vector3<Real> apart;  ///< m, from a's anchor to b's
+  JointEnd<Real, with_rotation> a, b;
+  Vector3<Real> separation;  ///< m, from a's anchor to b's
 
   SIM_HD JointEnds(const BodyView<Real>& bodies, const JointRow<Real>& joint)
-      : a(JointEnd<Real, turning>::of(bodies, joint.a, joint.anchor_a)),
-        b(joint.b == JointRow<Real>::world ? JointEnd<Real, turning>::of_world(joint.anchor_b)
-                                           : JointEnd<Real, turning>::of(bodies, joint.b, joint.anchor_b)),
-        apart((b.center - a.center) + (b.arm - a.arm)) {}
+      : a(JointEnd<Real, with_rotation>::of(bodies, joint.a, joint.anchor_a)),
+        b(joint.b == JointRow<Real>::world
+              ? JointEnd<Real, with_rotation>::of_world(joint.anchor_b)
+              : JointEnd<Real, with_rotation>::of(bodies, joint.b, joint.anchor_b)),
+        separation((b.center - a.center) + (b.arm - a.arm)) {}
   SIM_HD void store(const BodyView<Real>& bodies, const JointRow<Real>& joint) const {
     a.store(bodies, joint.a);
     if (joint.b != JointRow<Real>::world) b.store(bodies, joint.b);

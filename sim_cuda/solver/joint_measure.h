@@ -19,10 +19,10 @@ SIM_HD inline JointSums combine(const JointSums& a, const JointSums& b) {
 
 /// What is left of a hinge's way to its limits, rad: twice the sine of half of it; < 0 beyond.
 template <class Real>
-struct HingeRoom {
+struct HingeLimitGap {
   Real above, below;
-  SIM_HD HingeRoom(const JointRow<Real>& joint, const Quaternion<Real>& axes_a,
-                   const Quaternion<Real>& axes_b) {
+  SIM_HD HingeLimitGap(const JointRow<Real>& joint, const Quaternion<Real>& axes_a,
+                       const Quaternion<Real>& axes_b) {
     const Quaternion<Real> twist = axes_a.conjugate() * axes_b * joint.start.conjugate();
     Real cosine = twist.w(), sine = twist.vec().dot(joint.axis_a);  // of half the angle
     if (cosine < 0) {
@@ -34,29 +34,32 @@ struct HingeRoom {
   }
 };
 
-template <class Real, bool turning>
+template <class Real, bool with_rotation>
 SIM_HD JointSums measure_joint(const BodyView<Real>& bodies, const JointRow<Real>& joint) {
-  const JointEnds<Real, turning> ends(bodies, joint);
+  const JointEnds<Real, with_rotation> ends(bodies, joint);
   using std::sqrt;
-  const Real apart = sqrt(ends.apart.dot(ends.apart));
+  const Real length = sqrt(ends.separation.dot(ends.separation));
   JointSums sums{0, 0, 0};
   if (joint.kind == JointKind::distance) {
-    sums.error = static_cast<double>(max_of(Real(0), max_of(joint.low - apart, apart - joint.high)));
+    sums.error = static_cast<double>(max_of(Real(0), max_of(joint.low - length, length - joint.high)));
   } else if (joint.kind == JointKind::spring) {
-    const Vector3<Real> normal = apart > 0 ? Vector3<Real>(ends.apart / apart) : Vector3<Real>(0, 0, 1);
-    const Real ease = ends.a.ease_along(normal, ends.a.arm) + ends.b.ease_along(normal, ends.b.arm);
-    const auto stretch = static_cast<double>(apart - joint.low);
-    if (ease > 0) sums.energy = static_cast<double>(joint.spring / ease) * stretch * stretch / 2;
+    const Vector3<Real> normal =
+        length > 0 ? Vector3<Real>(ends.separation / length) : Vector3<Real>(0, 0, 1);
+    const Real inverse_mass =
+        ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
+    const auto stretch = static_cast<double>(length - joint.low);
+    if (inverse_mass > 0)
+      sums.energy = static_cast<double>(joint.spring / inverse_mass) * stretch * stretch / 2;
   } else {
-    sums.error = static_cast<double>(apart);
+    sums.error = static_cast<double>(length);
   }
-  if constexpr (turning) {
+  if constexpr (with_rotation) {
     if (joint.kind != JointKind::hinge) return sums;
     const Vector3<Real> between = (ends.a.axes * joint.axis_a).cross(ends.b.axes * joint.axis_b);
     Real angle = sqrt(between.dot(between));
     if (joint.limited) {
-      const HingeRoom<Real> room(joint, ends.a.axes, ends.b.axes);
-      angle = max_of(angle, max_of(-room.above, -room.below));
+      const HingeLimitGap<Real> gap(joint, ends.a.axes, ends.b.axes);
+      angle = max_of(angle, max_of(-gap.above, -gap.below));
     }
     sums.angle = static_cast<double>(angle);
   }

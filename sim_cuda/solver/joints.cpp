@@ -9,59 +9,64 @@
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/core/series.h"
-#include "sim_cuda/solver/joint_rows.h"
+#include "sim_cuda/solver/joint_constraint.h"
 
 namespace collidoscope {
 
 namespace {
 
-// See joint_rows.h. A rigid joint by itself is right after one visit; what it lets go of bounds what piles up
-// where something else resists it.
-constexpr double alone_keep = 0.95;
-constexpr double coupled_pull = 0.4;  ///< of the error, per substep, over the most joints at one body
-constexpr double coupled_keep = 0.9;
+// See joint_constraint.h. A rigid joint by itself is right after one visit; what it lets go of bounds what
+// piles up where something else resists it.
+constexpr double alone_warm_start_factor = 0.95;
+constexpr double coupled_error_fraction =
+    0.4;  ///< of the error, per substep, over the most joints at one body
+constexpr double coupled_warm_start_factor = 0.9;
 constexpr double radii_per_second = 50;
 
 constexpr double full_turn = 6.283185307179586;
 
-/// rad, that a spring turns in a substep; `crowd`: the most joints at one of its bodies. See joint_rows.h.
-double spring_angle(const PlacedJoint& joint, std::uint32_t crowd, double h) {
-  return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(crowd));
+/// rad, that a spring turns in a substep; `joint_count`: the most joints at one of its bodies. See
+/// joint_constraint.h.
+double spring_angle(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
+  return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(joint_count));
 }
 
-JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t crowd, double h) {
-  const double angle = spring_angle(joint, crowd, h), z = joint.damping_ratio;
-  const double scale = -exponential_less_one(-2 * z * angle);
-  double pull = 0;  // (1 - p1) (1 - p2)
+JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
+  const double angle = spring_angle(joint, joint_count, h), z = joint.damping_ratio;
+  const double scale = -expm1_series(-2 * z * angle);
+  double bias = 0;  // (1 - p1) (1 - p2)
   if (z < 1) {
-    const double shrunk = -exponential_less_one(-z * angle);  // 1 - e
+    const double shrunk = -expm1_series(-z * angle);  // 1 - e
     const double half = cosine_sine(std::sqrt(1 - z * z) * angle / 2).sine;
-    pull = shrunk * shrunk + 4 * (1 - shrunk) * half * half;  // 1 - 2 e c + e^2
+    bias = shrunk * shrunk + 4 * (1 - shrunk) * half * half;  // 1 - 2 e c + e^2
   } else {
     const double fast = z + std::sqrt(z * z - 1);
-    pull = exponential_less_one(-angle * fast) * exponential_less_one(-angle / fast);
+    bias = expm1_series(-angle * fast) * expm1_series(-angle / fast);
   }
-  const double keep = crowd > 1 ? coupled_keep : alone_keep;  // of what damps
-  return {scale, pull / h, 1 - scale, 1 - (1 - keep) * scale};
+  const double factor =
+      joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of what damps
+  return {scale, bias / h, 1 - scale, 1 - (1 - factor) * scale};
 }
 
-JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t crowd, double h) {
-  if (joint.kind == JointKind::spring) return spring(joint, crowd, h);
-  return crowd > 1 ? JointStiffness<double>{1, coupled_pull / (crowd * h), 0, coupled_keep}
-                   : JointStiffness<double>{1, 1 / h, 0, alone_keep};
+JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
+  if (joint.kind == JointKind::spring) return spring(joint, joint_count, h);
+  return joint_count > 1 ? JointStiffness<double>{1, coupled_error_fraction / (joint_count * h), 0,
+                                                  coupled_warm_start_factor}
+                         : JointStiffness<double>{1, 1 / h, 0, alone_warm_start_factor};
 }
 
 /// A unit vector across another.
-Vector3d across(const Vector3d& axis) {
+Vector3d perpendicular_to(const Vector3d& axis) {
   const Vector3d other = std::abs(axis.x()) < 0.6 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
   const Vector3d side = other - other.dot(axis) * axis;
   return side / std::sqrt(side.dot(side));
 }
 
 template <class Real>
-JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t crowd, double fastest, double h) {
+JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, double max_correction_speed,
+                      double h) {
   const auto narrow = [](const Vector3d& v) { return Vector3<Real>(v.cast<Real>()); };
-  const JointStiffness<double> s = stiffness(joint, crowd, h);
+  const JointStiffness<double> s = stiffness(joint, joint_count, h);
   JointRow<Real> row{};
   row.a = joint.a;
   row.b = joint.b;
@@ -69,16 +74,16 @@ JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t crowd, double fast
   row.limited = joint.limited;
   row.anchor_a = narrow(joint.anchor_a);
   row.anchor_b = narrow(joint.anchor_b);
-  row.fastest = static_cast<Real>(fastest);
-  row.stiffness = {static_cast<Real>(s.scale), static_cast<Real>(s.pull), static_cast<Real>(s.yield),
-                   static_cast<Real>(s.keep)};
+  row.max_correction_speed = static_cast<Real>(max_correction_speed);
+  row.stiffness = {static_cast<Real>(s.mass_scale), static_cast<Real>(s.bias_rate),
+                   static_cast<Real>(s.impulse_scale), static_cast<Real>(s.warm_start_factor)};
   row.low = static_cast<Real>(joint.low);
   row.high = static_cast<Real>(joint.high);
-  const double rate = spring_angle(joint, crowd, h) / h;
-  row.spring = joint.kind == JointKind::spring ? static_cast<Real>(rate * rate) : Real(0);
+  const double frequency = spring_angle(joint, joint_count, h) / h;
+  row.spring = joint.kind == JointKind::spring ? static_cast<Real>(frequency * frequency) : Real(0);
   row.axis_a = narrow(joint.axis);
   row.axis_b = narrow(joint.start.conjugate() * joint.axis);
-  row.side = narrow(across(joint.axis));
+  row.side = narrow(perpendicular_to(joint.axis));
   row.start = joint.start.cast<Real>();
   const CosineSine low = cosine_sine(joint.low_angle / 2), high = cosine_sine(joint.high_angle / 2);
   row.low_cosine = static_cast<Real>(low.cosine);
@@ -125,7 +130,7 @@ struct JointRounds {
   Real h;
   const StepControl* control;
   const std::uint8_t* asleep;  ///< by body; null where the effect sleeping is off
-  static constexpr bool planned = true;
+  static constexpr bool static_item_counts = true;
   SIM_HD std::int64_t items(int round) const {
     return control->overflow ? 0 : joints.begin[round + 1] - joints.begin[round];
   }
@@ -139,40 +144,40 @@ struct JointRounds {
 
 namespace {
 
-template <class Real, bool turning>
-struct WarmJoints : JointRounds<Real> {
+template <class Real, bool with_rotation>
+struct WarmStartJoints : JointRounds<Real> {
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
     if (this->sleeps(joint)) return;
-    JointImpulse<Real> given = this->joints.impulses[place];
-    JointEnds<Real, turning> ends(this->bodies, joint);
-    JointWork<Real, turning>(joint, given, ends, this->h).warm_start();
+    JointImpulse<Real> accumulated = this->joints.impulses[place];
+    JointEnds<Real, with_rotation> ends(this->bodies, joint);
+    JointConstraint<Real, with_rotation>(joint, accumulated, ends, this->h).warm_start();
     ends.store(this->bodies, joint);
-    this->joints.impulses[place] = given;
+    this->joints.impulses[place] = accumulated;
   }
 };
 
-template <class Real, bool turning, JointPhase phase>
-struct SweepJoints : JointRounds<Real> {
+template <class Real, bool with_rotation, JointPhase phase>
+struct IterateJoints : JointRounds<Real> {
   SIM_HD void operator()(int round, int item) const {
     const std::size_t place = this->place(round, item);
     const JointRow<Real>& joint = this->joints.rows[place];
     if (this->sleeps(joint) || (phase == JointPhase::relax && joint.kind == JointKind::spring)) return;
-    JointImpulse<Real> given = this->joints.impulses[place];
-    JointEnds<Real, turning> ends(this->bodies, joint);
-    JointWork<Real, turning>(joint, given, ends, this->h).template sweep<phase>();
+    JointImpulse<Real> accumulated = this->joints.impulses[place];
+    JointEnds<Real, with_rotation> ends(this->bodies, joint);
+    JointConstraint<Real, with_rotation>(joint, accumulated, ends, this->h).template iterate<phase>();
     ends.store(this->bodies, joint);
-    this->joints.impulses[place] = given;
+    this->joints.impulses[place] = accumulated;
   }
 };
 
-template <class Real, bool turning>
+template <class Real, bool with_rotation>
 struct MeasureJoint {
   JointView<Real> joints;
   BodyView<Real> bodies;
   SIM_HD JointSums operator()(std::int64_t place) const {
-    return measure_joint<Real, turning>(bodies, joints.rows[place]);
+    return measure_joint<Real, with_rotation>(bodies, joints.rows[place]);
   }
 };
 
@@ -188,16 +193,16 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
       rows_(executor, "joints"),
       impulses_(executor, "impulses of joints"),
       begin_(executor, "colours of joints"),
-      parted_(executor, "pairs that joints hold apart"),
+      excluded_pairs_(executor, "pairs that joints hold apart"),
       sums_(executor, "sums over joints") {
   if (joints.empty()) return;
   std::vector<bool> moves(initial.size(), true);
   for (std::size_t body = 0; body < initial.motion.size(); ++body)
     moves[body] = initial.motion[body] == Motion::dynamic;
   std::vector<std::uint32_t> joints_of(initial.size(), 0);
-  const auto each_body = [&](const PlacedJoint& joint, const auto& act) {
-    act(joint.a);
-    if (joint.b != PlacedJoint::world) act(joint.b);
+  const auto each_body = [&](const PlacedJoint& joint, const auto& visit_body) {
+    visit_body(joint.a);
+    if (joint.b != PlacedJoint::world) visit_body(joint.b);
   };
   for (const PlacedJoint& joint : joints)
     each_body(joint, [&](std::uint32_t body) { joints_of[body] += moves[body]; });
@@ -213,22 +218,22 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   std::vector<JointRow<Real>> rows(joints.size());
   std::vector<std::uint32_t> next = begin;
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    std::uint32_t crowd = 1;
-    double fastest = std::numeric_limits<double>::infinity();
+    std::uint32_t joint_count = 1;
+    double max_correction_speed = std::numeric_limits<double>::infinity();
     each_body(joints[k], [&](std::uint32_t body) {
-      fastest = std::min(fastest, radii_per_second * initial.radius[body]);
+      max_correction_speed = std::min(max_correction_speed, radii_per_second * initial.radius[body]);
     });
-    each_body(joints[k], [&](std::uint32_t body) { crowd = std::max(crowd, joints_of[body]); });
+    each_body(joints[k], [&](std::uint32_t body) { joint_count = std::max(joint_count, joints_of[body]); });
     const std::size_t place = next[colours[k]]++;
-    rows[place] = row_of<Real>(joints[k], crowd, fastest, static_cast<double>(h));
+    rows[place] = row_of<Real>(joints[k], joint_count, max_correction_speed, static_cast<double>(h));
     scene_order_.push_back(place);
   }
-  std::vector<Pair> parted;
+  std::vector<Pair> excluded_pairs;
   for (const PlacedJoint& joint : joints)
     if (!joint.collide && joint.b != PlacedJoint::world)
-      parted.push_back({std::min(joint.a, joint.b), std::max(joint.a, joint.b)});
-  std::ranges::sort(parted, {}, [](const Pair& pair) { return std::pair(pair.a, pair.b); });
-  parted_.upload(parted);
+      excluded_pairs.push_back({std::min(joint.a, joint.b), std::max(joint.a, joint.b)});
+  std::ranges::sort(excluded_pairs, {}, [](const Pair& pair) { return std::pair(pair.a, pair.b); });
+  excluded_pairs_.upload(excluded_pairs);
   rows_.upload(rows);
   begin_.upload(begin);
   impulses_.resize_discarding(joints.size());
@@ -242,27 +247,28 @@ JointRounds<Real> Joints<Real>::rounds() const {
 }
 
 template <class Real>
-template <class Stage, class TurningStage>
+template <class Stage, class StageWithRotation>
 void Joints<Real>::run() {
-  bodies_.orientation != nullptr ? executor_.run_rounds("joints", colours_, widest_, TurningStage{rounds()})
-                                 : executor_.run_rounds("joints", colours_, widest_, Stage{rounds()});
+  bodies_.orientation != nullptr
+      ? executor_.run_rounds("joints", colours_, widest_, StageWithRotation{rounds()})
+      : executor_.run_rounds("joints", colours_, widest_, Stage{rounds()});
 }
 
 template <class Real>
 void Joints<Real>::warm_start() {
-  run<WarmJoints<Real, false>, WarmJoints<Real, true>>();
+  run<WarmStartJoints<Real, false>, WarmStartJoints<Real, true>>();
 }
 
 template <class Real>
 void Joints<Real>::solve() {
   constexpr JointPhase phase = JointPhase::solve;
-  run<SweepJoints<Real, false, phase>, SweepJoints<Real, true, phase>>();
+  run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>();
 }
 
 template <class Real>
 void Joints<Real>::relax() {
   constexpr JointPhase phase = JointPhase::relax;
-  run<SweepJoints<Real, false, phase>, SweepJoints<Real, true, phase>>();
+  run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>();
 }
 
 template <class Real>
@@ -278,23 +284,23 @@ JointSums Joints<Real>::measure() {
 }
 
 template <class Real>
-std::vector<JointMemory> Joints<Real>::memory() const {
+std::vector<WarmStartJoint> Joints<Real>::save_warm_start() const {
   const std::vector<JointRow<Real>> rows = rows_.download();
   const std::vector<JointImpulse<Real>> impulses = impulses_.download();
-  std::vector<JointMemory> memory;
+  std::vector<WarmStartJoint> warm_start;
   for (const std::size_t place : scene_order_) {
     const JointRow<Real>& row = rows[place];
     const JointImpulse<Real>& p = impulses[place];
-    memory.push_back({row.a, row.b, static_cast<std::uint64_t>(row.kind), {}});
-    const Real parts[] = {p.linear.x(), p.linear.y(), p.linear.z(), p.lower,
-                          p.upper,      p.across[0],  p.across[1]};
-    std::ranges::copy(parts, memory.back().impulse.begin());
+    warm_start.push_back({row.a, row.b, static_cast<std::uint64_t>(row.kind), {}});
+    const Real parts[] = {p.linear.x(), p.linear.y(),       p.linear.z(),      p.lower,
+                          p.upper,      p.perpendicular[0], p.perpendicular[1]};
+    std::ranges::copy(parts, warm_start.back().impulse.begin());
   }
-  return memory;
+  return warm_start;
 }
 
 template <class Real>
-void Joints<Real>::remember(const std::vector<JointMemory>& memory) {
+void Joints<Real>::load_warm_start(const std::vector<WarmStartJoint>& warm_start) {
   if (count() == 0) return;
   const std::vector<JointRow<Real>> rows = rows_.download();
   std::vector<JointImpulse<Real>> impulses(rows.size());
@@ -302,13 +308,14 @@ void Joints<Real>::remember(const std::vector<JointMemory>& memory) {
   std::size_t known = 0;
   for (const std::size_t place : scene_order_) {
     const JointRow<Real>& row = rows[place];
-    const auto found = std::find_if(
-        memory.begin() + static_cast<std::ptrdiff_t>(known), memory.end(), [&](const JointMemory& m) {
-          return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b;
-        });
+    const auto found =
+        std::find_if(warm_start.begin() + static_cast<std::ptrdiff_t>(known), warm_start.end(),
+                     [&](const WarmStartJoint& m) {
+                       return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b;
+                     });
     std::array<Real, 7> part{};
-    if (found != memory.end()) {
-      known = static_cast<std::size_t>(found - memory.begin()) + 1;
+    if (found != warm_start.end()) {
+      known = static_cast<std::size_t>(found - warm_start.begin()) + 1;
       for (std::size_t k = 0; k < part.size(); ++k) part[k] = static_cast<Real>(found->impulse[k]);
     }
     impulses[place] = {{part[0], part[1], part[2]}, part[3], part[4], {part[5], part[6]}};

@@ -1,22 +1,22 @@
 #pragma once
-// The joints of a scene, and how `soft_step` sweeps them: colour by colour, where colours are shared out
-// once, first fit in the order of the scene; what nothing moves, the world among it, is of every colour. Made
-// with the pipeline and as long-lived; each sweep is one call of the executor. An overflow leaves all as it
-// is.
+// The joints of a scene, and how `soft_step` iterates over them: colour by colour, where colours are shared
+// out once, first fit in the order of the scene; what nothing moves, the world among it, is of every colour.
+// Made with the pipeline and as long-lived; each iteration is one call of the executor. An overflow leaves
+// all as it is.
 
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/solver/joint_measure.h"
 #include "sim_cuda/solver/joint_state.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
@@ -35,10 +35,12 @@ class Joints {
   JointView<Real> view() const { return {rows_.data(), impulses_.data(), begin_.data(), count()}; }
 
   /// Those whose bodies do not touch each other.
-  PartedPairs parted() const { return {parted_.data(), static_cast<std::uint32_t>(parted_.size())}; }
+  ExcludedPairs excluded_pairs() const {
+    return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())};
+  }
 
   /// Joints of bodies that are asleep, 1 by body, are left as they are from now on.
-  void leave_out(const std::uint8_t* asleep) { asleep_ = asleep; }
+  void exclude_sleeping(const std::uint8_t* asleep) { asleep_ = asleep; }
 
   // In each substep, in this order, with bodies that move between solve and relax.
   void warm_start();
@@ -49,15 +51,15 @@ class Joints {
   JointSums measure();
 
   /// By the scene's order; waits for the device.
-  std::vector<JointMemory> memory() const;
-  /// Outside of runs. Joints that `memory` does not know start from nothing.
-  void remember(const std::vector<JointMemory>& memory);
-  void visit_memory(const ArrayVisit& visit) const { visit(impulses_.data(), impulses_.bytes()); }
+  std::vector<WarmStartJoint> save_warm_start() const;
+  /// Outside of runs. Joints that `warm_start` does not know start from nothing.
+  void load_warm_start(const std::vector<WarmStartJoint>& warm_start);
+  void visit_warm_start(const ArrayVisitor& visit) const { visit(impulses_.data(), impulses_.bytes()); }
 
  private:
   JointRounds<Real> rounds() const;
-  /// `TurningStage` where bodies turn, else `Stage`.
-  template <class Stage, class TurningStage>
+  /// `StageWithRotation` where bodies turn, else `Stage`.
+  template <class Stage, class StageWithRotation>
   void run();
 
   Executor& executor_;
@@ -71,7 +73,7 @@ class Joints {
   Buffer<JointRow<Real>> rows_;
   Buffer<JointImpulse<Real>> impulses_;
   Buffer<std::uint32_t> begin_;
-  Buffer<Pair> parted_;
+  Buffer<Pair> excluded_pairs_;
   Buffer<JointSums> sums_;
 };
 

@@ -12,63 +12,64 @@ PlaneContacts<Real>::PlaneContacts(Executor& executor, const SolverScene<Real>& 
     : scene_(scene),
       impulse_(executor, "impulses of walls"),
       bounce_(executor, "bounces off walls"),
-      at_(executor, "walls of bodies"),
+      active_mask_(executor, "walls of bodies"),
       friction_(executor, "friction at walls"),
       friction_total_(executor, "friction at walls in a step"),
-      pressed_(executor, "impulses of walls in a step"),
-      box_face_(executor, "faces of boxes"),
-      box_touched_(executor, "normals of boxes") {
+      normal_impulse_sum_(executor, "impulses of walls in a step"),
+      box_planes_(executor, "faces of boxes"),
+      box_normals_(executor, "normals of boxes") {
   const auto bodies = static_cast<std::size_t>(scene.body_count),
              entries = static_cast<std::size_t>(scene.surfaces()) * bodies,
              boxes = static_cast<std::size_t>(scene.boxes.count) * bodies;
   impulse_.upload(std::vector<Real>(entries, 0));
   bounce_.upload(std::vector<Real>(entries, -1));
-  ask_all();
-  box_face_.resize_discarding(boxes);
-  box_touched_.resize_discarding(boxes);
+  activate_all();
+  box_planes_.resize_discarding(boxes);
+  box_normals_.resize_discarding(boxes);
   if (!scene.effects.friction) return;
   friction_.upload(std::vector<Vector3<Real>>(entries, Vector3<Real>::Zero()));
   friction_total_.upload(std::vector<Vector3<Real>>(entries, Vector3<Real>::Zero()));
-  pressed_.upload(std::vector<Real>(entries, 0));
+  normal_impulse_sum_.upload(std::vector<Real>(entries, 0));
 }
 
 /// Before the first step, each body may be at any surface.
 template <class Real>
-void PlaneContacts<Real>::ask_all() {
+void PlaneContacts<Real>::activate_all() {
   const auto bodies = static_cast<std::size_t>(scene_.surfaces() > 0 ? scene_.body_count : 0);
-  at_.upload(std::vector<std::uint32_t>(bodies, ~std::uint32_t{0}));
+  active_mask_.upload(std::vector<std::uint32_t>(bodies, ~std::uint32_t{0}));
 }
 
 template <class Real>
-void PlaneContacts<Real>::save(SolverMemory& memory) const {
+void PlaneContacts<Real>::save(WarmStart& warm_start) const {
   const std::vector<Real> walls = impulse_.download();
   for (auto plane = walls.begin(); plane != walls.end(); plane += scene_.body_count)
-    memory.walls.emplace_back(plane, plane + scene_.body_count);
+    warm_start.walls.emplace_back(plane, plane + scene_.body_count);
   if (scene_.effects.friction)
-    memory.wall_grips = widened_vectors<Real>(friction_.download(), friction_.size());
+    warm_start.wall_friction = widened_vectors<Real>(friction_.download(), friction_.size());
 }
 
 template <class Real>
-void PlaneContacts<Real>::load(const SolverMemory& memory) {
-  if (memory.walls.size() != static_cast<std::size_t>(scene_.surfaces())) return;
+void PlaneContacts<Real>::load(const WarmStart& warm_start) {
+  if (warm_start.walls.size() != static_cast<std::size_t>(scene_.surfaces())) return;
   std::vector<Real> walls(impulse_.size(), 0);
-  std::vector<Vector3<Real>> wall_grips(friction_.size(), Vector3<Real>::Zero());
+  std::vector<Vector3<Real>> wall_friction(friction_.size(), Vector3<Real>::Zero());
   const auto n = static_cast<std::size_t>(scene_.body_count);
-  for (std::size_t p = 0; p < memory.walls.size(); ++p) {
-    const std::size_t known = memory.walls[p].size();
-    for (std::size_t body = 0; body < std::min(n, known); ++body) {
-      walls[p * n + body] = static_cast<Real>(memory.walls[p][body]);
-      if (!wall_grips.empty() && !memory.wall_grips.empty())
-        wall_grips[p * n + body] = narrowed_vector<Real>(memory.wall_grips[p * known + body]);
+  for (std::size_t p = 0; p < warm_start.walls.size(); ++p) {
+    const std::size_t saved_bodies = warm_start.walls[p].size();
+    for (std::size_t body = 0; body < std::min(n, saved_bodies); ++body) {
+      walls[p * n + body] = static_cast<Real>(warm_start.walls[p][body]);
+      if (!wall_friction.empty() && !warm_start.wall_friction.empty())
+        wall_friction[p * n + body] =
+            narrowed_vector<Real>(warm_start.wall_friction[p * saved_bodies + body]);
     }
   }
   impulse_.upload(walls);
-  friction_.upload(wall_grips);
-  ask_all();
+  friction_.upload(wall_friction);
+  activate_all();
 }
 
 template <class Real>
-void PlaneContacts<Real>::visit(const ArrayVisit& visit) const {
+void PlaneContacts<Real>::visit(const ArrayVisitor& visit) const {
   visit(impulse_.data(), impulse_.bytes());
   visit(friction_.data(), friction_.bytes());
 }

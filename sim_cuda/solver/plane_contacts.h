@@ -4,11 +4,11 @@
 
 #include <cstdint>
 
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/soft_walls.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
@@ -18,8 +18,8 @@ class PlaneContacts {
   PlaneContacts(Executor& executor, const SolverScene<Real>& scene);
 
   /// `inverse_h`: 1/s, of a substep.
-  template <bool rubbed, bool boxed>
-  SoftWalls<Real, rubbed, boxed> view(Real inverse_h) const {
+  template <bool with_friction, bool with_box_obstacles>
+  SoftWalls<Real, with_friction, with_box_obstacles> view(Real inverse_h) const {
     return {scene_.bodies,
             scene_.body_count,
             scene_.planes,
@@ -29,28 +29,29 @@ class PlaneContacts {
             inverse_h,
             impulse_.data(),
             bounce_.data(),
-            at_.data(),
-            WallGrips<Real>{scene_.friction, friction_.data(), friction_total_.data(), pressed_.data()},
-            BoxContacts<Real>{scene_.boxes, box_face_.data(), box_touched_.data()},
-            scene_.ledger};
+            active_mask_.data(),
+            WallFriction<Real>{scene_.friction, friction_.data(), friction_total_.data(),
+                               normal_impulse_sum_.data()},
+            BoxContacts<Real>{scene_.boxes, box_planes_.data(), box_normals_.data()},
+            scene_.static_impulses};
   }
   const Real* impulse() const { return impulse_.data(); }  ///< N s, as SoftWalls::impulse
 
-  void save(SolverMemory& memory) const;
+  void save(WarmStart& warm_start) const;
   /// Of a scene with other surfaces: nothing is loaded.
-  void load(const SolverMemory& memory);
-  void visit(const ArrayVisit& visit) const;
+  void load(const WarmStart& warm_start);
+  void visit(const ArrayVisitor& visit) const;
 
  private:
-  void ask_all();
+  void activate_all();
 
   const SolverScene<Real> scene_;
   Buffer<Real> impulse_, bounce_;                    ///< surfaces x bodies; empty without surfaces
-  Buffer<std::uint32_t> at_;                         ///< surfaces of a body, as bits; empty without surfaces
+  Buffer<std::uint32_t> active_mask_;                ///< surfaces of a body, as bits; empty without surfaces
   Buffer<Vector3<Real>> friction_, friction_total_;  ///< surfaces x bodies; empty without friction
-  Buffer<Real> pressed_;                             ///< as friction_
-  Buffer<Face<Real>> box_face_;                      ///< boxes x bodies; empty without boxes
-  Buffer<Vector3<Real>> box_touched_;
+  Buffer<Real> normal_impulse_sum_;                  ///< as friction_
+  Buffer<ContactPlane<Real>> box_planes_;            ///< boxes x bodies; empty without boxes
+  Buffer<Vector3<Real>> box_normals_;
 };
 
 }  // namespace collidoscope

@@ -22,7 +22,7 @@ namespace collidoscope {
 
 /// Over the contacts that press or would begin to, after one sweep over all of them.
 struct Residual {
-  std::string stage;  ///< "solve" or "relax", as the stage that made the sweep
+  std::string stage;  ///< "solve" or "relax", as the stage that made the iteration
   int substep = 0;    ///< from 0
   int sweep = 0;      ///< from 1; 0: before the first, from what the substep before left
   std::int64_t contacts = 0;

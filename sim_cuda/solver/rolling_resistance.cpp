@@ -10,32 +10,33 @@ namespace collidoscope {
 namespace {
 
 template <class Real>
-struct PrepareRolls {
+struct PrepareRolling {
   const Pair* contacts;
   BodyView<Real> bodies;
   RollingLaw<Real> law;
-  KnownContacts known;
-  const Vector3<Real>* known_impulse;
-  Roll<Real>* rolls;
+  PreviousContacts previous;
+  const Vector3<Real>* previous_impulse;
+  RollingImpulse<Real>* rolling;
 
   SIM_HD void operator()(int place) const {
     const auto [a, b] = contacts[place];
-    const std::uint32_t before = known.find(a, b);
+    const std::uint32_t before = previous.find(a, b);
     const bool found = before != no_pair;
     const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
-    rolls[place] = {found ? known_impulse[before] : Vector3<Real>(Vector3<Real>::Zero()),
-                    max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
+    rolling[place] = {found ? previous_impulse[before] : Vector3<Real>(Vector3<Real>::Zero()),
+                      max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
   }
 };
 
-/// A body's share of what its contacts give, in increasing id of the other body; `given(place)` in N m s.
-template <class Given, class Real>
-SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const Given& given) {
+/// A body's share of what its contacts give, in increasing id of the other body; `accumulated(place)` in N m
+/// s.
+template <class ImpulseOf, class Real>
+SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const ImpulseOf& impulse_of) {
   Vector3<Real> sum = Vector3<Real>::Zero();
   const std::uint32_t n = source.by_body.count[body];
   for (std::uint32_t k = 0; k < n; ++k) {
     const ContactEnd end = source.by_body.end(body, k);
-    const Vector3<Real> change = given(end.contact);
+    const Vector3<Real> change = impulse_of(end.contact);
     if (end.second)
       sum += change;
     else
@@ -45,12 +46,12 @@ SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const G
 }
 
 template <class Real>
-struct WarmRolls {
+struct WarmStartRolling {
   RollingSource<Real> source;
   BodyView<Real> bodies;
   std::int64_t body_count;
   int plane_count;
-  const Roll<Real>* rolls;
+  const RollingImpulse<Real>* rolling;
   Vector3<Real>* wall_impulse;
   const StepControl* control;
 
@@ -58,45 +59,47 @@ struct WarmRolls {
     if (control->overflow) return;
     Vector3<Real> moment = Vector3<Real>::Zero();
     if (control->contacts > 0)
-      moment = sum_of(source, body, [&](std::uint32_t place) { return rolls[place].impulse; });
+      moment = sum_of(source, body, [&](std::uint32_t place) { return rolling[place].impulse; });
     for (int p = 0; p < plane_count; ++p) {
       const std::int64_t at = p * body_count + body;
       if (!(source.wall_impulse[at] > 0)) wall_impulse[at] = Vector3<Real>::Zero();  // it has bounced
       moment += wall_impulse[at];
     }
     if (moment.dot(moment) == 0) return;
-    Spin<Real> spin = Spin<Real>::of(bodies, static_cast<std::uint32_t>(body));
-    spin.turn(moment);
-    bodies.angular_velocity[body] = spin.rate;
+    AngularState<Real> angular = AngularState<Real>::of(bodies, static_cast<std::uint32_t>(body));
+    angular.apply_angular_impulse(moment);
+    bodies.angular_velocity[body] = angular.velocity;
   }
 };
 
 /// Each contact between its share of the two bodies: one with n contacts counts as n of 1/n of its inertia.
 template <class Real>
-struct ResistAtContacts {
+struct SolveRollingContacts {
   RollingSource<Real> source;
   BodyView<Real> bodies;
-  Roll<Real>* rolls;
+  RollingImpulse<Real>* rolling;
   Vector3<Real>* change;
 
   SIM_HD void operator()(int place) const {
     const auto [a, b] = source.contacts[place];
-    Roll<Real> roll = rolls[place];
-    const Real limit = roll.lever * source.soft[place].impulse;
+    RollingImpulse<Real> rolling_impulse = rolling[place];
+    const Real limit = rolling_impulse.lever * source.soft[place].impulse;
     change[place] = Vector3<Real>::Zero();
-    if (!(limit > 0) && roll.impulse.dot(roll.impulse) == 0) return;
+    if (!(limit > 0) && rolling_impulse.impulse.dot(rolling_impulse.impulse) == 0) return;
     const Real n_a = static_cast<Real>(source.by_body.count[a]),
                n_b = static_cast<Real>(source.by_body.count[b]);
-    const Spin<Real> spin_a = Spin<Real>::of(bodies, a), spin_b = Spin<Real>::of(bodies, b);
-    const Real inertia = 1 / (n_a * spin_a.ease() + n_b * spin_b.ease());
-    change[place] = rub<Real>(spin_b.rate - spin_a.rate, inertia, limit, roll.impulse);
-    rolls[place] = roll;
+    const AngularState<Real> angular_a = AngularState<Real>::of(bodies, a),
+                             angular_b = AngularState<Real>::of(bodies, b);
+    const Real inertia = 1 / (n_a * angular_a.inverse_inertia_max() + n_b * angular_b.inverse_inertia_max());
+    change[place] = solve_friction<Real>(angular_b.velocity - angular_a.velocity, inertia, limit,
+                                         rolling_impulse.impulse);
+    rolling[place] = rolling_impulse;
   }
 };
 
 /// What its contacts give, and then its planes.
 template <class Real>
-struct ResistAtBodies {
+struct SolveRollingBodies {
   RollingSource<Real> source;
   BodyView<Real> bodies;
   std::int64_t body_count;
@@ -109,32 +112,34 @@ struct ResistAtBodies {
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     const auto id = static_cast<std::uint32_t>(body);
-    Spin<Real> spin = Spin<Real>::of(bodies, id);
+    AngularState<Real> angular = AngularState<Real>::of(bodies, id);
     if (control->contacts > 0)
-      spin.turn(sum_of(source, body, [&](std::uint32_t place) { return change[place]; }));
+      angular.apply_angular_impulse(sum_of(source, body, [&](std::uint32_t place) { return change[place]; }));
     const Real own = law.of_body(id), r = bodies.radius[body];
     for (int p = 0; p < plane_count; ++p) {
       const std::int64_t at = p * body_count + body;
-      Vector3<Real> given = wall_impulse[at];
-      const Real pressing = source.wall_impulse[at];
-      if (!(pressing > 0) && given.dot(given) == 0) continue;
-      spin.turn(rub<Real>(spin.rate, 1 / spin.ease(), max_of(own, law.of_plane[p]) * r * pressing, given));
-      wall_impulse[at] = given;
+      Vector3<Real> accumulated = wall_impulse[at];
+      const Real normal_impulse = source.wall_impulse[at];
+      if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) continue;
+      angular.apply_angular_impulse(solve_friction<Real>(angular.velocity, 1 / angular.inverse_inertia_max(),
+                                                         max_of(own, law.of_plane[p]) * r * normal_impulse,
+                                                         accumulated));
+      wall_impulse[at] = accumulated;
     }
-    bodies.angular_velocity[body] = spin.rate;
+    bodies.angular_velocity[body] = angular.velocity;
   }
 };
 
 template <class Real>
-struct KeepRolls {
+struct KeepRolling {
   const std::uint32_t* place_of;
-  const StoredContact<Real>* soft;
-  const Roll<Real>* rolls;
-  Vector3<Real>* known_impulse;
+  const PackedContact<Real>* soft;
+  const RollingImpulse<Real>* rolling;
+  Vector3<Real>* previous_impulse;
   SIM_HD void operator()(int contact) const {
     const std::uint32_t place = place_of[contact];
-    known_impulse[contact] =
-        soft[place].impulse > 0 ? rolls[place].impulse : Vector3<Real>(Vector3<Real>::Zero());
+    previous_impulse[contact] =
+        soft[place].impulse > 0 ? rolling[place].impulse : Vector3<Real>(Vector3<Real>::Zero());
   }
 };
 
@@ -158,10 +163,10 @@ void narrow(const std::vector<std::array<double, 3>>& wide, std::vector<Vector3<
 template <class Real>
 RollingResistance<Real>::RollingResistance(Executor& executor)
     : executor_(executor),
-      rolls_(executor, "rolling resistance of contacts"),
+      rolling_impulses_(executor, "rolling resistance of contacts"),
       change_(executor, "changes of rolling resistance"),
       wall_impulse_(executor, "rolling resistance at walls"),
-      known_impulse_(executor, "rolling resistance of the last step") {}
+      previous_impulse_(executor, "rolling resistance of the last step") {}
 
 template <class Real>
 void RollingResistance<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_count, int plane_count,
@@ -176,64 +181,65 @@ void RollingResistance<Real>::enable(const BodyView<Real>& bodies, std::int64_t 
 }
 
 template <class Real>
-void RollingResistance<Real>::reserve(std::int64_t contact_capacity, std::size_t known) {
-  rolls_.resize_discarding(static_cast<std::size_t>(contact_capacity));
+void RollingResistance<Real>::reserve(std::int64_t contact_capacity, std::size_t previous) {
+  rolling_impulses_.resize_discarding(static_cast<std::size_t>(contact_capacity));
   change_.resize_discarding(static_cast<std::size_t>(contact_capacity));
-  known_impulse_.resize_keeping(known);
+  previous_impulse_.resize_keeping(previous);
 }
 
 template <class Real>
-void RollingResistance<Real>::prepare(const RollingSource<Real>& source, const KnownContacts& known) {
-  executor_.run(
-      "prepare", source.count,
-      PrepareRolls<Real>{source.contacts, bodies_, law_, known, known_impulse_.data(), rolls_.data()});
+void RollingResistance<Real>::prepare(const RollingSource<Real>& source, const PreviousContacts& previous) {
+  executor_.run("prepare", source.count,
+                PrepareRolling<Real>{source.contacts, bodies_, law_, previous, previous_impulse_.data(),
+                                     rolling_impulses_.data()});
 }
 
 template <class Real>
 void RollingResistance<Real>::warm_start(const RollingSource<Real>& source) {
   run_awake_bodies(executor_, "rolling", body_count_, source.asleep,
-                   WarmRolls<Real>{source, bodies_, body_count_, plane_count_, rolls_.data(),
-                                   wall_impulse_.data(), control_});
+                   WarmStartRolling<Real>{source, bodies_, body_count_, plane_count_,
+                                          rolling_impulses_.data(), wall_impulse_.data(), control_});
 }
 
 template <class Real>
-void RollingResistance<Real>::resist(const RollingSource<Real>& source) {
+void RollingResistance<Real>::solve(const RollingSource<Real>& source) {
   run_awake_contacts(executor_, "rolling", source.count, source.contacts, source.asleep,
-                     ResistAtContacts<Real>{source, bodies_, rolls_.data(), change_.data()});
+                     SolveRollingContacts<Real>{source, bodies_, rolling_impulses_.data(), change_.data()});
   run_awake_bodies(executor_, "rolling", body_count_, source.asleep,
-                   ResistAtBodies<Real>{source, bodies_, body_count_, plane_count_, law_, change_.data(),
-                                        wall_impulse_.data(), control_});
+                   SolveRollingBodies<Real>{source, bodies_, body_count_, plane_count_, law_, change_.data(),
+                                            wall_impulse_.data(), control_});
 }
 
 template <class Real>
 void RollingResistance<Real>::keep(const RollingSource<Real>& source) {
-  executor_.run("keep", source.count,
-                KeepRolls<Real>{source.place_of, source.soft, rolls_.data(), known_impulse_.data()});
+  executor_.run(
+      "keep", source.count,
+      KeepRolling<Real>{source.place_of, source.soft, rolling_impulses_.data(), previous_impulse_.data()});
 }
 
 template <class Real>
-void RollingResistance<Real>::memory(std::size_t contacts, SolverMemory& memory) const {
+void RollingResistance<Real>::save_warm_start(std::size_t contacts, WarmStart& warm_start) const {
   if (control_ == nullptr) return;
-  memory.rolls = widened<Real>(known_impulse_.download(contacts));
-  memory.wall_rolls = widened<Real>(wall_impulse_.download());
+  warm_start.rolling = widened<Real>(previous_impulse_.download(contacts));
+  warm_start.wall_rolling = widened<Real>(wall_impulse_.download());
 }
 
 template <class Real>
-void RollingResistance<Real>::remember(const SolverMemory& memory, std::size_t contact_capacity) {
+void RollingResistance<Real>::load_warm_start(const WarmStart& warm_start, std::size_t contact_capacity) {
   if (control_ == nullptr) return;
-  std::vector<Vector3<Real>> known(contact_capacity, Vector3<Real>::Zero()),
+  std::vector<Vector3<Real>> previous(contact_capacity, Vector3<Real>::Zero()),
       walls(wall_impulse_.size(), Vector3<Real>::Zero());
-  narrow<Real>(memory.rolls, known);
+  narrow<Real>(warm_start.rolling, previous);
   const auto n = static_cast<std::size_t>(body_count_), planes = static_cast<std::size_t>(plane_count_);
-  if (memory.walls.size() == planes && !memory.wall_rolls.empty()) {
-    const std::size_t bodies = memory.wall_rolls.size() / planes;  // of the other world
+  if (warm_start.walls.size() == planes && !warm_start.wall_rolling.empty()) {
+    const std::size_t bodies = warm_start.wall_rolling.size() / planes;  // of the other world
     for (std::size_t p = 0; p < planes; ++p)
       for (std::size_t body = 0; body < std::min(n, bodies); ++body)
         for (std::size_t axis = 0; axis < 3; ++axis)
           walls[p * n + body][static_cast<Eigen::Index>(axis)] =
-              static_cast<Real>(memory.wall_rolls[p * bodies + body][axis]);
+              static_cast<Real>(warm_start.wall_rolling[p * bodies + body][axis]);
   }
-  known_impulse_.upload(known);
+  previous_impulse_.upload(previous);
   wall_impulse_.upload(walls);
 }
 

@@ -15,14 +15,14 @@
 
 #include <cstdint>
 
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
-#include "sim_cuda/solver/known_contacts.h"
-#include "sim_cuda/solver/soft_memory.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/previous_contacts.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
@@ -40,7 +40,7 @@ struct RollingLaw {
 
 /// What one contact gives.
 template <class Real>
-struct alignas(4 * sizeof(Real)) Roll {
+struct alignas(4 * sizeof(Real)) RollingImpulse {
   Vector3<Real> impulse;  ///< N m s, given to b and taken from a; of the substep
   Real lever;             ///< m, c R
 };
@@ -49,7 +49,7 @@ struct alignas(4 * sizeof(Real)) Roll {
 template <class Real>
 struct RollingSource {
   const Pair* contacts;
-  const StoredContact<Real>* soft;
+  const PackedContact<Real>* soft;
   const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
   Count count;                 ///< of contacts
@@ -64,24 +64,24 @@ class RollingResistance {
   /// Once, where the effect is on.
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, int plane_count,
               const RollingLaw<Real>& law, const StepControl* control);
-  /// Outside of runs. `known`, in contacts: of the run before; what is remembered stays.
-  void reserve(std::int64_t contact_capacity, std::size_t known);
+  /// Outside of runs. `previous`, in contacts: of the run before; what is remembered stays.
+  void reserve(std::int64_t contact_capacity, std::size_t previous);
 
-  /// In each run, once its contacts are known: `known` are those of the run before.
-  void prepare(const RollingSource<Real>& source, const KnownContacts& known);
-  /// In each substep, before anything else presses.
+  /// In each run, once its contacts are known: `previous` are those of the run before.
+  void prepare(const RollingSource<Real>& source, const PreviousContacts& previous);
+  /// In each substep, before any other impulse.
   void warm_start(const RollingSource<Real>& source);
   /// After friction.
-  void resist(const RollingSource<Real>& source);
+  void solve(const RollingSource<Real>& source);
   /// At the end of a run.
   void keep(const RollingSource<Real>& source);
 
   /// As ContactSolver has them; `contacts` remembered ones.
-  void memory(std::size_t contacts, SolverMemory& memory) const;
-  void remember(const SolverMemory& memory, std::size_t contact_capacity);
-  void visit_memory(std::size_t contacts, const ArrayVisit& visit) const {
+  void save_warm_start(std::size_t contacts, WarmStart& warm_start) const;
+  void load_warm_start(const WarmStart& warm_start, std::size_t contact_capacity);
+  void visit_warm_start(std::size_t contacts, const ArrayVisitor& visit) const {
     if (control_ == nullptr) return;
-    visit(known_impulse_.data(), contacts * sizeof(Vector3<Real>));
+    visit(previous_impulse_.data(), contacts * sizeof(Vector3<Real>));
     visit(wall_impulse_.data(), wall_impulse_.bytes());
   }
 
@@ -92,10 +92,10 @@ class RollingResistance {
   int plane_count_ = 0;
   RollingLaw<Real> law_;
   const StepControl* control_ = nullptr;
-  Buffer<Roll<Real>> rolls_;             ///< by place
-  Buffer<Vector3<Real>> change_;         ///< by place, N m s
-  Buffer<Vector3<Real>> wall_impulse_;   ///< plane by plane, all bodies of each, N m s
-  Buffer<Vector3<Real>> known_impulse_;  ///< of the run before, by its contacts, N m s
+  Buffer<RollingImpulse<Real>> rolling_impulses_;  ///< by place
+  Buffer<Vector3<Real>> change_;                   ///< by place, N m s
+  Buffer<Vector3<Real>> wall_impulse_;             ///< plane by plane, all bodies of each, N m s
+  Buffer<Vector3<Real>> previous_impulse_;         ///< of the run before, by its contacts, N m s
 };
 
 }  // namespace collidoscope

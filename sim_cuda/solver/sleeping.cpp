@@ -8,7 +8,7 @@
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/scene/effects.h"
-#include "sim_cuda/solver/solver_memory.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 
@@ -16,10 +16,10 @@ namespace {
 
 struct BeginIslands {
   std::uint32_t* parent;
-  std::uint8_t *restless, *asleep;
+  std::uint8_t *island_active, *asleep;
   SIM_HD void operator()(int body) const {
     parent[body] = static_cast<std::uint32_t>(body);
-    restless[body] = asleep[body] = 0;
+    island_active[body] = asleep[body] = 0;
   }
 };
 
@@ -41,22 +41,22 @@ template <class Real>
 struct Islands {
   BodyView<Real> bodies;
   std::uint32_t* parent;
-  std::uint8_t* stirred;  ///< by body: something that no force stops moves at it
+  std::uint8_t* disturbed;  ///< by body: something that no force stops moves at it
 
   SIM_HD bool moves(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
     bool some = v.dot(v) > 0;
     if (bodies.angular_velocity != nullptr) {
-      const Vector3<Real> spin = bodies.angular_velocity[body];
-      some = some || spin.dot(spin) > 0;
+      const Vector3<Real> angular_velocity = bodies.angular_velocity[body];
+      some = some || angular_velocity.dot(angular_velocity) > 0;
     }
     return some;
   }
   SIM_HD void join(std::uint32_t a, std::uint32_t b) const {
     const bool a_stays = bodies.inverse_mass[a] == 0, b_stays = bodies.inverse_mass[b] == 0;
     if (a_stays || b_stays) {
-      if (a_stays && moves(a)) atomic_store(&stirred[b], std::uint8_t{1});
-      if (b_stays && moves(b)) atomic_store(&stirred[a], std::uint8_t{1});
+      if (a_stays && moves(a)) atomic_store(&disturbed[b], std::uint8_t{1});
+      if (b_stays && moves(b)) atomic_store(&disturbed[a], std::uint8_t{1});
       return;
     }
     a = root_of(parent, a);
@@ -64,7 +64,7 @@ struct Islands {
     while (a != b) {
       const std::uint32_t low = min_of(a, b), high = max_of(a, b);
       a = low;
-      b = atomic_replace(&parent[high], high, low);
+      b = atomic_compare_exchange(&parent[high], high, low);
       if (b == high) return;  // it was a root, and is none any more
     }
   }
@@ -87,15 +87,15 @@ struct JoinByJoints {
 };
 
 /// The components are whole; one body that is not at rest keeps all awake.
-struct StirIslands {
-  const std::uint32_t* slow;
-  std::uint32_t needed;
+struct MarkActiveIslands {
+  const std::uint32_t* sleep_timer;
+  std::uint32_t steps_to_sleep;
   std::uint32_t* parent;
-  const std::uint8_t* stirred;
-  std::uint8_t* restless;
+  const std::uint8_t* disturbed;
+  std::uint8_t* island_active;
   SIM_HD void operator()(int body) const {
-    if (slow[body] < needed || stirred[body])
-      atomic_store(&restless[root_of(parent, static_cast<std::uint32_t>(body))], std::uint8_t{1});
+    if (sleep_timer[body] < steps_to_sleep || disturbed[body])
+      atomic_store(&island_active[root_of(parent, static_cast<std::uint32_t>(body))], std::uint8_t{1});
   }
 };
 
@@ -103,18 +103,18 @@ template <class Real>
 struct FallAsleepOrWake {
   BodyView<Real> bodies;
   std::uint32_t* parent;
-  const std::uint8_t* restless;
-  std::uint32_t* slow;
+  const std::uint8_t* island_active;
+  std::uint32_t* sleep_timer;
   std::uint8_t* asleep;
   const StepControl* control;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    const bool sleeps =
-        restless[root_of(parent, static_cast<std::uint32_t>(body))] == 0 && bodies.inverse_mass[body] > 0;
-    const bool slept = slow[body] == slow_and_asleep;
+    const bool sleeps = island_active[root_of(parent, static_cast<std::uint32_t>(body))] == 0 &&
+                        bodies.inverse_mass[body] > 0;
+    const bool slept = sleep_timer[body] == asleep_marker;
     asleep[body] = sleeps ? 1 : 0;
     if (sleeps == slept) return;
-    slow[body] = sleeps ? slow_and_asleep : 0;
+    sleep_timer[body] = sleeps ? asleep_marker : 0;
     if (!sleeps) return;
     bodies.velocity[body] = Vector3<Real>::Zero();
     if (bodies.angular_velocity != nullptr) bodies.angular_velocity[body] = Vector3<Real>::Zero();
@@ -122,11 +122,11 @@ struct FallAsleepOrWake {
 };
 
 template <class Real>
-struct CountSlowSteps {
+struct UpdateSleepTimers {
   BodyView<Real> bodies;
   Real speed;
-  std::uint32_t needed;
-  std::uint32_t* slow;
+  std::uint32_t steps_to_sleep;
+  std::uint32_t* sleep_timer;
   const StepControl* control;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
@@ -136,7 +136,7 @@ struct CountSlowSteps {
       const Vector3<Real> surface = bodies.radius[body] * bodies.angular_velocity[body].load();
       is_slow = is_slow && surface.dot(surface) < speed * speed;
     }
-    slow[body] = is_slow ? min_of(slow[body] + 1, needed) : 0;
+    sleep_timer[body] = is_slow ? min_of(sleep_timer[body] + 1, steps_to_sleep) : 0;
   }
 };
 
@@ -144,9 +144,9 @@ struct CountSlowSteps {
 template <class Real>
 struct CountSleepers {
   BodyView<Real> bodies;
-  const std::uint32_t *parent, *slow;
+  const std::uint32_t *parent, *sleep_timer;
   SIM_HD SleepSums operator()(std::int64_t body) const {
-    const std::int64_t asleep = slow[body] == slow_and_asleep ? 1 : 0;
+    const std::int64_t asleep = sleep_timer[body] == asleep_marker ? 1 : 0;
     const std::int64_t root =
         parent[body] == static_cast<std::uint32_t>(body) && bodies.inverse_mass[body] > 0 ? 1 : 0;
     return {asleep, root, root & asleep};
@@ -163,9 +163,9 @@ std::vector<std::uint32_t> no_islands(std::int64_t bodies) {
 template <class Real>
 Sleeping<Real>::Sleeping(Executor& executor)
     : executor_(executor),
-      slow_(executor, "slow steps of bodies"),
+      sleep_timer_(executor, "slow steps of bodies"),
       parent_(executor, "islands"),
-      restless_(executor, "restless islands"),
+      island_active_(executor, "restless islands"),
       asleep_(executor, "bodies asleep"),
       sums_(executor, "sums over islands") {}
 
@@ -175,12 +175,12 @@ void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_coun
   bodies_ = bodies;
   body_count_ = body_count;
   speed_ = static_cast<Real>(sleep.speed);
-  needed_ = static_cast<std::uint32_t>(std::clamp(std::ceil(sleep.time / time_step), 1.0, 4e9));
+  steps_to_sleep_ = static_cast<std::uint32_t>(std::clamp(std::ceil(sleep.time / time_step), 1.0, 4e9));
   control_ = control;
   const auto n = static_cast<std::size_t>(body_count);
-  slow_.upload(std::vector<std::uint32_t>(n));
+  sleep_timer_.upload(std::vector<std::uint32_t>(n));
   parent_.upload(no_islands(body_count));
-  restless_.resize_discarding(n);
+  island_active_.resize_discarding(n);
   asleep_.upload(std::vector<std::uint8_t>(n));
   sums_.resize_discarding(reduce_scratch_size(body_count));
 }
@@ -188,29 +188,30 @@ void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_coun
 template <class Real>
 void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
                                   const JointView<Real>& joints) {
-  executor_.run("islands", body_count_, BeginIslands{parent_.data(), restless_.data(), asleep_.data()});
+  executor_.run("islands", body_count_, BeginIslands{parent_.data(), island_active_.data(), asleep_.data()});
   const Islands<Real> islands{bodies_, parent_.data(),
                               asleep_.data()};  // asleep_ is scratch until FallAsleepOrWake
   executor_.run("islands", Count(&control_->contacts, contact_capacity),
                 JoinByContacts<Real>{contacts.bodies, islands});
   executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
   executor_.run("islands", body_count_,
-                StirIslands{slow_.data(), needed_, parent_.data(), asleep_.data(), restless_.data()});
+                MarkActiveIslands{sleep_timer_.data(), steps_to_sleep_, parent_.data(), asleep_.data(),
+                                  island_active_.data()});
   executor_.run("islands", body_count_,
-                FallAsleepOrWake<Real>{bodies_, parent_.data(), restless_.data(), slow_.data(),
+                FallAsleepOrWake<Real>{bodies_, parent_.data(), island_active_.data(), sleep_timer_.data(),
                                        asleep_.data(), control_});
 }
 
 template <class Real>
-void Sleeping<Real>::count() {
+void Sleeping<Real>::update_timers() {
   run_awake_bodies(executor_, "islands", body_count_, asleep_.data(),
-                   CountSlowSteps<Real>{bodies_, speed_, needed_, slow_.data(), control_});
+                   UpdateSleepTimers<Real>{bodies_, speed_, steps_to_sleep_, sleep_timer_.data(), control_});
 }
 
 template <class Real>
-void Sleeping<Real>::remember(std::vector<std::uint32_t> slow) {
-  slow.resize(static_cast<std::size_t>(body_count_), 0);
-  slow_.upload(slow);
+void Sleeping<Real>::load_warm_start(std::vector<std::uint32_t> sleep_timer) {
+  sleep_timer.resize(static_cast<std::size_t>(body_count_), 0);
+  sleep_timer_.upload(sleep_timer);
   parent_.upload(no_islands(body_count_));
 }
 
@@ -221,7 +222,7 @@ SleepSums Sleeping<Real>::measure() const {
   executor_.copy_to_host(
       &sums,
       reduce<SleepSums>(executor_, "measure", body_count_,
-                        CountSleepers<Real>{bodies_, parent_.data(), slow_.data()}, sums_.data()),
+                        CountSleepers<Real>{bodies_, parent_.data(), sleep_timer_.data()}, sums_.data()),
       sizeof sums);
   return sums;
 }

@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "sim_cuda/core/arithmetic.h"
-#include "sim_cuda/core/aside.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
@@ -31,18 +31,20 @@
 namespace collidoscope {
 
 /// In place of a number of steps: the body sleeps.
-inline constexpr std::uint32_t slow_and_asleep = 0xffffffffu;
+inline constexpr std::uint32_t asleep_marker = 0xffffffffu;
 
 /// For pictures: how far each body is from sleep.
 struct SleepView {
-  const std::uint32_t* slow = nullptr;  ///< by body, steps for which it was slow; null: nothing can sleep
-  std::uint32_t needed = 1;             ///< of these, before an island may sleep
+  const std::uint32_t* sleep_timer =
+      nullptr;                       ///< by body, steps for which it was slow; null: nothing can sleep
+  std::uint32_t steps_to_sleep = 1;  ///< of these, before an island may sleep
 
   /// 0: asleep; 1/4 to 1: awake, and at rest for all of the time to not at all.
   SIM_HD float distance(int body) const {
-    if (slow == nullptr || slow[body] == 0) return 1;
-    if (slow[body] == slow_and_asleep) return 0;
-    return 1 - 0.75f * static_cast<float>(min_of(slow[body], needed)) / static_cast<float>(needed);
+    if (sleep_timer == nullptr || sleep_timer[body] == 0) return 1;
+    if (sleep_timer[body] == asleep_marker) return 0;
+    return 1 - 0.75f * static_cast<float>(min_of(sleep_timer[body], steps_to_sleep)) /
+                   static_cast<float>(steps_to_sleep);
   }
 };
 
@@ -69,28 +71,28 @@ class Sleeping {
   void find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
                     const JointView<Real>& joints);
   /// At the end of a run: counts for how long each body has been slow.
-  void count();
+  void update_timers();
 
   /// Counts who sleeps, and the islands of the last run: none before the first.
   SleepSums measure() const;
-  SleepView view() const { return {slow_.data(), needed_}; }
+  SleepView view() const { return {sleep_timer_.data(), steps_to_sleep_}; }
 
-  /// Steps for which each body has been slow, or slow_and_asleep; empty without the effect.
-  std::vector<std::uint32_t> memory() const { return slow_.download(); }
+  /// Steps for which each body has been slow, or asleep_marker; empty without the effect.
+  std::vector<std::uint32_t> save_warm_start() const { return sleep_timer_.download(); }
   /// Bodies beyond those that are known, all of them if none are, have not been slow yet.
-  void remember(std::vector<std::uint32_t> slow);
-  void visit_memory(const ArrayVisit& visit) const { visit(slow_.data(), slow_.bytes()); }
+  void load_warm_start(std::vector<std::uint32_t> sleep_timer);
+  void visit_warm_start(const ArrayVisitor& visit) const { visit(sleep_timer_.data(), sleep_timer_.bytes()); }
 
  private:
   Executor& executor_;
   BodyView<Real> bodies_{};
   std::int64_t body_count_ = 0;
-  Real speed_ = 0;            ///< m/s
-  std::uint32_t needed_ = 1;  ///< steps
+  Real speed_ = 0;                    ///< m/s
+  std::uint32_t steps_to_sleep_ = 1;  ///< steps
   const StepControl* control_ = nullptr;
-  Buffer<std::uint32_t> slow_;              ///< by body
-  Buffer<std::uint32_t> parent_;            ///< by body; at the root itself
-  Buffer<std::uint8_t> restless_, asleep_;  ///< by root; by body
+  Buffer<std::uint32_t> sleep_timer_;            ///< by body
+  Buffer<std::uint32_t> parent_;                 ///< by body; at the root itself
+  Buffer<std::uint8_t> island_active_, asleep_;  ///< by root; by body
   Buffer<SleepSums> sums_;
 };
 

@@ -7,71 +7,71 @@
 #include "sim_cuda/core/block.h"
 #include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/core/step_control.h"
-#include "sim_cuda/core/whole_record.h"
+#include "sim_cuda/core/vector_load.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
-#include "sim_cuda/solver/soft_memory.h"
 #include "sim_cuda/solver/soft_walls.h"
 
 namespace collidoscope {
 
 /// Forces, the impulses of the substep before, and the first sweep over the planes.
-template <class Real, bool rubbed, bool boxed>
+template <class Real, bool with_friction, bool with_box_obstacles>
 struct BeginSubstep {
   BodyView<Real> bodies;
-  const StoredContact<Real>* soft;
+  const PackedContact<Real>* soft;
   ContactsByBodyView by_body;
-  SoftWalls<Real, rubbed, boxed> walls;
+  SoftWalls<Real, with_friction, with_box_obstacles> walls;
   Vector3<Real> gravity;       ///< m/s^2
   const Vector3<Real>* field;  ///< m/s^2, of attractors, by body; null where the effect is off
-  bool pulled;                 ///< gravity or attractors are on
+  bool with_field;             ///< gravity or attractors are on
   Real h;                      ///< s
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    begin(id, Given::over(contacts_of(id), entry(id)));
+    begin(id, ImpulseSums::accumulate(contacts_of(id), entry(id)));
   }
 
-  SIM_HD bool is_long(int id) const { return !control->overflow && contacts_of(id) > long_list; }
+  SIM_HD bool is_large(int id) const { return !control->overflow && contacts_of(id) > large_list_size; }
 #if defined(__CUDACC__)
-  __device__ void together(int id) const {
-    const Given given = Given::over_together(contacts_of(id), entry(id));
-    if (threadIdx.x == 0) begin(id, given);
+  __device__ void process_by_block(int id) const {
+    const ImpulseSums impulses = ImpulseSums::accumulate_by_block(contacts_of(id), entry(id));
+    if (threadIdx.x == 0) begin(id, impulses);
   }
 #endif
 
  private:
   /// The impulses of its contacts: momentum, with friction also across the normal, and moment.
-  using Given = std::conditional_t<rubbed, OrderedSums<Real, 0, 0, 1>, OrderedSums<Real, 0>>;
+  using ImpulseSums = std::conditional_t<with_friction, OrderedSums<Real, 0, 0, 1>, OrderedSums<Real, 0>>;
 
   SIM_HD std::uint32_t contacts_of(int id) const { return control->contacts > 0 ? by_body.count[id] : 0; }
   SIM_HD auto entry(int id) const {
-    return [this, id, radius = walls.bodies.radius[id]](std::uint32_t k, Vector3<Real>* given) {
+    return [this, id, radius = walls.bodies.radius[id]](std::uint32_t k, Vector3<Real>* vectors) {
       const ContactEnd end = by_body.end(id, k);
       const Real sign = end.sign<Real>();
-      const StoredContact<Real> contact = load_whole(&soft[end.contact]);
-      given[0] = sign * contact.impulse * contact.normal;
-      if constexpr (rubbed) {
-        given[1] = sign * contact.rubbed;
-        given[2] = -((radius + contact.gap / 2) * contact.normal.cross(contact.rubbed));
+      const PackedContact<Real> contact = load_readonly(&soft[end.contact]);
+      vectors[0] = sign * contact.impulse * contact.normal;
+      if constexpr (with_friction) {
+        vectors[1] = sign * contact.friction_impulse;
+        vectors[2] = -((radius + contact.gap / 2) * contact.normal.cross(contact.friction_impulse));
       }
     };
   }
 
-  SIM_HD void begin(int id, const Given& given) const {
-    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
+  SIM_HD void begin(int id, const ImpulseSums& impulses) const {
+    typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     const Vector3<Real> before = body.v;
-    SoftWalls<Real, rubbed, boxed> own = walls;
+    SoftWalls<Real, with_friction, with_box_obstacles> own = walls;
     if (field != nullptr) own.gravity = gravity + field[id];
-    if (pulled) body.v += h * own.gravity;
-    if constexpr (boxed) own.face_boxes(id, body);
+    if (with_field) body.v += h * own.gravity;
+    if constexpr (with_box_obstacles) own.update_box_planes(id, body);
     own.warm_start(id, body);
     if (contacts_of(id) > 0) {
-      body.v += body.inverse_mass * given.sum[0];
-      if constexpr (rubbed) body.spin.turn(given.sum[1]);
+      body.v += body.inverse_mass * impulses.sum[0];
+      if constexpr (with_friction) body.angular.apply_angular_impulse(impulses.sum[1]);
     }
     own.solve(id, body, false, &before);
-    body.given = true;
+    body.velocity_changed = true;
     walls.store(id, body);
   }
 };

@@ -20,15 +20,15 @@
 #include "sim_cuda/solver/contact_cache.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
-#include "sim_cuda/solver/free_motion.h"
+#include "sim_cuda/solver/free_integrator.h"
+#include "sim_cuda/solver/friction_constraint.h"
 #include "sim_cuda/solver/plane_contacts.h"
 #include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
-#include "sim_cuda/solver/soft_grip.h"
-#include "sim_cuda/solver/soft_memory.h"
-#include "sim_cuda/solver/soft_sweeps.h"
+#include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_walls.h"
 
 namespace collidoscope {
@@ -39,51 +39,51 @@ class SoftStepSolver final : public ContactSolver<Real> {
   /// `coloured` false: the solver `jacobi_split`, which sweeps all contacts at once, as the mass-split set.
   SoftStepSolver(Executor& executor, const SolverScene<Real>& scene, bool coloured);
   int runs_per_step() const override { return 1; }
-  Real foresight() const override { return scene_.time_step; }
+  Real prediction_time() const override { return scene_.time_step; }
   void reserve(std::int64_t contact_capacity) override;
   /// `iterations` sweeps in each solve and in each relax. `impulses`: of all substeps and the bounce.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
   void record_residuals(bool on) override;
   std::vector<Residual> residuals() const override;
   const Sleeping<Real>* sleeping() const override { return scene_.effects.sleeping ? &sleeping_ : nullptr; }
-  SolverMemory memory() const override;
-  void remember(const SolverMemory& memory) override;
-  void visit_memory(const ArrayVisit& visit) override;
+  WarmStart save_warm_start() const override;
+  void load_warm_start(const WarmStart& warm_start) override;
+  void visit_warm_start(const ArrayVisitor& visit) override;
 
  private:
-  // The parts of a step, in order. `rubbed`: with friction.
-  template <bool rubbed>
+  // The parts of a step, in order. `with_friction`: with friction.
+  template <bool with_friction>
   void advance(const ContactView<Real>& contacts, Real* impulses);
   void begin_step(const ContactView<Real>& contacts);
-  template <bool rubbed>
+  template <bool with_friction>
   void begin_substep(int substep);
-  template <bool rubbed>
+  template <bool with_friction>
   void solve(int substep);
   void move();
-  template <bool rubbed>
+  template <bool with_friction>
   void relax(int substep);
-  template <bool rubbed>
+  template <bool with_friction>
   void bounce();
   void friction_of_bounces();
   void end_step(const ContactView<Real>& contacts, Real* impulses);
 
   // What these are made of.
   void prepare(const ContactView<Real>& contacts);
-  template <bool rubbed>
+  template <bool with_friction>
   void apply_forces();
   template <class Act>
-  void sweep(const char* stage, const Act& act);
-  template <bool rubbed, class With>
+  void iterate(const char* stage, const Act& act);
+  template <bool with_friction, class With>
   void on_walls(const With& with);
-  template <bool rubbed>
-  void sweep_walls(const char* stage, bool relaxing, bool last);
-  template <bool rubbed>
-  void record_sweep(int substep, bool soft, int sweep);
+  template <bool with_friction>
+  void iterate_walls(const char* stage, bool relaxing, bool last);
+  template <bool with_friction>
+  void record_iteration(int substep, bool soft, int iteration);
   /// A stage over the bodies that are awake.
   template <class Stage>
   void run_bodies(const char* name, const Stage& stage);
-  template <bool rubs>
-  SweptContacts<Real, rubs> swept() const;
+  template <bool with_friction>
+  OrderedContacts<Real, with_friction> ordered_contacts() const;
   RollingSource<Real> rolling_source() const;
   Count contact_count() const { return Count(&scene_.control->contacts, contact_capacity_); }
 
@@ -93,25 +93,25 @@ class SoftStepSolver final : public ContactSolver<Real> {
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
-  ContactDegrees split_degrees_;
-  ContactsByBody all_, split_;      ///< of all contacts; of the mass-split set
-  Buffer<Pair> swept_;              ///< in the order in which they are swept, as all that follows by place
-  Buffer<std::uint32_t> place_of_;  ///< by contact
+  ContactDegrees uncoloured_degrees_;
+  ContactsByBody all_, uncoloured_;  ///< of all contacts; of the mass-split set
+  Buffer<Pair> ordered_contacts_;    ///< in the order in which they are solved, as all that follows by place
+  Buffer<std::uint32_t> place_of_;   ///< by contact
   Buffer<ContactBodies<Real>> bodies_of_;
-  Buffer<Turns> turns_;
-  Buffer<FoundBody<Real>> found_;      ///< by body
-  Buffer<GrippedBody<Real>> gripped_;  ///< by body; empty without friction
-  Buffer<StoredContact<Real>> soft_;
+  Buffer<DependencyCounters> dependency_counters_;
+  Buffer<StepBody<Real>> step_bodies_;        ///< by body
+  Buffer<BodyFriction<Real>> body_friction_;  ///< by body; empty without friction
+  Buffer<PackedContact<Real>> soft_;
   Buffer<ContactSums<Real>> sums_;
-  Buffer<GripSums<Real>> grips_;  ///< empty without friction, as all that follows of it
-  Buffer<TurnedBodies<Real>> turned_;
-  Buffer<Real> split_change_;           ///< N s
-  Buffer<Vector3<Real>> split_rubbed_;  ///< N s
-  Buffer<std::uint32_t> bounces_;       ///< one
+  Buffer<FrictionSums<Real>> friction_sums_;  ///< empty without friction, as all that follows of it
+  Buffer<ContactInertia<Real>> contact_inertia_;
+  Buffer<Real> uncoloured_change_;             ///< N s
+  Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
+  Buffer<std::uint32_t> bounces_;              ///< one
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
-  PrescribedMotion<Real> prescribed_;
-  FreeMotion<Real> free_motion_;
+  KinematicMotion<Real> kinematic_;
+  FreeIntegrator<Real> free_integrator_;
   ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
   Residuals residuals_;

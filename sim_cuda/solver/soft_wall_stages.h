@@ -10,72 +10,73 @@
 namespace collidoscope {
 
 /// One sweep over all bodies' planes. `last`: of those that relax.
-template <class Real, bool rubbed, bool boxed>
+template <class Real, bool with_friction, bool with_box_obstacles>
 struct SolveWalls {
-  SoftWalls<Real, rubbed, boxed> walls;
+  SoftWalls<Real, with_friction, with_box_obstacles> walls;
   bool relaxing, last;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.approach(id);
-    if (!walls.meets(body, relaxing)) return;
+    typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
+    if (!walls.may_touch(body, relaxing)) return;
     walls.load_rest(id, body);
     walls.solve(id, body, relaxing, nullptr);
-    if (relaxing) walls.rub_all(id, body, last);
+    if (relaxing) walls.apply_friction(id, body, last);
     walls.store(id, body);
   }
 };
 
 /// The bounce off every plane that the step has touched; makes the next step start afresh.
-template <class Real, bool rubbed, bool boxed>
+template <class Real, bool with_friction, bool with_box_obstacles>
 struct BounceOffWalls {
-  SoftWalls<Real, rubbed, boxed> walls;
+  SoftWalls<Real, with_friction, with_box_obstacles> walls;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    if (walls.count() <= walls.bits && walls.at[id] == 0) return;
-    typename SoftWalls<Real, rubbed, boxed>::Body body = walls.load(id);
+    if (walls.count() <= walls.mask_bits && walls.active_mask[id] == 0) return;
+    typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     for (int p = 0; p < walls.count(); ++p) {
-      if (!walls.is_at(body, p)) continue;
-      const std::int64_t place = walls.place(p, id);
-      const Real wanted = walls.bounce[place];
-      if (wanted < 0) continue;
+      if (!walls.is_active(body, p)) continue;
+      const std::int64_t place = walls.index(p, id);
+      const Real bounce_speed = walls.bounce[place];
+      if (bounce_speed < 0) continue;
       walls.bounce[place] = -1;
-      const Vector3<Real> normal = walls.touched(p, id);
+      const Vector3<Real> normal = walls.contact_normal(p, id);
       const Real speed = normal.dot(body.v);
-      if (!(wanted > 0 && wanted > speed)) continue;
-      const Real change = body.mass * (wanted - speed);
-      walls.give(id, body, normal, change);
+      if (!(bounce_speed > 0 && bounce_speed > speed)) continue;
+      const Real change = body.mass * (bounce_speed - speed);
+      walls.apply_normal_impulse(id, body, normal, change);
       walls.impulse[place] = 0;  // it leaves
-      if constexpr (rubbed) {
-        walls.grips.impulse[place] = Vector3<Real>::Zero();
-        walls.grips.pressed[place] += change;
+      if constexpr (with_friction) {
+        walls.friction.impulse[place] = Vector3<Real>::Zero();
+        walls.friction.normal_impulse_sum[place] += change;
       }
     }
-    if constexpr (!rubbed) walls.leave(id, body);
+    if constexpr (!with_friction) walls.deactivate_unused(id, body);
     walls.store(id, body);
   }
 };
 
 /// What a bounce adds to the friction of the step; after all bounces.
-template <class Real, bool boxed>
-struct GripWalls {
-  SoftWalls<Real, true, boxed> walls;
+template <class Real, bool with_box_obstacles>
+struct WallFrictionAfterBounce {
+  SoftWalls<Real, true, with_box_obstacles> walls;
   const StepControl* control;
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
-    if (walls.count() <= walls.bits && walls.at[id] == 0) return;
-    typename SoftWalls<Real, true, boxed>::Body body = walls.load(id);
+    if (walls.count() <= walls.mask_bits && walls.active_mask[id] == 0) return;
+    typename SoftWalls<Real, true, with_box_obstacles>::Body body = walls.load(id);
     for (int p = 0; p < walls.count(); ++p) {
-      if (!walls.is_at(body, p)) continue;
-      const std::int64_t place = walls.place(p, id);
-      const Real pressed = walls.grips.pressed[place];
-      if (!(pressed > 0)) continue;
-      walls.rub_plane(id, body, p, walls.touched(p, id), pressed, walls.grips.total[place]);
-      walls.grips.pressed[place] = 0;
-      walls.grips.total[place] = Vector3<Real>::Zero();
+      if (!walls.is_active(body, p)) continue;
+      const std::int64_t place = walls.index(p, id);
+      const Real normal_impulse = walls.friction.normal_impulse_sum[place];
+      if (!(normal_impulse > 0)) continue;
+      walls.apply_plane_friction(id, body, p, walls.contact_normal(p, id), normal_impulse,
+                                 walls.friction.total[place]);
+      walls.friction.normal_impulse_sum[place] = 0;
+      walls.friction.total[place] = Vector3<Real>::Zero();
     }
-    walls.leave(id, body);
+    walls.deactivate_unused(id, body);
     walls.store(id, body);
   }
 };

@@ -36,7 +36,7 @@ struct ResolveWalls {
   Restitution<Real> restitution;
   Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
   Real h;                 ///< s
-  WallLedger* ledger;
+  StaticImpulse* static_impulses;
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
@@ -44,13 +44,13 @@ struct ResolveWalls {
     Vector3<Real> x = bodies.position[body], v = bodies.velocity[body];
     const Real r = bodies.radius[body], m = bodies.mass[body];
     bool moved = false, hit = false;
-    const auto give = [&](const Vector3<Real>& normal, Real change) {
+    const auto apply_impulse = [&](const Vector3<Real>& normal, Real change) {
       const Vector3<Real> step = change * normal;
       v += step;
       hit = true;
-      WallLedger& book = ledger[body];
-      book.impulse += static_cast<double>(m * change);
-      for (int k = 0; k < 3; ++k) book.vector[k] += static_cast<double>(m * step[k]);
+      StaticImpulse& sum = static_impulses[body];
+      sum.impulse += static_cast<double>(m * change);
+      for (int k = 0; k < 3; ++k) sum.vector[k] += static_cast<double>(m * step[k]);
     };
     for (int p = 0; p < plane_count; ++p) {
       const WallPlane<Real> plane = planes[p];
@@ -61,22 +61,22 @@ struct ResolveWalls {
         x += shift;
         gap = 0;
         moved = true;
-        ledger[body].push_work -= static_cast<double>(m * gravity.dot(shift));
+        static_impulses[body].push_work -= static_cast<double>(m * gravity.dot(shift));
       }
-      const Real speed = plane.normal.dot(v), pull = h * plane.normal.dot(gravity);
-      if (!(gap + h * (speed + pull) < 0)) continue;
+      const Real speed = plane.normal.dot(v), gain = h * plane.normal.dot(gravity);
+      if (!(gap + h * (speed + gain) < 0)) continue;
       const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(body)),
                                          plane.restitution, -speed);
       const Real bounce = speed < 0 ? -e * speed : Real(0);
-      const Real target = max_of(bounce, -gap / h - pull);
-      if (target > speed) give(plane.normal, target - speed);
+      const Real target = max_of(bounce, -gap / h - gain);
+      if (target > speed) apply_impulse(plane.normal, target - speed);
     }
     // A bounce that would cross the whole box within this step ends on the wall opposite.
     for (int p = 0; hit && p < plane_count; ++p) {
       const WallPlane<Real> plane = planes[p];
       const Real gap = max_of(plane.normal.dot(x) - plane.offset - r, Real(0));
       const Real speed = plane.normal.dot(v), stay = -gap / h - h * plane.normal.dot(gravity);
-      if (stay > speed) give(plane.normal, stay - speed);
+      if (stay > speed) apply_impulse(plane.normal, stay - speed);
     }
     if (moved) bodies.position[body] = x;
     if (hit) bodies.velocity[body] = v;

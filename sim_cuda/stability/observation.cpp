@@ -14,15 +14,15 @@ bool is_moved(const InitialBodies& bodies, std::size_t body) {
   return bodies.motion.empty() || bodies.motion[body] == Motion::dynamic;
 }
 
-Pairs parted_by_joints(const Scene& scene) {
-  Pairs parted;
+Pairs pairs_excluded_by_joints(const Scene& scene) {
+  Pairs excluded;
   for (const Joint& joint : scene.joints)
     if (joint.b && !joint.collide) {
       const auto a = static_cast<std::uint32_t>(joint.a), b = static_cast<std::uint32_t>(*joint.b);
-      parted.emplace_back(std::min(a, b), std::max(a, b));
+      excluded.emplace_back(std::min(a, b), std::max(a, b));
     }
-  std::ranges::sort(parted);
-  return parted;
+  std::ranges::sort(excluded);
+  return excluded;
 }
 
 BoxSurface<double> surface_of(const BoxObstacle& box) {
@@ -35,13 +35,13 @@ BoxSurface<double> surface_of(const BoxObstacle& box) {
 
 void pair_overlaps(World& world, const BodyStates& bodies, std::vector<Overlap>& found) {
   const InitialBodies& initial = world.initial();
-  const Pairs parted = parted_by_joints(world.scene());
+  const Pairs excluded = pairs_excluded_by_joints(world.scene());
   world.detect();
   for (const auto& [a, b] : world.pairs()) {
     if (!is_moved(initial, a) && !is_moved(initial, b)) continue;
     const double depth =
         initial.radius[a] + initial.radius[b] - (bodies.position[b] - bodies.position[a]).norm();
-    if (!(depth > 0) || std::ranges::binary_search(parted, std::pair(a, b))) continue;
+    if (!(depth > 0) || std::ranges::binary_search(excluded, std::pair(a, b))) continue;
     found.push_back({a, b, depth, std::min(initial.radius[a], initial.radius[b])});
   }
 }

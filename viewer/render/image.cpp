@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/whole_file.h"
 
 namespace collidoscope {
 namespace {
@@ -50,7 +50,7 @@ void write_png(const Image& image, const std::string& file) {
   for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4)
     rgb.insert(rgb.end(), image.rgba.begin() + static_cast<std::ptrdiff_t>(i),
                image.rgba.begin() + static_cast<std::ptrdiff_t>(i) + 3);
-  WholeFile out(file);
+  AtomicFile out(file);
   errno = 0;
   if (!write_rows(out.stream(), image, rgb.data())) out.fail(errno == 0 ? "libpng failed" : "");
   out.commit();

@@ -27,19 +27,19 @@
 namespace collidoscope {
 
 /// settled_state() in slices, for callers that work in between, such as a window.
-class Settling {
+class Presimulation {
  public:
   /// Done at once where the cache has it.
-  Settling(const Scene& scene, const RunOptions& options);
-  ~Settling();
-  Settling(Settling&&) noexcept;
-  Settling& operator=(Settling&&) noexcept;
+  Presimulation(const Scene& scene, const RunOptions& options);
+  ~Presimulation();
+  Presimulation(Presimulation&&) noexcept;
+  Presimulation& operator=(Presimulation&&) noexcept;
 
   bool done() const;
   /// Steps for about so many milliseconds, and one at least, until it is done. Throws as World does.
   void go_on(double milliseconds);
-  std::int64_t steps() const;  ///< so far
-  std::int64_t most() const;   ///< steps after which it ends, at rest or not
+  std::int64_t steps() const;      ///< so far
+  std::int64_t max_steps() const;  ///< steps after which it ends, at rest or not
   /// The state at rest, once it is done.
   RunState take();
 
@@ -52,10 +52,11 @@ class Settling {
 double energy_at_rest(double mass, double g, double radius);
 
 /// Who is told while a world settles, since that takes long. One for the program; set before worlds are made.
-struct SettleNews {
-  std::function<void(std::int64_t steps, std::int64_t most)> progress;  ///< `steps` = `most` at the end
-  std::function<void(const std::string& line)> say;
+struct PresimulationCallbacks {
+  std::function<void(std::int64_t steps, std::int64_t max_steps)>
+      progress;  ///< `steps` = `max_steps` at the end
+  std::function<void(const std::string& line)> log;
 };
-void set_settle_news(SettleNews news);
+void set_presimulation_callbacks(PresimulationCallbacks callbacks);
 
 }  // namespace collidoscope

@@ -1,5 +1,5 @@
 #pragma once
-// A copy of arrays on the host, put aside to be put back. For what a step on the CPU writes in place.
+// A backup copy of arrays on the host, to be restored. For what a step on the CPU writes in place.
 
 #include <cstddef>
 #include <functional>
@@ -11,16 +11,16 @@
 namespace collidoscope {
 
 /// Is given arrays, one by one.
-using ArrayVisit = std::function<void(void* data, std::size_t bytes)>;
+using ArrayVisitor = std::function<void(void* data, std::size_t bytes)>;
 
-class Aside {
+class HostBackup {
  public:
   /// Copies what `visit_all` gives to the visit that it is called with; the arrays stay where they are until
-  /// put_back(). Throws std::bad_alloc.
-  void put(ThreadTeam& team, const std::function<void(const ArrayVisit&)>& visit_all);
-  bool holds() const { return !arrays_.empty(); }
-  void put_back(ThreadTeam& team);
-  void forget() { arrays_.clear(); }
+  /// restore(). Throws std::bad_alloc.
+  void save(ThreadTeam& team, const std::function<void(const ArrayVisitor&)>& visit_all);
+  bool has_copy() const { return !arrays_.empty(); }
+  void restore(ThreadTeam& team);
+  void clear() { arrays_.clear(); }
 
  private:
   struct Array {
@@ -29,7 +29,7 @@ class Aside {
   };
   std::vector<Array> arrays_;
   std::unique_ptr<std::byte[]> copy_;
-  std::size_t room_ = 0;  ///< of copy_
+  std::size_t capacity_ = 0;  ///< of copy_
 };
 
 }  // namespace collidoscope

@@ -1,8 +1,8 @@
 #pragma once
-// Loads and stores of whole records in 16-byte words. Left to itself, a compiler loads each member where it
-// is used, and a walk from record to record then waits several times at each; and it stores each by itself,
-// which at random places costs the second-level cache as much as storing a record. A record is of plain
-// numbers, Eigen's vectors among them.
+// Vectorised loads and stores of records, in 16-byte words. Left to itself, a compiler loads each member
+// where it is used, and a walk from record to record then waits several times at each; and it stores each by
+// itself, which at random places costs the second-level cache as much as storing a record. A record is of
+// plain numbers, Eigen's vectors among them.
 
 #include <cstddef>
 #include <cstring>
@@ -35,7 +35,7 @@ __device__ T load_words(const T* source, const LoadWord& load_word) {
 
 /// A record that nobody writes while this stage runs.
 template <class T>
-SIM_HD T load_whole(const T* source) {
+SIM_HD T load_readonly(const T* source) {
 #if defined(__CUDA_ARCH__)
   return detail::load_words(source, [](const uint4* word) { return __ldg(word); });
 #else
@@ -43,10 +43,10 @@ SIM_HD T load_whole(const T* source) {
 #endif
 }
 
-/// A record that another thread wrote before an atomic_swap() that this thread has seen: past the GPU's first
-/// cache, which may hold what stood there before.
+/// A record that another thread wrote before an atomic_exchange() that this thread has seen: past the GPU's
+/// first cache, which may hold what stood there before.
 template <class T>
-SIM_HD T load_fresh(const T* source) {
+SIM_HD T load_l2(const T* source) {
 #if defined(__CUDA_ARCH__)
   return detail::load_words(source, [](const uint4* word) { return __ldcg(word); });
 #else
@@ -56,7 +56,7 @@ SIM_HD T load_fresh(const T* source) {
 
 /// A record that this stage writes as well, but that no other thread writes since the last round or launch.
 template <class T>
-SIM_HD T load_own(const T* source) {
+SIM_HD T load_cached(const T* source) {
 #if defined(__CUDA_ARCH__)
   return detail::load_words(source, [](const uint4* word) { return *word; });
 #else
@@ -65,7 +65,7 @@ SIM_HD T load_own(const T* source) {
 }
 
 template <class T>
-SIM_HD void store_whole(T* target, const T& record) {
+SIM_HD void store_vectorized(T* target, const T& record) {
 #if defined(__CUDA_ARCH__)
   detail::Words<T> words;
   memcpy(&words, static_cast<const void*>(&record), sizeof words);
@@ -79,12 +79,12 @@ SIM_HD void store_whole(T* target, const T& record) {
 
 /// Part of a record: four numbers of it that lie side by side, on a boundary of four.
 template <class Real>
-SIM_HD void store_four(void* target, Real x, Real y, Real z, Real w) {
+SIM_HD void store_vec4(void* target, Real x, Real y, Real z, Real w) {
   struct alignas(4 * sizeof(Real)) Four {
     Real x, y, z, w;
   } four{x, y, z, w};
 #if defined(__CUDA_ARCH__)
-  store_whole(static_cast<Four*>(target), four);
+  store_vectorized(static_cast<Four*>(target), four);
 #else
   std::memcpy(target, &four, sizeof four);
 #endif

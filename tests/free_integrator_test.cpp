@@ -1,7 +1,7 @@
 // Integrators and rotation updates in the solvers: the order of each against closed forms; that contacts,
 // joints and rest do not notice them; and that the defaults cost nothing.
 
-#include "sim_cuda/solver/free_motion.h"
+#include "sim_cuda/solver/free_integrator.h"
 
 #include <algorithm>
 
@@ -93,7 +93,7 @@ TEST_P(FreeMotions, AreOfTheirOrderInAMedium) {
       scene.bodies = {sphere(0.1, Vector3d(0, 0, 0), Vector3d(0.6 * speed, 0, 0.8 * speed))};
       scene.bodies[0].mass = 2;
       const DragLaw<double> law = DragLaw<double>::of(scene.physics.drag);
-      const double rate = law.rate(linear ? 1 : speed, 0.1, 0.5, 1);
+      const double rate = law.decay(linear ? 1 : speed, 0.1, 0.5, 1);
       const double way =
           linear ? speed * -std::expm1(-rate * time) / rate : std::log1p(rate * time) / (rate / speed);
       const double left = linear ? speed * std::exp(-rate * time) : speed / (1 + rate * time);

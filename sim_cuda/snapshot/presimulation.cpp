@@ -1,4 +1,4 @@
-#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/presimulation.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <numeric>
 #include <optional>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
-#include "sim_cuda/core/whole_file.h"
 #include "sim_cuda/run/settled_state.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
@@ -26,13 +26,13 @@ constexpr double lift = 1.0 / 20'000;   // of the largest radius
 constexpr double longest_falls = 20;    // from the top of the box
 constexpr double slower_in_a_fall = 4;  // of the drag
 
-SettleNews& settle_report() {
-  static SettleNews for_all;
+PresimulationCallbacks& presimulation_callbacks() {
+  static PresimulationCallbacks for_all;
   return for_all;
 }
 
-void report_settling(const std::string& line) {
-  if (settle_report().say) settle_report().say(line);
+void log_presimulation(const std::string& line) {
+  if (presimulation_callbacks().log) presimulation_callbacks().log(line);
 }
 
 /// What is simulated to rest. Names and views do not decide it.
@@ -97,7 +97,7 @@ std::optional<RunState> cached(const std::filesystem::path& file, const Scene& i
         kept.bodies_hash == hash_of_bodies(initial_bodies(inner)))
       return std::move(kept.state);
   } catch (const InputError& error) {
-    report_settling(std::string(error.what()) + "; it is made anew");
+    log_presimulation(std::string(error.what()) + "; it is made anew");
   }
   return std::nullopt;
 }
@@ -107,9 +107,9 @@ void keep(const std::filesystem::path& file, const Snapshot& snapshot) {
   try {
     std::string bytes;
     write_snapshot(snapshot, [&](std::string_view more) { bytes += more; });
-    write_whole_file(file.string(), bytes);
+    write_file_atomically(file.string(), bytes);
   } catch (const std::exception& error) {
-    report_settling(fmt::format("what settled is not kept for the next start: {}", error.what()));
+    log_presimulation(fmt::format("what settled is not kept for the next start: {}", error.what()));
   }
 }
 
@@ -129,7 +129,7 @@ void slow_down(World& world, double share) {
 
 double energy_at_rest(double mass, double g, double radius) { return mass * g * lift * radius; }
 
-struct Settling::Impl {
+struct Presimulation::Impl {
   Impl(const Scene& scene, const RunOptions& options) : inner(falling(scene)), file(cache_file(inner)) {
     state = cached(file, inner);
     if (!state) fall(options);
@@ -143,27 +143,27 @@ struct Settling::Impl {
                              largest(bodies.radius));
     const double side = (bodies.box->max - bodies.box->min).maxCoeff();
     fall_time = std::sqrt(2 * side / g);
-    most = static_cast<std::int64_t>(std::clamp(std::ceil(longest_falls * fall_time / step), 1.0, 1e9));
+    max_steps = static_cast<std::int64_t>(std::clamp(std::ceil(longest_falls * fall_time / step), 1.0, 1e9));
     share = 1 / (1 + stride * step * slower_in_a_fall / fall_time);
   }
-  std::int64_t next_look() const { return std::min((world->steps() / stride + 1) * stride, most); }
+  std::int64_t next_look() const { return std::min((world->steps() / stride + 1) * stride, max_steps); }
 
   /// Whether it lies, and if not, slower.
   void look() {
     const double energy = world->measure().kinetic_energy;
-    if (settle_report().progress) settle_report().progress(world->steps(), most);
+    if (presimulation_callbacks().progress) presimulation_callbacks().progress(world->steps(), max_steps);
     const double time = static_cast<double>(world->steps()) * inner.physics.time_step;
     const bool fallen = time > fall_time;  // else it has hardly begun
     const bool rests = fallen && energy <= at_rest;
-    if (!rests && world->steps() < most) {
+    if (!rests && world->steps() < max_steps) {
       if (fallen) slow_down(*world, share);
       return;
     }
     if (!rests)
-      report_settling(fmt::format(
-          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest", most,
-          energy, at_rest));
-    if (settle_report().progress) settle_report().progress(most, most);
+      log_presimulation(fmt::format(
+          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest",
+          max_steps, energy, at_rest));
+    if (presimulation_callbacks().progress) presimulation_callbacks().progress(max_steps, max_steps);
     Snapshot snapshot = snapshot_of(*world);
     keep(file, snapshot);
     state = std::move(snapshot.state);
@@ -177,20 +177,20 @@ struct Settling::Impl {
   double at_rest = 0;             // J
   double fall_time = 0;           // s, from the top of the box
   double share = 1;               // of the velocities, that a look leaves
-  std::int64_t most = 0;
+  std::int64_t max_steps = 0;
 };
 
-Settling::Settling(const Scene& scene, const RunOptions& options)
+Presimulation::Presimulation(const Scene& scene, const RunOptions& options)
     : impl_(std::make_unique<Impl>(scene, options)) {}
-Settling::~Settling() = default;
-Settling::Settling(Settling&&) noexcept = default;
-Settling& Settling::operator=(Settling&&) noexcept = default;
+Presimulation::~Presimulation() = default;
+Presimulation::Presimulation(Presimulation&&) noexcept = default;
+Presimulation& Presimulation::operator=(Presimulation&&) noexcept = default;
 
-bool Settling::done() const { return impl_->state.has_value(); }
-std::int64_t Settling::steps() const { return impl_->world ? impl_->world->steps() : impl_->most; }
-std::int64_t Settling::most() const { return impl_->most; }
+bool Presimulation::done() const { return impl_->state.has_value(); }
+std::int64_t Presimulation::steps() const { return impl_->world ? impl_->world->steps() : impl_->max_steps; }
+std::int64_t Presimulation::max_steps() const { return impl_->max_steps; }
 
-void Settling::go_on(double milliseconds) {
+void Presimulation::go_on(double milliseconds) {
   const Deadline slice(milliseconds);
   while (!done()) {
     World& world = *impl_->world;
@@ -201,20 +201,20 @@ void Settling::go_on(double milliseconds) {
   }
 }
 
-RunState Settling::take() {
+RunState Presimulation::take() {
   RunState& state = *impl_->state;
   state.steps = 0;
   state.time = 0;
-  state.ledgers.assign(state.ledgers.size(), WallLedger{});
+  state.static_impulses.assign(state.static_impulses.size(), StaticImpulse{});
   return std::move(state);
 }
 
 RunState settled_state(const Scene& scene, const RunOptions& options) {
-  Settling settling(scene, options);
+  Presimulation settling(scene, options);
   settling.go_on(std::numeric_limits<double>::infinity());
   return settling.take();
 }
 
-void set_settle_news(SettleNews told) { settle_report() = std::move(told); }
+void set_presimulation_callbacks(PresimulationCallbacks told) { presimulation_callbacks() = std::move(told); }
 
 }  // namespace collidoscope

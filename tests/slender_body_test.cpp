@@ -1,4 +1,4 @@
-#include "sim_cuda/dynamics/needle.h"
+#include "sim_cuda/dynamics/slender_body.h"
 
 #include <gtest/gtest.h>
 
@@ -11,13 +11,13 @@ namespace collidoscope {
 namespace {
 
 TEST(Needle, IsABodyWithTwoEqualMomentsManyTimesTheThird) {
-  EXPECT_EQ(needle_axis(Vector3d(1e-6, 1, 1)), 0);
-  EXPECT_EQ(needle_axis(Vector3f(1, 1e-6f, 1)), 1);
-  EXPECT_EQ(needle_axis(Vector3d(17, 17, 1)), 2);
-  EXPECT_EQ(needle_axis(Vector3d(16, 16, 1)), -1);
-  EXPECT_EQ(needle_axis(Vector3d(1, 1, 2)), -1) << "a plate";
-  EXPECT_EQ(needle_axis(Vector3d(1, 1, 1)), -1) << "a ball";
-  EXPECT_EQ(needle_axis(Vector3d(1e-6, 1, 1 + 1e-6)), 0) << "not quite symmetric";
+  EXPECT_EQ(slender_axis(Vector3d(1e-6, 1, 1)), 0);
+  EXPECT_EQ(slender_axis(Vector3f(1, 1e-6f, 1)), 1);
+  EXPECT_EQ(slender_axis(Vector3d(17, 17, 1)), 2);
+  EXPECT_EQ(slender_axis(Vector3d(16, 16, 1)), -1);
+  EXPECT_EQ(slender_axis(Vector3d(1, 1, 2)), -1) << "a plate";
+  EXPECT_EQ(slender_axis(Vector3d(1, 1, 1)), -1) << "a ball";
+  EXPECT_EQ(slender_axis(Vector3d(1e-6, 1, 1 + 1e-6)), 0) << "not quite symmetric";
 }
 
 TEST(Needle, TurnsAsEulersEquationsSay) {
@@ -26,7 +26,7 @@ TEST(Needle, TurnsAsEulersEquationsSay) {
       [&](int steps) {
         Quaterniond q(1, 0, 0, 0);
         Vector3d w = spin;
-        for (int k = 0; k < steps; ++k) turn_needle(0, q, w, inertia, 1.0 / steps);
+        for (int k = 0; k < steps; ++k) rotate_slender(0, q, w, inertia, 1.0 / steps);
         // symmetric_top has its own axis along z.
         const Quaterniond axes(Eigen::AngleAxisd(-1.57079632679489662, Vector3d::UnitY()));
         const Vector3d along_z(inertia.z(), inertia.y(), inertia.x());
@@ -61,13 +61,13 @@ std::pair<double, double> change(const Turn& turn, double h) {
 TEST(Needle, KeepsItsEnergyWithEveryUpdateAndEveryStep) {
   for (const double h : {1.0 / 480, 1.0 / 30, 1.0, 1000.0}) {
     for (const auto& [gained, moved] :
-         {change<double>([](auto&&... all) { rotate_freely(all...); }, h),
-          change<double>([](auto&&... all) { turn_freely<SecondOrderTurn>(all...); }, h),
-          change<double>([](auto&&... all) { turn_freely<FourthOrderTurn>(all...); }, h)}) {
+         {change<double>([](auto&&... all) { rotate_first_order(all...); }, h),
+          change<double>([](auto&&... all) { rotate_lie_group<SecondOrderRotation>(all...); }, h),
+          change<double>([](auto&&... all) { rotate_lie_group<FourthOrderRotation>(all...); }, h)}) {
       EXPECT_LT(gained, 1e-12) << h;
       EXPECT_LT(moved, 1e-12) << h;
     }
-    const auto [gained, moved] = change<float>([](auto&&... all) { rotate_freely(all...); }, h);
+    const auto [gained, moved] = change<float>([](auto&&... all) { rotate_first_order(all...); }, h);
     EXPECT_LT(gained, 1000 * 1.2e-7) << h;
     EXPECT_LT(moved, 1000 * 1.2e-7) << h;
   }

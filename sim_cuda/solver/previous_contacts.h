@@ -10,7 +10,7 @@
 namespace collidoscope {
 
 /// Ordered by (a, b), in the executor's memory.
-struct KnownContacts {
+struct PreviousContacts {
   const Pair* contacts;
   const std::uint32_t* count;  ///< one
   const std::uint32_t* first;  ///< by body a; of no meaning where it has none

@@ -7,7 +7,7 @@
 namespace collidoscope {
 
 /// a (1/s) and b (1/m) >= 0, not both 0.
-struct Slowing {
+struct DragSolution {
   double linear, quadratic;
 
   /// m/s at t s, of what starts at `start` m/s.

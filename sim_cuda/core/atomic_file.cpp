@@ -1,4 +1,4 @@
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -26,34 +26,34 @@ bool is_named(int handle, const fs::path& name) {
          of_handle.st_ino == of_name.st_ino && of_handle.st_dev == of_name.st_dev;
 }
 
-std::atomic_flag list_taken = ATOMIC_FLAG_INIT;
-WholeFile* open_files = nullptr;  ///< those that have a temporary file; of who holds list_taken
+std::atomic_flag list_locked = ATOMIC_FLAG_INIT;
+AtomicFile* open_files = nullptr;  ///< those that have a temporary file; of who holds list_locked
 
-bool try_take_list() { return !list_taken.test_and_set(std::memory_order_acquire); }
+bool try_lock_list() { return !list_locked.test_and_set(std::memory_order_acquire); }
 
 /// Holds the list of open files. No signal handler runs in this thread meanwhile, so that a handler which
 /// waits for the list waits for another thread.
-class ListHeld {
+class ListLock {
  public:
-  ListHeld() {
+  ListLock() {
     sigset_t all;
     ::sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &signals_before_);
-    while (!try_take_list()) ::sched_yield();
+    while (!try_lock_list()) ::sched_yield();
   }
-  ~ListHeld() {
-    list_taken.clear(std::memory_order_release);
+  ~ListLock() {
+    list_locked.clear(std::memory_order_release);
     ::pthread_sigmask(SIG_SETMASK, &signals_before_, nullptr);
   }
-  ListHeld(const ListHeld&) = delete;
-  ListHeld& operator=(const ListHeld&) = delete;
+  ListLock(const ListLock&) = delete;
+  ListLock& operator=(const ListLock&) = delete;
 
  private:
   sigset_t signals_before_;
 };
 
-void remove_from_list(const WholeFile* file, WholeFile* WholeFile::*next) {
-  WholeFile** link = &open_files;
+void remove_from_list(const AtomicFile* file, AtomicFile* AtomicFile::*next) {
+  AtomicFile** link = &open_files;
   while (*link != nullptr && *link != file) link = &((*link)->*next);
   if (*link != nullptr) *link = file->*next;
 }
@@ -61,16 +61,16 @@ void remove_from_list(const WholeFile* file, WholeFile* WholeFile::*next) {
 }  // namespace
 
 void remove_temporary_files() noexcept {
-  for (int waited_ms = 0; !try_take_list(); ++waited_ms) {  // and keeps it
+  for (int waited_ms = 0; !try_lock_list(); ++waited_ms) {  // and keeps it
     if (waited_ms == 1000) return;  // std::terminate() can be called by whoever holds it
     constexpr timespec millisecond{0, 1'000'000};
     ::nanosleep(&millisecond, nullptr);
   }
-  for (const WholeFile* file = open_files; file != nullptr; file = file->next_)
+  for (const AtomicFile* file = open_files; file != nullptr; file = file->next_)
     ::unlink(file->temporary_.c_str());
 }
 
-WholeFile::WholeFile(const std::string& target) : name_(target), target_(target) {
+AtomicFile::AtomicFile(const std::string& target) : name_(target), target_(target) {
   follow_links();
   std::error_code failed;
   const fs::file_status status = fs::status(target_, failed);
@@ -82,8 +82,8 @@ WholeFile::WholeFile(const std::string& target) : name_(target), target_(target)
   open_temporary();
 }
 
-void WholeFile::follow_links() {
-  constexpr int most_links = 40;  // as the operating system has it
+void AtomicFile::follow_links() {
+  constexpr int max_links = 40;  // as the operating system has it
   std::error_code failed;
   if (fs::exists(target_, failed)) {
     if (!fs::is_symlink(target_, failed)) return;
@@ -93,7 +93,7 @@ void WholeFile::follow_links() {
   }
   // A link to a file that does not exist yet.
   for (int links = 0; fs::is_symlink(target_, failed); ++links) {
-    if (links == most_links) fail(std::strerror(ELOOP));
+    if (links == max_links) fail(std::strerror(ELOOP));
     const fs::path next = fs::read_symlink(target_, failed);
     if (failed) fail(failed.message());
     target_ = target_.parent_path() / next;
@@ -101,8 +101,8 @@ void WholeFile::follow_links() {
 }
 
 /// The first that nobody else has locked: a new one, or one that a killed program left.
-void WholeFile::open_temporary() {
-  const ListHeld list;
+void AtomicFile::open_temporary() {
+  const ListLock list;
   for (int k = 0; stream_ == nullptr;) {
     temporary_ = target_;
     temporary_ += ".collidoscope-" + std::to_string(k) + ".part";
@@ -130,38 +130,38 @@ void WholeFile::open_temporary() {
   }
 }
 
-WholeFile::~WholeFile() {
+AtomicFile::~AtomicFile() {
   if (stream_ == nullptr) return;
   if (!in_place()) {
-    const ListHeld list;
+    const ListLock list;
     ::unlink(temporary_.c_str());
-    remove_from_list(this, &WholeFile::next_);
+    remove_from_list(this, &AtomicFile::next_);
   }
   std::fclose(stream_);
 }
 
-void WholeFile::write(std::string_view bytes) {
+void AtomicFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail();
 }
 
-void WholeFile::commit() { put(target_); }
+void AtomicFile::commit() { put(target_); }
 
-bool WholeFile::commit_new(const std::string& target) { return put(target, RENAME_NOREPLACE); }
+bool AtomicFile::commit_new(const std::string& target) { return put(target, RENAME_NOREPLACE); }
 
-bool WholeFile::put(const fs::path& target, unsigned flags) {
+bool AtomicFile::put(const fs::path& target, unsigned flags) {
   errno = 0;
   if (std::ferror(stream_) || std::fflush(stream_) != 0) fail();
   if (!in_place()) {
     // A file system may otherwise rename first, and write when the machine has long lost its power.
     if (::fsync(fileno(stream_)) != 0 && errno != EINVAL) fail();
-    const ListHeld list;
+    const ListLock list;
     int moved = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target.c_str(), flags);
     if (moved != 0 && flags == RENAME_NOREPLACE && errno == EEXIST) return false;
     // Some file systems and kernels know no flags.
     if (moved != 0 && (errno == EINVAL || errno == ENOSYS))
       moved = std::rename(temporary_.c_str(), target.c_str());
     if (moved != 0) fail();
-    remove_from_list(this, &WholeFile::next_);
+    remove_from_list(this, &AtomicFile::next_);
     temporary_.clear();
   }
   std::FILE* const closed = std::exchange(stream_, nullptr);
@@ -169,15 +169,15 @@ bool WholeFile::put(const fs::path& target, unsigned flags) {
   return true;
 }
 
-void WholeFile::fail(const std::string& why) const {
+void AtomicFile::fail(const std::string& why) const {
   const int code = errno;
-  throw NotWritten(name_, !why.empty() ? why : code != 0 ? std::strerror(code) : "no reason is known");
+  throw FileWriteError(name_, !why.empty() ? why : code != 0 ? std::strerror(code) : "no reason is known");
 }
 
 namespace {
 
 /// Empty, or why there is no such folder.
-std::string folder_lack(const fs::path& folder) {
+std::string folder_error(const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   std::error_code unknown;
@@ -189,17 +189,17 @@ std::string folder_lack(const fs::path& folder) {
 }  // namespace
 
 void make_folder(const std::string& folder) {
-  const std::string lack = folder_lack(folder);
-  if (!lack.empty()) throw MachineError("Cannot create folder " + folder + ": " + lack);
+  const std::string error = folder_error(folder);
+  if (!error.empty()) throw MachineError("Cannot create folder " + folder + ": " + error);
 }
 
-void write_whole_file(const std::string& file, const std::string& text) {
+void write_file_atomically(const std::string& file, const std::string& text) {
   const fs::path folder = fs::path(file).parent_path();
-  const std::string lack = folder.empty() ? "" : folder_lack(folder);
-  if (!lack.empty()) throw NotWritten(file, "cannot create folder " + folder.string() + ": " + lack);
-  WholeFile whole(file);
-  whole.write(text);
-  whole.commit();
+  const std::string error = folder.empty() ? "" : folder_error(folder);
+  if (!error.empty()) throw FileWriteError(file, "cannot create folder " + folder.string() + ": " + error);
+  AtomicFile out(file);
+  out.write(text);
+  out.commit();
 }
 
 }  // namespace collidoscope

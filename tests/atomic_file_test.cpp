@@ -1,4 +1,4 @@
-#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/core/atomic_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,15 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(WholeFile, IsAsItWasUntilCommit) {
+TEST(AtomicFile, IsAsItWasUntilCommit) {
   const TemporaryFolder folder;
   std::ofstream(folder / "x") << "old";
   {
-    WholeFile given_up(folder / "x");
+    AtomicFile given_up(folder / "x");
     given_up.write("half");
   }
   EXPECT_EQ(folder.files(), 1u);
-  WholeFile file(folder / "x");
+  AtomicFile file(folder / "x");
   file.write("new ");
   file.write("text");
   EXPECT_EQ(text_of(folder / "x"), "old");
@@ -35,14 +35,14 @@ TEST(WholeFile, IsAsItWasUntilCommit) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
-TEST(WholeFile, TwoWritersOfOneTargetDoNotMeet) {
+TEST(AtomicFile, TwoWritersOfOneTargetDoNotMeet) {
   const TemporaryFolder folder;
-  WholeFile first(folder / "x"), second(folder / "x");
+  AtomicFile first(folder / "x"), second(folder / "x");
   first.write("first");
   second.write("second");
   second.commit();
   EXPECT_EQ(text_of(folder / "x"), "second");
-  WholeFile third(folder / "x");
+  AtomicFile third(folder / "x");
   first.commit();
   EXPECT_EQ(text_of(folder / "x"), "first");
   third.write("third");
@@ -51,21 +51,21 @@ TEST(WholeFile, TwoWritersOfOneTargetDoNotMeet) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
-TEST(WholeFile, ALinkStaysOne) {
+TEST(AtomicFile, ALinkStaysOne) {
   const TemporaryFolder folder;
   std::ofstream(folder / "x") << "old";
   fs::create_symlink("x", folder / "link");
-  write_whole_file(folder / "link", "new");
+  write_file_atomically(folder / "link", "new");
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
   EXPECT_EQ(text_of(folder / "x"), "new");
 }
 
-TEST(WholeFile, ALinkToNothingYetStaysOne) {
+TEST(AtomicFile, ALinkToNothingYetStaysOne) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "sub");
   fs::create_symlink("sub/second", folder / "link");
   fs::create_symlink("x", folder / "sub/second");
-  write_whole_file(folder / "link", "new");
+  write_file_atomically(folder / "link", "new");
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
   EXPECT_TRUE(fs::is_symlink(folder / "sub/second"));
   EXPECT_EQ(text_of(folder / "sub/x"), "new");
@@ -78,10 +78,10 @@ TEST(WholeFile, ALinkToNothingYetStaysOne) {
   EXPECT_TRUE(fs::is_symlink(folder / "a"));
 }
 
-TEST(WholeFile, ANewOneReplacesNone) {
+TEST(AtomicFile, ANewOneReplacesNone) {
   const TemporaryFolder folder;
   std::ofstream(folder / "x") << "old";
-  WholeFile file(folder / "x");
+  AtomicFile file(folder / "x");
   file.write("new");
   EXPECT_FALSE(file.commit_new(folder / "x"));
   EXPECT_EQ(text_of(folder / "x"), "old");
@@ -90,14 +90,14 @@ TEST(WholeFile, ANewOneReplacesNone) {
   EXPECT_EQ(folder.files(), 2u);
 }
 
-TEST(WholeFile, WhatCannotBeWrittenIsSaidWithItsName) {
+TEST(AtomicFile, WhatCannotBeWrittenIsSaidWithItsName) {
   const TemporaryFolder folder;
   const auto line = [](const std::string& file) -> std::string {
     try {
-      WholeFile whole(file);
+      AtomicFile whole(file);
       whole.write("text");
       whole.commit();
-    } catch (const NotWritten& error) {
+    } catch (const FileWriteError& error) {
       return error.what();
     }
     return "written";
@@ -121,7 +121,7 @@ void kill_while(const std::function<void()>& write, Uniform& uniform) {
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
 }
 
-TEST(WholeFile, IsOldOrNewWheneverItsWriterIsKilled) {
+TEST(AtomicFile, IsOldOrNewWheneverItsWriterIsKilled) {
   const TemporaryFolder folder;
   const std::string text = folder / "text", picture = folder / "picture.png";
   const std::string texts[2] = {std::string(3 << 20, 'a'), std::string(2 << 20, 'b')};
@@ -131,11 +131,11 @@ TEST(WholeFile, IsOldOrNewWheneverItsWriterIsKilled) {
     if (k % 4 != 3) images[1].rgba[k] = static_cast<std::uint8_t>(k * k / 7);
   const auto write_all_the_time = [&] {
     for (int turn = 0;; turn = 1 - turn) {
-      write_whole_file(text, texts[turn]);
+      write_file_atomically(text, texts[turn]);
       write_png(images[turn], picture);
     }
   };
-  write_whole_file(text, texts[0]);
+  write_file_atomically(text, texts[0]);
   write_png(images[0], picture);
   Uniform uniform{Random(1)};
   std::size_t left = 0;
@@ -149,13 +149,13 @@ TEST(WholeFile, IsOldOrNewWheneverItsWriterIsKilled) {
   }
   EXPECT_GT(left, 0u) << "no kill came while a file was being written";
   EXPECT_LE(left, 2u) << "what killed writers leave piles up";
-  write_whole_file(text, "whole");
+  write_file_atomically(text, "whole");
   write_png(images[0], picture);
   EXPECT_EQ(folder.files(), 2u);
 }
 
 /// The program rewrites what a run of one more step left.
-TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
+TEST(AtomicFile, IsOldOrNewWheneverTheProgramIsKilled) {
   const TemporaryFolder folder;
   const std::vector<std::string> names{"json", "bodies", "dynamics", "energy", "snapshot"};
   const auto arguments = [&](const std::string& steps, const std::string& prefix) {
@@ -214,12 +214,12 @@ TEST(WholeFile, IsOldOrNewWheneverTheProgramIsKilled) {
   EXPECT_EQ(folder.files(), files);
 }
 
-TEST(WholeFile, AFolderThatCannotBeMadeIsNamed) {
+TEST(AtomicFile, AFolderThatCannotBeMadeIsNamed) {
   const TemporaryFolder folder;
   make_folder(folder / "a/b");
   EXPECT_TRUE(std::filesystem::is_directory(folder / "a/b"));
   make_folder(folder / "a/b");
-  write_whole_file(folder / "file", "in the way");
+  write_file_atomically(folder / "file", "in the way");
   const std::string file = folder / "file";
   const auto words = [](auto act) -> std::string {
     try {
@@ -232,7 +232,7 @@ TEST(WholeFile, AFolderThatCannotBeMadeIsNamed) {
   EXPECT_EQ(words([&] { make_folder(file); }),
             "Cannot create folder " + file + ": a file of this name exists");
   EXPECT_EQ(
-      words([&] { write_whole_file(file + "/x.json", "text"); }),
+      words([&] { write_file_atomically(file + "/x.json", "text"); }),
       file + "/x.json cannot be written: cannot create folder " + file + ": a file of this name exists");
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Bodies that no force moves: kinematic ones go on at the velocity and spin that the scene gives them,
-// static ones stay. Called for by a body whose `motion` is not "dynamic".
+// Kinematic and static bodies, which no force moves: kinematic ones go on at the velocity and spin that the
+// scene gives them, static ones stay. Called for by a body whose `motion` is not "dynamic".
 //
 // For solvers they are bodies of inverse mass and inverse inertia 0: they push and rub others, and nothing
 // comes back; two of them have no contact. Contacts with them are coloured like all others. Stages over all
@@ -20,15 +20,15 @@
 
 namespace collidoscope {
 
-/// The bodies that no force moves.
-struct PrescribedView {
+/// The kinematic and static bodies.
+struct KinematicView {
   const std::uint32_t* body = nullptr;  ///< ids, in the executor's memory
   std::int64_t count = 0;
 };
 
 /// Notes where they are and how they move.
 template <class Real>
-struct NotePrescribed {
+struct SaveKinematic {
   const std::uint32_t* body;
   BodyView<Real> bodies;
   Vector3<Real>*position, *velocity;
@@ -41,7 +41,7 @@ struct NotePrescribed {
 /// Takes them `time` further, and writes what is noted. What friction gives to an infinite inertia leaves
 /// spin as it is, and orientation turns by it as that of others.
 template <class Real>
-struct HoldPrescribed {
+struct RestoreKinematic {
   const std::uint32_t* body;
   BodyView<Real> bodies;
   Vector3<Real>* position;
@@ -58,40 +58,40 @@ struct HoldPrescribed {
 };
 
 template <class Real>
-class PrescribedMotion {
+class KinematicMotion {
  public:
-  PrescribedMotion(Executor& executor, const BodyView<Real>& bodies, const PrescribedView& who,
-                   const StepControl* control)
+  KinematicMotion(Executor& executor, const BodyView<Real>& bodies, const KinematicView& kinematic,
+                  const StepControl* control)
       : executor_(executor),
         bodies_(bodies),
-        who_(who),
+        kinematic_(kinematic),
         control_(control),
         position_(executor, "prescribed positions"),
         velocity_(executor, "prescribed velocities") {
-    position_.resize_discarding(static_cast<std::size_t>(who.count));
-    velocity_.resize_discarding(static_cast<std::size_t>(who.count));
+    position_.resize_discarding(static_cast<std::size_t>(kinematic.count));
+    velocity_.resize_discarding(static_cast<std::size_t>(kinematic.count));
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
   /// At the start of a run.
   void begin() {
-    if (who_.count > 0)
-      executor_.run("prescribe", who_.count,
-                    NotePrescribed<Real>{who_.body, bodies_, position_.data(), velocity_.data()});
+    if (kinematic_.count > 0)
+      executor_.run("prescribe", kinematic_.count,
+                    SaveKinematic<Real>{kinematic_.body, bodies_, position_.data(), velocity_.data()});
   }
   /// After stages that may have moved them; `time` in s, after those that move all.
-  void hold(Real time = 0) {
-    if (who_.count > 0)
-      executor_.run(
-          "prescribe", who_.count,
-          HoldPrescribed<Real>{who_.body, bodies_, position_.data(), velocity_.data(), time, control_});
+  void restore(Real time = 0) {
+    if (kinematic_.count > 0)
+      executor_.run("prescribe", kinematic_.count,
+                    RestoreKinematic<Real>{kinematic_.body, bodies_, position_.data(), velocity_.data(), time,
+                                           control_});
   }
 #endif
 
  private:
   Executor& executor_;
   BodyView<Real> bodies_;
-  PrescribedView who_;
+  KinematicView kinematic_;
   const StepControl* control_;
   Buffer<Vector3<Real>> position_, velocity_;  ///< m, m/s
 };

@@ -1,6 +1,6 @@
 // The variant `settled`: at rest before its first step, made once, and never in the way.
 
-#include "sim_cuda/snapshot/settle.h"
+#include "sim_cuda/snapshot/presimulation.h"
 
 #include <gmock/gmock.h>
 
@@ -29,11 +29,11 @@ class Settled : public OnEachExecutor {
   Settled() {
     if (const char* was = std::getenv("XDG_CACHE_HOME")) before_ = was;
     setenv("XDG_CACHE_HOME", cache_.path().c_str(), 1);
-    set_settle_news({[this](std::int64_t, std::int64_t) { ++told_; },
-                     [this](const std::string& line) { lines_.push_back(line); }});
+    set_presimulation_callbacks({[this](std::int64_t, std::int64_t) { ++told_; },
+                                 [this](const std::string& line) { lines_.push_back(line); }});
   }
   ~Settled() override {
-    set_settle_news({});
+    set_presimulation_callbacks({});
     before_.empty() ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", before_.c_str(), 1);
   }
   std::set<fs::path> kept() const {
@@ -138,16 +138,16 @@ TEST_P(Settled, InSlicesItComesToTheSameState) {
   const std::uint64_t made = hash_;
   for (const bool known : {true, false}) {
     if (!known) fs::remove(*kept().begin());
-    Settling settling(scene, options());
+    Presimulation presimulation(scene, options());
     std::int64_t slices = 0;
-    while (!settling.done()) {
-      EXPECT_EQ(settling.steps(), slices);
-      EXPECT_LT(settling.steps(), settling.most());
-      settling.go_on(0);
+    while (!presimulation.done()) {
+      EXPECT_EQ(presimulation.steps(), slices);
+      EXPECT_LT(presimulation.steps(), presimulation.max_steps());
+      presimulation.go_on(0);
       ++slices;
     }
     EXPECT_EQ(slices > 0, !known);
-    const RunState rest = settling.take();
+    const RunState rest = presimulation.take();
     World world(scene, options(), &rest);
     EXPECT_EQ(world.steps(), 0);
     EXPECT_EQ(world.state_hash(), made);

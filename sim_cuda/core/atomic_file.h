@@ -12,8 +12,8 @@
 namespace collidoscope {
 
 /// "FILE cannot be written: WHY"
-struct NotWritten : MachineError {
-  NotWritten(const std::string& file, const std::string& reason)
+struct FileWriteError : MachineError {
+  FileWriteError(const std::string& file, const std::string& reason)
       : MachineError(file + " cannot be written: " + reason), why(reason) {}
   std::string why;  ///< in the operating system's words
 };
@@ -21,16 +21,16 @@ struct NotWritten : MachineError {
 /// For as long as one file is written. Owns the temporary file and a lock on it (flock), by which a program
 /// that writes the same target sees that it must take another; one that a killed program left has no lock,
 /// and is taken over. remove_temporary_files() knows it.
-class WholeFile {
+class AtomicFile {
  public:
   /// Opens the temporary file, `target` with ".collidoscope-0.part" behind it. Links are followed: a link
   /// stays one, and what it names is replaced. A target that is no regular file (/dev/null, a pipe) is
-  /// written in place. Throws NotWritten, as all members do (a full disk).
-  explicit WholeFile(const std::string& target);
+  /// written in place. Throws FileWriteError, as all members do (a full disk).
+  explicit AtomicFile(const std::string& target);
   /// Without commit() the target is as it was.
-  ~WholeFile();
-  WholeFile(const WholeFile&) = delete;
-  WholeFile& operator=(const WholeFile&) = delete;
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
   /// For libraries that write to one.
   std::FILE* stream() { return stream_; }
@@ -54,7 +54,7 @@ class WholeFile {
   std::string name_;  ///< as it was given
   std::filesystem::path target_, temporary_;
   std::FILE* stream_ = nullptr;
-  WholeFile* next_ = nullptr;  ///< in the list of the files that have a temporary one
+  AtomicFile* next_ = nullptr;  ///< in the list of the files that have a temporary one
 };
 
 /// Deletes the temporary files of this process. For signal handlers: async-signal-safe. The process must end
@@ -64,7 +64,7 @@ void remove_temporary_files() noexcept;
 /// Makes a folder and all above it. Throws MachineError: "Cannot create folder FOLDER: REASON".
 void make_folder(const std::string& folder);
 
-/// Writes `text` so; makes the folder. Throws NotWritten.
-void write_whole_file(const std::string& file, const std::string& text);
+/// Writes `text` so; makes the folder. Throws FileWriteError.
+void write_file_atomically(const std::string& file, const std::string& text);
 
 }  // namespace collidoscope

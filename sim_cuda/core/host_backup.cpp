@@ -1,4 +1,4 @@
-#include "sim_cuda/core/aside.h"
+#include "sim_cuda/core/host_backup.h"
 
 #include <cstring>
 
@@ -22,7 +22,7 @@ void copy(ThreadTeam& team, std::byte* to, const std::byte* from, std::size_t by
 
 }  // namespace
 
-void Aside::put(ThreadTeam& team, const std::function<void(const ArrayVisit&)>& visit_all) {
+void HostBackup::save(ThreadTeam& team, const std::function<void(const ArrayVisitor&)>& visit_all) {
   arrays_.clear();
   std::size_t all = 0;
   visit_all([&](void* data, std::size_t bytes) {
@@ -30,16 +30,16 @@ void Aside::put(ThreadTeam& team, const std::function<void(const ArrayVisit&)>& 
     arrays_.push_back({static_cast<std::byte*>(data), bytes, all});
     all += bytes;
   });
-  if (all > room_) {
+  if (all > capacity_) {
     copy_.reset();
-    room_ = 0;
+    capacity_ = 0;
     copy_.reset(new std::byte[all]);
-    room_ = all;
+    capacity_ = all;
   }
   for (const Array& array : arrays_) copy(team, copy_.get() + array.at, array.place, array.bytes);
 }
 
-void Aside::put_back(ThreadTeam& team) {
+void HostBackup::restore(ThreadTeam& team) {
   for (const Array& array : arrays_) copy(team, array.place, copy_.get() + array.at, array.bytes);
 }
 

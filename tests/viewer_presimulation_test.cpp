@@ -44,9 +44,9 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   EXPECT_EQ(window.frame()["bodies"], 300);
   const int step = window.frame()["step"];
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > step + 2 && waits(f); }));
-  const int come_to = settling_step(window.frame());
+  const int activate = settling_step(window.frame());
   window.key("r");  // waits its turn
-  ASSERT_TRUE(window.wait_for([&](const Json& f) { return settling_step(f) > come_to; }));
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return settling_step(f) > activate; }));
   EXPECT_GT(window.frame()["step"], step);
   window.key("Escape");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["notice"] == "left as it is"; }));

@@ -1,0 +1,168 @@
+#include "sim_cuda/solver/free_integrator.h"
+
+#include "sim_cuda/dynamics/awake.h"
+#include "sim_cuda/dynamics/integrators.h"
+#include "sim_cuda/dynamics/move.h"
+#include "sim_cuda/dynamics/rotation_updates.h"
+
+namespace collidoscope {
+
+namespace {
+
+template <class Real>
+struct SaveVelocities {
+  const PackedVector3<Real>* velocity;
+  PackedVector3<Real>* before;
+  SIM_HD void operator()(int body) const { before[body] = velocity[body].load(); }
+};
+
+/// The forces on all free bodies.
+template <class Real>
+struct SmoothField {
+  AttractorView<Real> attractors;
+  const Vector3<Real>* at_start;  ///< m/s^2, of attractors, by body; null where the effect is off
+  DragLaw<Real> drag;
+  bool with_drag;
+  Vector3<Real> gravity;  ///< m/s^2
+
+  SIM_HD SmoothForces<Real> on(const BodyView<Real>& bodies, int body) const {
+    return {attractors, drag, with_drag, gravity, bodies.radius[body], bodies.inverse_mass[body]};
+  }
+  SIM_HD Vector3<Real> acceleration(int body) const {
+    return at_start != nullptr ? Vector3<Real>(gravity + at_start[body]) : gravity;
+  }
+  /// What the stages "drag" and "forces" make of v; or "drag" and "move".
+  SIM_HD Vector3<Real> predicted_velocity(const BodyView<Real>& bodies, int body, Vector3<Real> v,
+                                          Real h) const {
+    if (with_drag) v = DragBodies<Real>{bodies, drag, gravity, at_start, h, nullptr}.after_drag(body, v);
+    return v + h * acceleration(body);
+  }
+};
+
+/// The integrate stage: along which velocity each body goes, and which it has then.
+template <class Real, Integrator integrator>
+struct IntegrateFree {
+  SmoothField<Real> field;
+  BodyView<Real> bodies;
+  const PackedVector3<Real>* before;
+  PackedVector3<Real>* drift_velocity;
+  const WallPlane<Real>* planes;
+  int plane_count;
+  Real h;  ///< s
+  bool forces_applied;
+  const StepControl* control;
+
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    Vector3<Real> v = bodies.velocity[body];
+    const Vector3<Real> start = before[body];
+    if (!forces_applied) v += h * field.gravity;
+    FreeStep<Real> step{v, v};
+    if (v == field.predicted_velocity(bodies, body, start, h)) {
+      const Vector3<Real> x = bodies.position[body];
+      const FreeStep<Real> smooth = free_step(field.on(bodies, body), x, start, field.acceleration(body));
+      if (!penetrates_plane(x, smooth.drift_velocity, v, bodies.radius[body])) step = smooth;
+    }
+    drift_velocity[body] = step.drift_velocity;
+    bodies.velocity[body] = step.velocity;
+  }
+
+  template <class Forces>
+  SIM_HD FreeStep<Real> free_step(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
+                                  const Vector3<Real>& a) const {
+    if constexpr (integrator == Integrator::rk4)
+      return rk4_step(forces, x, v, a, h);
+    else
+      return verlet_step(forces, x, v, a, h);
+  }
+
+  SIM_HD bool penetrates_plane(const Vector3<Real>& x, const Vector3<Real>& velocity,
+                               const Vector3<Real>& euler, Real radius) const {
+    for (int p = 0; p < plane_count; ++p) {
+      const Vector3<Real> normal = planes[p].normal;
+      const Real gap = normal.dot(x) - planes[p].offset - radius, speed = normal.dot(velocity);
+      if (gap + h * speed < 0 && speed < normal.dot(euler)) return true;
+    }
+    return false;
+  }
+};
+
+template <class Real, class Parts>
+struct RotateBodies {
+  BodyView<Real> bodies;
+  Real h;  ///< s
+  const StepControl* control;
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    Vector3<Real> w = bodies.angular_velocity[body];
+    if (rotate_lie_group<Parts>(bodies.orientation[body], w, bodies.inertia[body], h))
+      bodies.angular_velocity[body] = w;
+  }
+};
+
+}  // namespace
+
+template <class Real>
+FreeIntegrator<Real>::FreeIntegrator(Executor& executor, const SolverScene<Real>& scene)
+    : executor_(executor),
+      scene_(scene),
+      before_(executor, "velocities at the start of a substep"),
+      drift_velocity_(executor, "velocities of ways") {
+  if (!uses_higher_order()) return;
+  before_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+  drift_velocity_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+}
+
+template <class Real>
+void FreeIntegrator<Real>::begin() {
+  if (uses_higher_order())
+    executor_.run("integrate", scene_.body_count,
+                  SaveVelocities<Real>{scene_.bodies.velocity, before_.data()});
+}
+
+template <class Real>
+BodyView<Real> FreeIntegrator<Real>::bodies_with_drift_velocity() const {
+  BodyView<Real> bodies = scene_.bodies;
+  if (uses_higher_order()) bodies.velocity = drift_velocity_.data();
+  return bodies;
+}
+
+template <class Real>
+void FreeIntegrator<Real>::integrate(Real h, bool forces_applied) {
+  if (!uses_higher_order()) return;
+  const auto with = [&]<Integrator integrator>() {
+    const Effects& effects = scene_.effects;
+    const SmoothField<Real> field{effects.attractor ? scene_.attractors : AttractorView<Real>{},
+                                  effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
+                                  scene_.gravity};
+    executor_.run("integrate", scene_.body_count,
+                  IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
+                                                  drift_velocity_.data(), scene_.planes, scene_.plane_count,
+                                                  h, forces_applied, scene_.control});
+  };
+  scene_.integrator == Integrator::rk4 ? with.template operator()<Integrator::rk4>()
+                                       : with.template operator()<Integrator::velocity_verlet>();
+}
+
+template <class Real>
+void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t* asleep,
+                                const ClampedMotion<Real>& clamped) {
+  const bool lie_group = scene_.effects.rotation && scene_.rotation_update == RotationUpdate::lie_group;
+  Effects move_effects = scene_.effects;
+  if (forces_applied || uses_higher_order()) move_effects.gravity = false;  // it is in the velocities
+  if (lie_group) move_effects.rotation = false;
+  move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
+                    scene_.box, h, scene_.control, asleep, clamped);
+  const auto rotate = [&]<class Parts>() {
+    run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
+                     RotateBodies<Real, Parts>{scene_.bodies, h, scene_.control});
+  };
+  if (lie_group)
+    scene_.integrator == Integrator::rk4 ? rotate.template operator()<FourthOrderRotation>()
+                                         : rotate.template operator()<SecondOrderRotation>();
+}
+
+template class FreeIntegrator<float>;
+template class FreeIntegrator<double>;
+
+}  // namespace collidoscope
