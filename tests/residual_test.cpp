@@ -51,14 +51,14 @@ TEST_P(Residuals, ATwoBodyImpactIsSolvedByOneSweep) {
     const std::vector<Residual> residuals = world.records().residuals();
     ASSERT_EQ(residuals.size(), solver == Solver::impulse ? 4u : 8u);
     EXPECT_EQ(residuals[0].stage, "solve");
-    EXPECT_EQ(residuals[0].sweep, 0);
+    EXPECT_EQ(residuals[0].iteration, 0);
     EXPECT_EQ(residuals[0].contacts, 1);
     // `impulse` bounces in the sweep: 10 m/s to and 10 m/s fro. A soft contact yields a little.
     const double all = solver == Solver::impulse ? 20 : 10 * Softness<double>::of(1.0 / 30).mass_scale;
     EXPECT_NEAR(residuals[0].rms, all, 1e-12);
     EXPECT_EQ(residuals[0].max, residuals[0].rms);
     for (std::size_t k = 1; k < 4; ++k) {
-      EXPECT_EQ(residuals[k].sweep, static_cast<int>(k));
+      EXPECT_EQ(residuals[k].iteration, static_cast<int>(k));
       EXPECT_LT(residuals[k].max, 1e-12) << static_cast<int>(solver);
     }
   }
@@ -103,7 +103,7 @@ TEST_P(Residuals, AreTheSameAtEveryLaunchShapeAndCapacity) {
     const std::vector<Residual> expected = reference.records().residuals();
     ASSERT_EQ(expected.size(), solver == Solver::impulse ? 3u * 3 : 3u * 2 * 3);
     EXPECT_EQ(expected.back().substep, 2);
-    EXPECT_EQ(expected.back().sweep, 2);
+    EXPECT_EQ(expected.back().iteration, 2);
     EXPECT_GT(expected[0].contacts, 20);
     EXPECT_GT(expected[0].rms, expected[2].rms);
     for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}}) {

@@ -38,7 +38,7 @@ void residual_tooltip(const Residual& r) {
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(
       (fmt::format("substep {}, {}", r.substep + 1, r.stage) +
-       (r.sweep == 0 ? ": before the first sweep" : fmt::format(": after sweep {}", r.sweep)))
+       (r.iteration == 0 ? ": before the first sweep" : fmt::format(": after sweep {}", r.iteration)))
           .c_str());
   ImGui::TextUnformatted(
       fmt::format("rms {}, worst {}", with_prefix(r.rms, "m/s"), with_prefix(r.max, "m/s")).c_str());
@@ -74,8 +74,8 @@ void plot(const std::vector<Residual>& residuals, float width, float height, boo
   const float dot = std::max(1.5f, 0.14f * size);
   for (std::size_t k = 0; k < residuals.size(); ++k) {
     const ImU32 color = stage_color(residuals[k].stage == "solve" ? 0 : 3, light);
-    if (residuals[k].sweep > 0) list->AddLine(point(k - 1), point(k), color, std::max(1.0f, size / 10));
-    if (residuals[k].sweep > 0)
+    if (residuals[k].iteration > 0) list->AddLine(point(k - 1), point(k), color, std::max(1.0f, size / 10));
+    if (residuals[k].iteration > 0)
       list->AddCircleFilled(point(k), dot, color, 12);
     else  // what it starts from is nobody's work
       list->AddCircle(point(k), dot, color, 12);

@@ -254,7 +254,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
     for (const Residual& r : report.residuals)
       json["residuals"].push_back({{"stage", r.stage},
                                    {"substep", r.substep},
-                                   {"sweep", r.sweep},
+                                   {"sweep", r.iteration},
                                    {"contacts", r.contacts},
                                    {"rms", r.rms},
                                    {"max", r.max}});

@@ -146,10 +146,10 @@ class BulletDbvt final : public BroadPhase {
         on_overlap(a, b);
         continue;
       }
-      const bool parts_a = a->isinternal(), parts_b = b->isinternal();
-      for (int j = 0; j < (parts_b ? 2 : 1); ++j)
-        for (int i = 0; i < (parts_a ? 2 : 1); ++i)
-          stack.emplace_back(parts_a ? a->childs[i] : a, parts_b ? b->childs[j] : b);
+      const bool split_a = a->isinternal(), split_b = b->isinternal();
+      for (int j = 0; j < (split_b ? 2 : 1); ++j)
+        for (int i = 0; i < (split_a ? 2 : 1); ++i)
+          stack.emplace_back(split_a ? a->childs[i] : a, split_b ? b->childs[j] : b);
     }
     count(tests);
   }

@@ -51,7 +51,7 @@ struct TakeCensus {
 /// most `max_joined` times as many bodies as that class alone: solid bodies of that class fill no more than
 /// their own cells, so the lists stay that short.
 struct LayOutLevel {
-  static constexpr std::uint32_t max_joined = 16, lists_each = 2;
+  static constexpr std::uint32_t max_joined = 16, lists_per_body = 2;
   const Aabb* extent;
   const Census* census;
   std::uint32_t every;
@@ -69,8 +69,8 @@ struct LayOutLevel {
       }
       occupied |= 1u << level;
       if (c == item) own_level = level;
-      if (level == item) lists += lists_each * every * count;
-      if (level < item) first_list += lists_each * every * count;
+      if (level == item) lists += lists_per_body * every * count;
+      if (level < item) first_list += lists_per_body * every * count;
     }
     grid->level_of[item] = own_level;
     if (item == 0) {
@@ -94,7 +94,7 @@ class HierarchicalGrid final : public BroadPhase {
     every_ = (bodies + max_sampled - 1) / max_sampled;
     census_.resize_discarding(1);
     cells_.reserve(bodies,
-                   LayOutLevel::lists_each * (bodies + every_ * (classes + 1)));  // all that it can give
+                   LayOutLevel::lists_per_body * (bodies + every_ * (classes + 1)));  // all that it can give
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {

@@ -70,14 +70,14 @@ struct Climb {
     while (!own.is_root()) {
       const bool is_left = own.is_left();
       const std::uint32_t split = is_left ? own.last : own.first - 1;
-      const FirstArrival mine =
+      const FirstArrival range =
           is_left ? FirstArrival{own.first, own.left} : FirstArrival{own.last, own.right};
-      const std::uint64_t previous = atomic_exchange(&arrivals[split], mine.packed());
+      const std::uint64_t previous = atomic_exchange(&arrivals[split], range.packed());
       if (previous == FirstArrival::none) return;
       arrivals[split] = FirstArrival::none;  // both were here
-      const FirstArrival its = FirstArrival::unpacked(previous);
+      const FirstArrival other = FirstArrival::unpacked(previous);
       const std::uint32_t place = is_left ? split + 1 : split;
-      join(own, its, load_l2(&nodes[its.far_end == place ? place : n + place]));
+      join(own, other, load_l2(&nodes[other.far_end == place ? place : n + place]));
     }
   }
 };

@@ -122,12 +122,12 @@ std::vector<NodeReport> TreeMeter::ranked(const TreeView& tree, NodeMetric metri
 
 std::vector<NodeReport> TreeMeter::nodes(const TreeView& tree, const std::vector<std::uint32_t>& places) {
   if (places.empty()) return {};
-  Buffer<std::uint32_t> wanted(executor_, "nodes to read");
+  Buffer<std::uint32_t> requested(executor_, "nodes to read");
   Buffer<GatheredNode> gathered(executor_, "nodes to read");
-  wanted.upload(places);
+  requested.upload(places);
   gathered.resize_discarding(places.size());
   executor_.run("quality", static_cast<std::int64_t>(places.size()),
-                GatherNode{tree, wanted.data(), sah_share_.data(), overlap_.data(), empty_.data(),
+                GatherNode{tree, requested.data(), sah_share_.data(), overlap_.data(), empty_.data(),
                            node_visits_.data(), gathered.data()});
   std::vector<NodeReport> reports;
   reports.reserve(places.size());

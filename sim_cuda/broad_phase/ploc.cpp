@@ -150,8 +150,8 @@ struct Round {
   std::uint32_t bound, due;
   static Round first(std::uint32_t clusters) { return {clusters, 2 * clusters}; }
   Round next() const {
-    const std::uint32_t half = bound - bound / 2, most = due > half ? due : half;
-    return {most < bound ? most : bound, due - (due + 4) / 5};
+    const std::uint32_t half = bound - bound / 2, next_bound = due > half ? due : half;
+    return {next_bound < bound ? next_bound : bound, due - (due + 4) / 5};
   }
 };
 
@@ -192,12 +192,12 @@ class Ploc final : public RopeTreeMethod<Key> {
     std::uint32_t* count = counts_.data();
     order_.sort(boxes, extent, StartClusters{boxes, n_, count, nodes_.data(), links, clusters});
     for (Round round = Round::first(n_); round.bound > 1; round = round.next(), ++count) {
-      const Count there(count, round.bound);
-      executor_.run("build", there, FindNearest{clusters, count, round.due, nearest_.data()});
+      const Count active(count, round.bound);
+      executor_.run("build", active, FindNearest{clusters, count, round.due, nearest_.data()});
       executor_.run("build", round.bound, MarkMerged{count, nearest_.data(), merged_.data()});
       exclusive_scan(executor_, "build", round.bound, merged_.data(), before_.data(), temporary_.data(),
                      temporary_.bytes());
-      executor_.run("build", there,
+      executor_.run("build", active,
                     MergeClusters{clusters, n_, count, nearest_.data(), before_.data(), round.bound, next,
                                   count + 1, nodes_.data(), links});
       std::swap(clusters, next);

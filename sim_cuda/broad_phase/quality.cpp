@@ -129,10 +129,10 @@ struct Query {
     walk(tree, [&](std::uint32_t node) {
       ++visits;
       atomic_add(&node_visits[node], 1);
-      const Aabb its = tree.box[node];
-      if (!overlap(box, its)) return false;
+      const Aabb node_box = tree.box[node];
+      if (!overlap(box, node_box)) return false;
       if (tree.children[node] == 0) found += node != leaf;
-      if (!contains(node, leaf)) outside += area_within(box, its) * (tree.children[node] == 0 ? 2 : 1);
+      if (!contains(node, leaf)) outside += area_within(box, node_box) * (tree.children[node] == 0 ? 2 : 1);
       return true;
     });
     body_visits[tree.body[leaf]] = leaf_visits[place] = visits;

@@ -38,7 +38,7 @@ struct WalkRopes {
 // more: one thread a query.
 
 constexpr std::uint32_t warp_size = 32;
-constexpr std::int64_t lanes_a_query = 4;        // no more: dividing costs time too
+constexpr std::int64_t lanes_per_query = 4;      // no more: dividing costs time too
 constexpr std::uint32_t idle_lanes_to_wait = 4;  // before work is handed out
 constexpr std::uint32_t max_shared =
     200'000;  // queries: on an H200, which runs 8,448 warps at once, both are as fast
@@ -147,7 +147,7 @@ __global__ void __launch_bounds__(1024)
 void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink) {
 #if defined(__CUDACC__)
   if (executor.on_device() && n <= max_shared)
-    return executor.run_kernel("pairs", {lanes_a_query * n, true, warp_space}, walk_ropes_by_warp, nodes, n,
+    return executor.run_kernel("pairs", {lanes_per_query * n, true, warp_space}, walk_ropes_by_warp, nodes, n,
                                sink);
 #endif
   executor.run("pairs", n, WalkRopes<PairSink>{nodes, n, sink});

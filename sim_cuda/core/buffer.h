@@ -49,17 +49,17 @@ class Buffer {
   void resize_keeping(std::size_t size) {
     if (size == size_ || executor_->rehearsing()) return resize_discarding(size);
     const std::vector<T> kept = download(size < size_ ? size : size_);
-    const auto put_back = [&] {
+    const auto restore = [&] {
       if (!kept.empty()) executor_->copy_to_executor(data_, kept.data(), kept.size() * sizeof(T));
     };
     try {
       resize_discarding(size);
     } catch (...) {
       resize_discarding(kept.size());
-      put_back();
+      restore();
       throw;
     }
-    put_back();
+    restore();
   }
   void upload(const std::vector<T>& host) {
     resize_discarding(host.size());

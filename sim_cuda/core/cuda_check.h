@@ -12,11 +12,11 @@
 
 namespace collidoscope {
 
-template <class Asked>
-inline void check(cudaError_t status, const Asked& asked) {
+template <class Action>
+inline void check(cudaError_t status, const Action& action) {
   if (status == cudaSuccess) return;
   cudaGetLastError();  // the sticky copy; this one is reported
-  throw MachineError("CUDA: asked to " + std::string(asked) + "; the device answered: " +
+  throw MachineError("CUDA: asked to " + std::string(action) + "; the device answered: " +
                      cudaGetErrorString(status) + " (" + cudaGetErrorName(status) + ")");
 }
 

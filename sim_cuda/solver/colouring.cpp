@@ -59,9 +59,9 @@ struct ClearContacts {
   std::uint64_t* proposals;
   SIM_HD void operator()(int k) const {
     contact[k] = static_cast<std::uint32_t>(k);
-    const bool there = static_cast<std::uint32_t>(k) < control->contacts;
-    colour[k] = there ? first : unused;
-    if (!there || proposals == nullptr) return;
+    const bool exists = static_cast<std::uint32_t>(k) < control->contacts;
+    colour[k] = exists ? first : unused;
+    if (!exists || proposals == nullptr) return;
     for (std::uint32_t i = 0; i < proposals_per_contact; ++i)
       proposals[proposals_per_contact * static_cast<std::uint64_t>(k) + i] = 0;
   }

@@ -33,21 +33,21 @@ struct SortLists {
   SIM_HD void operator()(int body) const {
     const std::uint32_t count = degrees.count[body];
     if (count == 0) return;
-    std::uint32_t* mine = entry + degrees.begin[body];
-    if (count > 1) sort_segment(mine, count);
+    std::uint32_t* segment = entry + degrees.begin[body];
+    if (count > 1) sort_segment(segment, count);
     if (place == nullptr) return;
-    for (std::uint32_t k = 0; k < count; ++k) mine[k] = placed(mine[k]);
+    for (std::uint32_t k = 0; k < count; ++k) segment[k] = to_place(segment[k]);
   }
-  SIM_HD std::uint32_t placed(std::uint32_t end) const { return 2 * place[end / 2] + end % 2; }
+  SIM_HD std::uint32_t to_place(std::uint32_t end) const { return 2 * place[end / 2] + end % 2; }
 
   SIM_HD bool is_large(int body) const { return degrees.count[body] > large_list_size; }
 #if defined(__CUDACC__)
   __device__ void process_by_block(int body) const {
     const std::uint32_t count = degrees.count[body];
-    std::uint32_t* mine = entry + degrees.begin[body];
-    sort_segment_by_block(mine, count);
+    std::uint32_t* segment = entry + degrees.begin[body];
+    sort_segment_by_block(segment, count);
     if (place == nullptr) return;
-    for (std::uint32_t k = threadIdx.x; k < count; k += blockDim.x) mine[k] = placed(mine[k]);
+    for (std::uint32_t k = threadIdx.x; k < count; k += blockDim.x) segment[k] = to_place(segment[k]);
   }
 #endif
 };

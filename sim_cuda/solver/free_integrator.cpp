@@ -20,7 +20,7 @@ struct SaveVelocities {
 template <class Real>
 struct SmoothField {
   AttractorView<Real> attractors;
-  const Vector3<Real>* at_start;  ///< m/s^2, of attractors, by body; null where the effect is off
+  const Vector3<Real>* start_field;  ///< m/s^2, of attractors, by body; null where the effect is off
   DragLaw<Real> drag;
   bool with_drag;
   Vector3<Real> gravity;  ///< m/s^2
@@ -29,12 +29,12 @@ struct SmoothField {
     return {attractors, drag, with_drag, gravity, bodies.radius[body], bodies.inverse_mass[body]};
   }
   SIM_HD Vector3<Real> acceleration(int body) const {
-    return at_start != nullptr ? Vector3<Real>(gravity + at_start[body]) : gravity;
+    return start_field != nullptr ? Vector3<Real>(gravity + start_field[body]) : gravity;
   }
   /// What the stages "drag" and "forces" make of v; or "drag" and "move".
   SIM_HD Vector3<Real> predicted_velocity(const BodyView<Real>& bodies, int body, Vector3<Real> v,
                                           Real h) const {
-    if (with_drag) v = DragBodies<Real>{bodies, drag, gravity, at_start, h, nullptr}.after_drag(body, v);
+    if (with_drag) v = DragBodies<Real>{bodies, drag, gravity, start_field, h, nullptr}.after_drag(body, v);
     return v + h * acceleration(body);
   }
 };

@@ -36,9 +36,9 @@ JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_coun
   const double scale = -expm1_series(-2 * z * angle);
   double bias = 0;  // (1 - p1) (1 - p2)
   if (z < 1) {
-    const double shrunk = -expm1_series(-z * angle);  // 1 - e
+    const double decayed = -expm1_series(-z * angle);  // 1 - e
     const double half = cosine_sine(std::sqrt(1 - z * z) * angle / 2).sine;
-    bias = shrunk * shrunk + 4 * (1 - shrunk) * half * half;  // 1 - 2 e c + e^2
+    bias = decayed * decayed + 4 * (1 - decayed) * half * half;  // 1 - 2 e c + e^2
   } else {
     const double fast = z + std::sqrt(z * z - 1);
     bias = expm1_series(-angle * fast) * expm1_series(-angle / fast);
@@ -212,7 +212,7 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   std::vector<std::uint32_t> begin(static_cast<std::size_t>(colours_) + 1, 0);
   for (const std::size_t c : colours) ++begin[c + 1];
   for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
-    widest_ = std::max<std::int64_t>(widest_, begin[c + 1]);
+    max_joints_per_colour_ = std::max<std::int64_t>(max_joints_per_colour_, begin[c + 1]);
     begin[c + 1] += begin[c];
   }
   std::vector<JointRow<Real>> rows(joints.size());
@@ -250,8 +250,8 @@ template <class Real>
 template <class Stage, class StageWithRotation>
 void Joints<Real>::run() {
   bodies_.orientation != nullptr
-      ? executor_.run_rounds("joints", colours_, widest_, StageWithRotation{rounds()})
-      : executor_.run_rounds("joints", colours_, widest_, Stage{rounds()});
+      ? executor_.run_rounds("joints", colours_, max_joints_per_colour_, StageWithRotation{rounds()})
+      : executor_.run_rounds("joints", colours_, max_joints_per_colour_, Stage{rounds()});
 }
 
 template <class Real>

@@ -68,8 +68,8 @@ class Joints {
   const StepControl* control_;
   const std::uint8_t* asleep_ = nullptr;
   int colours_ = 0;
-  std::int64_t widest_ = 0;               ///< joints of one colour
-  std::vector<std::size_t> scene_order_;  ///< where each joint of the scene stands
+  std::int64_t max_joints_per_colour_ = 0;  ///< joints of one colour
+  std::vector<std::size_t> scene_order_;    ///< where each joint of the scene stands
   Buffer<JointRow<Real>> rows_;
   Buffer<JointImpulse<Real>> impulses_;
   Buffer<std::uint32_t> begin_;

@@ -1,5 +1,5 @@
 #pragma once
-// Records what each sweep of a solver left (residual.h): sums over contacts by the fixed tree of
+// Records what each iteration of a solver left (residual.h): sums over contacts by the fixed tree of
 // core/reduce.h, so the same on every executor, kept on the device until somebody asks. Owned by a solver;
 // off, it has no memory and launches nothing.
 
@@ -71,7 +71,7 @@ class Residuals {
   /// Run by run, by place; waits for the device.
   std::vector<ResidualSum> kept() const { return kept_.download(); }
   /// Fills in what the sums are of.
-  static Residual residual(const char* stage, int substep, int sweep, const ResidualSum& sum);
+  static Residual residual(const char* stage, int substep, int iteration, const ResidualSum& sum);
 
  private:
   Executor& executor_;

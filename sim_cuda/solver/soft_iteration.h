@@ -167,9 +167,9 @@ struct OrderedContacts {
     return k;
   }
   /// `acted`: it gave something, or took it back.
-  template <bool summed>
+  template <bool with_sums>
   SIM_HD void store(const LoadedContact& k, bool acted) const {
-    if constexpr (summed) sums[k.place] = {k.contact.total, k.contact.approach};
+    if constexpr (with_sums) sums[k.place] = {k.contact.total, k.contact.approach};
     if (!acted) return;
     if constexpr (with_friction) {
       PackedContact<Real>::store_impulses(&soft[k.place], k.contact.impulse, k.friction.impulse);
