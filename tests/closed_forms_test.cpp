@@ -8,6 +8,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "sim_cuda/reference/drag_solution.h"
 #include "sim_cuda/reference/free_rotation.h"
 #include "sim_cuda/reference/impacts.h"
 #include "sim_cuda/reference/jacobi_elliptic.h"

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "tests/test_files.h"

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/scene/box_collider.h"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "headless/cli/standard_output.h"
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/core/atomic_file.h"

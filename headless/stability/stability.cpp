@@ -18,6 +18,7 @@
 #include "headless/stability/stability_report.h"
 #include "headless/stability/test_pool.h"
 #include "sim_cuda/core/assets.h"
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/atomic_file.h"
 

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/core/buffer.h"

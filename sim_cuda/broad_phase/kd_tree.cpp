@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/core/buffer.h"

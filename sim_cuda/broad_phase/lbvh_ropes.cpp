@@ -6,6 +6,7 @@
 // rounds, and the tree is the same.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/rope_walk.h"

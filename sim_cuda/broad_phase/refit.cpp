@@ -10,6 +10,7 @@
 // slow. (Where the library sorts, as with 63-bit keys, it sorts in every step, the old keys if no new ones.)
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/morton_order.h"
 #include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/rope_tree.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim_cuda/reference/analytic_cases.h"
+#include "sim_cuda/reference/drag_solution.h"
 #include "sim_cuda/reference/free_rotation.h"
 #include "sim_cuda/reference/kepler.h"
 #include "sim_cuda/reference/leading_error.h"

@@ -11,6 +11,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/guard/finding.h"

@@ -8,6 +8,7 @@
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/executor.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/run/pipeline.h"
 
 namespace collidoscope {

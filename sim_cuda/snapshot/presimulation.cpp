@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"

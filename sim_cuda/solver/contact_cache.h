@@ -7,6 +7,7 @@
 
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/core/vector_load.h"

@@ -23,6 +23,7 @@
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/warm_start.h"
 #include "sim_cuda/solver/walls.h"
+#include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
 

@@ -10,6 +10,7 @@
 
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"

@@ -6,6 +6,7 @@
 
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/soft_walls.h"
 #include "sim_cuda/solver/warm_start.h"

@@ -17,8 +17,10 @@
 
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/previous_contacts.h"
 #include "sim_cuda/solver/contact_storage.h"

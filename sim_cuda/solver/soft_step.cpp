@@ -4,6 +4,7 @@
 
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/solver/soft_begin.h"
+#include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_prepare.h"
 #include "sim_cuda/solver/soft_residual.h"
 #include "sim_cuda/solver/soft_iteration.h"

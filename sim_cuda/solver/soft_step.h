@@ -20,6 +20,7 @@
 #include "sim_cuda/solver/contact_cache.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/free_integrator.h"
 #include "sim_cuda/solver/plane_contacts.h"

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/atomic_file.h"
 
