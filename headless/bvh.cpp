@@ -9,8 +9,8 @@
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
-#include "headless/reporting/spread.h"
 #include "sim_cuda/broad_phase/methods.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/world.h"
@@ -33,7 +33,7 @@ MeasuredTree measure_tree_of(World& world, int repeats) {
   m.key_bits = world.info().key_bits;
   m.quality = world.tree().quality();
   for (const BroadPhaseTimes::Stage& stage : world.tree().time_broad_phase(repeats).stages) {
-    const double us = 1000 * spread_of(stage.ms).median;
+    const double us = 1000 * percentiles_of(stage.ms).median;
     if (stage.name == "pairs") m.query_us += us;
     if (stage.name == "keys" || stage.name == "sort" || stage.name == "build") m.build_us += us;
   }
@@ -152,7 +152,7 @@ int bvh_command(const CommandLine& line) {
         first.emplace(scene, run);
         first->step(static_cast<int>(options.steps_or(0)));
       }
-      world.adopt(*first);
+      world.restore(*first);
       trees.push_back(measure_tree_of(world, static_cast<int>(options.bench.repeats)));
       device = world.info().device_name;
     }

@@ -45,7 +45,7 @@ std::string variant_name(const Scene& scene) {
 
 OverlayText overlay_text(World& world, const CaptureRequest& request, const Renderer& renderer,
                          const PublishCounts& drawn, const StepStats& stats, const ValueRange& values,
-                         const ReferenceFacts& reference) {
+                         const ReferenceView& reference) {
   OverlayText text;
   const FrameLayers& layers = request.layers;
   text.scene = world.scene().name;
@@ -71,7 +71,7 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
     const int last = std::min(layers.last_level, static_cast<int>(world.tree().level_sizes().size()) - 1);
     const std::vector<std::uint32_t> colors = level_legend(layers.first_level, last);
     for (int level = layers.first_level; level <= last; ++level)
-      text.levels.push_back({level, colors[static_cast<std::size_t>(std::min(level, most_levels - 1))]});
+      text.levels.push_back({level, colors[static_cast<std::size_t>(std::min(level, max_levels - 1))]});
   }
   text.contacts_shown = layers.contacts;
   text.contact_colors = contact_legend();
@@ -111,9 +111,9 @@ int run_capture(const CaptureRequest& request, World& world) {
   if (states.front() < world.steps())
     throw InputError(fmt::format("--states: {} lies before state {}, at which the run starts", states.front(),
                                  world.steps()));
-  const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  const auto log = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
   const EglContext context(world.info().gpu);
-  for (const std::string& line : context.steps_down()) say(line);
+  for (const std::string& line : context.steps_down()) log(line);
 
   int width = request.width, height = request.height;  // of the 3D view
   if (request.layers.ui) {
@@ -124,10 +124,10 @@ int run_capture(const CaptureRequest& request, World& world) {
   Renderer renderer(width, height,
                     still_options(request.draw, request.width, request.height, gl::largest_target()));
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
-  DisplayLink link(world, request.display_path, say);
+  DisplayLink link(world, request.display_path, log);
   GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)
                                 : overlay_font_size(request.width, request.height));
-  say(fmt::format("drawn by {}{}, OpenGL {}; display path: {}", context.renderer(),
+  log(fmt::format("drawn by {}{}, OpenGL {}; display path: {}", context.renderer(),
                   context.software() ? " (a software renderer)" : "", context.version(),
                   display_path_name(link.path())));
   std::optional<PanelPicture> panels;
@@ -141,16 +141,16 @@ int run_capture(const CaptureRequest& request, World& world) {
   world.records().record_impulses(request.layers.contacts);
   world.records().record_residuals(request.layers.convergence);
   LiveReference reference;
-  const bool asked = request.layers.ask_a_reference();
+  const bool asked = request.layers.needs_reference();
   if (asked) reference.follow(world, 0);
   const double time_step = world.scene().physics.time_step;
   Progress progress("capture", states.back());
   for (std::int64_t state : states) {
     while (world.steps() < state) {
-      if (asked) reference.go_ahead(time_step, std::numeric_limits<double>::infinity());
+      if (asked) reference.advance_to_next_step(time_step, std::numeric_limits<double>::infinity());
       world.step();
-      if (world.guards().paused()) {
-        say(describe(*world.guards().finding()));
+      if (world.validation().paused()) {
+        log(describe(*world.validation().finding()));
         return 1;
       }
       reference.stepped(time_step);
@@ -159,7 +159,7 @@ int run_capture(const CaptureRequest& request, World& world) {
     }
     const StepStats stats = world.measure();
     if (asked) renderer.set_ghosts(reference.ghosts(world, 0));
-    if (panels) panels->refresh(world, renderer, reference.facts());
+    if (panels) panels->refresh(world, renderer, reference.view());
     link.publish(world, request.layers, renderer.instances());
     const ValueRange values = value_range(world, renderer.scene(), request.layers, stats);
     renderer.draw(camera, request.layers, values);
@@ -169,7 +169,7 @@ int run_capture(const CaptureRequest& request, World& world) {
       picture = panels->draw(gui, world, stats, renderer, values);
     } else if (request.layers.overlay) {
       gui.begin(request.width, request.height);
-      draw_overlay(overlay_text(world, request, renderer, drawn, stats, values, reference.facts()),
+      draw_overlay(overlay_text(world, request, renderer, drawn, stats, values, reference.view()),
                    static_cast<float>(request.width), static_cast<float>(request.height));
       gui.end(renderer.picture());
     }
@@ -179,12 +179,13 @@ int run_capture(const CaptureRequest& request, World& world) {
                       request.height, state, stats.bodies,
                       request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes,
                       stats.touching));
-    if (const ReferenceFacts& facts = reference.facts(); facts.known())
-      print(fmt::format("{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n",
-                        "", file.size(), facts.rms, facts.max, facts.name, facts.since,
-                        facts.doubt > 0 ? fmt::format("itself off by {:.2g} m", facts.doubt) : "exact"));
+    if (const ReferenceView& view = reference.view(); view.known())
+      print(fmt::format(
+          "{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n", "", file.size(),
+          view.rms, view.max, view.name, view.start_state,
+          view.error_estimate > 0 ? fmt::format("itself off by {:.2g} m", view.error_estimate) : "exact"));
     else if (asked)
-      say(fmt::format("state {}: no reference: {}", state, reference.facts().lack));
+      log(fmt::format("state {}: no reference: {}", state, reference.view().unavailable_reason));
     flush_stdout();
   }
   return 0;

@@ -9,7 +9,7 @@
 #include "headless/bvh.h"
 #include "headless/cli/command_line.h"
 #include "headless/cli/exit_status.h"
-#include "headless/cli/interruption.h"
+#include "headless/cli/interrupt_handler.h"
 #include "headless/cli/process.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
@@ -21,7 +21,7 @@ namespace collidoscope {
 namespace {
 
 int interruptible(CommandLine line, int (*command)(const CommandLine&)) {
-  return until_interrupted([&](Cancellation& cancellation) {
+  return run_interruptible([&](Cancellation& cancellation) {
     line.options.run.cancellation = &cancellation;
     return command(line);
   });
@@ -58,8 +58,8 @@ int perform(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   collidoscope::prepare_process();
-  collidoscope::end_with_a_line_where_memory_ends();
-  return collidoscope::exit_status_of([&] {
+  collidoscope::install_out_of_memory_handler();
+  return collidoscope::run_and_report_errors([&] {
     collidoscope::announce_long_work();
     return collidoscope::perform(
         collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}, collidoscope::suites()));

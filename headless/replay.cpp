@@ -11,7 +11,7 @@ Replay::Replay(const std::string& file, Start& start, RunOptions& options) {
   if (!changes.empty() && changes[0].step == 0) start.snapshot.reset();
   // Bodies are frozen in a world, which there is not yet: the rest is left to make_due().
   for (; next_ < changes.size() && changes[next_].step == 0 && changes[next_].freeze.empty(); ++next_)
-    make_change(changes[next_], start.scene, options);
+    apply_change(changes[next_], start.scene, options);
 }
 
 std::int64_t Replay::steps_to_next(const World& world) const {
@@ -22,7 +22,8 @@ std::int64_t Replay::steps_to_next(const World& world) const {
 bool Replay::make_due(World& world) {
   const std::size_t before = next_;
   for (; left() > 0 && list_.changes[next_].step == world.steps(); ++next_)
-    if (auto next = changed_world(world, list_.changes[next_], world.options())) world = std::move(*next);
+    if (auto next = world_after_change(world, list_.changes[next_], world.options()))
+      world = std::move(*next);
   return next_ != before;
 }
 

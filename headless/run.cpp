@@ -11,7 +11,7 @@
 
 #include "headless/capture.h"
 #include "headless/cli/flag_value.h"
-#include "headless/cli/interruption.h"
+#include "headless/cli/interrupt_handler.h"
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
@@ -21,8 +21,8 @@
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
-#include "sim_cuda/run/rewind.h"
-#include "sim_cuda/stability/culprit.h"
+#include "sim_cuda/run/checkpoint.h"
+#include "sim_cuda/stability/offending_body.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -65,7 +65,7 @@ class EarlyEnd {
   /// `cancellation`: null for a run that a signal ends at once.
   explicit EarlyEnd(Cancellation* cancellation) : cancellation_(cancellation) {
     if (cancellation_ == nullptr) return;
-    Interruption::wait_for_work();
+    InterruptHandler::wait_for_work();
     cancellation_->hold(true);
   }
   ~EarlyEnd() {
@@ -87,7 +87,7 @@ class EarlyEnd {
     }
     cancellation_->hold(true);
   }
-  bool wished() const { return cancelled_ || (cancellation_ != nullptr && cancellation_->requested()); }
+  bool requested() const { return cancelled_ || (cancellation_ != nullptr && cancellation_->requested()); }
 
  private:
   Cancellation* cancellation_;
@@ -118,33 +118,33 @@ struct Stepped {
 class Breaks {
  public:
   Breaks(const BreakConditions& conditions, const StepStats& start)
-      : conditions_(conditions), watch_(start), last_(start) {}
+      : conditions_(conditions), monitor_(start), last_(start) {}
   bool any() const { return conditions_.any(); }
-  void before_step(World& world) { rewind_.before_step(world); }
+  void before_step(World& world) { checkpoint_.save_if_due(world); }
   std::optional<std::string> look_at_start(World& world) { return found(world, {}); }
-  std::optional<std::string> look(World& world, const StepStats& stats) {
+  std::optional<std::string> check(World& world, const StepStats& stats) {
     last_ = stats;
     std::optional<std::string> failure = found(world, world.latest_times());
-    if (failure) rewind_.to(world, stats.step - 1);
+    if (failure) checkpoint_.restore(world, stats.step - 1);
     return failure;
   }
   void world_changed(const StepStats& stats) {
-    rewind_.forget();
-    watch_.change(last_, stats);
+    checkpoint_.clear();
+    monitor_.change(last_, stats);
   }
 
  private:
   std::optional<std::string> found(World& world, const RunTimes& times) {
-    std::optional<Broken> broken = watch_.look(conditions_, last_, times);
-    if (!broken) return std::nullopt;
-    broken->body = culprit(world, broken->condition);
-    return describe(*broken);
+    std::optional<BreakpointHit> hit = monitor_.check(conditions_, last_, times);
+    if (!hit) return std::nullopt;
+    hit->body = offending_body(world, hit->condition);
+    return describe(*hit);
   }
 
   BreakConditions conditions_;
-  BreakWatch watch_;
+  BreakpointMonitor monitor_;
   StepStats last_;
-  Rewind rewind_;
+  Checkpoint checkpoint_;
 };
 
 /// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
@@ -157,7 +157,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
   if (stepped.failure) return stepped;
   Progress progress("steps", steps);
   std::int64_t stride = 1;
-  for (std::int64_t done = 0; done < steps && !early_end.wished();) {
+  for (std::int64_t done = 0; done < steps && !early_end.requested();) {
     const std::int64_t rest = std::min(steps - done, replay.steps_to_next(world));
     int count = static_cast<int>(trace || breaks.any() ? 1 : std::min(stride, rest));
     if (residuals && done + count == steps) {
@@ -167,21 +167,21 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
         --count;
     }
     const std::int64_t before = world.steps();
-    const std::size_t frozen = world.guards().frozen().size();
+    const std::size_t frozen = world.validation().frozen().size();
     const Clock::time_point start = Clock::now();
     if (breaks.any()) breaks.before_step(world);
     early_end.step(world, count);
     const double spent = seconds_since(start);
     stepped.seconds += spent;
     stepped.simulated += static_cast<double>(world.steps() - before) * world.scene().physics.time_step;
-    if (world.guards().frozen().size() > frozen)
+    if (world.validation().frozen().size() > frozen)
       std::fputs(fmt::format("note: bodies frozen so far: {}; found last: {}\n",
-                             world.guards().frozen().size(), describe(*world.guards().finding()))
+                             world.validation().frozen().size(), describe(*world.validation().finding()))
                      .c_str(),
                  stderr);
-    if (world.steps() == before && !world.guards().paused()) break;  // it was cancelled
-    if (world.guards().paused()) stepped.failure = describe(*world.guards().finding());
-    if (!stepped.failure && breaks.any()) stepped.failure = breaks.look(world, world.measure());
+    if (world.steps() == before && !world.validation().paused()) break;  // it was cancelled
+    if (world.validation().paused()) stepped.failure = describe(*world.validation().finding());
+    if (!stepped.failure && breaks.any()) stepped.failure = breaks.check(world, world.measure());
     if (stepped.failure) return stepped;
     done += world.steps() - before;
     if (replay.make_due(world) && breaks.any()) breaks.world_changed(world.measure());
@@ -239,11 +239,11 @@ int run_command(const CommandLine& line) {
   const std::int64_t last = world.steps() + steps;
   const Stepped stepped =
       step_all(world, steps, replay, outputs.energy ? &trace : nullptr, options.residuals, breaks, early_end);
-  const bool names_itself = stepped.failure && options.save.empty();
+  const bool save_on_failure = stepped.failure && options.save.empty();
   const std::int64_t failed_step = world.steps() + (stepped.failed_at_start ? 0 : 1);
-  std::string failed_at = names_itself ? failure_file(world, failed_step) : options.save;
-  if (names_itself) outputs.snapshot.emplace("--save", failed_at);
-  if (early_end.wished())
+  std::string failed_at = save_on_failure ? failure_file(world, failed_step) : options.save;
+  if (save_on_failure) outputs.snapshot.emplace("--save", failed_at);
+  if (early_end.requested())
     std::fputs(fmt::format("interrupted at state {} of {}; the files hold the run up to there\n",
                            world.steps(), last)
                    .c_str(),
@@ -252,7 +252,7 @@ int run_command(const CommandLine& line) {
   report.simulated_seconds = stepped.simulated;
   report.failure = stepped.failure.value_or("");
 
-  while_doing("writing what came out", [&] {
+  with_allocation_context("writing what came out", [&] {
     // All is written before anything is put in place: a disk that fills up leaves no half of a set.
     const auto into = [&](OutputFile& file) {
       return [&](std::string_view text) {
@@ -265,8 +265,8 @@ int run_command(const CommandLine& line) {
     if (outputs.energy) outputs.energy->write(trace);
     if (outputs.snapshot) write_snapshot(snapshot_of(world), into(*outputs.snapshot));
     if (outputs.json) into (*outputs.json)(to_json(report));
-    Interruption::met();
-    if (names_itself) {  // another run may have taken the name
+    InterruptHandler::work_ended();
+    if (save_on_failure) {  // another run may have taken the name
       while (!outputs.snapshot->commit_new(failed_at)) failed_at = failure_file(world, failed_step);
       outputs.snapshot.reset();
     }
@@ -294,7 +294,7 @@ int run_command(const CommandLine& line) {
 namespace {
 
 /// One file for a picture and for something else would keep the last alone. Throws InputError.
-void refuse_files_of_pictures(const CommandLine& line, const Start& start) {
+void refuse_picture_files(const CommandLine& line, const Start& start) {
   namespace fs = std::filesystem;
   const Options& options = line.options;
   std::vector<std::string> faults;
@@ -323,7 +323,7 @@ void refuse_files_of_pictures(const CommandLine& line, const Start& start) {
 int capture_command(const CommandLine& line) {
   const Options& options = line.options;
   const Start start = load_start(line);
-  refuse_files_of_pictures(line, start);
+  refuse_picture_files(line, start);
   const Outputs checked(options);
   ensure_writable_folder("--out", options.capture.out);
   World world = make_world(start, options.run);

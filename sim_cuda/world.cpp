@@ -14,12 +14,12 @@
 
 namespace collidoscope {
 
-World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids) {
-  while_doing("making a world", [&] {
+World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIdMap& ids) {
+  with_allocation_context("making a world", [&] {
     std::optional<RunState> rest;
     if (start == nullptr && settles(valid(scene))) start = &rest.emplace(settled_state(scene, options));
     run_ = std::make_unique<Simulation>(scene, options, start, ids);
-    if (start != nullptr) adopt(*start, ids);
+    if (start != nullptr) restore(*start, ids);
   });
 }
 World::~World() = default;
@@ -44,8 +44,8 @@ WorldInfo World::info() const {
 
 std::map<std::string, std::int64_t> World::buffers() const { return run_->executor.bytes_by_name(); }
 
-Guarding& World::guards() { return run_->guards; }
-const Guarding& World::guards() const { return run_->guards; }
+StateValidation& World::validation() { return run_->validation; }
+const StateValidation& World::validation() const { return run_->validation; }
 ContactRecords& World::records() { return run_->records; }
 TreeProbe& World::tree() { return run_->tree; }
 Publisher& World::publisher() { return run_->publisher; }
@@ -55,8 +55,8 @@ std::int64_t World::steps() const { return run_->steps(); }
 double World::time() const { return run_->time(); }
 
 RunState World::state() { return run_->state(); }
-void World::adopt(World& other) { adopt(other.state()); }
-void World::adopt(const RunState& other, const BodyIds& ids) { run_->adopt(other, ids); }
+void World::restore(World& other) { restore(other.state()); }
+void World::restore(const RunState& other, const BodyIdMap& ids) { run_->restore(other, ids); }
 std::uint64_t World::state_hash() { return run_->pipeline().state_hash(); }
 BodyStates World::bodies() { return run_->pipeline().bodies(); }
 
@@ -81,7 +81,7 @@ StepStats World::measure() {
 BodyReport World::inspect(std::uint32_t id) {
   if (id >= run_->initial.size()) throw std::out_of_range("inspect: there is no body " + std::to_string(id));
   detect();
-  return run_->pipeline().inspect(id, run_->arranged_tree());
+  return run_->pipeline().inspect(id, run_->level_ordered_tree());
 }
 
 void World::set_launch_shape(LaunchShape shape) { run_->set_launch_shape(shape); }

@@ -4,7 +4,7 @@
 //
 // World itself makes steps and has the state of the run. The rest are parts of it, each in a header of run/:
 //
-//   guards()     what guards found, whether the run is paused at it, which bodies are frozen (guarding.h)
+//   validation() findings, whether the run is paused at one, which bodies are frozen (state_validation.h)
 //   records()    impulses and residuals of contacts, recorded on request (contact_records.h)
 //   tree()       the tree of the broad phase: boxes, measures, ranked nodes, query times (tree_probe.h)
 //   publisher()  records for drawing, and the memory that a renderer needs (publisher.h)
@@ -22,8 +22,8 @@
 #include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/run/body_states.h"
 #include "sim_cuda/run/contact_records.h"
-#include "sim_cuda/run/guarding.h"
 #include "sim_cuda/run/publisher.h"
+#include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/tree_probe.h"
 #include "sim_cuda/run/world_info.h"
 #include "sim_cuda/scene/initial_bodies.h"
@@ -37,12 +37,12 @@ class Simulation;
 
 class World {
  public:
-  /// At state 0, or, as adopt() does it, at `start`, whose bodies have the ids `ids` here. Throws InputError
-  /// where the scene is not valid or the options name nothing known, MachineError where the machine lacks
-  /// what was asked for (the line says what and how much), or where a step would take more than
+  /// At state 0, or, as restore() does it, at `start`, whose bodies have the ids `ids` here. Throws
+  /// InputError where the scene is not valid or the options name nothing known, MachineError where the
+  /// machine lacks what was asked for (the line says what and how much), or where a step would take more than
   /// step_estimate.h allows. Throws Cancelled.
   World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr,
-        const BodyIds& ids = {});
+        const BodyIdMap& ids = {});
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -55,15 +55,15 @@ class World {
   WorldInfo info() const;
   std::map<std::string, std::int64_t> buffers() const;  ///< WorldInfo::allocated_bytes by what it is for
 
-  Guarding& guards();
-  const Guarding& guards() const;
+  StateValidation& validation();
+  const StateValidation& validation() const;
   ContactRecords& records();
   TreeProbe& tree();
   Publisher& publisher();
 
   /// Advances by `count` steps; returns when they are done (overflows grown and repeated). Stops before where
-  /// guards pause the run (guarding.h). Odd-numbered steps run instrumented, even-numbered ones plain, so
-  /// that times() knows both.
+  /// guards pause the run (state_validation.h). Odd-numbered steps run instrumented, even-numbered ones
+  /// plain, so that times() knows both.
   ///
   /// Throws Cancelled where options().cancellation was requested, as detect() and everything that detects do;
   /// only whole steps are in the state then. On the CPU the world goes on from there once the request is
@@ -79,8 +79,8 @@ class World {
   /// running scene changes them. `ids` says which body of `other` is which; empty: ids are the same in both.
   /// Bodies that `other` lacks keep their initial state. With the same physical settings and bodies, the run
   /// goes on bit for bit as `other` would have.
-  void adopt(World& other);
-  void adopt(const RunState& other, const BodyIds& ids = {});
+  void restore(World& other);
+  void restore(const RunState& other, const BodyIdMap& ids = {});
   /// One 64-bit hash of the state: equal exactly where all bodies are bitwise equal (-0 = 0, one NaN).
   std::uint64_t state_hash();
   BodyStates bodies();

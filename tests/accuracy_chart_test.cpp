@@ -9,9 +9,9 @@
 namespace collidoscope {
 namespace {
 
-AccuracyPoint point(const std::string& family, Precision precision, double ms, double error) {
+AccuracyPoint point(const std::string& series_name, Precision precision, double ms, double error) {
   AccuracyPoint p;
-  p.family = family;
+  p.series_name = series_name;
   p.setting.precision = precision;
   p.ms = {ms, 0.9 * ms, 1.1 * ms};
   p.error = error;

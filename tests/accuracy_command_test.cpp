@@ -43,7 +43,7 @@ TEST(AccuracyCommand, WritesTableFilesAndChart) {
   EXPECT_EQ(write_record(record), text_of(folder / "a.json"));
   std::size_t rings = 0;
   for (const AccuracyPoint& p : record.points) {
-    EXPECT_TRUE(p.has_error() && p.has_price());
+    EXPECT_TRUE(p.has_error() && p.has_cost());
     rings += p.on_front;
   }
   EXPECT_GT(rings, 2u);

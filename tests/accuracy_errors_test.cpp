@@ -94,19 +94,19 @@ TEST(AccuracyErrors, FitAnOrderAndAQuantile) {
 TEST(AccuracyRecord, ReadsWhatItWroteAndRefusesTheRest) {
   AccuracyRecord record;
   record.scene = "a \"scene\"";
-  record.subject = "0123456789abcdef";
+  record.problem_hash = "0123456789abcdef";
   record.points.resize(2);
-  record.points[0].family = "soft_step f32";
+  record.points[0].series_name = "soft_step f32";
   record.points[0].error = 0.1;
   record.points[0].ms_runs = {1, 2};
   record.points[0].setting.continuous_collision = true;
   record.points[1].error = INFINITY;  // the run was lost
-  record.doubts = {"one"};
+  record.warnings = {"one"};
   const AccuracyRecord read = parse_record(write_record(record), "file");
   EXPECT_EQ(write_record(read), write_record(record));
   EXPECT_EQ(read.points[0].error, 0.1);
   EXPECT_EQ(read.points[0].setting, record.points[0].setting);
-  EXPECT_FALSE(read.points[0].has_price());
+  EXPECT_FALSE(read.points[0].has_cost());
   EXPECT_TRUE(std::isinf(read.points[1].error));
   for (const char* text : {"", "{}", "[1]", R"({"suite": "paper"})", "{\"suite\": \"accuracy\"}"}) {
     try {

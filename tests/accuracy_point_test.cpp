@@ -39,10 +39,10 @@ TEST(AccuracyPoint, IsOnTheFrontWhereNothingIsBoth) {
     mark_front(points);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const AccuracyPoint& p = points[k];
-      bool beaten = !p.has_error() || !p.has_price();
+      bool beaten = !p.has_error() || !p.has_cost();
       for (std::size_t other = 0; other < points.size(); ++other) {
         const AccuracyPoint& q = points[other];
-        if (other == k || !q.has_error() || !q.has_price()) continue;
+        if (other == k || !q.has_error() || !q.has_cost()) continue;
         const bool as_good = q.ms.median <= p.ms.median && q.error <= p.error;
         const bool better = q.ms.median < p.ms.median || q.error < p.error;
         beaten |= as_good && (better || other < k);  // of equals the first
@@ -59,7 +59,7 @@ TEST(AccuracyPoint, IsTheCheapestBelowATolerance) {
       const auto found = cheapest_below(points, tolerance);
       bool any = false;
       for (const AccuracyPoint& p : points) {
-        const bool good = p.has_price() && p.has_error() && p.error <= tolerance;
+        const bool good = p.has_cost() && p.has_error() && p.error <= tolerance;
         any |= good;
         if (good) {
           ASSERT_TRUE(found);
@@ -78,19 +78,19 @@ TEST(AccuracyPoint, IsTheCheapestBelowATolerance) {
 TEST(AccuracyPoint, NothingIsRecommendedBelowTheReferencesOwnError) {
   const std::vector<AccuracyPoint> points{point(5, 0.9), point(2, 0.4), point(9, 0.1), point(1, not_known)};
   EXPECT_EQ(recommended(points, 0.05, 1).point, 1u);
-  EXPECT_EQ(recommended(points, 0.05, 1).lack, "");
+  EXPECT_EQ(recommended(points, 0.05, 1).unavailable_reason, "");
   EXPECT_EQ(recommended(points, 0.05, 0.2).point, 2u);
-  EXPECT_EQ(recommended(points, 0, 0.01).lack,
+  EXPECT_EQ(recommended(points, 0, 0.01).unavailable_reason,
             "no setting has an error of at most 0.01 m; the least is 0.1 m");
   EXPECT_EQ(recommended(points, 1.1, 2).point, std::nullopt);
-  EXPECT_EQ(recommended(points, 1.1, 2).lack,
+  EXPECT_EQ(recommended(points, 1.1, 2).unavailable_reason,
             "no setting can be recommended: all errors lie below the reference's own error of 1.1 m, so they "
             "cannot be told apart");
   EXPECT_EQ(
-      recommended(points, 0.2, 0.15).lack,
+      recommended(points, 0.2, 0.15).unavailable_reason,
       "no setting can be recommended: the allowed error of 0.15 m lies below the reference's own error of "
       "0.2 m");
-  EXPECT_EQ(recommended({}, 1, 1).lack, "no setting is measured yet");
+  EXPECT_EQ(recommended({}, 1, 1).unavailable_reason, "no setting is measured yet");
   EXPECT_TRUE(all_below_reference(points, 0.9));
   EXPECT_FALSE(all_below_reference(points, 0.8));
   EXPECT_FALSE(all_below_reference({}, 1));

@@ -28,7 +28,7 @@ Scene thrown() {
 
 AccuracyPoint setting(const std::string& name, AccuracySetting values) {
   AccuracyPoint point;
-  point.family = "test";
+  point.series_name = "test";
   point.name = name;
   point.setting = values;
   return point;
@@ -48,9 +48,10 @@ void finish(AccuracyStudy& study) {
   }
 }
 
-const AccuracyPoint* find(const AccuracyStudy& study, const std::string& family, const std::string& name) {
+const AccuracyPoint* find(const AccuracyStudy& study, const std::string& series_name,
+                          const std::string& name) {
   for (const AccuracyPoint& point : study.points())
-    if (point.family == family && point.name == name) return &point;
+    if (point.series_name == series_name && point.name == name) return &point;
   return nullptr;
 }
 
@@ -67,10 +68,10 @@ TEST_P(AccuracyStudyOn, FindsTheBiasOfEulerInFreeFlight) {
   for (const AccuracyPoint& p : study.points()) {
     // Behind by g h t / 2 at the time t; here the r.m.s. over the samples.
     double square = 0;
-    const int samples = study.subject().samples;
-    for (int k = 1; k <= samples; ++k) square += std::pow(study.subject().time(k), 2) / samples;
+    const int samples = study.problem().samples;
+    for (int k = 1; k <= samples; ++k) square += std::pow(study.problem().time(k), 2) / samples;
     EXPECT_NEAR(p.error, 9.81 * p.setting.time_step / 2 * std::sqrt(square), 1e-9) << p.name;
-    EXPECT_NEAR(p.error_worst, 9.81 * p.setting.time_step / 2 * study.subject().time(samples), 1e-9);
+    EXPECT_NEAR(p.error_worst, 9.81 * p.setting.time_step / 2 * study.problem().time(samples), 1e-9);
     EXPECT_EQ(p.error_low, p.error);  // there is one body
     EXPECT_LT(p.invariants.momentum_balance, 1e-12);
     EXPECT_EQ(p.invariants.penetration_max, 0);
@@ -82,7 +83,7 @@ TEST_P(AccuracyStudyOn, FindsTheBiasOfEulerInFreeFlight) {
     errors.push_back(p.error);
   }
   EXPECT_NEAR(fitted_order(h, errors), 1, 1e-6);
-  EXPECT_TRUE(study.doubts().empty());
+  EXPECT_TRUE(study.warnings().empty());
   EXPECT_TRUE(study.points().back().on_front);  // the finest has the least error of all
 }
 
@@ -90,15 +91,15 @@ TEST(AccuracyStudy, NoticesAWrongReference) {
   const Scene scene = thrown();
   Scene wrong = scene;
   wrong.physics.gravity = Vector3d(0, 0, -9.7);
-  const AccuracyRequest request{.seconds = 1, .rounds = 1, .settings = steps(scene, {16, 32, 64})};
-  AccuracyRequest planted = request;
-  planted.planted = wrong;
-  AccuracyStudy honest(scene, {}, request), deceived(scene, {}, planted);
+  const AccuracyStudyOptions request{.seconds = 1, .rounds = 1, .settings = steps(scene, {16, 32, 64})};
+  AccuracyStudyOptions reference_scene = request;
+  reference_scene.reference_scene = wrong;
+  AccuracyStudy honest(scene, {}, request), deceived(scene, {}, reference_scene);
   finish(honest);
   finish(deceived);
-  EXPECT_TRUE(honest.doubts().empty());
-  ASSERT_EQ(deceived.doubts().size(), 1u);
-  EXPECT_NE(deceived.doubts()[0].find("converges to something else"), std::string::npos);
+  EXPECT_TRUE(honest.warnings().empty());
+  ASSERT_EQ(deceived.warnings().size(), 1u);
+  EXPECT_NE(deceived.warnings()[0].find("converges to something else"), std::string::npos);
 }
 
 TEST(AccuracyStudy, TakesAConvergedRunWhereNothingExactIsKnown) {
@@ -117,10 +118,10 @@ TEST(AccuracyStudy, TakesAConvergedRunWhereNothingExactIsKnown) {
   EXPECT_GT(reference.order, 0.85);
   // Of a swing from the horizontal to the other side, 1.8541 sqrt(l/g) after the lowest point.
   const double quarter = 1.8540746773013719 * std::sqrt(1 / 9.81);
-  const int samples = study.subject().samples;
+  const int samples = study.problem().samples;
   for (int k = 1; k <= samples; ++k) {
     const Vector3d& x = study.samples()[static_cast<std::size_t>(k)].bodies.position[0];
-    EXPECT_EQ(x.x() > 0, study.subject().time(k) < quarter) << study.subject().time(k);
+    EXPECT_EQ(x.x() > 0, study.problem().time(k) < quarter) << study.problem().time(k);
     EXPECT_NEAR(x.norm(), 1, 1e-4);
   }
   EXPECT_LT(reference.error, 1e-2 * study.points().front().error);
@@ -139,7 +140,7 @@ TEST(AccuracyStudy, GoesNoFurtherThanPositionsMeanAnything) {
   EXPECT_EQ(reference.kind, AccuracyReference::Kind::hard_spheres);
   EXPECT_NEAR(reference.seconds, 8, 1e-9);
   EXPECT_LT(reference.horizon, 4);
-  EXPECT_GT(reference.growth_rate, 1);
+  EXPECT_GT(reference.lyapunov_rate, 1);
   EXPECT_NE(reference.end.find("a tiny displacement has grown"), std::string::npos);
   // Energy is compared to the end.
   EXPECT_LT(study.points()[0].invariants.energy_error, 0.2);
@@ -165,7 +166,7 @@ TEST(AccuracyStudy, EndsAtAZenoPointOrGoesRoundIt) {
 
 TEST(AccuracyStudy, GoesOnWhereItWasCutShort) {
   const Scene scene = thrown();
-  const AccuracyRequest request{.seconds = 1, .rounds = 2, .settings = steps(scene, {1, 2, 4, 8})};
+  const AccuracyStudyOptions request{.seconds = 1, .rounds = 2, .settings = steps(scene, {1, 2, 4, 8})};
   AccuracyStudy whole(scene, {}, request), first(scene, {}, request), second(scene, {}, request);
   finish(whole);
   while (first.points().empty() || first.progress().done < 5) first.advance(0);
@@ -190,7 +191,7 @@ TEST(AccuracyStudy, GoesOnWhereItWasCutShort) {
   Scene other = scene;
   other.bodies[0].velocity.x() = 4;
   EXPECT_FALSE(AccuracyStudy(other, {}, request).restore(kept));
-  AccuracyRequest longer = request;
+  AccuracyStudyOptions longer = request;
   longer.seconds = 2;
   EXPECT_FALSE(AccuracyStudy(scene, {}, longer).restore(kept));
 }
@@ -203,7 +204,7 @@ TEST(AccuracyStudy, StartsWhereARunStands) {
   AccuracyStudy study(scene, {}, {.seconds = 0.5, .rounds = 1, .settings = steps(scene, {1})}, &state);
   finish(study);
   EXPECT_EQ(study.samples()[0].bodies.position, state.bodies.position);
-  EXPECT_EQ(study.subject().start.steps, 0);
+  EXPECT_EQ(study.problem().start.steps, 0);
 }
 
 TEST(AccuracyStudy, TriesEveryFamilyThatTheSceneCanTake) {
@@ -212,11 +213,12 @@ TEST(AccuracyStudy, TriesEveryFamilyThatTheSceneCanTake) {
   scene.generators[0].spawn = Spawn::apart;
   AccuracyStudy study(scene, {}, {.seconds = 0.2, .rounds = 1});
   finish(study);
-  for (const char* family : {"soft_step f32", "soft_step f64", "impulse f32", "jacobi_split f64"})
-    EXPECT_TRUE(std::ranges::any_of(study.points(), [&](const auto& p) { return p.family == family; }))
-        << family;
+  for (const char* series_name : {"soft_step f32", "soft_step f64", "impulse f32", "jacobi_split f64"})
+    EXPECT_TRUE(std::ranges::any_of(study.points(), [&](const auto& p) {
+      return p.series_name == series_name;
+    })) << series_name;
   for (const AccuracyPoint& p : study.points()) {
-    EXPECT_TRUE(p.has_error() && p.has_price()) << p.family << p.name;
+    EXPECT_TRUE(p.has_error() && p.has_cost()) << p.series_name << p.name;
     EXPECT_GT(p.error, 0);
   }
   EXPECT_NE(find(study, "soft_step f32", "1/30 s, 4 substeps"), nullptr);

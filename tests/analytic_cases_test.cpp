@@ -40,7 +40,7 @@ TEST(AnalyticCases, AreWhatTheIssueAsksForAndEachSceneHasOne) {
     EXPECT_TRUE(names.insert(one.name).second) << one.name << " is there twice";
     scenes.insert(std::filesystem::path(one.scene.file).stem().string());
     EXPECT_FALSE(one.compared.empty());
-    EXPECT_FALSE(one.because.empty());
+    EXPECT_FALSE(one.rationale.empty());
     EXPECT_FALSE(one.methods.empty());
     const double steps = one.horizon / one.scene.physics.time_step;
     EXPECT_NEAR(steps, std::round(steps), 1e-9) << one.name << ": the horizon is between two steps";
@@ -65,7 +65,7 @@ AnalyticResult of_errors(Theory theory, const std::vector<double>& errors) {
     r.levels.push_back({h, 1, error, tolerance(r.method.theory, h, 1e-12)});
     h /= 2;
   }
-  judge(r);
+  evaluate(r);
   return r;
 }
 
@@ -96,7 +96,7 @@ bool passes(const OneStep& step, const OneStep& book, int order, const SmoothPro
     r.levels.push_back({h, steps, (y - end).norm(),
                         tolerance(r.method.theory, h, rounding(Precision::f64, steps, 10 * end.norm()))});
   }
-  judge(r);
+  evaluate(r);
   return r.passed();
 }
 
@@ -149,9 +149,10 @@ TEST(AnalyticJudge, SeesACoefficientThatIsOffByAHundredth) {
     weights.fill(1);
     EXPECT_TRUE(passes(made(weights), book, order, spring, time)) << "order " << order;
     for (std::size_t k = 0; k < weights.size(); ++k) {
-      auto planted = weights;
-      planted[k] = 1.01;
-      EXPECT_FALSE(passes(made(planted), book, order, spring, time)) << "order " << order << ", weight " << k;
+      auto injected = weights;
+      injected[k] = 1.01;
+      EXPECT_FALSE(passes(made(injected), book, order, spring, time))
+          << "order " << order << ", weight " << k;
     }
   };
   expect_seen(euler, std::array<double, 2>{}, euler_step(spring_pull), 1);

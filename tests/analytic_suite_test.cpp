@@ -19,7 +19,7 @@ AnalyticResult result(std::string name, Integrator integrator, Precision precisi
   AnalyticResult r;
   r.name = std::move(name);
   r.compared = "position, m";
-  r.because = "so it is";
+  r.rationale = "so it is";
   r.method.integrator = integrator;
   r.precision = precision;
   r.method.theory = std::move(theory);
@@ -27,7 +27,7 @@ AnalyticResult result(std::string name, Integrator integrator, Precision precisi
     const double h = 1.0 / rate, share = r.method.theory.claim == Claim::exact ? 1 : 30.0 / rate;
     r.levels.push_back({h, rate, error * share, tolerance(r.method.theory, h, 1e-12)});
   }
-  judge(r);
+  evaluate(r);
   return r;
 }
 

@@ -201,7 +201,7 @@ class Maker {
 
   /// Of all that it calls for, without some.
   Effects effects(const Scene& scene) {
-    Effects all = effects_called_for(scene, InitialBodies{});
+    Effects all = required_effects(scene, InitialBodies{});
     all.rotation |= once_in(2);
     if (once_in(3)) all.gravity = false;
     if (once_in(3)) all.drag = false;

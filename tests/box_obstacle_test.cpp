@@ -261,7 +261,7 @@ TEST_P(BoxObstacles, AreRememberedAndCostNothingWhereThereAreNone) {
   World first(on, options()), second(on, options());
   first.step(45);
   second.step(3);
-  second.adopt(first);
+  second.restore(first);
   second.step(15);
   EXPECT_EQ(second.state_hash(), b.state_hash());
 }

@@ -9,7 +9,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/run/run_state.h"
-#include "sim_cuda/stability/culprit.h"
+#include "sim_cuda/stability/offending_body.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 
@@ -30,16 +30,16 @@ std::string fault_of(const std::string& list) {
 TEST(BreakConditions, AreReadFromAList) {
   BreakConditions all =
       parse_break_conditions("non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped");
-  EXPECT_EQ(all.limit(Condition::non_finite), 0.0);
-  EXPECT_EQ(all.limit(Condition::energy_rise), 5.0);
-  EXPECT_EQ(all.limit(Condition::penetration), 0.1);
-  EXPECT_EQ(all.limit(Condition::speed), 100.0);
-  EXPECT_EQ(all.limit(Condition::stage_ms), 20.0);
-  EXPECT_EQ(all.limit(Condition::escaped), 0.0);
+  EXPECT_EQ(all.limit(BreakCondition::non_finite), 0.0);
+  EXPECT_EQ(all.limit(BreakCondition::energy_rise), 5.0);
+  EXPECT_EQ(all.limit(BreakCondition::penetration), 0.1);
+  EXPECT_EQ(all.limit(BreakCondition::speed), 100.0);
+  EXPECT_EQ(all.limit(BreakCondition::stage_ms), 20.0);
+  EXPECT_EQ(all.limit(BreakCondition::escaped), 0.0);
   BreakConditions one = parse_break_conditions("speed=0");
   EXPECT_TRUE(one.any());
-  EXPECT_EQ(one.limit(Condition::speed), 0.0);
-  EXPECT_FALSE(one.limit(Condition::escaped));
+  EXPECT_EQ(one.limit(BreakCondition::speed), 0.0);
+  EXPECT_FALSE(one.limit(BreakCondition::escaped));
   EXPECT_FALSE(BreakConditions{}.any());
 }
 
@@ -76,9 +76,9 @@ RunTimes times() {
   return times;
 }
 
-std::optional<Broken> looked(const char* list, const StepStats& stats) {
-  BreakWatch watch(start());
-  return watch.look(parse_break_conditions(list), stats, times());
+std::optional<BreakpointHit> looked(const char* list, const StepStats& stats) {
+  BreakpointMonitor watch(start());
+  return watch.check(parse_break_conditions(list), stats, times());
 }
 
 TEST(BreakConditions, AreMetAboveTheirLimitAlone) {
@@ -88,7 +88,7 @@ TEST(BreakConditions, AreMetAboveTheirLimitAlone) {
     EXPECT_FALSE(looked(list, stats)) << list;
   for (const char* list : {"penetration=0.0999", "speed=4.99", "stage-ms=2.9"})
     EXPECT_TRUE(looked(list, stats)) << list;
-  const Broken slow = *looked("stage-ms=2.9", stats);
+  const BreakpointHit slow = *looked("stage-ms=2.9", stats);
   EXPECT_EQ(slow.stage, "solve");
   EXPECT_EQ(describe(slow), "stage-ms: stage solve of step 4 took 3 ms, over 2.9 ms");
   stats.step = 5;  // whose stages were not timed
@@ -96,66 +96,67 @@ TEST(BreakConditions, AreMetAboveTheirLimitAlone) {
 
   stats.non_finite = 2;
   stats.escaped = 3;
-  EXPECT_EQ(looked("escaped,non-finite", stats)->condition, Condition::non_finite) << "in their own order";
+  EXPECT_EQ(looked("escaped,non-finite", stats)->condition, BreakCondition::non_finite)
+      << "in their own order";
   EXPECT_EQ(describe(*looked("escaped", stats)), "escaped: after step 5 3 bodies");
   stats.max_speed = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(looked("speed=1e18", stats)) << "what is not a number is above every limit";
 }
 
 TEST(BreakConditions, MeasureEnergyAgainstWhatThereWasToMove) {
-  BreakWatch watch(start());
+  BreakpointMonitor watch(start());
   const BreakConditions five = parse_break_conditions("energy-rise=5");
   StepStats stats = well();  // 20 J of motion, 20 J less of height: a scale of 40 J
   stats.kinetic_energy = 21.9;
-  EXPECT_FALSE(watch.look(five, stats, {}));
+  EXPECT_FALSE(watch.check(five, stats, {}));
   stats.kinetic_energy = 22.2;
-  const auto broken = watch.look(five, stats, {});
+  const auto broken = watch.check(five, stats, {});
   ASSERT_TRUE(broken);
   EXPECT_NEAR(broken->value, 100 * 2.2 / 42.2, 1e-12);
   stats.kinetic_energy = 20.2;
   stats.push_work = 2;  // that pushes out of walls have put in is no rise
   stats.potential_energy = 82;
-  EXPECT_FALSE(watch.look(parse_break_conditions("energy-rise=1"), stats, {}));
+  EXPECT_FALSE(watch.check(parse_break_conditions("energy-rise=1"), stats, {}));
 }
 
 TEST(BreakConditions, EnergyOfAChangeIsNoRise) {
-  BreakWatch watch(start());
+  BreakpointMonitor watch(start());
   const BreakConditions five = parse_break_conditions("energy-rise=5");
   StepStats before = well(), after = well();
-  EXPECT_FALSE(watch.look(five, before, {}));
+  EXPECT_FALSE(watch.check(five, before, {}));
   after.kinetic_energy += 30;
   after.potential_energy += 10;
   watch.change(before, after);
-  EXPECT_FALSE(watch.look(five, after, {}));
+  EXPECT_FALSE(watch.check(five, after, {}));
   after.kinetic_energy += 10;  // of a scale of 70 J
-  EXPECT_TRUE(watch.look(five, after, {}));
+  EXPECT_TRUE(watch.check(five, after, {}));
 }
 
-class Culprits : public OnEachExecutor {};
-ON_EACH_EXECUTOR(Culprits);
+class OffendingBodies : public OnEachExecutor {};
+ON_EACH_EXECUTOR(OffendingBodies);
 
-TEST_P(Culprits, AreNamed) {
+TEST_P(OffendingBodies, AreNamed) {
   Scene scene = empty_space();
   scene.box = Box{Vector3d(0, 0, 0), Vector3d(20, 20, 20)};
   scene.bodies = {sphere(1, Vector3d(5, 5, 5)), sphere(1, Vector3d(10, 5, 5), Vector3d(0, 3, 0)),
                   sphere(1, Vector3d(10, 6.5, 5)), sphere(1, Vector3d(15, 5, 0.2)),
                   sphere(1, Vector3d(15, 15, 15))};
   World world(scene, options());
-  EXPECT_EQ(culprit(world, Condition::speed), 1u);
-  EXPECT_EQ(culprit(world, Condition::penetration), 3u) << "0.8 m in the floor";
-  EXPECT_EQ(culprit(world, Condition::energy_rise), std::nullopt);
+  EXPECT_EQ(offending_body(world, BreakCondition::speed), 1u);
+  EXPECT_EQ(offending_body(world, BreakCondition::penetration), 3u) << "0.8 m in the floor";
+  EXPECT_EQ(offending_body(world, BreakCondition::energy_rise), std::nullopt);
   RunState state = world.state();
   state.bodies.position[3].z() = 0.9;
   state.bodies.position[4].x() = 21;
-  world.adopt(state);
-  EXPECT_EQ(culprit(world, Condition::penetration), 4u) << "2 m in the wall";
-  EXPECT_EQ(culprit(world, Condition::escaped), 4u);
+  world.restore(state);
+  EXPECT_EQ(offending_body(world, BreakCondition::penetration), 4u) << "2 m in the wall";
+  EXPECT_EQ(offending_body(world, BreakCondition::escaped), 4u);
   state.bodies.position[4].x() = 15;
   state.bodies.velocity[2].z() = std::numeric_limits<double>::infinity();
-  world.adopt(state);
-  EXPECT_EQ(culprit(world, Condition::penetration), 1u) << "0.5 m in body 2";
-  EXPECT_EQ(culprit(world, Condition::non_finite), 2u);
-  EXPECT_EQ(culprit(world, Condition::escaped), std::nullopt);
+  world.restore(state);
+  EXPECT_EQ(offending_body(world, BreakCondition::penetration), 1u) << "0.5 m in body 2";
+  EXPECT_EQ(offending_body(world, BreakCondition::non_finite), 2u);
+  EXPECT_EQ(offending_body(world, BreakCondition::escaped), std::nullopt);
 }
 
 }  // namespace

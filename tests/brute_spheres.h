@@ -33,7 +33,7 @@ class BruteSpheres {
   }
 
   /// Goes on to the next collision, whichever it is.
-  SphereCollision next() {
+  CollisionEvent next() {
     const std::size_t first = static_cast<std::size_t>(std::ranges::min_element(times_) - times_.begin());
     const std::size_t row = x_.size() + faces, a = first / row, b = first % row;
     const Real dt = times_[first] - time_;
@@ -42,7 +42,7 @@ class BruteSpheres {
       v_[i] += dt * gravity_;
     }
     time_ += dt;
-    SphereCollision done{static_cast<double>(time_), static_cast<std::uint32_t>(a), no_body, 0, {}, 0};
+    CollisionEvent done{static_cast<double>(time_), static_cast<std::uint32_t>(a), no_body, 0, {}, 0};
     if (b < x_.size()) {
       done.other = static_cast<std::uint32_t>(b);
       const Vector n = (x_[a] - x_[b]).normalized();

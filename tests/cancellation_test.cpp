@@ -71,7 +71,7 @@ Scene busy_scene(Solver solver, Precision precision) {
   physics.substeps = 3;
   physics.iterations = 2;
   physics.drag.viscosity = 0.01;
-  physics.guards = Guards{};
+  physics.guards = ValidationSettings{};
   Uniform uniform{Random(11)};
   for (int k = 0; k < 90; ++k)
     scene.bodies.push_back(
@@ -235,28 +235,28 @@ TEST(Cancellation, WhileAFindingIsReadChangesNothing) {
     for (const OnFailure on_failure : {OnFailure::pause, OnFailure::freeze}) {
       SCOPED_TRACE(name);
       Scene scene = busy_scene(solver, Precision::f32);
-      scene.physics.guards = Guards{.speed = 8};
+      scene.physics.guards = ValidationSettings{.speed = 8};
       scene.physics.guards->on_failure = on_failure;
       scene.bodies.push_back(sphere(0.3, Vector3d(5, 5, 11), Vector3d(0, 0, -6)));
       const RunOptions plain = on_cpu(1);
       World undisturbed(scene, plain);
       undisturbed.step(16);
-      ASSERT_TRUE(undisturbed.guards().finding());
+      ASSERT_TRUE(undisturbed.validation().finding());
       Looks looks;
       looks.cancellation.uninterrupted = never;
       RunOptions options = plain;
       options.cancellation = &looks.cancellation;
       World world(scene, options);
       int next = 1;
-      while (world.steps() < 16 && !world.guards().paused()) {
+      while (world.steps() < 16 && !world.validation().paused()) {
         const bool cancelled = looks.cancel_at(next, [&] { world.step(); });
         next = cancelled ? next + 13 : 1;
       }
       EXPECT_EQ(world.steps(), undisturbed.steps());
-      EXPECT_EQ(world.guards().paused(), undisturbed.guards().paused());
-      EXPECT_EQ(world.guards().frozen(), undisturbed.guards().frozen());
-      ASSERT_TRUE(world.guards().finding());
-      EXPECT_EQ(describe(*world.guards().finding()), describe(*undisturbed.guards().finding()));
+      EXPECT_EQ(world.validation().paused(), undisturbed.validation().paused());
+      EXPECT_EQ(world.validation().frozen(), undisturbed.validation().frozen());
+      ASSERT_TRUE(world.validation().finding());
+      EXPECT_EQ(describe(*world.validation().finding()), describe(*undisturbed.validation().finding()));
       EXPECT_EQ(state_of(world), state_of(undisturbed));
     }
 }

@@ -143,9 +143,9 @@ TEST(Capture, WhatIsDrawnAreTheBodiesAndContacts) {
 TEST(Capture, APathThatTheMachineLacksStepsDownWithOneLine) {
   test_context();
   World world(small_scene(), on_cpu());
-  for (DisplayPath wish : {DisplayPath::interop, DisplayPath::copy}) {
+  for (DisplayPath request : {DisplayPath::interop, DisplayPath::copy}) {
     std::vector<std::string> said;
-    DisplayLink link(world, wish, [&](const std::string& line) { said.push_back(line); });
+    DisplayLink link(world, request, [&](const std::string& line) { said.push_back(line); });
     EXPECT_EQ(link.path(), DisplayPath::upload);
     EXPECT_THAT(said, testing::ElementsAre(testing::HasSubstr("the simulation runs on the CPU")));
   }

@@ -131,7 +131,7 @@ TEST_P(Changes, FreezeBodiesWhereTheyAre) {
     {"step": 0, "freeze": [9]}, {"step": 0, "restitution": 0.5},
     {"step": 5, "freeze": [2, 9], "remove": [1]}]})";
   World world = replayed(crowd(), text, options(), 5);
-  EXPECT_THAT(world.guards().frozen(), ElementsAre(1, 8));
+  EXPECT_THAT(world.validation().frozen(), ElementsAre(1, 8));
   const BodyStates before = world.bodies();
   EXPECT_EQ(before.position[8], world.initial().position[8]) << "since state 0";
   world.step(5);
@@ -147,7 +147,7 @@ TEST_P(Changes, ASnapshotBetweenThemGoesOn) {
   world.emplace(crowd(), options());
   while (world->steps() < script_steps) {
     for (; next < list.changes.size() && list.changes[next].step == world->steps(); ++next)
-      if (auto changed = changed_world(*world, list.changes[next], world->options()))
+      if (auto changed = world_after_change(*world, list.changes[next], world->options()))
         world.emplace(std::move(*changed));
     if (world->steps() == 19 || world->steps() == 25 || world->steps() == 34 || world->steps() == 50) {
       const TemporaryFolder folder;
@@ -167,7 +167,7 @@ TEST_P(Changes, WhoIsRemovedLeavesTheOthersAsTheyAre) {
   World world(crowd(), options());
   world.step(12);
   const RunState before = world.state();
-  const std::unique_ptr<World> after = changed_world(world, removal({60, 0, 121}), options());
+  const std::unique_ptr<World> after = world_after_change(world, removal({60, 0, 121}), options());
   const RunState state = after->state();
   ASSERT_EQ(state.bodies.position.size(), 119u);
   std::vector<std::uint32_t> old;  // ids by new ones
@@ -212,10 +212,11 @@ TEST_P(Changes, ABodyFarAwayDisturbsNobody) {
   World alone(scene, options()), first(scene, options());
   alone.step(40);
   first.step(15);
-  std::unique_ptr<World> both = changed_world(first, addition(sphere(1, Vector3d(500, 0, 30))), options());
+  std::unique_ptr<World> both =
+      world_after_change(first, addition(sphere(1, Vector3d(500, 0, 30))), options());
   both->step(10);
   EXPECT_LT(both->bodies().position.back().z(), 30);
-  both = changed_world(*both, removal({62}), options());
+  both = world_after_change(*both, removal({62}), options());
   both->step(15);
   EXPECT_EQ(both->state_hash(), alone.state_hash());
 }
@@ -237,7 +238,7 @@ TEST_P(Changes, SleepersWakeWhereSomethingTheyTouchedIsRemoved) {
     return list;
   };
   ASSERT_THAT(asleep(world), ElementsAre(true, true, true, true, true, true));
-  const std::unique_ptr<World> next = changed_world(world, removal({0}), options());
+  const std::unique_ptr<World> next = world_after_change(world, removal({0}), options());
   next->step();
   EXPECT_THAT(asleep(*next), ElementsAre(false, false, true, true, true));
   next->step(30);

@@ -190,7 +190,7 @@ TEST(SlideToRoll, EndsWhereTheSurfaceIsAtRest) {
   EXPECT_NEAR(spun, 5.0, 1e-14) << "5/7 of 7 m/s";
   for (double s = 0.05; s < 2; s += 0.1)
     if (std::abs(s - t) > 0.01) {
-      EXPECT_NEAR(slope([&](double q) { return ball.way(q); }, s), s < t ? 7 - ball.deceleration * s : 5,
+      EXPECT_NEAR(slope([&](double q) { return ball.distance(q); }, s), s < t ? 7 - ball.deceleration * s : 5,
                   1e-9);
     }
   EXPECT_NEAR(down_slope(9.81, 0.6, 0.8, 2.0 / 7 * 0.75), 5.0 / 7 * 9.81 * 0.6, 1e-13);

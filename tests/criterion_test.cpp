@@ -73,47 +73,48 @@ TEST(Criterion, ReadsAllThatItMaySay) {
   EXPECT_EQ(c.changes, "x.changes.json");
   EXPECT_THAT(c.executors, ElementsAre(ExecutorKind::cuda));
 
-  ASSERT_EQ(c.holds.size(), 7u);
-  EXPECT_EQ(text_of(c.holds[0]), "all finite");
-  EXPECT_EQ(text_of(c.holds[1]), "penetration at most 0.01 m, states 60 to 300");
-  EXPECT_EQ(text_of(c.holds[2]), "position z of body 3 0.9 m to 1.1 m");
-  EXPECT_EQ(text_of(c.holds[3]), "displacement since state 20 at most 1 m");
-  EXPECT_EQ(text_of(c.holds[4]), "difference from y at most 1 m");
-  EXPECT_EQ(text_of(c.holds[5]), "other_hash at most 0");
-  EXPECT_EQ(text_of(c.holds[6]), "position x at least 0 m");
-  EXPECT_TRUE(c.holds[1].at(60) && c.holds[1].at(300) && !c.holds[1].at(59) && !c.holds[1].at(301));
-  EXPECT_EQ(c.holds[4].offset, Vector3d(1, 2, 3));
-  ASSERT_EQ(c.holds[5].shapes.size(), 2u);
-  EXPECT_EQ(c.holds[5].shapes[1].threads, 32);
-  EXPECT_THAT(c.holds[5].broad_phases, ElementsAre("refit"));
+  ASSERT_EQ(c.assertions.size(), 7u);
+  EXPECT_EQ(text_of(c.assertions[0]), "all finite");
+  EXPECT_EQ(text_of(c.assertions[1]), "penetration at most 0.01 m, states 60 to 300");
+  EXPECT_EQ(text_of(c.assertions[2]), "position z of body 3 0.9 m to 1.1 m");
+  EXPECT_EQ(text_of(c.assertions[3]), "displacement since state 20 at most 1 m");
+  EXPECT_EQ(text_of(c.assertions[4]), "difference from y at most 1 m");
+  EXPECT_EQ(text_of(c.assertions[5]), "other_hash at most 0");
+  EXPECT_EQ(text_of(c.assertions[6]), "position x at least 0 m");
+  EXPECT_TRUE(c.assertions[1].at(60) && c.assertions[1].at(300) && !c.assertions[1].at(59) &&
+              !c.assertions[1].at(301));
+  EXPECT_EQ(c.assertions[4].offset, Vector3d(1, 2, 3));
+  ASSERT_EQ(c.assertions[5].shapes.size(), 2u);
+  EXPECT_EQ(c.assertions[5].shapes[1].threads, 32);
+  EXPECT_THAT(c.assertions[5].broad_phases, ElementsAre("refit"));
 
-  ASSERT_EQ(c.faults.size(), 3u);
-  EXPECT_EQ(c.faults[0].term, 1u);
-  EXPECT_EQ(c.faults[0].state->body, 4u);
-  EXPECT_TRUE(std::isnan((*c.faults[0].state->position)[1]));
-  EXPECT_TRUE(std::isinf((*c.faults[0].state->position)[2]));
-  EXPECT_EQ(c.faults[0].state->orientation->w(), 2);
-  EXPECT_EQ(c.faults[1].term, 6u) << "the second of this quantity";
-  EXPECT_EQ(c.faults[1].set->solver, Solver::impulse);
-  EXPECT_EQ(c.faults[1].gravity, Vector3d(0, 0, -100));
-  EXPECT_EQ(c.faults[1].friction, 0.5);
-  EXPECT_EQ(c.faults[2].term, 0u);
-  EXPECT_EQ(c.faults[2].scene, "z.json");
+  ASSERT_EQ(c.injected_faults.size(), 3u);
+  EXPECT_EQ(c.injected_faults[0].assertion, 1u);
+  EXPECT_EQ(c.injected_faults[0].state->body, 4u);
+  EXPECT_TRUE(std::isnan((*c.injected_faults[0].state->position)[1]));
+  EXPECT_TRUE(std::isinf((*c.injected_faults[0].state->position)[2]));
+  EXPECT_EQ(c.injected_faults[0].state->orientation->w(), 2);
+  EXPECT_EQ(c.injected_faults[1].assertion, 6u) << "the second of this quantity";
+  EXPECT_EQ(c.injected_faults[1].set->solver, Solver::impulse);
+  EXPECT_EQ(c.injected_faults[1].gravity, Vector3d(0, 0, -100));
+  EXPECT_EQ(c.injected_faults[1].friction, 0.5);
+  EXPECT_EQ(c.injected_faults[2].assertion, 0u);
+  EXPECT_EQ(c.injected_faults[2].scene, "z.json");
 }
 
 TEST(Criterion, MayCompareWithEveryBroadPhaseThatThereIs) {
   const Criterion c = parse(R"("steps": 1, "holds": [
       {"quantity": "other_hash", "broad_phases": ["all"], "at_most": 0}])");
-  ASSERT_EQ(c.holds.size(), 2u);  // all finite, and this
-  EXPECT_TRUE(c.holds[1].every_broad_phase);
-  EXPECT_TRUE(c.holds[1].broad_phases.empty());
+  ASSERT_EQ(c.assertions.size(), 2u);  // all finite, and this
+  EXPECT_TRUE(c.assertions[1].every_broad_phase);
+  EXPECT_TRUE(c.assertions[1].broad_phases.empty());
 }
 
 TEST(Criterion, ALimitIsOfAllThatItDoesNotName) {
   const Criterion c = parse(R"("steps": 1, "limits": [
     {"solver": "impulse", "why": "a"}, {"precision": "f32", "executor": "cuda", "why": "b"}])");
   const auto why = [&](Solver solver, Precision precision, ExecutorKind executor) {
-    const DeclaredLimit* limit = c.limit_of(solver, precision, executor);
+    const ExpectedFailure* limit = c.expected_failure_of(solver, precision, executor);
     return limit == nullptr ? "" : limit->why;
   };
   EXPECT_EQ(why(Solver::impulse, Precision::f64, ExecutorKind::cpu), "a");
@@ -134,14 +135,14 @@ TEST(Criterion, OfWhatGuardsMustFind) {
   const Criterion c = parse(R"("steps": 10, "found": {"step": 8, "stage": "bounds", "body": 3},
     "plant": {"step": 7, "body": 3, "position": [null, 0, 0]}, "faults": [{"fails": "found", "step": 7, "body": 2,
     "position": [null, 0, 0]}])");
-  ASSERT_TRUE(c.found && c.plant);
-  EXPECT_EQ(c.found->step, 8);
-  EXPECT_EQ(c.found->stage, "bounds");
-  EXPECT_EQ(c.found->body, 3u);
-  EXPECT_TRUE(std::isnan((*c.plant->position)[0]));
-  ASSERT_EQ(c.holds.size(), 1u) << "what is planted need not be finite";
-  EXPECT_EQ(c.holds[0].quantity, Quantity::found);
-  EXPECT_EQ(c.faults[0].term, 0u);
+  ASSERT_TRUE(c.expected_finding && c.injected_state);
+  EXPECT_EQ(c.expected_finding->step, 8);
+  EXPECT_EQ(c.expected_finding->stage, "bounds");
+  EXPECT_EQ(c.expected_finding->body, 3u);
+  EXPECT_TRUE(std::isnan((*c.injected_state->position)[0]));
+  ASSERT_EQ(c.assertions.size(), 1u) << "what is planted need not be finite";
+  EXPECT_EQ(c.assertions[0].quantity, Quantity::expected_finding);
+  EXPECT_EQ(c.injected_faults[0].assertion, 0u);
   EXPECT_THAT(fault_of(R"("steps": 10, "plant": {"step": 7, "body": 3, "position": [null, 0, 0]})"),
               HasSubstr("is of cases with \"found\""));
   EXPECT_THAT(fault_of(R"("steps": 10, "found": {"step": 8, "body": 3})"), HasSubstr("a \"stage\" and a"));

@@ -9,16 +9,16 @@ namespace {
 
 TEST(DrawOptions, ALiveViewTakesWhatItCanAfford) {
   EXPECT_EQ(live_options({}, false, 2000), DrawOptions{});
-  EXPECT_EQ(live_options({}, false, most_supersampled).supersampling, 2);
-  EXPECT_EQ(live_options({}, false, most_supersampled + 1), (DrawOptions{.supersampling = 1}));
+  EXPECT_EQ(live_options({}, false, max_supersampled).supersampling, 2);
+  EXPECT_EQ(live_options({}, false, max_supersampled + 1), (DrawOptions{.supersampling = 1}));
   EXPECT_EQ(live_options({}, true, 2000), (DrawOptions{.supersampling = 1, .light = Quality::quick}));
 }
 
 TEST(DrawOptions, WhatIsAskedForIsDone) {
-  const DrawWish wish{.supersampling = 3, .light = Quality::full, .spheres = SphereMethod::quads};
+  const DrawRequest request{.supersampling = 3, .light = Quality::full, .spheres = SphereMethod::quads};
   const DrawOptions asked{3, Quality::full, SphereMethod::quads};
-  EXPECT_EQ(live_options(wish, true, 10'000'000), asked);
-  EXPECT_EQ(still_options(wish, 50'000, 20'000, 16384), asked);
+  EXPECT_EQ(live_options(request, true, 10'000'000), asked);
+  EXPECT_EQ(still_options(request, 50'000, 20'000, 16384), asked);
   EXPECT_EQ(still_options({}, 1280, 720, 16384), DrawOptions{});
   EXPECT_EQ(still_options({}, 10'000, 10'000, 32768).supersampling, 1);
   EXPECT_EQ(still_options({}, 16384, 16, 32768).supersampling, 2);

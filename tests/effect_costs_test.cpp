@@ -26,9 +26,9 @@ Scene rubbing() {
   return scene;
 }
 
-const EffectFacts& of(const std::vector<EffectFacts>& all, bool Effects::*flag) {
-  for (const EffectFacts& facts : all)
-    if (facts.flag == flag) return facts;
+const EffectView& of(const std::vector<EffectView>& all, bool Effects::*flag) {
+  for (const EffectView& view : all)
+    if (view.flag == flag) return view;
   throw std::out_of_range("no such effect");
 }
 
@@ -39,19 +39,19 @@ TEST_P(CostsOfEffects, AreMeasuredWithoutTouchingTheRun) {
     alone.step(start + 5);
     EffectCosts costs;
     costs.begin(world);
-    EXPECT_FALSE(of(costs.facts(world), &Effects::gravity).cost.has_value());
+    EXPECT_FALSE(of(costs.views(world), &Effects::gravity).cost.has_value());
     int slices = 0;
-    for (; !costs.done() && slices < 1000; ++slices) costs.go_on(world, 0);
+    for (; !costs.done() && slices < 1000; ++slices) costs.advance(world, 0);
     EXPECT_EQ(slices, 3 * EffectCosts::pairs) << "a pair in each: gravity, rotation, friction";
     world.step(5);
     EXPECT_EQ(world.state_hash(), alone.state_hash());
 
-    const std::vector<EffectFacts> all = costs.facts(world);
+    const std::vector<EffectView> all = costs.views(world);
     ASSERT_EQ(all.size(), effect_names.size());
-    for (const EffectFacts& effect : all) {
+    for (const EffectView& effect : all) {
       EXPECT_EQ(effect.cost.has_value(), effect.on) << effect.name;
       if (!effect.cost) continue;
-      EXPECT_EQ(effect.cost->lack, "");
+      EXPECT_EQ(effect.cost->unavailable_reason, "");
       EXPECT_EQ(effect.cost->pairs, EffectCosts::pairs);
       EXPECT_EQ(effect.cost->step, start);
       EXPECT_GT(effect.cost->without_ms, 0);
@@ -71,8 +71,8 @@ TEST_P(CostsOfEffects, OfOneThatIsOffAreThoseOfSwitchingItOn) {
   World world(scene, options());
   EffectCosts costs;
   costs.begin(world);
-  while (!costs.done()) costs.go_on(world, 1e9);
-  const std::vector<EffectFacts> all = costs.facts(world);
+  while (!costs.done()) costs.advance(world, 1e9);
+  const std::vector<EffectView> all = costs.views(world);
   EXPECT_FALSE(of(all, &Effects::friction).on);
   ASSERT_TRUE(of(all, &Effects::friction).cost.has_value());
   scene.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
@@ -94,19 +94,19 @@ TEST(EffectCosts, SayWhatCannotBeMeasured) {
   World world(scene, o);
   EffectCosts costs;
   costs.begin(world);
-  while (!costs.done()) costs.go_on(world, 1e9);
-  const std::vector<EffectFacts> all = costs.facts(world);
-  EXPECT_THAT(of(all, &Effects::rotation).cost->lack, testing::HasSubstr("must hold rotation"));
-  EXPECT_EQ(of(all, &Effects::joints).cost->lack, "");
+  while (!costs.done()) costs.advance(world, 1e9);
+  const std::vector<EffectView> all = costs.views(world);
+  EXPECT_THAT(of(all, &Effects::rotation).cost->unavailable_reason, testing::HasSubstr("must hold rotation"));
+  EXPECT_EQ(of(all, &Effects::joints).cost->unavailable_reason, "");
 
   scene = rubbing();
   scene.physics.solver = Solver::impulse;
   scene.physics.effects = Effects{};
   World paper(scene, o);
   costs.begin(paper);
-  while (!costs.done()) costs.go_on(paper, 1e9);
-  EXPECT_EQ(of(costs.facts(paper), &Effects::friction).cannot, "impulse has none");
-  EXPECT_FALSE(of(costs.facts(paper), &Effects::friction).cost.has_value());
+  while (!costs.done()) costs.advance(paper, 1e9);
+  EXPECT_EQ(of(costs.views(paper), &Effects::friction).cannot, "impulse has none");
+  EXPECT_FALSE(of(costs.views(paper), &Effects::friction).cost.has_value());
 }
 
 TEST(EffectCosts, SwitchesTakeAlongWhatTheyMust) {

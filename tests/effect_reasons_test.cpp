@@ -1,4 +1,4 @@
-// Why an effect is called for: as effects_called_for() has it, in words.
+// Why an effect is called for: as required_effects() has it, in words.
 
 #include "sim_cuda/scene/effect_reasons.h"
 
@@ -27,10 +27,10 @@ TEST(EffectReasons, SayWhatIsCalledFor) {
   scenes.back().physics.solver = Solver::soft_step;
   scenes.back().physics.sleep = Sleep{};
   for (const Scene& scene : scenes) {
-    const Effects called = effects_called_for(scene, initial_bodies(scene));
+    const Effects called = required_effects(scene, initial_bodies(scene));
     for (const EffectName& effect : effect_names) {
       const EffectReason reason = reason_in(scene, effect.flag);
-      EXPECT_EQ(reason.called_for, called.*effect.flag) << scene.name << ": " << effect.name;
+      EXPECT_EQ(reason.required, called.*effect.flag) << scene.name << ": " << effect.name;
       EXPECT_FALSE(reason.why.empty());
       EXPECT_LT(reason.why.size(), 60u) << "a few words";
     }

@@ -27,7 +27,7 @@ class FailingRun : public testing::Test {
     scene.name = "One falls";
     scene.obstacles.push_back(Plane{});
     scene.bodies = {sphere(0.5, Vector3d(0, 0, 0.5)), sphere(0.5, Vector3d(9, 0, 100))};
-    scene.physics.guards = Guards{.speed = 5};
+    scene.physics.guards = ValidationSettings{.speed = 5};
     write(scene_, scene);
     scene.physics.guards.reset();
     write(plain_, scene);

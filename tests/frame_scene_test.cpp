@@ -112,7 +112,7 @@ TEST(SceneView, AThrownBallLeavesTheCameraAndAllShowsWhereBodiesAre) {
     EXPECT_EQ(view.scene_size(), size);
   }
   for (int k = 0; k < 60; ++k) live.step(false);  // they fall by about 20 m
-  view.meet_wish(CameraWish::frame_all, live);
+  view.handle_request(CameraRequest::frame_all, live);
   EXPECT_LT(view.camera().target.z(), before.target.z() - 10);
 }
 

@@ -213,7 +213,7 @@ TEST_P(SoftFreeMotions, LeavePendulumsAndWhatRestsAsTheyAreToTheBit) {
     scene.physics.sleep.reset();
     if (sleeps) scene.physics.sleep = Sleep{};
     World world(scene, options());
-    world.adopt(settled);
+    world.restore(settled);
     world.step(60);
     EXPECT_GT(world.bodies().velocity[5].norm(), 0.1);
     EXPECT_EQ(world.measure().asleep, sleeps ? 5 : 0);

@@ -264,7 +264,7 @@ TEST_P(Rubbing, IsOneAnswer) {
     World first(scene, options()), second(scene, options());
     first.step(25);
     second.step(3);
-    second.adopt(first);
+    second.restore(first);
     second.step(15);
     EXPECT_EQ(second.state_hash(), plain.state_hash()) << "another world";
   }

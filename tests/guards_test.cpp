@@ -27,7 +27,7 @@ Scene faller(Solver solver = Solver::soft_step, Precision precision = Precision:
   scene.name = "faller";
   scene.physics.solver = solver;
   scene.physics.precision = precision;
-  scene.physics.guards = Guards{.speed = 5};
+  scene.physics.guards = ValidationSettings{.speed = 5};
   scene.obstacles.push_back(Plane{});
   for (int k = 0; k < 3; ++k) scene.bodies.push_back(sphere(0.5, Vector3d(0.01 * k, 0, 0.6 + 1.05 * k)));
   scene.bodies.push_back(sphere(0.5, Vector3d(50, 0, 100)));
@@ -53,7 +53,7 @@ void expect_same_body(const BodyStates& a, const BodyStates& b, std::size_t id_a
   EXPECT_EQ(a.orientation[id_a].coeffs(), b.orientation[id_b].coeffs()) << id_a;
 }
 
-class GuardedRuns : public OnEachExecutor {
+class ValidatedRuns : public OnEachExecutor {
  protected:
   /// For each solver and precision.
   template <class Check>
@@ -65,32 +65,32 @@ class GuardedRuns : public OnEachExecutor {
       }
   }
 };
-ON_EACH_EXECUTOR(GuardedRuns);
+ON_EACH_EXECUTOR(ValidatedRuns);
 
-TEST_P(GuardedRuns, PauseAtTheStateBeforeBitForBit) {
+TEST_P(ValidatedRuns, PauseAtTheStateBeforeBitForBit) {
   in_each_way([&](const Scene& scene) {
     World world(scene, options()), other(unguarded(scene), options());
     world.step(40);
     // v = 5 m/s after 0.51 s: in the step that leads to state 16.
-    ASSERT_TRUE(world.guards().paused());
+    ASSERT_TRUE(world.validation().paused());
     EXPECT_EQ(world.steps(), 15);
-    const Finding& finding = *world.guards().finding();
+    const Finding& finding = *world.validation().finding();
     const bool impulse = scene.physics.solver == Solver::impulse;
     EXPECT_EQ(finding.step, 16);
     EXPECT_EQ(finding.stage, impulse ? "move" : "forces");
     EXPECT_EQ(finding.substep, impulse ? 1 : 2);
     EXPECT_EQ(finding.body, 3u);
-    EXPECT_EQ(finding.quantity, FoundQuantity::velocity);
+    EXPECT_EQ(finding.quantity, FindingQuantity::velocity);
     EXPECT_NEAR(finding.value, impulse ? 16 * 9.81 / 30 : 62 * 9.81 / 120, 1e-4);
-    EXPECT_FALSE(finding.before);
+    EXPECT_FALSE(finding.invalid_before);
     other.step(15);
     EXPECT_EQ(world.state_hash(), other.state_hash());
     world.step(3);
     EXPECT_EQ(world.steps(), 15) << "it waits";
 
     // Whoever goes on nevertheless comes to where the run without guards comes.
-    world.guards().dismiss();
-    EXPECT_FALSE(world.guards().paused() || world.guards().finding());
+    world.validation().resume_without_guards();
+    EXPECT_FALSE(world.validation().paused() || world.validation().finding());
     world.step(25);
     other.step(25);
     EXPECT_EQ(world.steps(), 40);
@@ -98,7 +98,7 @@ TEST_P(GuardedRuns, PauseAtTheStateBeforeBitForBit) {
   });
 }
 
-TEST_P(GuardedRuns, FreezeTheBodyAndLeaveTheOthersAlone) {
+TEST_P(ValidatedRuns, FreezeTheBodyAndLeaveTheOthersAlone) {
   in_each_way([&](const Scene& scene) {
     World world(freezing(scene), options()), other(unguarded(scene), options());
     other.step(15);
@@ -106,9 +106,9 @@ TEST_P(GuardedRuns, FreezeTheBodyAndLeaveTheOthersAlone) {
     world.step(40);
     other.step(25);
     EXPECT_EQ(world.steps(), 40);
-    EXPECT_FALSE(world.guards().paused());
-    EXPECT_THAT(world.guards().frozen(), ElementsAre(3u));
-    EXPECT_EQ(world.guards().finding()->step, 16);
+    EXPECT_FALSE(world.validation().paused());
+    EXPECT_THAT(world.validation().frozen(), ElementsAre(3u));
+    EXPECT_EQ(world.validation().finding()->step, 16);
     const BodyStates now = world.bodies(), well = other.bodies();
     for (const std::size_t body : {0, 1, 2, 4}) expect_same_body(now, well, body, body);
     EXPECT_EQ(now.position[3], before.position[3]);
@@ -116,12 +116,12 @@ TEST_P(GuardedRuns, FreezeTheBodyAndLeaveTheOthersAlone) {
   });
 }
 
-TEST_P(GuardedRuns, FindTheSameInWhateverWayTheyRun) {
+TEST_P(ValidatedRuns, FindTheSameInWhateverWayTheyRun) {
   Scene scene = box_collider(300);
   scene.physics.solver = Solver::soft_step;
   scene.generators[0].spawn = Spawn::apart;
   scene.generators[0].speed_max = 15;
-  scene.physics.guards = Guards{.speed = 45};
+  scene.physics.guards = ValidationSettings{.speed = 45};
   std::optional<Finding> first;
   std::uint64_t hash = 0;
   for (int way = 0; way < 5; ++way) {
@@ -132,19 +132,19 @@ TEST_P(GuardedRuns, FindTheSameInWhateverWayTheyRun) {
     if (way == 4) o.initial_pair_capacity = 1;
     World world(scene, o);
     world.step(100);
-    ASSERT_TRUE(world.guards().paused()) << way;
+    ASSERT_TRUE(world.validation().paused()) << way;
     if (!first) {
-      first = world.guards().finding();
+      first = world.validation().finding();
       hash = world.state_hash();
       EXPECT_GT(world.steps(), 3) << "of steps that were well";
     }
-    EXPECT_EQ(describe(*world.guards().finding()), describe(*first)) << way;
-    EXPECT_EQ(world.guards().finding()->value, first->value) << way;
+    EXPECT_EQ(describe(*world.validation().finding()), describe(*first)) << way;
+    EXPECT_EQ(world.validation().finding()->value, first->value) << way;
     EXPECT_EQ(world.state_hash(), hash) << way;
   }
 }
 
-TEST_P(GuardedRuns, FindWhatWasBadBeforeTheStep) {
+TEST_P(ValidatedRuns, FindWhatWasBadBeforeTheStep) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   in_each_way([&](const Scene& scene) {
     World well(unguarded(scene), options());
@@ -153,24 +153,24 @@ TEST_P(GuardedRuns, FindWhatWasBadBeforeTheStep) {
     well.step(5);
     const BodyStates others = well.bodies();
     for (const bool moving : {false, true}) {
-      RunState planted = state;
-      (moving ? planted.bodies.velocity : planted.bodies.position)[3].x() = nan;
+      RunState injected = state;
+      (moving ? injected.bodies.velocity : injected.bodies.position)[3].x() = nan;
       World world(scene, options());
-      world.adopt(planted);
+      world.restore(injected);
       world.step(5);
-      ASSERT_TRUE(world.guards().paused());
+      ASSERT_TRUE(world.validation().paused());
       EXPECT_EQ(world.steps(), 7);
       const bool in_box = !moving || scene.physics.solver != Solver::impulse;
-      EXPECT_EQ(world.guards().finding()->stage, in_box ? "bounds" : "prescribe");
-      EXPECT_EQ(world.guards().finding()->step, 8);
-      EXPECT_EQ(world.guards().finding()->body, 3u);
-      EXPECT_TRUE(world.guards().finding()->before);
-      EXPECT_TRUE(std::isnan(world.guards().finding()->value));
+      EXPECT_EQ(world.validation().finding()->stage, in_box ? "bounds" : "prescribe");
+      EXPECT_EQ(world.validation().finding()->step, 8);
+      EXPECT_EQ(world.validation().finding()->body, 3u);
+      EXPECT_TRUE(world.validation().finding()->invalid_before);
+      EXPECT_TRUE(std::isnan(world.validation().finding()->value));
 
       World frozen(freezing(scene), options());
-      frozen.adopt(planted);
+      frozen.restore(injected);
       frozen.step(5);
-      EXPECT_THAT(frozen.guards().frozen(), ElementsAre(3u));
+      EXPECT_THAT(frozen.validation().frozen(), ElementsAre(3u));
       EXPECT_EQ(frozen.steps(), 12);
       const BodyStates now = frozen.bodies();
       for (const std::size_t body : {0, 1, 2, 4}) expect_same_body(now, others, body, body);
@@ -180,35 +180,35 @@ TEST_P(GuardedRuns, FindWhatWasBadBeforeTheStep) {
   });
 }
 
-TEST_P(GuardedRuns, PauseWhereFreezingIsOfNoUse) {
+TEST_P(ValidatedRuns, PauseWhereFreezingIsOfNoUse) {
   Scene scene = freezing(faller());
   scene.bodies[4].velocity = Vector3d(0, 6, 0);  // prescribed, and too fast by what the guards allow
   World world(scene, options());
   world.step(3);
-  EXPECT_TRUE(world.guards().paused());
-  EXPECT_EQ(world.guards().finding()->body, 4u);
-  EXPECT_THAT(world.guards().frozen(), ElementsAre());
+  EXPECT_TRUE(world.validation().paused());
+  EXPECT_EQ(world.validation().finding()->body, 4u);
+  EXPECT_THAT(world.validation().frozen(), ElementsAre());
 }
 
-TEST_P(GuardedRuns, StayFrozenThroughChangesSnapshotsAndNewIds) {
+TEST_P(ValidatedRuns, StayFrozenThroughChangesSnapshotsAndNewIds) {
   World world(freezing(faller()), options());
   world.step(20);
-  ASSERT_THAT(world.guards().frozen(), ElementsAre(3u));
+  ASSERT_THAT(world.validation().frozen(), ElementsAre(3u));
   const Vector3d place = world.bodies().position[3];
 
   World loaded = world_from(snapshot_of(world), world.scene(), options());
-  EXPECT_THAT(loaded.guards().frozen(), ElementsAre(3u));
+  EXPECT_THAT(loaded.validation().frozen(), ElementsAre(3u));
   Change change;
   change.step = 20;
   change.remove = {1};
-  const auto changed = changed_world(world, change, world.options());
-  EXPECT_THAT(changed->guards().frozen(), ElementsAre(2u));
+  const auto changed = world_after_change(world, change, world.options());
+  EXPECT_THAT(changed->validation().frozen(), ElementsAre(2u));
   Change nobody_looks;
   nobody_looks.step = 20;
   Effects without = world.effects();
   without.guards = false;
   nobody_looks.effects = std::optional(without);
-  const auto unwatched = changed_world(world, nobody_looks, world.options());
+  const auto unwatched = world_after_change(world, nobody_looks, world.options());
 
   world.step(10);
   loaded.step(10);
@@ -218,35 +218,35 @@ TEST_P(GuardedRuns, StayFrozenThroughChangesSnapshotsAndNewIds) {
   EXPECT_EQ(unwatched->state_hash(), world.state_hash());
   EXPECT_EQ(changed->bodies().position[2], place);
   World again(world.scene(), options());
-  EXPECT_THAT(again.guards().frozen(), ElementsAre());
+  EXPECT_THAT(again.validation().frozen(), ElementsAre());
 }
 
-TEST_P(GuardedRuns, CountSubstepsThatAreRunsOfTheirOwn) {
+TEST_P(ValidatedRuns, CountSubstepsThatAreRunsOfTheirOwn) {
   Scene scene = faller(Solver::impulse);
   scene.physics.substeps = 4;
   World world(scene, options()), other(unguarded(scene), options());
   world.step(30);
   other.step(15);
-  ASSERT_TRUE(world.guards().paused());
-  EXPECT_EQ(world.guards().finding()->step, 16);
-  EXPECT_EQ(world.guards().finding()->substep, 2);
+  ASSERT_TRUE(world.validation().paused());
+  EXPECT_EQ(world.validation().finding()->step, 16);
+  EXPECT_EQ(world.validation().finding()->substep, 2);
   EXPECT_EQ(world.state_hash(), other.state_hash());
 }
 
-TEST_P(GuardedRuns, FindBoxesThatWouldOverflowEveryList) {
+TEST_P(ValidatedRuns, FindBoxesThatWouldOverflowEveryList) {
   Scene scene = box_collider(400);
   scene.physics.solver = Solver::soft_step;
-  scene.physics.guards = Guards{};
+  scene.physics.guards = ValidationSettings{};
   World world(scene, options());
   world.step(2);
   RunState state = world.state();
   const std::uint64_t hash = world.state_hash();
   for (Vector3d& v : state.bodies.velocity) v = Vector3d(0x1p40, 0x1p40, 0x1p40);  // boxes that all overlap
-  world.adopt(state);
+  world.restore(state);
   world.step();
-  ASSERT_TRUE(world.guards().paused());
-  EXPECT_EQ(world.guards().finding()->stage, "bounds");
-  EXPECT_TRUE(world.guards().finding()->before);
+  ASSERT_TRUE(world.validation().paused());
+  EXPECT_EQ(world.validation().finding()->stage, "bounds");
+  EXPECT_TRUE(world.validation().finding()->invalid_before);
   EXPECT_NE(world.state_hash(), hash);
   EXPECT_EQ(world.bodies().velocity, state.bodies.velocity);
 }
@@ -265,11 +265,11 @@ struct Footprint {
   }
 };
 
-TEST_P(GuardedRuns, CostNothingOffAndALaunchForEachLookOn) {
+TEST_P(ValidatedRuns, CostNothingOffAndALaunchForEachLookOn) {
   in_each_way([&](Scene scene) {
     scene.physics.guards->speed = 100;
     Scene off = scene;
-    off.physics.effects = effects_called_for(scene, initial_bodies(scene));
+    off.physics.effects = required_effects(scene, initial_bodies(scene));
     off.physics.effects->guards = false;
     const Footprint never(unguarded(scene), options()), left_out(off, options()), on(scene, options());
     EXPECT_EQ(left_out.launches, never.launches);
@@ -292,16 +292,16 @@ TEST(Guards, AreNoSettingThatWakesWhatSleeps) {
   world.step(60);
   const std::uint64_t settings = world.state().settings;
   EXPECT_NE(settings, 0u);
-  scene.physics.guards = Guards{};
+  scene.physics.guards = ValidationSettings{};
   EXPECT_EQ(World(scene, cpu).state().settings, settings);
 }
 
 TEST(Finding, NamesAllThatItKnows) {
-  Finding finding{8, 2, "forces", 3, FoundQuantity::velocity, 3.2e10, false};
+  Finding finding{8, 2, "forces", 3, FindingQuantity::velocity, 3.2e10, false};
   EXPECT_EQ(describe(finding), "stage forces of step 8, substep 2: body 3 has the velocity 3.2e+10 m/s");
-  finding.quantity = FoundQuantity::orientation;
+  finding.quantity = FindingQuantity::orientation;
   finding.value = std::numeric_limits<double>::quiet_NaN();
-  finding.before = true;
+  finding.invalid_before = true;
   EXPECT_EQ(
       describe(finding),
       "stage forces of step 8, substep 2: body 3 has the orientation nan; it was bad in state 7 already");

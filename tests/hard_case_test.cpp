@@ -96,12 +96,12 @@ TEST_F(HardCases, FaultsSetWhatTheSceneHas) {
     {"fails": "finite", "scene": "b.json"}, {"fails": "finite", "step": 1, "body": 0}])"));
   const auto cases = read_hard_cases(folder_.path().string());
   const HardCase& one = cases[0];
-  const Scene set = with_fault(one, one.criterion.faults[0]);
+  const Scene set = with_injected_fault(one, one.criterion.injected_faults[0]);
   EXPECT_EQ(set.physics.gravity, Vector3d(0, 0, 5));
   EXPECT_EQ(set.physics.substeps, 9);
   EXPECT_EQ(set.materials[0].friction, 0.5);
-  EXPECT_EQ(with_fault(one, one.criterion.faults[1]).file, one.beside("b.json"));
-  EXPECT_EQ(with_fault(one, one.criterion.faults[2]).file, one.file);
+  EXPECT_EQ(with_injected_fault(one, one.criterion.injected_faults[1]).file, one.sibling_path("b.json"));
+  EXPECT_EQ(with_injected_fault(one, one.criterion.injected_faults[2]).file, one.file);
 }
 
 TEST(ProjectCases, EachQuantityThatMustHoldHasAFault) {
@@ -111,12 +111,14 @@ TEST(ProjectCases, EachQuantityThatMustHoldHasAFault) {
     const Criterion& criterion = one.criterion;
     EXPECT_LT(criterion.what.size(), 300u) << one.name;
     EXPECT_GT(criterion.what.size(), 0u) << one.name;
-    for (const Term& term : criterion.holds) {
-      if (term.quantity == Quantity::finite) continue;
-      EXPECT_TRUE(std::ranges::any_of(
-          criterion.faults,
-          [&](const CriterionFault& fault) { return criterion.holds[fault.term].quantity == term.quantity; }))
-          << one.name << ": no fault shows that this can fail: " << text_of(term);
+    for (const Assertion& assertion : criterion.assertions) {
+      if (assertion.quantity == Quantity::finite) continue;
+      EXPECT_TRUE(std::ranges::any_of(criterion.injected_faults,
+                                      [&](const InjectedFault& fault) {
+                                        return criterion.assertions[fault.assertion].quantity ==
+                                               assertion.quantity;
+                                      }))
+          << one.name << ": no fault shows that this can fail: " << text_of(assertion);
     }
   }
 }

@@ -111,7 +111,7 @@ TEST(HardSphereGas, AgreesWithBruteForceEventByEvent) {
       const int events = 1500;
       for (int k = 0; k < events; ++k) {
         const auto done = exact.next_collision(never);
-        const SphereCollision expected = brute.next();
+        const CollisionEvent expected = brute.next();
         ASSERT_TRUE(done);
         ASSERT_NEAR(done->time, expected.time, 1e-6) << k;
         ASSERT_EQ(done->body, expected.body) << k;

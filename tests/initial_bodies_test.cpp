@@ -179,25 +179,25 @@ TEST(InitialBodies, RefusesWhatCannotBe) {
 TEST(InitialBodies, EffectsThatTheSceneCallsFor) {
   Scene scene;
   scene.bodies.resize(2);
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.gravity = true, .rotation = false}));
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.gravity = true, .rotation = false}));
   scene.physics.gravity.setZero();
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.gravity = false, .rotation = false}));
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.gravity = false, .rotation = false}));
   scene.bodies[1].angular_velocity = {0, 1e-3, 0};
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.gravity = false, .rotation = true}));
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.gravity = false, .rotation = true}));
   scene.bodies[1].angular_velocity.setZero();
   scene.physics.solver = Solver::soft_step;
   scene.materials[0].friction = 0.1;
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.rotation = true, .friction = true}));
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.rotation = true, .friction = true}));
   scene.materials[0] = {.rolling_resistance = 0.1};
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)),
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)),
             (Effects{.rotation = true, .friction = true, .rolling_resistance = true}));
   scene.materials[0] = {};
   scene.physics.drag.density = 1.2;
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.drag = true}));
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.drag = true}));
   scene.physics.drag.coefficient = 0;
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), Effects{});
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), Effects{});
   scene.physics.attractors.resize(1);
-  EXPECT_EQ(effects_called_for(scene, initial_bodies(scene)), (Effects{.attractor = true}));
+  EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.attractor = true}));
 }
 
 // The scenes of the project: they load, and are what their comments say.

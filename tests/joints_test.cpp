@@ -699,7 +699,7 @@ TEST_P(Jointed, AnotherWorldGoesOnBitForBit) {
   World whole(scene, options()), first(scene, options()), second(scene, options());
   whole.step(20);
   first.step(11);
-  second.adopt(first);
+  second.restore(first);
   second.step(9);
   EXPECT_EQ(second.state_hash(), whole.state_hash());
 
@@ -710,7 +710,7 @@ TEST_P(Jointed, AnotherWorldGoesOnBitForBit) {
                 [](const Joint& joint) { return joint.a >= 150 || joint.b.value_or(0) >= 150; });
   ASSERT_GT(fewer.joints.size(), 50u);
   World rest(fewer, options());
-  rest.adopt(first);
+  rest.restore(first);
   rest.step(5);
   EXPECT_EQ(rest.measure().non_finite, 0);
 }

@@ -18,19 +18,19 @@ Scene in_a_larger_box(std::int64_t count, double times) {
   return scene;
 }
 
-int called_for(const Scene& scene) { return key_bits_called_for(initial_bodies(scene)); }
+int required(const Scene& scene) { return automatic_key_bits(initial_bodies(scene)); }
 
 TEST(KeyBits, AreShortInEveryBoxCollider) {
   for (const Variant variant : {Variant::paper, Variant::scaled, Variant::equal})
     for (const std::int64_t count : {0, 1, 129, 2'000, 50'000})
-      EXPECT_EQ(called_for(box_collider(count, variant)), 30) << count;
+      EXPECT_EQ(required(box_collider(count, variant)), 30) << count;
 }
 
 TEST(KeyBits, AreLongWhereAHeapWouldFillACell) {
-  EXPECT_EQ(called_for(in_a_larger_box(2000, 1.3)), 30) << "14 % of the box is full";
-  EXPECT_EQ(called_for(in_a_larger_box(2000, 3.1)), 63);
-  EXPECT_EQ(called_for(in_a_larger_box(2000, 100)), 63);
-  EXPECT_EQ(called_for(in_a_larger_box(128, 100)), 30) << "all of them are no crowd";
+  EXPECT_EQ(required(in_a_larger_box(2000, 1.3)), 30) << "14 % of the box is full";
+  EXPECT_EQ(required(in_a_larger_box(2000, 3.1)), 63);
+  EXPECT_EQ(required(in_a_larger_box(2000, 100)), 63);
+  EXPECT_EQ(required(in_a_larger_box(128, 100)), 30) << "all of them are no crowd";
 }
 
 TEST(KeyBits, AreLongWhereAMinorityOfSmallBodiesCouldGather) {
@@ -40,16 +40,16 @@ TEST(KeyBits, AreLongWhereAMinorityOfSmallBodiesCouldGather) {
     for (int i = 0; i < 5900; ++i)
       scene.bodies.push_back(sphere(i < small ? 0.0005 : 0.5,
                                     Vector3d(1 + 3 * (i % 20), 1 + 3 * (i / 20 % 20), 1 + 3 * (i / 400))));
-    EXPECT_EQ(called_for(scene), small < 1180 ? 30 : 63) << small;
+    EXPECT_EQ(required(scene), small < 1180 ? 30 : 63) << small;
   }
 }
 
 TEST(KeyBits, AreLongWhereNothingBoundsTheExtent) {
   Scene scene = in_a_larger_box(2000, 1);
   scene.box.reset();
-  EXPECT_EQ(called_for(scene), 63);
+  EXPECT_EQ(required(scene), 63);
   scene.bodies.resize(128);
-  EXPECT_EQ(called_for(scene), 30);
+  EXPECT_EQ(required(scene), 30);
 }
 
 class KeyBitsOfAWorld : public OnEachExecutor {

@@ -11,12 +11,12 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-StageTime timed(const char* name, const StageLaunch& launch, bool own_shape = false) {
+StageTime timed(const char* name, const StageLaunch& launch, bool library_launch = false) {
   StageTime time;
   time.name = name;
   time.last_ms = 1;
   time.launches = 3;
-  time.own_shape = own_shape;
+  time.library_launch = library_launch;
   time.launch = launch;
   return time;
 }

@@ -64,7 +64,7 @@ TEST(LinePass, EveryBoxLeavesItsMarkThinOrBroad) {
   std::vector<BoxInstance> boxes{box_instance({-4, -4, 0}, {104, 104, 100}, 0)};
   for (int i = 0; i < 100 * 100; ++i)
     boxes.push_back(box_instance({i % 100 + 0.0, i / 100 + 0.0, 40}, {i % 100 + 0.6, i / 100 + 0.6, 60}, 1));
-  ASSERT_GT(static_cast<std::int64_t>(boxes.size()), LinePass::most_broad_boxes);
+  ASSERT_GT(static_cast<std::int64_t>(boxes.size()), LinePass::max_broad_boxes);
   const Image many = draw_plan(boxes, 1);
   for (int i = 0; i < 100 * 100; ++i)
     ASSERT_GE(changed_near(many, nothing, i % 100 + 0.3, i / 100 + 0.3, 1), 3) << i;
@@ -133,7 +133,7 @@ struct CrowdPicture {
 TEST(LinePass, WhatIsLeftOutBeforeItIsDrawnWouldNotHaveBeenSeen) {
   test_context();
   const Crowd crowd;
-  ASSERT_GT(static_cast<std::int64_t>(crowd.boxes.size()), LinePass::most_broad_boxes);
+  ASSERT_GT(static_cast<std::int64_t>(crowd.boxes.size()), LinePass::max_broad_boxes);
   const FrameLayers everything{.spheres = true, .boxes = true, .last_level = 2, .contacts = true},
       lines_alone{.boxes = true, .last_level = 2, .contacts = true, .grid = false};
   const OrbitCamera all = frame_all({{0, 0, 0}, {100, 100, 100}}, 4.0 / 3, {});

@@ -27,16 +27,16 @@ struct Beside {
   void step(int count, double slice = no_limit) {
     for (int k = 0; k < count; ++k) {
       const double dt = live.world().scene().physics.time_step;
-      while (!reference.go_ahead(dt, slice)) ++waits;
+      while (!reference.advance_to_next_step(dt, slice)) ++waits;
       live.step(false);
       reference.stepped(dt);
     }
   }
   template <class Edit>
   void change(Edit edit) {
-    Settings wish = live.settings();
-    edit(wish);
-    live.apply(wish);
+    Settings request = live.settings();
+    edit(request);
+    live.apply(request);
     reference.follow(live.world(), live.generation());
   }
   std::vector<GhostInstance> ghosts() { return reference.ghosts(live.world(), live.generation()); }
@@ -56,7 +56,7 @@ Scene flight() {
 
 TEST(LiveReference, OfHardSpheresIsExact) {
   Beside run(flight());
-  EXPECT_EQ(run.reference.facts().name, "hard spheres, event by event");
+  EXPECT_EQ(run.reference.view().name, "hard spheres, event by event");
   EXPECT_EQ(run.ghosts()[0].offset[2], 0);
   run.step(32);
   const std::vector<GhostInstance> ghosts = run.ghosts();
@@ -69,9 +69,9 @@ TEST(LiveReference, OfHardSpheresIsExact) {
   }
   EXPECT_EQ(ghosts[1].radius, 2);
   EXPECT_NEAR(ghosts[0].body[0], 1.5, 1e-6);
-  EXPECT_NEAR(run.reference.facts().rms, off, 1e-8);
-  EXPECT_NEAR(run.reference.facts().max, off, 1e-8);
-  EXPECT_EQ(run.reference.facts().doubt, 0);
+  EXPECT_NEAR(run.reference.view().rms, off, 1e-8);
+  EXPECT_NEAR(run.reference.view().max, off, 1e-8);
+  EXPECT_EQ(run.reference.view().error_estimate, 0);
   EXPECT_THAT(run.live.world().publisher().errors(),
               testing::Each(testing::FloatNear(static_cast<float>(off), 1e-6f)));
 }
@@ -82,13 +82,13 @@ TEST(LiveReference, OfOtherScenesIsFinerAndKnowsHowFine) {
   scene.physics.substeps = 1;
   scene.physics.drag.viscosity = 1e-9;  // no hard spheres any more, and no force to speak of
   Beside run(scene);
-  EXPECT_THAT(run.reference.facts().name, HasSubstr("1/8"));
+  EXPECT_THAT(run.reference.view().name, HasSubstr("1/8"));
   run.step(32, 0);
   EXPECT_GT(run.waits, 0) << "it goes in slices";
   const std::vector<GhostInstance> ghosts = run.ghosts();
   const double off = 0.5 * 10 * (1.0 / 64) * 0.5;
   EXPECT_NEAR(ghosts[0].offset[2], off * 7 / 8, 1e-6);
-  EXPECT_NEAR(run.reference.facts().doubt, off / 8, 1e-6);
+  EXPECT_NEAR(run.reference.view().error_estimate, off / 8, 1e-6);
 }
 
 TEST(LiveReference, GoesOnWhateverNumericalSettingsTurn) {
@@ -98,17 +98,17 @@ TEST(LiveReference, GoesOnWhateverNumericalSettingsTurn) {
   run.change([](Settings& s) { s.precision = Precision::f32; });
   run.change([](Settings& s) { s.iterations = 3; });
   run.step(32);
-  EXPECT_EQ(run.reference.facts().since, 0);
+  EXPECT_EQ(run.reference.view().start_state, 0);
   // A quarter of a second at each step.
   const double off = 0.5 * 10 * 0.25 * (1.0 / 64 + 1.0 / 128);
   EXPECT_NEAR(run.ghosts()[0].offset[2], off, 1e-4);
 
   run.change([](Settings& s) { s.restitution = 0.5; });
-  EXPECT_EQ(run.reference.facts().since, 48) << "another motion is asked for";
+  EXPECT_EQ(run.reference.view().start_state, 48) << "another motion is asked for";
   EXPECT_EQ(run.ghosts()[0].offset[2], 0);
   run.live.restart();
   run.reference.follow(run.live.world(), run.live.generation());
-  EXPECT_EQ(run.reference.facts().since, 0);
+  EXPECT_EQ(run.reference.view().start_state, 0);
 }
 
 // The finer runs take other steps where the run does, from where they are.
@@ -121,7 +121,7 @@ TEST(LiveReference, RunsFollowAnotherStep) {
   run.step(16);
   run.change([](Settings& s) { s.time_step = 1.0 / 96; });
   run.step(24);
-  EXPECT_EQ(run.reference.facts().since, 0);
+  EXPECT_EQ(run.reference.view().start_state, 0);
   // From an eighth of the first step to the nearest part of the second: a fifth.
   const double off = 0.5 * 10 * 0.25 * (1.0 / 64 - 1.0 / 512 + 1.0 / 96 - 1.0 / 480);
   EXPECT_NEAR(run.ghosts()[0].offset[2], off, 1e-6);
@@ -135,13 +135,13 @@ TEST(LiveReference, EndsWhereNothingIsExactAnyMore) {
   Beside run(ball);
   run.step(40);
   EXPECT_TRUE(run.ghosts().empty());
-  EXPECT_THAT(run.reference.facts().lack, HasSubstr("Zeno point"));
+  EXPECT_THAT(run.reference.view().unavailable_reason, HasSubstr("Zeno point"));
   EXPECT_TRUE(run.live.world().publisher().errors().empty());
   run.step(3);  // nothing waits for it
-  EXPECT_FALSE(run.reference.facts().known());
+  EXPECT_FALSE(run.reference.view().known());
 
-  EXPECT_EQ(LiveReference::lack_of(2000), "");
-  EXPECT_THAT(LiveReference::lack_of(LiveReference::most_bodies + 1), HasSubstr("50000"));
+  EXPECT_EQ(LiveReference::unavailable_reason(2000), "");
+  EXPECT_THAT(LiveReference::unavailable_reason(LiveReference::max_bodies + 1), HasSubstr("50000"));
 }
 
 // Whoever draws may be shown other bodies than were followed last: a step plays what a run changes of itself,
@@ -177,10 +177,10 @@ TEST(LiveReference, NeverTouchesTheRun) {
     run.ghosts();
   }
   EXPECT_EQ(run.live.state_hash(), alone.state_hash());
-  EXPECT_GT(run.reference.facts().rms, 0);
+  EXPECT_GT(run.reference.view().rms, 0);
   const int version = run.reference.version();
   run.reference.forget();
-  EXPECT_TRUE(run.reference.facts().name.empty());
+  EXPECT_TRUE(run.reference.view().name.empty());
   EXPECT_NE(run.reference.version(), version);
 }
 

@@ -15,26 +15,27 @@ namespace {
 
 struct Listed {
   void frame(double milliseconds = 5) {
-    cases.follow(live.world(), wishes);
-    cases.go_on(milliseconds);
+    cases.follow(live.world(), requests);
+    cases.advance(milliseconds);
   }
-  const HardCasesFacts& to_the_end() {
+  const HardCasesView& to_the_end() {
     while (frame(), !cases.done()) ++frames;
-    return cases.facts();
+    return cases.view();
   }
   std::size_t place(const std::string& name) {
-    const auto& all = cases.facts().cases;
+    const auto& all = cases.view().cases;
     for (std::size_t k = 0; k < all.size(); ++k)
       if (all[k].name == name) return k;
     throw std::runtime_error("no case " + name);
   }
-  std::vector<HardMark> marks(const std::string& name) {
-    std::vector<HardMark> marks;
-    for (const HardTrialFacts& trial : cases.facts().cases[place(name)].trials) marks.push_back(trial.mark);
+  std::vector<TestStatus> marks(const std::string& name) {
+    std::vector<TestStatus> marks;
+    for (const TestRunView& test_run : cases.view().cases[place(name)].test_runs)
+      marks.push_back(test_run.status);
     return marks;
   }
-  LiveStability::Opened open(const std::string& name, std::optional<std::size_t> trial) {
-    wishes.open = HardCasesWishes::Opening{place(name), trial};
+  LiveStability::Opened open(const std::string& name, std::optional<std::size_t> test_run) {
+    requests.open = HardCasesRequests::Opening{place(name), test_run};
     for (;;) {
       frame(0.01);
       if (auto opened = cases.take_opened()) return std::move(*opened);
@@ -45,66 +46,66 @@ struct Listed {
   HardCaseFolder folder;
   LiveWorld live{empty_space(), on_cpu(1)};
   LiveStability cases{folder.path(), on_cpu(1)};
-  HardCasesWishes wishes;
+  HardCasesRequests requests;
   int frames = 0;
 };
 
 TEST(LiveStability, MarksEachTrialOfEachCase) {
   Listed list;
   list.frame();
-  EXPECT_EQ(list.cases.facts().count(HardMark::not_run), 5 * 6 + 1);
-  list.wishes.run_all = true;
+  EXPECT_EQ(list.cases.view().count(TestStatus::not_run), 5 * 6 + 1);
+  list.requests.run_all = true;
   list.frame(0);
-  EXPECT_FALSE(list.wishes.run_all);
-  EXPECT_EQ(list.cases.facts().count(HardMark::waiting), 5 * 6 + 1);
-  EXPECT_NE(list.cases.facts().doing, "");
-  const HardCasesFacts& facts = list.to_the_end();
-  EXPECT_EQ(facts.doing, "");
-  using enum HardMark;
+  EXPECT_FALSE(list.requests.run_all);
+  EXPECT_EQ(list.cases.view().count(TestStatus::waiting), 5 * 6 + 1);
+  EXPECT_NE(list.cases.view().current_task, "");
+  const HardCasesView& view = list.to_the_end();
+  EXPECT_EQ(view.current_task, "");
+  using enum TestStatus;
   EXPECT_THAT(list.marks("flies"), testing::Each(passed));
   EXPECT_THAT(list.marks("falls"), testing::Each(failed));
   EXPECT_THAT(list.marks("turned"), testing::Each(passed));
   EXPECT_THAT(list.marks("wrong"), testing::ElementsAre(passed));
   EXPECT_THAT(list.marks("limited"),
-              testing::ElementsAre(declared_limit, declared_limit, failed, failed, failed, failed));
+              testing::ElementsAre(expected_failure, expected_failure, failed, failed, failed, failed));
   EXPECT_THAT(list.marks("rubs"),
               testing::ElementsAre(not_applicable, not_applicable, passed, passed, passed, passed));
-  const HardTrialFacts& fell = facts.cases[list.place("falls")].trials[2];
+  const TestRunView& fell = view.cases[list.place("falls")].test_runs[2];
   EXPECT_EQ(fell.solver, Solver::soft_step);
   EXPECT_EQ(fell.failed_state, 4);
   EXPECT_EQ(fell.body, 1u);
   EXPECT_THAT(fell.failure, testing::HasSubstr("position"));
-  EXPECT_EQ(facts.cases[list.place("limited")].trials[0].why, "as tests want it");
-  EXPECT_NE(facts.cases[list.place("rubs")].trials[0].why, "");
+  EXPECT_EQ(view.cases[list.place("limited")].test_runs[0].why, "as tests want it");
+  EXPECT_NE(view.cases[list.place("rubs")].test_runs[0].why, "");
 }
 
 TEST(LiveStability, RunsOneAndStopsAndGoesOn) {
   Listed list;
   list.frame();
-  list.wishes.selected = "flies";
-  list.wishes.run_selected = true;
+  list.requests.selected = "flies";
+  list.requests.run_selected = true;
   list.to_the_end();
-  EXPECT_EQ(list.cases.facts().count(HardMark::passed), 6);
-  EXPECT_EQ(list.cases.facts().count(HardMark::not_run), 4 * 6 + 1);
-  list.wishes.run_all = true;
+  EXPECT_EQ(list.cases.view().count(TestStatus::passed), 6);
+  EXPECT_EQ(list.cases.view().count(TestStatus::not_run), 4 * 6 + 1);
+  list.requests.run_all = true;
   list.frame(0);
-  EXPECT_EQ(list.cases.facts().count(HardMark::passed), 6) << "what is known stays";
-  list.wishes.stop = true;
+  EXPECT_EQ(list.cases.view().count(TestStatus::passed), 6) << "what is known stays";
+  list.requests.stop = true;
   list.frame(0);
   EXPECT_TRUE(list.cases.done());
-  EXPECT_EQ(list.cases.facts().count(HardMark::waiting), 0);
-  list.wishes.run_all = true;
+  EXPECT_EQ(list.cases.view().count(TestStatus::waiting), 0);
+  list.requests.run_all = true;
   list.to_the_end();
-  EXPECT_EQ(list.cases.facts().count(HardMark::not_run), 0);
-  list.wishes.run_all = true;
+  EXPECT_EQ(list.cases.view().count(TestStatus::not_run), 0);
+  list.requests.run_all = true;
   list.frame(0);
-  EXPECT_EQ(list.cases.facts().count(HardMark::waiting), 5 * 6 + 1) << "all are known, so all again";
+  EXPECT_EQ(list.cases.view().count(TestStatus::waiting), 5 * 6 + 1) << "all are known, so all again";
 }
 
 TEST(LiveStability, OpensACaseWhereItFailed) {
   Listed list;
   list.frame();
-  list.wishes.run_all = true;
+  list.requests.run_all = true;
   list.to_the_end();
   list.frames = 0;
   LiveStability::Opened opened = list.open("falls", 3);
@@ -115,8 +116,8 @@ TEST(LiveStability, OpensACaseWhereItFailed) {
   EXPECT_TRUE(opened.failed);
   EXPECT_EQ(opened.body, 1u);
   EXPECT_THAT(opened.notice, testing::HasSubstr("falls, soft_step f64: position"));
-  EXPECT_EQ(list.cases.facts().shown, list.place("falls"));
-  EXPECT_EQ(list.cases.facts().shown_trial, 3u);
+  EXPECT_EQ(list.cases.view().shown, list.place("falls"));
+  EXPECT_EQ(list.cases.view().shown_test_run, 3u);
 
   LiveStability::Opened whole = list.open("falls", std::nullopt);
   EXPECT_EQ(whole.world.steps(), 0);
@@ -124,7 +125,7 @@ TEST(LiveStability, OpensACaseWhereItFailed) {
   LiveStability::Opened passed = list.open("flies", 1);
   EXPECT_EQ(passed.world.steps(), 0);
   EXPECT_EQ(passed.world.scene().physics.precision, Precision::f64);
-  list.wishes.open = HardCasesWishes::Opening{list.place("wrong"), std::nullopt};
+  list.requests.open = HardCasesRequests::Opening{list.place("wrong"), std::nullopt};
   list.frame();
   EXPECT_FALSE(list.cases.take_opened()) << "there is nothing to see";
 }
@@ -151,10 +152,10 @@ TEST(LiveStability, SaysWhatIsWrongWithAFolder) {
   TemporaryFolder empty;
   LiveWorld live(empty_space(), on_cpu(1));
   LiveStability cases(empty.path().string(), on_cpu(1));
-  HardCasesWishes wishes;
-  wishes.run_all = true;
-  cases.follow(live.world(), wishes);
-  EXPECT_THAT(cases.facts().lack, testing::HasSubstr("holds no case"));
+  HardCasesRequests requests;
+  requests.run_all = true;
+  cases.follow(live.world(), requests);
+  EXPECT_THAT(cases.view().unavailable_reason, testing::HasSubstr("holds no case"));
   EXPECT_TRUE(cases.done());
 }
 

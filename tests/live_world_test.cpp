@@ -31,11 +31,11 @@ Scene box_of(std::int64_t bodies, Variant variant = Variant::paper) {
 
 template <class Edit>
 std::string change(LiveWorld& live, Edit edit) {
-  Settings wish = live.settings();
-  edit(wish);
-  const std::string said = live.apply(wish);
-  EXPECT_EQ(live.settings(), wish);
-  return said;
+  Settings request = live.settings();
+  edit(request);
+  const std::string notice = live.apply(request);
+  EXPECT_EQ(live.settings(), request);
+  return notice;
 }
 
 TEST(LiveWorld, WhatIsNotPhysicsNeverReachesTheState) {
@@ -117,9 +117,9 @@ TEST(LiveWorld, WhatIsRefusedChangesNothing) {
   const std::uint64_t hash = live.state_hash();
   const Settings before = live.settings();
   const auto refused = [&](auto edit) {
-    Settings wish = before;
-    edit(wish);
-    EXPECT_ANY_THROW(live.apply(wish));
+    Settings request = before;
+    edit(request);
+    EXPECT_ANY_THROW(live.apply(request));
     EXPECT_EQ(live.settings(), before);
     EXPECT_EQ(live.state_hash(), hash);
   };
@@ -273,9 +273,9 @@ TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
   live.step(false);
   EXPECT_EQ(live.apply(removal(10)), "");
   EXPECT_TRUE(live.edited());
-  ASSERT_EQ(live.last_ids().size(), 50u);
-  EXPECT_EQ(live.last_ids()[10], no_body);
-  EXPECT_EQ(live.last_ids()[11], 10u);
+  ASSERT_EQ(live.last_id_map().size(), 50u);
+  EXPECT_EQ(live.last_id_map()[10], no_body);
+  EXPECT_EQ(live.last_id_map()[11], 10u);
   EXPECT_EQ(live.settings().bodies, 50) << "of the generator, with what was removed of it";
   Body ball;
   ball.position = Vector3d(50, 50, 50);
@@ -285,7 +285,7 @@ TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
   change(live, [](Settings& s) { s.bodies = 60; });
   EXPECT_EQ(live.world().initial().size(), 60u);
   EXPECT_EQ(live.world().initial().radius[59], 1);
-  EXPECT_EQ(live.last_ids()[49], 59u);
+  EXPECT_EQ(live.last_id_map()[49], 59u);
   Change too_much;
   too_much.restitution = 2;
   EXPECT_THROW(live.apply(too_much), InputError);
@@ -318,12 +318,12 @@ TEST(LiveWorld, FreezingABodyIsAChange) {
   live.apply(removal(3));
   change(live, [](Settings& s) { s.restitution = 0.5; });
   for (int k = 0; k < 6; ++k) live.step(false);
-  EXPECT_THAT(live.world().guards().frozen(), testing::ElementsAre(6))
+  EXPECT_THAT(live.world().validation().frozen(), testing::ElementsAre(6))
       << "ids above the removed one move down";
   EXPECT_EQ(live.world().bodies().position[6], place);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
   live.restart();
-  EXPECT_TRUE(live.world().guards().frozen().empty());
+  EXPECT_TRUE(live.world().validation().frozen().empty());
   ASSERT_EQ(live.changes().size(), 1u);
   EXPECT_TRUE(live.changes()[0].freeze.empty()) << "a start at state 0 frees what was frozen";
   live.step(false);
@@ -338,7 +338,7 @@ TEST(LiveWorld, AFrozenBodyStaysSoAtTheStart) {
   live.freeze(2);
   change(live, [](Settings& s) { s.restitution = 0.5; });
   change(live, [](Settings& s) { s.bodies = 50; });
-  EXPECT_THAT(live.world().guards().frozen(), testing::ElementsAre(2, 7));
+  EXPECT_THAT(live.world().validation().frozen(), testing::ElementsAre(2, 7));
   for (int k = 0; k < 6; ++k) live.step(false);
   EXPECT_EQ(live.world().bodies().position[7], live.world().initial().position[7]);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
@@ -346,16 +346,16 @@ TEST(LiveWorld, AFrozenBodyStaysSoAtTheStart) {
 
 TEST(LiveWorld, WhatGuardsFreezeIsAChange) {
   Scene scene = box_of(60);
-  scene.physics.guards = Guards{.on_failure = OnFailure::freeze, .speed = 25};
+  scene.physics.guards = ValidationSettings{.on_failure = OnFailure::freeze, .speed = 25};
   scene.physics.effects = Effects{.gravity = true, .guards = true};
   LiveWorld live(scene, on_cpu());
-  for (int k = 0; k < 200 && live.world().guards().frozen().empty(); ++k) live.step(false);
-  ASSERT_FALSE(live.world().guards().frozen().empty());
+  for (int k = 0; k < 200 && live.world().validation().frozen().empty(); ++k) live.step(false);
+  ASSERT_FALSE(live.world().validation().frozen().empty());
   ASSERT_FALSE(live.changes().empty());
   EXPECT_EQ(live.changes()[0].step, live.world().steps() - 1) << "in the state before the step that failed";
   for (int k = 0; k < 5; ++k) live.step(false);
   // Also where no guard looks.
-  leave_out_guards(scene.physics);
+  disable_guards(scene.physics);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
 }
 
@@ -407,18 +407,18 @@ TEST(LiveWorld, SettingsThatComeBackAreNoChange) {
 
 TEST(LiveWorld, ASliderThatIsHeldIsOneChangeOfHowItRuns) {
   LiveWorld live(box_of(80), on_cpu());
-  Settings wish = live.settings();
+  Settings request = live.settings();
   for (int k = 1; k <= 5; ++k) {
     live.step(false);
-    wish.shape.blocks = k;
-    live.apply(wish, nullptr, k > 1);
+    request.shape.blocks = k;
+    live.apply(request, nullptr, k > 1);
   }
   ASSERT_EQ(live.changes().size(), 1u);
   EXPECT_EQ(live.changes()[0].blocks, 5);
   EXPECT_EQ(live.changes()[0].step, 5);
   live.step(false);
-  wish.shape.blocks = 9;
-  live.apply(wish);
+  request.shape.blocks = 9;
+  live.apply(request);
   EXPECT_EQ(live.changes().size(), 2u) << "another hand";
 }
 
@@ -476,7 +476,7 @@ TEST(LiveWorld, PairsAndContactsOfANewStateAreKnownAtOnce) {
   ASSERT_GT(live.stats().speculative, 0);
   const auto detected = [&] {
     World world(live.world().scene(), on_cpu());
-    world.adopt(live.world());
+    world.restore(live.world());
     world.detect();
     return static_cast<std::int64_t>(world.pairs().size());
   };
@@ -513,7 +513,7 @@ TEST(LiveWorld, ARunThatComesBackKeepsItsRecord) {
   live.step(true);
   const std::string before = live.changes_text();
   const LiveWorld::Record record = live.record();
-  const RunAt left = run_at(live.world());
+  const SavedRun left = save_run(live.world());
   live.open(World(box_of(20), on_cpu()));
   EXPECT_TRUE(live.changes().empty());
   live.open(World(left.scene, RunOptions(left.options), &left.state), record);

@@ -13,10 +13,10 @@ namespace {
 class Observations : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Observations);
 
-std::vector<Term> terms_of(std::initializer_list<Quantity> quantities) {
-  std::vector<Term> terms;
-  for (const Quantity quantity : quantities) terms.emplace_back().quantity = quantity;
-  return terms;
+std::vector<Assertion> assertions_of(std::initializer_list<Quantity> quantities) {
+  std::vector<Assertion> assertions;
+  for (const Quantity quantity : quantities) assertions.emplace_back().quantity = quantity;
+  return assertions;
 }
 
 TEST_P(Observations, RememberWhereBodiesWere) {
@@ -24,18 +24,18 @@ TEST_P(Observations, RememberWhereBodiesWere) {
   scene.physics.time_step = 0.125;
   scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(1, 0, 0))};
   World world(scene, options());
-  std::vector<Term> terms = terms_of({Quantity::displacement, Quantity::displacement});
-  terms[1].since = 2;
-  Observation seen(world, terms);
+  std::vector<Assertion> assertions = assertions_of({Quantity::displacement, Quantity::displacement});
+  assertions[1].since = 2;
+  Observation observation(world, assertions);
   for (int state = 1; state <= 4; ++state) {
     world.step();
-    seen.look(world, state * 0.125);
+    observation.update(world, state * 0.125);
   }
-  EXPECT_EQ(seen.seconds(), 0.5);
-  EXPECT_NEAR(seen.bodies_since(0).position[0].x(), 0, 1e-12);
-  EXPECT_NEAR(seen.bodies_since(2).position[0].x(), 0.25, 1e-12);
-  EXPECT_NEAR(seen.bodies().position[0].x(), 0.5, 1e-12);
-  EXPECT_NEAR(seen.bodies_since(3).position[0].x(), 0.5, 1e-12) << "nobody asked for this one";
+  EXPECT_EQ(observation.seconds(), 0.5);
+  EXPECT_NEAR(observation.bodies_since(0).position[0].x(), 0, 1e-12);
+  EXPECT_NEAR(observation.bodies_since(2).position[0].x(), 0.25, 1e-12);
+  EXPECT_NEAR(observation.bodies().position[0].x(), 0.5, 1e-12);
+  EXPECT_NEAR(observation.bodies_since(3).position[0].x(), 0.5, 1e-12) << "nobody asked for this one";
 }
 
 TEST_P(Observations, ScalesAreTheLargestSoFar) {
@@ -44,25 +44,25 @@ TEST_P(Observations, ScalesAreTheLargestSoFar) {
   scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(0, 0, 2.5))};
   scene.bodies[0].mass = 2;
   World world(scene, options());
-  Observation seen(world, terms_of({Quantity::energy_gain, Quantity::momentum_change}));
-  EXPECT_DOUBLE_EQ(seen.energy_scale(), 6.25);
-  EXPECT_DOUBLE_EQ(seen.momentum_scale(), 5);
+  Observation observation(world, assertions_of({Quantity::energy_gain, Quantity::momentum_change}));
+  EXPECT_DOUBLE_EQ(observation.energy_scale(), 6.25);
+  EXPECT_DOUBLE_EQ(observation.momentum_scale(), 5);
   world.step(2);  // at its highest
-  seen.look(world, 0.25);
-  EXPECT_DOUBLE_EQ(seen.momentum_scale(), 5);
-  EXPECT_GE(seen.energy_scale(), 6.0);
+  observation.update(world, 0.25);
+  EXPECT_DOUBLE_EQ(observation.momentum_scale(), 5);
+  EXPECT_GE(observation.energy_scale(), 6.0);
   world.step(6);
-  seen.look(world, 1);
-  EXPECT_NEAR(seen.momentum_scale(), 15, 1e-9);
+  observation.update(world, 1);
+  EXPECT_NEAR(observation.momentum_scale(), 15, 1e-9);
 }
 
 TEST_P(Observations, KnowWhoOverlappedAtFirst) {
   Scene scene = hard_space();
   scene.bodies = {sphere(1, Vector3d(0, 0, 0)), sphere(1, Vector3d(1, 0, 0)), sphere(1, Vector3d(5, 0, 0))};
   World world(scene, options());
-  Observation seen(world, terms_of({Quantity::separation_speed}));
+  Observation observation(world, assertions_of({Quantity::separation_speed}));
   const std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted{{0, 1}};
-  EXPECT_EQ(seen.overlapping(), wanted);
+  EXPECT_EQ(observation.overlapping(), wanted);
 }
 
 TEST_P(Observations, OverlapsAreOfPairsWallsAndBoxes) {

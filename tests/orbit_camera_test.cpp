@@ -68,17 +68,17 @@ TEST(OrbitCamera, FramingShowsAllAndWastesLittle) {
 }
 
 TEST(OrbitCamera, TheScenesCameraIsHonoured) {
-  Camera wish;
-  wish.position = Vector3d(10, -20, 30);
-  wish.target = Vector3d(1, 2, 3);
-  wish.vertical_field_of_view = 55;
-  const OrbitCamera camera = scene_camera(wish, {}, 1.5);
-  EXPECT_NEAR((camera.eye() - *wish.position).norm(), 0, 1e-9);
-  EXPECT_EQ(camera.target, *wish.target);
+  Camera request;
+  request.position = Vector3d(10, -20, 30);
+  request.target = Vector3d(1, 2, 3);
+  request.vertical_field_of_view = 55;
+  const OrbitCamera camera = scene_camera(request, {}, 1.5);
+  EXPECT_NEAR((camera.eye() - *request.position).norm(), 0, 1e-9);
+  EXPECT_EQ(camera.target, *request.target);
   EXPECT_NEAR(camera.field_of_view, 55 * std::acos(-1.0) / 180, 1e-12);
-  wish.up = {0, 1, 0};
-  const OrbitCamera turned = scene_camera(wish, {}, 1.5);
-  EXPECT_NEAR((turned.eye() - *wish.position).norm(), 0, 1e-9);
+  request.up = {0, 1, 0};
+  const OrbitCamera turned = scene_camera(request, {}, 1.5);
+  EXPECT_NEAR((turned.eye() - *request.position).norm(), 0, 1e-9);
   EXPECT_NEAR(turned.axes().col(0).y(), 0, 1e-12);
 }
 

@@ -97,7 +97,7 @@ TEST_P(OutOfMemoryOn, GrowthThatDoesNotFitLeavesTheState) {
     EXPECT_EQ(world.state_hash(), beside.state_hash());
     // With more room it goes on from there.
     World roomier(scene, roomy);
-    roomier.adopt(world);
+    roomier.restore(world);
     roomier.step(25 - static_cast<int>(world.steps()));
     EXPECT_EQ(roomier.state_hash(), undisturbed.state_hash());
   }
@@ -114,7 +114,7 @@ TEST_P(OutOfMemoryOn, AChangeOfNThatDoesNotFitLeavesTheRun) {
   world.step(5);
   Change change;
   change.bodies = 1'000'000;
-  const std::string line = refusal_of([&] { changed_world(world, change, scarce); });
+  const std::string line = refusal_of([&] { world_after_change(world, change, scarce); });
   EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
   EXPECT_GT(largest_number(line), 100'000) << line;
   world.step(5);
@@ -133,9 +133,9 @@ TEST_P(OutOfMemoryOn, TheWindowKeepsTheRunThatItHas) {
     live.step(true);
     undisturbed.step(true);
   }
-  Settings wish = live.settings();
-  wish.bodies = 5'000'000;
-  const std::string line = refusal_of([&] { live.apply(wish); });
+  Settings request = live.settings();
+  request.bodies = 5'000'000;
+  const std::string line = refusal_of([&] { live.apply(request); });
   EXPECT_THAT(line, testing::HasSubstr(" bytes")) << line;
   for (int k = 0; k < 5; ++k) {
     live.step(true);

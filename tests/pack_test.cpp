@@ -77,7 +77,7 @@ TEST_P(PackedTree, BoxesCarryTheirMetric) {
           const BruteTree::Node& node = brute.nodes[i];
           if (node.level < first || node.level > last) continue;
           ASSERT_LT(at, packed.size());
-          const bool has = node.children > 0 || leaves_have(metric);
+          const bool has = node.children > 0 || has_leaf_values(metric);
           const double expected = has ? brute.value(i, metric) : -1;
           ASSERT_NEAR(packed[at].value, expected, 1e-5 * std::max(1e-3, std::abs(expected))) << method << i;
           ASSERT_EQ(packed[at].level, static_cast<float>(node.level));
@@ -112,7 +112,7 @@ TEST_P(PackedTree, WithoutATreeNothingIsPacked) {
   for (const BodyColor color : {BodyColor::depth, BodyColor::visits, BodyColor::order})
     for (const BodyInstance& body : bodies(world, color)) EXPECT_EQ(body.value, 0);
   EXPECT_TRUE(boxes(world, NodeMetric::visits, 0, 63).empty());
-  EXPECT_EQ(world.tree().spread(NodeMetric::visits, {}).count, 0);
+  EXPECT_EQ(world.tree().node_histogram(NodeMetric::visits, {}).count, 0);
   EXPECT_TRUE(world.tree().leaves().empty());
 }
 
@@ -138,7 +138,7 @@ TEST_P(PackedTree, TheSpreadCountsEveryNodeOnce) {
       std::vector<double> values;
       for (std::size_t i = 0; i < brute.nodes.size(); ++i)
         if (brute.nodes[i].level >= 1 && brute.nodes[i].level <= 6 &&
-            (brute.nodes[i].children > 0 || leaves_have(metric)))
+            (brute.nodes[i].children > 0 || has_leaf_values(metric)))
           values.push_back(brute.value(i, metric));
       std::ranges::sort(values);
       // Between two values, so that rounding decides nothing.
@@ -147,7 +147,7 @@ TEST_P(PackedTree, TheSpreadCountsEveryNodeOnce) {
       while (from + 1 < values.size() && values[from + 1] - values[from] <= 1e-4 * values[from + 1]) ++from;
       ASSERT_LT(from + 1, values.size());
       selection.low = static_cast<float>((values[from] + values[from + 1]) / 2);
-      const NodeSpread spread = world.tree().spread(metric, selection);
+      const NodeHistogram spread = world.tree().node_histogram(metric, selection);
       EXPECT_EQ(spread.count, std::ssize(values)) << method;
       EXPECT_EQ(spread.inside, std::ssize(values) - static_cast<std::int64_t>(from) - 1) << method;
       EXPECT_NEAR(spread.least, values.front(), 1e-5 * values.front());

@@ -44,23 +44,23 @@ Drawn drawn_panels(int steps, std::int64_t leaves) {
   view.level_sizes.assign(18, leaves / 9);
   view.level_colors.assign(64, 0xff00ff00u);
   view.body_colors.colors.assign(256, 0xff00ffffu);
-  workspace.folds.tree = true;
+  workspace.visible_panels.tree = true;
   workspace.layers.box_color = NodeMetric::visits;
   workspace.selection = 3;
   workspace.tree.query = true;
-  TreeFacts facts;
-  facts.quality.nodes = facts.ranked = facts.spread.count = 2 * leaves;
-  facts.quality.leaves.assign(18, leaves / 18);
-  facts.spread.greatest = static_cast<float>(leaves);
-  for (std::size_t i = 0; i <= NodeSpread::bins; ++i)
-    facts.spread.edge[i] = static_cast<float>(i) / NodeSpread::bins * static_cast<float>(leaves);
-  facts.spread.nodes.fill(2 * leaves / NodeSpread::bins);
-  facts.rows.resize(TreeFacts::page);
-  facts.queried = 3;
-  facts.visits = leaves / 3;
-  facts.visited.resize(
-      static_cast<std::size_t>(std::min<std::int64_t>(facts.visits, TreeFacts::most_visited)));
-  view.tree = &facts;
+  TreePanelView panel_view;
+  panel_view.quality.nodes = panel_view.ranked = panel_view.histogram.count = 2 * leaves;
+  panel_view.quality.leaves.assign(18, leaves / 18);
+  panel_view.histogram.greatest = static_cast<float>(leaves);
+  for (std::size_t i = 0; i <= NodeHistogram::bins; ++i)
+    panel_view.histogram.edge[i] = static_cast<float>(i) / NodeHistogram::bins * static_cast<float>(leaves);
+  panel_view.histogram.nodes.fill(2 * leaves / NodeHistogram::bins);
+  panel_view.rows.resize(TreePanelView::page);
+  panel_view.queried = 3;
+  panel_view.visits = leaves / 3;
+  panel_view.visited.resize(
+      static_cast<std::size_t>(std::min<std::int64_t>(panel_view.visits, TreePanelView::max_visited)));
+  view.tree = &panel_view;
   for (int frame = 0; frame < 3; ++frame) {  // a window that fits its contents draws them in its second
     gui.begin(1280, 720);
     draw_workspace(workspace, view);

@@ -94,10 +94,10 @@ TEST(PanelPicture, Effects) {
   scene.materials[0].rolling_resistance = 0.02;
   scene.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
   Desk desk({.spheres = true}, scene);
-  desk.panels.workspace().folds.effects = true;
+  desk.panels.workspace().visible_panels.effects = true;
   EffectCosts& costs = desk.panels.costs();
   costs.begin(desk.world);
-  while (!costs.done()) costs.go_on(desk.world, 1e9);
+  while (!costs.done()) costs.advance(desk.world, 1e9);
   EXPECT_EQ(check_golden<"workspace_effects">(desk.draw()), "");
 }
 
@@ -184,11 +184,11 @@ struct Alone {
 };
 
 /// A cost whose middle half of differences goes from low to high, ms.
-EffectFacts costly(double low, double high) {
-  EffectFacts effect;
+EffectView costly(double low, double high) {
+  EffectView effect;
   effect.name = "rotation";
   effect.flag = &Effects::rotation;
-  effect.on = effect.called_for = true;
+  effect.on = effect.required = true;
   effect.cost.emplace();
   effect.cost->pairs = 20;
   effect.cost->ms = 0.604;
@@ -202,8 +202,8 @@ TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
   test_context();
   const auto picture = [&](double low, double high) {
     Alone alone(draw_effects_panel, 338, 190);
-    alone.workspace.folds.effects = true;
-    alone.view.effect_facts = {costly(low, high)};
+    alone.workspace.visible_panels.effects = true;
+    alone.view.effect_views = {costly(low, high)};
     return alone.picture();
   };
   // The same text, ±2.000, but for what lies on one side of 0.
@@ -224,7 +224,7 @@ TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
 Image picture_of_convergence(Theme theme, ImVec2 pointer) {
   Alone alone(draw_convergence_panel, 338, 190);
   alone.workspace.theme = theme;
-  alone.workspace.folds.convergence = true;
+  alone.workspace.visible_panels.convergence = true;
   alone.view.residuals = residuals_of_a_pile();
   alone.pointer = pointer;
   return alone.picture();
@@ -238,32 +238,33 @@ TEST(PanelPicture, Convergence) {
 }
 
 /// A study that was measured once: a hundred spheres of the Box Collider.
-AccuracyFacts stored_study() {
+AccuracyView stored_study() {
   const std::string file = golden_file<"accuracy_study.json">().string();
   std::ifstream stream(file);
   const AccuracyRecord record = parse_record({std::istreambuf_iterator<char>(stream), {}}, file);
-  AccuracyFacts facts;
-  facts.points = record.points;
-  mark_front(facts.points);
-  facts.reference = record.reference;
-  facts.executor = record.executor;
-  facts.done = 1;
-  facts.seconds = record.reference.seconds;
-  for (const AccuracyPoint& point : facts.points)
-    if (point.name == "1/30 s, 4 substeps" && point.family == "soft_step f32") facts.now = point.setting;
-  return facts;
+  AccuracyView panel_view;
+  panel_view.points = record.points;
+  mark_front(panel_view.points);
+  panel_view.reference = record.reference;
+  panel_view.executor = record.executor;
+  panel_view.done = 1;
+  panel_view.seconds = record.reference.seconds;
+  for (const AccuracyPoint& point : panel_view.points)
+    if (point.name == "1/30 s, 4 substeps" && point.series_name == "soft_step f32")
+      panel_view.now = point.setting;
+  return panel_view;
 }
 
 /// The panel on it.
 struct AccuracyPanel : Alone {
   AccuracyPanel() : Alone(draw_accuracy_panel, 338, 470) {
-    workspace.folds.accuracy = true;
+    workspace.visible_panels.accuracy = true;
     allow(0.1);
-    view.accuracy = &facts;
+    view.accuracy = &panel_view;
   }
   void allow(double tolerance) {
     workspace.accuracy.tolerance = tolerance;
-    facts.cheapest = cheapest_below(facts.points, tolerance);
+    panel_view.cheapest = cheapest_below(panel_view.points, tolerance);
   }
   ImVec2 place_of(std::size_t point) const {
     for (const AccuracyPlace& place : workspace.accuracy.places)
@@ -275,7 +276,7 @@ struct AccuracyPanel : Alone {
     return workspace.accuracy.line ? ImVec2{workspace.accuracy.line->x, workspace.accuracy.line->y}
                                    : ImVec2{-1, -1};
   }
-  AccuracyFacts facts = stored_study();
+  AccuracyView panel_view = stored_study();
 };
 
 TEST(PanelPicture, Accuracy) {
@@ -287,7 +288,7 @@ TEST(PanelPicture, Accuracy) {
   AccuracyPanel light;
   light.workspace.theme = Theme::light;
   light.picture();
-  light.pointer = light.place_of(*light.facts.cheapest);
+  light.pointer = light.place_of(*light.panel_view.cheapest);
   EXPECT_EQ(check_golden<"accuracy_light">(light.picture()), "");
 }
 
@@ -296,25 +297,25 @@ TEST(PanelPicture, APointOfTheDiagramIsASetting) {
   AccuracyPanel panel;
   panel.picture();
   const std::size_t fine = *std::ranges::max_element(
-      std::views::iota(std::size_t{0}, panel.facts.points.size()), {}, [&](std::size_t k) {
-        const AccuracyPoint& p = panel.facts.points[k];
+      std::views::iota(std::size_t{0}, panel.panel_view.points.size()), {}, [&](std::size_t k) {
+        const AccuracyPoint& p = panel.panel_view.points[k];
         return p.on_front ? p.ms.median : 0;
       });
-  const AccuracySetting& setting = panel.facts.points[fine].setting;
+  const AccuracySetting& setting = panel.panel_view.points[fine].setting;
   panel.mouse(panel.place_of(fine), false);
   EXPECT_NE(panel.workspace.settings.time_step, setting.time_step) << "the pointer alone changes nothing";
   panel.mouse(panel.pointer, true);
   panel.mouse(panel.pointer, false);
-  const Settings& wish = panel.workspace.settings;
-  EXPECT_EQ(wish.time_step, setting.time_step);
-  EXPECT_EQ(wish.substeps, setting.substeps);
-  EXPECT_EQ(wish.iterations, setting.iterations);
-  EXPECT_EQ(wish.solver, setting.solver);
-  EXPECT_EQ(wish.integrator, setting.integrator);
-  EXPECT_EQ(wish.rotation_update, setting.rotation_update);
-  EXPECT_EQ(wish.precision, setting.precision);
-  ASSERT_TRUE(wish.effects);
-  EXPECT_EQ(wish.effects->continuous_collision, setting.continuous_collision);
+  const Settings& request = panel.workspace.settings;
+  EXPECT_EQ(request.time_step, setting.time_step);
+  EXPECT_EQ(request.substeps, setting.substeps);
+  EXPECT_EQ(request.iterations, setting.iterations);
+  EXPECT_EQ(request.solver, setting.solver);
+  EXPECT_EQ(request.integrator, setting.integrator);
+  EXPECT_EQ(request.rotation_update, setting.rotation_update);
+  EXPECT_EQ(request.precision, setting.precision);
+  ASSERT_TRUE(request.effects);
+  EXPECT_EQ(request.effects->continuous_collision, setting.continuous_collision);
 }
 
 TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
@@ -341,64 +342,64 @@ TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   panel.mouse(panel.line(), true);
   for (int k = 0; k < 100; ++k) panel.mouse({line.x, 5000}, true);
   double least = 1;
-  for (const AccuracyPoint& p : panel.facts.points)
-    if (p.error > 0 && p.has_price()) least = std::min(least, p.error);
+  for (const AccuracyPoint& p : panel.panel_view.points)
+    if (p.error > 0 && p.has_cost()) least = std::min(least, p.error);
   EXPECT_NEAR(panel.workspace.accuracy.tolerance, 0.1 * least, 1e-9 * least);
   panel.mouse({-1, -1}, false);
 }
 
 /// Cases and marks of every kind, as a run of the suite might have left them.
-HardCasesFacts hard_cases() {
-  HardCasesFacts facts;
-  facts.executor = "the CPU";
-  facts.before = "Box Collider";
-  using enum HardMark;
-  const auto add = [&](const char* name, const char* group, std::array<HardMark, 6> marks) {
-    HardCaseFacts& one = facts.cases.emplace_back();
+HardCasesView hard_cases() {
+  HardCasesView panel_view;
+  panel_view.executor = "the CPU";
+  panel_view.scene_before = "Box Collider";
+  using enum TestStatus;
+  const auto add = [&](const char* name, const char* group, std::array<TestStatus, 6> marks) {
+    HardCaseView& one = panel_view.cases.emplace_back();
     one.name = name;
     one.what = "a sphere of 1 t lies on one of 1 kg for ten seconds";
     one.group = group;
     for (std::size_t k = 0; k < marks.size(); ++k) {
-      HardTrialFacts& trial = one.trials.emplace_back();
-      trial.solver = static_cast<Solver>(k / 2);
-      trial.precision = k % 2 == 0 ? Precision::f32 : Precision::f64;
-      trial.mark = marks[k];
-      trial.progress = 0.4;
-      trial.steps = 300;
+      TestRunView& test_run = one.test_runs.emplace_back();
+      test_run.solver = static_cast<Solver>(k / 2);
+      test_run.precision = k % 2 == 0 ? Precision::f32 : Precision::f64;
+      test_run.status = marks[k];
+      test_run.progress = 0.4;
+      test_run.steps = 300;
     }
   };
-  add("heavy_on_light_1e3", "mass ratios", {failed, declared_limit, passed, passed, passed, passed});
+  add("heavy_on_light_1e3", "mass ratios", {failed, expected_failure, passed, passed, passed, passed});
   add("light_on_heavy_1e6", "mass ratios", {passed, passed, passed, passed, passed, passed});
-  add("stack_10", "stacks", {declared_limit, declared_limit, passed, passed, passed, passed});
-  add("stack_50", "stacks", {declared_limit, declared_limit, passed, passed, passed, failed});
+  add("stack_10", "stacks", {expected_failure, expected_failure, passed, passed, passed, passed});
+  add("stack_50", "stacks", {expected_failure, expected_failure, passed, passed, passed, failed});
   add("stack_100_of_growing_spheres", "stacks",
-      {declared_limit, declared_limit, passed, passed, running, waiting});
+      {expected_failure, expected_failure, passed, passed, running, waiting});
   add("coincident_centres", "overlap", {waiting, waiting, waiting, waiting, waiting, waiting});
   add("hundreds_in_one_point", "overlap", {waiting, waiting, waiting, waiting, waiting, waiting});
   add("joint_loop", "joints", {not_applicable, not_applicable, not_run, not_run, not_run, not_run});
   add("radius_zero", "bad input", {passed, passed, passed, passed, passed, passed});
-  facts.cases.back().trials.resize(1);
-  facts.cases.back().refused = true;
-  HardTrialFacts& failing = facts.cases[0].trials[0];
-  failing.terms = {{"no body that is not finite", "0", true, 300, std::nullopt},
-                   {"penetration at most 0.01 m, states 60 to 300", "0.0123 m", false, 130, 1}};
+  panel_view.cases.back().test_runs.resize(1);
+  panel_view.cases.back().refused = true;
+  TestRunView& failing = panel_view.cases[0].test_runs[0];
+  failing.assertions = {{"no body that is not finite", "0", true, 300, std::nullopt},
+                        {"penetration at most 0.01 m, states 60 to 300", "0.0123 m", false, 130, 1}};
   failing.failed_state = 130;
   failing.body = 1;
-  HardTrialFacts& limit = facts.cases[0].trials[1];
+  TestRunView& limit = panel_view.cases[0].test_runs[1];
   limit.why = "the paper's impulses have no memory: what is light sinks in";
   limit.failure = "penetration at most 0.01 m, states 60 to 300: 0.0151 m at state 170, body 1";
-  facts.shown = 0;
-  facts.shown_trial = 0;
-  facts.doing = "stack_100_of_growing_spheres, jacobi_split f32";
-  return facts;
+  panel_view.shown = 0;
+  panel_view.shown_test_run = 0;
+  panel_view.current_task = "stack_100_of_growing_spheres, jacobi_split f32";
+  return panel_view;
 }
 
 struct HardCasesPanel : Alone {
   explicit HardCasesPanel(Theme theme) : Alone(draw_hard_cases_panel, 338, 450) {
     workspace.theme = theme;
-    workspace.folds.hard_cases = true;
+    workspace.visible_panels.hard_cases = true;
     workspace.hard_cases.selected = "heavy_on_light_1e3";
-    view.hard_cases = &facts;
+    view.hard_cases = &panel_view;
     view.with_times = false;
   }
   ImVec2 middle(const std::string& name) const {
@@ -413,7 +414,7 @@ struct HardCasesPanel : Alone {
     mouse(at, true);
     mouse(at, false);
   }
-  HardCasesFacts facts = hard_cases();
+  HardCasesView panel_view = hard_cases();
 };
 
 TEST(PanelPicture, HardCases) {
@@ -432,33 +433,33 @@ TEST(PanelPicture, ACaseAndEachOfItsMarksCanBeOpened) {
   test_context();
   HardCasesPanel panel(Theme::dark);
   panel.picture();
-  HardCasesWishes& wishes = panel.workspace.hard_cases;
+  HardCasesRequests& requests = panel.workspace.hard_cases;
   panel.click("hard_cases.case.stack_10");
-  EXPECT_EQ(wishes.selected, "stack_10");
-  ASSERT_TRUE(wishes.open);
-  EXPECT_EQ(wishes.open->which, 2u);
-  EXPECT_FALSE(wishes.open->trial);
+  EXPECT_EQ(requests.selected, "stack_10");
+  ASSERT_TRUE(requests.open);
+  EXPECT_EQ(requests.open->which, 2u);
+  EXPECT_FALSE(requests.open->test_run);
   panel.click("hard_cases.mark.stack_50.jacobi_split f64");
-  EXPECT_EQ(wishes.selected, "stack_50");
-  EXPECT_EQ(wishes.open->which, 3u);
-  EXPECT_EQ(wishes.open->trial, 5u);
+  EXPECT_EQ(requests.selected, "stack_50");
+  EXPECT_EQ(requests.open->which, 3u);
+  EXPECT_EQ(requests.open->test_run, 5u);
   // What cannot be opened is selected.
-  wishes.open.reset();
+  requests.open.reset();
   panel.click("hard_cases.case.radius_zero");
-  EXPECT_EQ(wishes.selected, "radius_zero");
+  EXPECT_EQ(requests.selected, "radius_zero");
   panel.click("hard_cases.mark.radius_zero");
   panel.click("hard_cases.mark.joint_loop.impulse f32");
-  EXPECT_FALSE(wishes.open);
+  EXPECT_FALSE(requests.open);
   panel.click("hard_cases.run");
-  EXPECT_TRUE(wishes.run_selected);
+  EXPECT_TRUE(requests.run_selected);
   panel.click("hard_cases.run_all");
-  EXPECT_TRUE(wishes.stop) << "something runs";
-  EXPECT_FALSE(wishes.run_all);
-  panel.facts.doing.clear();
+  EXPECT_TRUE(requests.stop) << "something runs";
+  EXPECT_FALSE(requests.run_all);
+  panel.panel_view.current_task.clear();
   panel.click("hard_cases.run_all");
-  EXPECT_TRUE(wishes.run_all);
+  EXPECT_TRUE(requests.run_all);
   panel.click("hard_cases.back");
-  EXPECT_TRUE(wishes.back);
+  EXPECT_TRUE(requests.back);
 }
 
 TEST(PanelPicture, RepeatsItself) {

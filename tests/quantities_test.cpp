@@ -20,27 +20,27 @@ class Quantities : public OnEachExecutor {
  protected:
   /// Of a state that the scene's first one is turned into.
   template <class Change>
-  Extremes after(const Scene& scene, const Term& term, Change change) {
+  Extremes after(const Scene& scene, const Assertion& assertion, Change change) {
     World world(scene, options());
-    Observation seen(world, std::vector<Term>{term});
+    Observation observation(world, std::vector<Assertion>{assertion});
     RunState state = world.state();
     change(state.bodies);
-    world.adopt(state);
-    seen.look(world, scene.physics.time_step);
-    culprit_ = culprit(term, seen);
-    return measured(term, seen);
+    world.restore(state);
+    observation.update(world, scene.physics.time_step);
+    offending_body_ = offending_body(assertion, observation);
+    return measured(assertion, observation);
   }
-  Extremes at_once(const Scene& scene, const Term& term) {
-    return after(scene, term, [](BodyStates&) {});
+  Extremes at_once(const Scene& scene, const Assertion& assertion) {
+    return after(scene, assertion, [](BodyStates&) {});
   }
-  std::optional<std::uint32_t> culprit_;
+  std::optional<std::uint32_t> offending_body_;
 };
 ON_EACH_EXECUTOR(Quantities);
 
-Term term_of(Quantity quantity) {
-  Term term;
-  term.quantity = quantity;
-  return term;
+Assertion term_of(Quantity quantity) {
+  Assertion assertion;
+  assertion.quantity = quantity;
+  return assertion;
 }
 
 /// Three of 1 m, 1 kg: two that overlap by 0.5 m, and one 0.25 m deep in the floor, that turns.
@@ -57,10 +57,10 @@ Scene three() {
 
 TEST_P(Quantities, AreWhatTheyAreByHand) {
   const Scene scene = three();
-  const auto most = [&](Quantity quantity) { return at_once(scene, term_of(quantity)).most; };
+  const auto most = [&](Quantity quantity) { return at_once(scene, term_of(quantity)).max; };
   EXPECT_EQ(most(Quantity::finite), 0);
   EXPECT_DOUBLE_EQ(most(Quantity::penetration), 0.5);
-  EXPECT_EQ(culprit_, 0u);
+  EXPECT_EQ(offending_body_, 0u);
   EXPECT_DOUBLE_EQ(most(Quantity::penetration_over_radius), 0.5);
   EXPECT_DOUBLE_EQ(most(Quantity::speed), 2);
   EXPECT_DOUBLE_EQ(most(Quantity::spin), 3);
@@ -79,32 +79,32 @@ TEST_P(Quantities, AreWhatTheyAreByHand) {
 }
 
 TEST_P(Quantities, OfOneBodyOrAllAlongAnAxis) {
-  Term term = term_of(Quantity::position);
-  term.axis = 2;
-  const Extremes all = at_once(three(), term);
-  EXPECT_DOUBLE_EQ(all.least, 0.75);
-  EXPECT_EQ(all.least_body, 2u);
-  EXPECT_DOUBLE_EQ(all.most, 5);
-  term.body = 1;
-  EXPECT_DOUBLE_EQ(at_once(three(), term).least, 5);
-  term.body = 7;
-  EXPECT_TRUE(std::isnan(at_once(three(), term).most)) << "there is no such body";
-  term = term_of(Quantity::velocity);
-  term.axis = 1;
-  EXPECT_DOUBLE_EQ(at_once(three(), term).most, 2);
+  Assertion assertion = term_of(Quantity::position);
+  assertion.axis = 2;
+  const Extremes all = at_once(three(), assertion);
+  EXPECT_DOUBLE_EQ(all.min, 0.75);
+  EXPECT_EQ(all.min_body, 2u);
+  EXPECT_DOUBLE_EQ(all.max, 5);
+  assertion.body = 1;
+  EXPECT_DOUBLE_EQ(at_once(three(), assertion).min, 5);
+  assertion.body = 7;
+  EXPECT_TRUE(std::isnan(at_once(three(), assertion).max)) << "there is no such body";
+  assertion = term_of(Quantity::velocity);
+  assertion.axis = 1;
+  EXPECT_DOUBLE_EQ(at_once(three(), assertion).max, 2);
 }
 
 TEST_P(Quantities, FindWhoIsToBlame) {
   const auto lose = [](BodyStates& bodies) { bodies.velocity[1] = Vector3d(0, none, 0); };
-  EXPECT_EQ(after(three(), term_of(Quantity::finite), lose).most, 1);
-  EXPECT_EQ(culprit_, 1u);
-  EXPECT_TRUE(std::isnan(after(three(), term_of(Quantity::speed), lose).most));
+  EXPECT_EQ(after(three(), term_of(Quantity::finite), lose).max, 1);
+  EXPECT_EQ(offending_body_, 1u);
+  EXPECT_TRUE(std::isnan(after(three(), term_of(Quantity::speed), lose).max));
   const auto leave = [](BodyStates& bodies) { bodies.position[2] = Vector3d(11, 0, 1); };
-  EXPECT_EQ(after(three(), term_of(Quantity::escaped), leave).most, 1);
-  EXPECT_EQ(culprit_, 2u);
+  EXPECT_EQ(after(three(), term_of(Quantity::escaped), leave).max, 1);
+  EXPECT_EQ(offending_body_, 2u);
   const auto sink = [](BodyStates& bodies) { bodies.position[2] = Vector3d(8, 0, 0.125); };
-  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::penetration), sink).most, 0.875);
-  EXPECT_EQ(culprit_, 2u);
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::penetration), sink).max, 0.875);
+  EXPECT_EQ(offending_body_, 2u);
 }
 
 TEST_P(Quantities, CompareWithTheStart) {
@@ -112,22 +112,22 @@ TEST_P(Quantities, CompareWithTheStart) {
     bodies.position[1] += Vector3d(0, 0.5, 0);
     bodies.velocity[1] = Vector3d(0, 1, 0);
   };
-  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::displacement), push).most, 0.5);
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::displacement), push).max, 0.5);
   // 0.5 J more of 4.8 J, which is then the most that there was.
-  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_gain), push).most, 0.5 / 4.8);
-  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_loss), push).most, -0.5 / 4.8);
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_gain), push).max, 0.5 / 4.8);
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_loss), push).max, -0.5 / 4.8);
   // Gravity owes each -10 m/s of a second: here -10 h. Body 1 has 1 kg m/s more, of 4.
   Scene floating = three();
   floating.physics.gravity = Vector3d(0, 0, 0);
-  EXPECT_DOUBLE_EQ(after(floating, term_of(Quantity::momentum_change), push).most, 1.0 / 4);
+  EXPECT_DOUBLE_EQ(after(floating, term_of(Quantity::momentum_change), push).max, 1.0 / 4);
   const double owed = 3 * 10 * three().physics.time_step;
-  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::momentum_change), push).most, std::hypot(1, owed) / 4);
+  EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::momentum_change), push).max, std::hypot(1, owed) / 4);
   const auto turn = [](BodyStates& bodies) { bodies.angular_velocity[0] = Vector3d(0, 5, 0); };
   Scene spinning = hard_space();
   spinning.bodies = {sphere(1, Vector3d(0, 0, 0))};
   spinning.bodies[0].mass = 1;
   spinning.bodies[0].angular_velocity = Vector3d(0, 4, 0);
-  EXPECT_DOUBLE_EQ(after(spinning, term_of(Quantity::angular_momentum_change), turn).most, 0.2);
+  EXPECT_DOUBLE_EQ(after(spinning, term_of(Quantity::angular_momentum_change), turn).max, 0.2);
 }
 
 TEST_P(Quantities, KnowWhatCannotTouch) {
@@ -139,37 +139,37 @@ TEST_P(Quantities, KnowWhatCannotTouch) {
   rod.a = 1;
   rod.b = 0;
   scene.joints = {rod};
-  EXPECT_EQ(at_once(scene, term_of(Quantity::penetration_over_radius)).most, 0);
+  EXPECT_EQ(at_once(scene, term_of(Quantity::penetration_over_radius)).max, 0);
   scene.joints[0].collide = true;
-  EXPECT_EQ(at_once(scene, term_of(Quantity::penetration_over_radius)).most, 1);
+  EXPECT_EQ(at_once(scene, term_of(Quantity::penetration_over_radius)).max, 1);
 }
 
 TEST(Extremes, OfNothingAreNothingAndNanStays) {
   Extremes extremes;
-  EXPECT_EQ(extremes.most, 0);
-  extremes.take(2, 0);
-  extremes.take(-1, 1);
-  extremes.take(5, 2);
-  EXPECT_EQ(extremes.least, -1);
-  EXPECT_EQ(extremes.least_body, 1u);
-  EXPECT_EQ(extremes.most, 5);
-  EXPECT_EQ(extremes.most_body, 2u);
-  extremes.take(none, 3);
-  extremes.take(7, 4);
-  EXPECT_TRUE(std::isnan(extremes.least) && std::isnan(extremes.most));
-  EXPECT_EQ(extremes.most_body, 3u);
+  EXPECT_EQ(extremes.max, 0);
+  extremes.add(2, 0);
+  extremes.add(-1, 1);
+  extremes.add(5, 2);
+  EXPECT_EQ(extremes.min, -1);
+  EXPECT_EQ(extremes.min_body, 1u);
+  EXPECT_EQ(extremes.max, 5);
+  EXPECT_EQ(extremes.max_body, 2u);
+  extremes.add(none, 3);
+  extremes.add(7, 4);
+  EXPECT_TRUE(std::isnan(extremes.min) && std::isnan(extremes.max));
+  EXPECT_EQ(extremes.max_body, 3u);
 }
 
 TEST(Difference, IsOfTheSameBodiesMovedByAnOffset) {
-  Term term = term_of(Quantity::difference);
-  term.offset = Vector3d(100, 0, 0);
+  Assertion assertion = term_of(Quantity::difference);
+  assertion.offset = Vector3d(100, 0, 0);
   BodyStates here, there;
   there.position = {Vector3d(0, 0, 0), Vector3d(1, 0, 0)};
   here.position = {Vector3d(100, 0, 0), Vector3d(101, 0.25, 0)};
-  EXPECT_EQ(difference(term, here, there).most, 0.25);
-  EXPECT_EQ(difference(term, here, there).most_body, 1u);
+  EXPECT_EQ(difference(assertion, here, there).max, 0.25);
+  EXPECT_EQ(difference(assertion, here, there).max_body, 1u);
   there.position.pop_back();
-  EXPECT_TRUE(std::isnan(difference(term, here, there).most)) << "other bodies";
+  EXPECT_TRUE(std::isnan(difference(assertion, here, there).max)) << "other bodies";
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ TEST_P(Resisting, IsRemembered) {
   ASSERT_GT(plain.measure().speculative, 50);
   first.step(45);
   second.step(3);
-  second.adopt(first);
+  second.restore(first);
   second.step(15);
   EXPECT_EQ(second.state_hash(), plain.state_hash()) << "by another world";
   RunOptions tight = options();

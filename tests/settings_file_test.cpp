@@ -30,14 +30,14 @@ TEST(SettingsFile, ComesBackAsItWas) {
   before.levels_chosen = true;
   before.layers.color = BodyColor::visits;
   before.layers.box_color = NodeMetric::empty_space;
-  before.folds.right = false;
-  before.folds.camera = false;
-  before.breaks.limit(Condition::speed) = 12.5;
+  before.visible_panels.right = false;
+  before.visible_panels.camera = false;
+  before.breaks.limit(BreakCondition::speed) = 12.5;
   before.breaks.on.fill(true);
   Workspace after;
   EXPECT_EQ(read_settings(settings_text(before), after), "");
   EXPECT_EQ(after.layers, before.layers);
-  EXPECT_EQ(after.folds, before.folds);
+  EXPECT_EQ(after.visible_panels, before.visible_panels);
   EXPECT_EQ(after.theme, before.theme);
   EXPECT_TRUE(after.levels_chosen);
   EXPECT_EQ(after.font_scale, before.font_scale);
@@ -65,8 +65,8 @@ TEST(SettingsFile, NonsenseIsLeftOut) {
   EXPECT_EQ(workspace.layers.first_level, 0);
   EXPECT_EQ(workspace.layers.last_level, 9);
   EXPECT_TRUE(workspace.layers.spheres);
-  BreakWishes limits;
-  limits.limit(Condition::energy_rise) = 7;
+  BreakRequests limits;
+  limits.limit(BreakCondition::energy_rise) = 7;
   EXPECT_EQ(workspace.breaks.limits, limits.limits);
   EXPECT_FALSE(workspace.layers.grid);
 }

@@ -143,7 +143,7 @@ TEST_P(Settled, InSlicesItComesToTheSameState) {
     while (!settling.done()) {
       EXPECT_EQ(settling.steps(), slices);
       EXPECT_LT(settling.steps(), settling.most());
-      settling.go_on(0);
+      settling.advance(0);
       ++slices;
     }
     EXPECT_EQ(slices > 0, !known);
@@ -198,19 +198,19 @@ TEST_P(Settled, WhatNeverRestsEndsWithALine) {
 TEST_P(Settled, TheWindowSettlesAnewOnlyWhereTheRunStartsAnew) {
   LiveWorld live(pile(100), options());
   live.step(false);
-  Settings wish = live.settings();
+  Settings request = live.settings();
   told_ = 0;
-  wish.restitution = 0.2;
-  EXPECT_EQ(live.apply(wish), "");
+  request.restitution = 0.2;
+  EXPECT_EQ(live.apply(request), "");
   EXPECT_EQ(live.world().steps(), 1);
   EXPECT_TRUE(live.edited());
   EXPECT_EQ(told_, 0);
-  wish.bodies = 120;
-  EXPECT_THAT(live.apply(wish), HasSubstr("restarted"));
+  request.bodies = 120;
+  EXPECT_THAT(live.apply(request), HasSubstr("restarted"));
   EXPECT_EQ(live.world().steps(), 0);
   EXPECT_GT(told_, 0);
-  wish.variant = Variant::scaled;
-  live.apply(wish);
+  request.variant = Variant::scaled;
+  live.apply(request);
   EXPECT_EQ(live.stats().kinetic_energy, 0);
 }
 

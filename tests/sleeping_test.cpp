@@ -166,13 +166,13 @@ TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
   world.step(60);
   ASSERT_EQ(count(world), 4);
   World same(scene, options());
-  same.adopt(world);
+  same.restore(world);
   same.step();
   EXPECT_EQ(count(same), 4);
   Scene turned = scene;
   turned.physics.gravity = Vector3d(0, 0, 3);
   World other(turned, options());
-  other.adopt(world);
+  other.restore(world);
   other.step();
   EXPECT_EQ(count(other), 0);
 
@@ -187,7 +187,7 @@ TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
   upside_down.bodies.pop_back();
   World less(upside_down, options());
   state.settings = less.state().settings;  // as where N of a generator is turned
-  less.adopt(state);
+  less.restore(state);
   less.step();
   EXPECT_EQ(count(less), 2);
   EXPECT_FALSE(sleepers(less)[2]);
@@ -267,7 +267,7 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
       World world(scene, o);
       world.step(70);
       World second(scene, o);
-      second.adopt(world);
+      second.restore(world);
       second.step(80);
       EXPECT_EQ(second.state_hash(), expected) << shape.blocks << " x " << shape.threads;
     }
@@ -301,7 +301,7 @@ TEST_P(Sleepers, AreCountedAndDrawn) {
   EXPECT_THAT(values(), testing::ElementsAre(0, 0, 0, 0, 0, 1));
 
   World loaded(scene, options());
-  loaded.adopt(world);
+  loaded.restore(world);
   EXPECT_EQ(loaded.measure().asleep, 5);
   EXPECT_EQ(loaded.measure().islands, 0) << "before its first step";
   scene.physics.sleep.reset();
@@ -360,7 +360,7 @@ TEST_P(Sleepers, APileOfThousandsSleepsWholeAndWakesWhereItIsTouched) {
   thrown.bodies.velocity[top] = Vector3d(0, 0, -10);
   thrown.memory.slow[top] = 0;
   World other(scene, options());
-  other.adopt(thrown);
+  other.restore(thrown);
   int awake = 1;
   for (int step = 0; step < 40 && awake == 1; ++step) {
     other.step();

@@ -140,7 +140,7 @@ TEST_P(Snapshots, ATurnedSettingActsAsInAWorldThatAdopts) {
   edited.physics.precision = Precision::f64;
   edited.generators[0].count = 350;
   World adopted(edited, options());
-  adopted.adopt(first);
+  adopted.restore(first);
   World loaded = world_from(snapshot, edited, options());
   adopted.step(10);
   loaded.step(10);
@@ -307,7 +307,7 @@ TEST(SnapshotOfARun, KnowsTheTimeAlsoOfStepsOfOtherLengths) {
   Change shorter;
   shorter.step = 6;
   shorter.time_step = 0.0625;
-  const auto changed = changed_world(second, shorter, o);
+  const auto changed = world_after_change(second, shorter, o);
   changed->step(2);
   EXPECT_EQ(changed->time(), 1.125);
   EXPECT_EQ(changed->steps(), 8);

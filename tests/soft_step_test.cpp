@@ -303,7 +303,7 @@ TEST_P(SoftStep, GoesOnInAnotherWorldBitForBit) {
   straight.step(60);
   first.step(40);
   second.step(3);  // of another past
-  second.adopt(first);
+  second.restore(first);
   second.step(20);
   EXPECT_EQ(second.state_hash(), straight.state_hash());
 }

@@ -20,21 +20,21 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What --json writes, as far as the table is made of it. The trials of `stack` are impulse and soft_step,
+/// What --json writes, as far as the table is made of it. The test runs of `stack` are impulse and soft_step,
 /// both in float.
 std::string run(const std::string& executor, const std::string& first, const std::string& second,
                 const std::string& hash) {
-  const auto trial = [&](const std::string& name, const std::string& solver, const std::string& verdict) {
+  const auto test_run = [&](const std::string& name, const std::string& solver, const std::string& outcome) {
     return R"({"case": ")" + name + R"(", "solver": )" + solver + R"(, "precision": "f32", "executor": ")" +
-           executor + R"(", "verdict": ")" + verdict + R"(", "state_hash": ")" + hash + "\"}";
+           executor + R"(", "verdict": ")" + outcome + R"(", "state_hash": ")" + hash + "\"}";
   };
   return R"({"suite": "stability", "device": "the )" + executor + R"(", "executor": ")" + executor +
          R"(", "passed": 2, "failed": 0, "declared_limits": 1, "seconds": 61.5, "cases": [
            {"name": "bad", "group": "bad input", "what": "is refused", "limits": []},
            {"name": "stack", "group": "stacks", "what": "it stands", "limits": [
              {"solver": "impulse", "precision": null, "executor": null, "why": "it sinks"}]}], "trials": [)" +
-         trial("stack", "\"impulse\"", first) + "," + trial("stack", "\"soft_step\"", second) + "," +
-         trial("bad", "null", "passed") + "]}";
+         test_run("stack", "\"impulse\"", first) + "," + test_run("stack", "\"soft_step\"", second) + "," +
+         test_run("bad", "null", "passed") + "]}";
 }
 
 TEST(StabilityReadme, TellsEachCaseAndLimit) {
@@ -94,7 +94,8 @@ TEST(ProjectReadme, ListsTheCasesThereAreAndTheirLimits) {
     std::string what = one.criterion.what;
     for (std::size_t at = 0; (at = what.find('|', at)) != std::string::npos; at += 2) what.insert(at, "\\");
     cases.insert(one.name + "` | " + what);
-    for (const DeclaredLimit& limit : one.criterion.limits) limits.insert(one.name + ": " + limit.why);
+    for (const ExpectedFailure& limit : one.criterion.expected_failures)
+      limits.insert(one.name + ": " + limit.why);
   }
   for (const std::string& line : lines_of_readme("| `"))
     listed_cases.insert(line.substr(0, line.find(" |", line.find(" | ") + 3)));

@@ -1,4 +1,4 @@
-// What trials came to, as a table and as JSON.
+// What test runs came to, as a table and as JSON.
 
 #include "headless/stability/stability_report.h"
 
@@ -13,39 +13,40 @@ namespace {
 using testing::HasSubstr;
 
 HardCase named(const std::string& name, const std::string& group) {
-  HardCase one;
-  one.name = name;
-  one.criterion.group = group;
-  one.criterion.what = "it holds";
-  Term& term = one.criterion.holds.emplace_back();
-  term.quantity = Quantity::penetration;
-  term.at_most = 0.5;
-  return one;
+  HardCase hard_case;
+  hard_case.name = name;
+  hard_case.criterion.group = group;
+  hard_case.criterion.what = "it holds";
+  Assertion& assertion = hard_case.criterion.assertions.emplace_back();
+  assertion.quantity = Quantity::penetration;
+  assertion.at_most = 0.5;
+  return hard_case;
 }
 
-TrialResult result(Verdict verdict) {
-  TrialResult r;
-  r.verdict = verdict;
-  r.terms = {{true, verdict == Verdict::passed, 0.25, 0.5, 7, 3}};
+TestResult result(TestOutcome outcome) {
+  TestResult r;
+  r.outcome = outcome;
+  r.assertions = {{true, outcome == TestOutcome::passed, 0.25, 0.5, 7, 3}};
   r.steps = 10;
   r.state_hash = 0xabcu;
   r.seconds = 0.5;
-  if (verdict == Verdict::passed) return r;
-  r.failed_term = 0;
+  if (outcome == TestOutcome::passed) return r;
+  r.failed_assertion = 0;
   r.failure = "penetration: too deep";
-  r.why = verdict == Verdict::failed ? r.failure : "as it must be";
+  r.why = outcome == TestOutcome::failed ? r.failure : "as it must be";
   return r;
 }
 
 TEST(StabilityReport, TellsEachTrial) {
   HardCase stack = named("stack", "stacks"), bad = named("bad", "bad input");
   bad.criterion.refused = {"a"};
-  stack.criterion.limits = {{Solver::impulse, {}, {}, "as it must be"}};
+  stack.criterion.expected_failures = {{Solver::impulse, {}, {}, "as it must be"}};
   StabilityRun run{"a machine", ExecutorKind::cpu, false, 2.5, 5, {}};
-  run.rows = {{&stack, {Solver::impulse, Precision::f32, ExecutorKind::cpu}, result(Verdict::declared_limit)},
-              {&stack, {Solver::soft_step, Precision::f32, ExecutorKind::cpu}, result(Verdict::passed)},
-              {&stack, {Solver::soft_step, Precision::f64, ExecutorKind::cpu}, result(Verdict::failed)},
-              {&bad, {}, result(Verdict::passed)}};
+  run.rows = {
+      {&stack, {Solver::impulse, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::expected_failure)},
+      {&stack, {Solver::soft_step, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::passed)},
+      {&stack, {Solver::soft_step, Precision::f64, ExecutorKind::cpu}, result(TestOutcome::failed)},
+      {&bad, {}, result(TestOutcome::passed)}};
   const std::string text = stability_text(run);
   EXPECT_THAT(text, testing::ContainsRegex("\nstacks\n  stack  +limit  +ok  +FAIL  +1[.]50\n"));
   EXPECT_THAT(text, HasSubstr("    stack, soft_step f64: penetration: too deep\n"));
@@ -84,15 +85,15 @@ TEST(StabilityReport, TellsEachTrial) {
 
 TEST(StabilityReport, TellsWhichFaultsShow) {
   HardCase stack = named("stack", "stacks");
-  stack.criterion.faults.resize(2);
-  const std::vector<PlantedRow> rows{{&stack, 0, true, result(Verdict::passed)},
-                                     {&stack, 1, false, result(Verdict::passed)}};
-  const std::string text = planted_text(rows);
+  stack.criterion.injected_faults.resize(2);
+  const std::vector<InjectedFaultRow> rows{{&stack, 0, true, result(TestOutcome::passed)},
+                                           {&stack, 1, false, result(TestOutcome::passed)}};
+  const std::string text = injected_faults_text(rows);
   EXPECT_THAT(text, testing::ContainsRegex("stack  +ok    penetration at most 0.5 m: 0.25 m at state 7\n"));
   EXPECT_THAT(text,
               testing::ContainsRegex("stack  +FAIL  penetration at most 0.5 m: holds in spite of fault 2\n"));
   EXPECT_THAT(text, HasSubstr("2 faults planted: 1 show nowhere\n"));
-  const auto json = nlohmann::json::parse(planted_json(rows));
+  const auto json = nlohmann::json::parse(injected_faults_json(rows));
   EXPECT_TRUE(json["planted"][0]["shows"]);
   EXPECT_FALSE(json["planted"][1]["shows"]);
 }

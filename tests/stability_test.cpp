@@ -45,9 +45,9 @@ TEST(Stability, TheQuickCasesHoldAndTheirFaultsShow) {
   // On a GPU what is refused on reading is not tried again.
   EXPECT_THAT(outcome.out,
               HasSubstr(cuda_available() ? "18 trials of 4 cases on " : "19 trials of 4 cases on "));
-  std::vector<std::string> planted = quick;
-  planted.emplace_back("--plant");
-  const Outcome faults = run_headless(planted);
+  std::vector<std::string> injected = quick;
+  injected.emplace_back("--plant");
+  const Outcome faults = run_headless(injected);
   EXPECT_EQ(faults.status, 0) << faults.out << faults.err;
   EXPECT_THAT(faults.out, HasSubstr("each fails its term"));
 }

@@ -254,7 +254,7 @@ class Process {
 };
 
 TEST(Automation, OnAFullDiskEndsTheWindow) {
-  if (const std::string lack = window_tests_lack(); !lack.empty()) GTEST_SKIP() << lack;
+  if (const std::string reason = window_tests_unavailable_reason(); !reason.empty()) GTEST_SKIP() << reason;
   const TemporaryFolder folder;
   const std::string number = folder / "display";
   Process server("/usr/bin/Xvfb", {"-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"},

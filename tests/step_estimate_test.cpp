@@ -25,8 +25,8 @@ double factor(double a, double b) { return std::max(a, b) / std::max(std::min(a,
 StepEstimate estimate_of(const Scene& scene, const RunOptions& options) {
   const InitialBodies initial = initial_bodies(scene);
   Executor executor(options);
-  const Effects effects = scene.physics.effects.value_or(effects_called_for(scene, initial));
-  const BodyIds ids;
+  const Effects effects = scene.physics.effects.value_or(required_effects(scene, initial));
+  const BodyIdMap ids;
   return estimate_step(
       executor, {options.broad_phase, scene, initial, effects, substeps_of(scene, initial), nullptr, ids, {}},
       true);
@@ -123,7 +123,7 @@ TEST_P(StepEstimates, CountWhatComparingAllBodiesTakes) {
 
 TEST_P(StepEstimates, NeverMindScenesOfTheProject) {
   std::vector<std::string> lines;
-  set_slow_step_news([&](const std::string& line) { lines.push_back(line); });
+  set_slow_step_callback([&](const std::string& line) { lines.push_back(line); });
   namespace fs = std::filesystem;
   int scenes = 0;
   for (const char* folder : {"assets/scenes", "assets/scenes/analytic", "assets/scenes/hard"})
@@ -145,7 +145,7 @@ TEST_P(StepEstimates, NeverMindScenesOfTheProject) {
       EXPECT_LT(expected.seconds, 2) << file;
       EXPECT_LT(expected.bytes, 1'000'000'000) << file;
     }
-  set_slow_step_news(nullptr);
+  set_slow_step_callback(nullptr);
   EXPECT_GT(scenes, 60);
   EXPECT_TRUE(lines.empty()) << lines.front();
 }

@@ -25,7 +25,7 @@ World world_of(const std::string& method, std::int64_t bodies = 200) {
 Workspace open_panel() {
   Workspace workspace;
   workspace.playing = false;
-  workspace.folds.tree = true;
+  workspace.visible_panels.tree = true;
   return workspace;
 }
 
@@ -34,18 +34,18 @@ TEST(TreeInspector, AFoldedPanelCostsNothing) {
   world.detect();
   const std::int64_t bytes = world.info().allocated_bytes;
   Workspace workspace = open_panel();
-  workspace.folds.tree = false;
+  workspace.visible_panels.tree = false;
   TreeInspector inspector;
   inspector.refresh(world, 0, workspace);
-  EXPECT_EQ(inspector.facts(), nullptr);
-  workspace.folds.tree = true;
-  workspace.folds.right = false;
+  EXPECT_EQ(inspector.view(), nullptr);
+  workspace.visible_panels.tree = true;
+  workspace.visible_panels.right = false;
   inspector.refresh(world, 0, workspace);
-  EXPECT_EQ(inspector.facts(), nullptr);
+  EXPECT_EQ(inspector.view(), nullptr);
   EXPECT_EQ(world.info().allocated_bytes, bytes) << "nothing was measured";
-  workspace.folds.right = true;
+  workspace.visible_panels.right = true;
   inspector.refresh(world, 0, workspace);
-  ASSERT_NE(inspector.facts(), nullptr);
+  ASSERT_NE(inspector.view(), nullptr);
   EXPECT_GT(world.info().allocated_bytes, bytes);
 }
 
@@ -60,7 +60,7 @@ TEST(TreeInspector, MeasuresAStateOnce) {
   world.step();
   inspector.refresh(world, 0, workspace);
   EXPECT_NE(inspector.version(), version);
-  EXPECT_EQ(inspector.facts()->step, 1);
+  EXPECT_EQ(inspector.view()->step, 1);
 }
 
 // The tree that is bad on purpose: row by row and page by page the panel names the nodes worst first, as a
@@ -78,14 +78,14 @@ TEST(TreeInspector, NamesTheWorstFirst) {
       if (brute.nodes[i].level >= 2) values.push_back(brute.value(i, metric));
     std::ranges::sort(values, std::greater<>());
     std::vector<double> named;
-    for (std::int64_t first = 0; first < std::ssize(values); first += TreeFacts::page) {
+    for (std::int64_t first = 0; first < std::ssize(values); first += TreePanelView::page) {
       workspace.tree.first = first;
       inspector.refresh(world, 0, workspace);
-      EXPECT_EQ(inspector.facts()->first, first);
-      for (const NodeReport& row : inspector.facts()->rows) named.push_back(brute.value(row.node, metric));
+      EXPECT_EQ(inspector.view()->first, first);
+      for (const NodeReport& row : inspector.view()->rows) named.push_back(brute.value(row.node, metric));
     }
     ASSERT_EQ(named.size(), values.size());
-    EXPECT_EQ(inspector.facts()->ranked, std::ssize(values));
+    EXPECT_EQ(inspector.view()->ranked, std::ssize(values));
     for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(named[i], values[i], 1e-6 * values[i]) << i;
   }
 }
@@ -100,13 +100,13 @@ TEST(TreeInspector, ARankSelectsANodeOrABodyUntilTheNextState) {
   inspector.refresh(world, 0, workspace);
   EXPECT_FALSE(workspace.tree.rank.has_value());
   EXPECT_FALSE(workspace.selection.has_value()) << "a node is selected in its place";
-  EXPECT_EQ(workspace.tree.first, 20 / TreeFacts::page * TreeFacts::page) << "the page follows";
+  EXPECT_EQ(workspace.tree.first, 20 / TreePanelView::page * TreePanelView::page) << "the page follows";
   ASSERT_TRUE(workspace.tree.node.has_value());
-  const TreeFacts& facts = *inspector.facts();
-  EXPECT_EQ(*workspace.tree.node, facts.rows[20 % TreeFacts::page].node);
-  ASSERT_TRUE(facts.node.has_value());
-  ASSERT_EQ(facts.children.size(), facts.node->children);
-  const std::vector<BoxInstance> marks = tree_marks(workspace, nullptr, &facts);
+  const TreePanelView& view = *inspector.view();
+  EXPECT_EQ(*workspace.tree.node, view.rows[20 % TreePanelView::page].node);
+  ASSERT_TRUE(view.node.has_value());
+  ASSERT_EQ(view.children.size(), view.node->children);
+  const std::vector<BoxInstance> marks = tree_marks(workspace, nullptr, &view);
   ASSERT_EQ(marks.size(), 3u);
   EXPECT_EQ(marks[0].value, static_cast<float>(BoxMark::left));
   EXPECT_EQ(marks[1].value, static_cast<float>(BoxMark::right));
@@ -127,7 +127,7 @@ TEST(TreeInspector, ARankSelectsANodeOrABodyUntilTheNextState) {
   world.step();
   inspector.refresh(world, 0, workspace);
   EXPECT_FALSE(workspace.tree.node.has_value()) << "of another tree";
-  EXPECT_FALSE(inspector.facts()->node.has_value());
+  EXPECT_FALSE(inspector.view()->node.has_value());
 }
 
 TEST(TreeInspector, AQueryIsFollowedInItsOrder) {
@@ -139,14 +139,14 @@ TEST(TreeInspector, AQueryIsFollowedInItsOrder) {
     workspace.selection = 17;
     TreeInspector inspector;
     inspector.refresh(world, 0, workspace);
-    const TreeFacts& facts = *inspector.facts();
-    EXPECT_EQ(facts.queried, 17u);
-    EXPECT_EQ(facts.visits, brute.body_visits[17]);
-    ASSERT_EQ(std::ssize(facts.visited), facts.visits);
-    EXPECT_EQ(facts.visited.front().node.node, 0u) << "from the root";
+    const TreePanelView& view = *inspector.view();
+    EXPECT_EQ(view.queried, 17u);
+    EXPECT_EQ(view.visits, brute.body_visits[17]);
+    ASSERT_EQ(std::ssize(view.visited), view.visits);
+    EXPECT_EQ(view.visited.front().node.node, 0u) << "from the root";
     std::set<std::uint32_t> met;
     std::int64_t pairs = 0;
-    for (const auto& [node, overlaps] : facts.visited) {
+    for (const auto& [node, overlaps] : view.visited) {
       EXPECT_TRUE(node.node == 0 || met.contains(static_cast<std::uint32_t>(brute.nodes[node.node].parent)))
           << "only below what it met, and after it";
       if (overlaps) met.insert(node.node);
@@ -159,17 +159,17 @@ TEST(TreeInspector, AQueryIsFollowedInItsOrder) {
     // As far as the slider stands, the newest on top, with a halo.
     const BodyReport body = world.inspect(17);
     workspace.tree.visit = 5;
-    const std::vector<BoxInstance> marks = tree_marks(workspace, &body, &facts);
+    const std::vector<BoxInstance> marks = tree_marks(workspace, &body, &view);
     ASSERT_EQ(marks.size(), 6u);
     EXPECT_EQ(marks[1].value, static_cast<float>(BoxMark::current));
     for (const std::size_t k : {0u, 2u, 3u, 4u, 5u}) {
-      const TreeFacts::Visited& visited = facts.visited[k == 0 ? 4 : 5 - k];
+      const TreePanelView::Visited& visited = view.visited[k == 0 ? 4 : 5 - k];
       EXPECT_EQ(marks[k].min[0], visited.node.min[0]);
       EXPECT_EQ(marks[k].value, static_cast<float>(visited.met ? BoxMark::met : BoxMark::apart));
     }
     workspace.tree.query = false;
     inspector.refresh(world, 0, workspace);
-    EXPECT_EQ(tree_marks(workspace, &body, inspector.facts()).size(), body.path.size()) << "its path again";
+    EXPECT_EQ(tree_marks(workspace, &body, inspector.view()).size(), body.path.size()) << "its path again";
   }
 }
 
@@ -183,10 +183,10 @@ TEST(TreeInspector, WhatHasNoTreeHasNoRows) {
   workspace.selection = 1;
   TreeInspector inspector;
   inspector.refresh(world, 0, workspace);
-  ASSERT_NE(inspector.facts(), nullptr);
-  EXPECT_TRUE(inspector.facts()->rows.empty());
+  ASSERT_NE(inspector.view(), nullptr);
+  EXPECT_TRUE(inspector.view()->rows.empty());
   EXPECT_FALSE(workspace.tree.node.has_value());
-  EXPECT_EQ(inspector.facts()->visits, 0);
+  EXPECT_EQ(inspector.view()->visits, 0);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/quality.h"
+#include "sim_cuda/broad_phase/bvh_statistics.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 
@@ -52,7 +52,7 @@ TEST_P(ArrangedTree, IsWholeHoweverDeep) {
   Executor executor(options());
   for (const std::uint32_t n : {2u, 64u, 65u, 300u}) {
     Tree tree(executor);
-    tree.arrange(ListOfLeaves(executor, n), n);
+    tree.build_level_order(ListOfLeaves(executor, n), n);
     const TreeView& view = tree.view();
     const std::int64_t nodes = 2 * std::int64_t{n} - 1;
     ASSERT_EQ(view.nodes, nodes);
@@ -64,12 +64,12 @@ TEST_P(ArrangedTree, IsWholeHoweverDeep) {
     EXPECT_EQ(all, nodes);
 
     // Of a body that i of the others come before, a query passes 2 nodes on each of i + 1 levels.
-    TreeMeter meter(executor);
-    const TreeQuality quality = meter.measure(view, n);
+    BvhStatistics statistics(executor);
+    const TreeQuality quality = statistics.measure(view, n);
     std::int64_t visits = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::int64_t expected = 1 + 2 * std::int64_t{std::min(i, n - 2) + 1};
-      EXPECT_EQ(meter.visits_of(n - 1 - i), expected) << n << ' ' << i;
+      EXPECT_EQ(statistics.visits_of(n - 1 - i), expected) << n << ' ' << i;
       visits += expected;
     }
     EXPECT_DOUBLE_EQ(quality.visits_mean, static_cast<double>(visits) / n);
@@ -82,7 +82,7 @@ TEST_P(ArrangedTree, IsWholeHoweverDeep) {
     std::vector<std::uint32_t> places(static_cast<std::size_t>(nodes));
     for (std::size_t k = 0; k < places.size(); ++k) places[k] = static_cast<std::uint32_t>(k);
     std::vector<int> born(places.size());
-    for (const NodeReport& node : meter.nodes(view, places)) {
+    for (const NodeReport& node : statistics.nodes(view, places)) {
       if (node.children == 0) continue;
       EXPECT_EQ(node.children, 2u);
       EXPECT_GT(node.first_child, node.node);

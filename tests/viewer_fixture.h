@@ -35,8 +35,8 @@ inline std::string expected_hash(std::int64_t steps, std::int64_t bodies) {
 class Viewer : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string lack = window_tests_lack();
-    if (!lack.empty()) GTEST_SKIP() << lack;
+    const std::string reason = window_tests_unavailable_reason();
+    if (!reason.empty()) GTEST_SKIP() << reason;
   }
 
   /// Whether the sanitizer found nothing but a few bytes that libraries lose on their way out: Mesa's

@@ -14,7 +14,7 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   HardCaseFolder folder;
   WindowDriver window({"two_spheres_head_on", "--size", "1280x900", "--cases", folder.path()});
   const auto cases = [&](const char* name) { return window.frame()["hard_cases"][name]; };
-  const auto mark = [&](const char* name, const char* trial) { return cases("marks")[name][trial]; };
+  const auto mark = [&](const char* name, const char* test_run) { return cases("marks")[name][test_run]; };
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 3; }));
   EXPECT_TRUE(window.frame()["hard_cases"].is_null()) << "folded, nothing is read";
   const std::string scene = window.frame()["scene"];

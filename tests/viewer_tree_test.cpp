@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/viewer_fixture.h"
-#include "ui/tree_facts.h"
+#include "ui/tree_panel_view.h"
 
 namespace collidoscope {
 namespace {
@@ -87,18 +87,19 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
 
   // The worst are the worst, by every column; pages and neighbours in the order.
   EXPECT_EQ(places(tree("rows")),
-            places(world.tree().ranked(NodeMetric::sibling_overlap, 0, TreeFacts::page)));
+            places(world.tree().ranked(NodeMetric::sibling_overlap, 0, TreePanelView::page)));
   for (const auto& [column, metric] : {std::pair{"tree.sort.empty", NodeMetric::empty_space},
                                        {"tree.sort.visits", NodeMetric::visits},
                                        {"tree.sort.overlap", NodeMetric::sibling_overlap}}) {
     window.click(column);
     ASSERT_TRUE(wait([m = metric](const Json& t) { return t["sort"] == static_cast<int>(m); })) << column;
     window.click("tree.page.next");
-    ASSERT_TRUE(wait([](const Json& t) { return t["first"] == TreeFacts::page; }));
-    EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, TreeFacts::page, TreeFacts::page)));
+    ASSERT_TRUE(wait([](const Json& t) { return t["first"] == TreePanelView::page; }));
+    EXPECT_EQ(places(tree("rows")),
+              places(world.tree().ranked(metric, TreePanelView::page, TreePanelView::page)));
     window.click("tree.page.previous");
     ASSERT_TRUE(wait([](const Json& t) { return t["first"] == 0; }));
-    EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, 0, TreeFacts::page)));
+    EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, 0, TreePanelView::page)));
   }
   const std::vector<std::uint32_t> order = places(world.tree().ranked(NodeMetric::sibling_overlap, 0, 20));
   before = still(window);
@@ -109,7 +110,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
     window.click("tree.next");
     ASSERT_TRUE(wait([&](const Json& t) { return t["node"] == order[rank]; })) << rank;
   }
-  EXPECT_EQ(tree("first"), TreeFacts::page) << "the page follows";
+  EXPECT_EQ(tree("first"), TreePanelView::page) << "the page follows";
   window.click("tree.previous");
   ASSERT_TRUE(wait([&](const Json& t) { return t["node"] == order[8]; }));
   const auto distance = [&] { return window.frame()["camera"][5].get<double>(); };
@@ -131,7 +132,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   const double low = tree("range")[0];
   NodeSelection selection;
   selection.low = static_cast<float>(low);
-  EXPECT_EQ(tree("inside"), world.tree().spread(NodeMetric::sibling_overlap, selection).inside);
+  EXPECT_EQ(tree("inside"), world.tree().node_histogram(NodeMetric::sibling_overlap, selection).inside);
   EXPECT_GT(difference(before, still(window), window.frame()), 0.005);
   window.click("tree.auto");
   ASSERT_TRUE(wait([&](const Json& t) { return t["range"][0] == 0 && t["inside"] == all; }));

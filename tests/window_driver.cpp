@@ -40,7 +40,7 @@ bool on_path(const std::string& program) {
 
 }  // namespace
 
-std::string window_tests_lack() {
+std::string window_tests_unavailable_reason() {
   for (const char* program : {"Xvfb", "xdotool"})
     if (!on_path(program)) return std::string(program) + " is not installed (./dev test installs it)";
   if (!std::filesystem::exists(program_folder() / "collidoscope")) return "the viewer was not built";

@@ -18,7 +18,7 @@
 namespace collidoscope {
 
 /// Empty, or what is missing here for a test that needs a window.
-std::string window_tests_lack();
+std::string window_tests_unavailable_reason();
 
 class WindowDriver {
  public:

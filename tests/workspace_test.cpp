@@ -32,7 +32,7 @@ TEST(Workspace, ThePictureKeepsItsShareOfTheWidth) {
     }
   // Text can grow at each of these sizes, more so where a column is folded; it never shrinks below its usual
   // size.
-  Folds one_column;
+  PanelVisibility one_column;
   one_column.right = false;
   for (const auto& [width, height] : {std::pair{1280, 720}, {1440, 900}, {1920, 1080}}) {
     const float usual = workspace_font_size(width, height, 1),
@@ -134,14 +134,14 @@ TEST(Workspace, AHalfDrawnFrameIsEnded) {
 
 TEST(Workspace, AHeldStepKeyLeavesNoBacklog) {
   Workspace workspace;
-  workspace.wish_step();
-  for (int k = 0; k < 100; ++k) workspace.wish_step(/*held=*/true);
-  EXPECT_EQ(workspace.step_wishes, 1);
+  workspace.request_step();
+  for (int k = 0; k < 100; ++k) workspace.request_step(/*held=*/true);
+  EXPECT_EQ(workspace.step_requests, 1);
   EXPECT_FALSE(workspace.playing);
-  workspace.wish_step();
-  EXPECT_EQ(workspace.step_wishes, 2) << "each press is a step";
+  workspace.request_step();
+  EXPECT_EQ(workspace.step_requests, 2) << "each press is a step";
   workspace.play_or_pause();
-  EXPECT_EQ(workspace.step_wishes, 0);
+  EXPECT_EQ(workspace.step_requests, 0);
   EXPECT_TRUE(workspace.playing);
 }
 
@@ -156,7 +156,7 @@ TEST(Workspace, ComponentsKeepSmallMotionAndHaveNoNegativeZero) {
 
 TEST(Workspace, TheRowBelowNSaysWhatTheBodiesAre) {
   WorkspaceView view;
-  view.in_effect.bodies = 60;
+  view.active_settings.bodies = 60;
   EXPECT_EQ(bodies_text(view), "");
   view.other_bodies = 3;
   EXPECT_EQ(bodies_text(view), "60 generated + 3 others = 63");

@@ -24,7 +24,7 @@ TEST_P(Worlds, AnAdoptedRunGoesOnBitForBit) {
     other.broad_phase = "brute_force";
     other.shape = {2, 8};
     World second(scene, other);
-    second.adopt(first);
+    second.restore(first);
     second.step(37);
     EXPECT_EQ(second.steps(), 60);
     EXPECT_EQ(second.state_hash(), whole.state_hash());
@@ -36,12 +36,12 @@ TEST_P(Worlds, AGrownOneKeepsItsSurvivorsAndSpawnsTheRest) {
   World small(box_collider(100), options()), large(box_collider(250), options());
   small.step(10);
   const BodyStates before = small.bodies(), fresh = large.bodies();
-  large.adopt(small);
+  large.restore(small);
   const BodyStates after = large.bodies();
   for (std::size_t i = 0; i < 250; ++i)
     EXPECT_EQ(after.position[i], i < 100 ? before.position[i] : fresh.position[i]);
   World shrunk(box_collider(40), options());
-  shrunk.adopt(large);
+  shrunk.restore(large);
   EXPECT_EQ(shrunk.bodies().position[39], before.position[39]);
   shrunk.step();
   EXPECT_EQ(shrunk.measure().bodies, 40);

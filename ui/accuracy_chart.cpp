@@ -10,7 +10,7 @@ namespace {
 
 /// "soft_step rk4 f64" is of the kind "soft_step rk4".
 std::string kind_of(const AccuracyPoint& point) {
-  std::string kind = point.family;
+  std::string kind = point.series_name;
   for (const char* precision : {" f32", " f64"})
     if (const std::size_t at = kind.find(precision); at != kind.npos) kind.erase(at, 4);
   return kind;
@@ -36,7 +36,7 @@ AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
   Chart& chart = result.chart;
   chart.x = {"ms for a simulated second", short_number, true};
   chart.y = {"error, rms", length_text, true};
-  chart.fits_spreads = false;  // a run that something disturbed is no reason to shrink all
+  chart.fits_error_bars = false;  // a run that something disturbed is no reason to shrink all
   chart.level = tolerance > 0 ? tolerance : no_value;
   chart.level_name = length_text(tolerance) + " allowed";
   if (reference && reference->error > 0) {
@@ -47,7 +47,7 @@ AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
   // Cheap to dear, so that lines run to the right.
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < points.size(); ++k)
-    if (points[k].has_error() && points[k].has_price()) order.push_back(k);
+    if (points[k].has_error() && points[k].has_cost()) order.push_back(k);
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return points[k].ms.median; });
 
   const auto add = [&](const char* name, std::uint32_t color) -> ChartSeries& {
@@ -64,10 +64,10 @@ AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
     result.points.back().push_back(k);
   }
 
-  std::vector<std::string> families;
+  std::vector<std::string> series_names;
   for (const AccuracyPoint& point : points) {
-    if (std::ranges::find(families, point.family) != families.end()) continue;
-    families.push_back(point.family);
+    if (std::ranges::find(series_names, point.series_name) != series_names.end()) continue;
+    series_names.push_back(point.series_name);
     const std::string name = kind_of(point);
     auto kind = std::ranges::find(result.kinds, name, &AccuracyChart::Kind::name);
     if (kind == result.kinds.end()) {
@@ -76,13 +76,13 @@ AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
     }
     const bool fine = point.setting.precision == Precision::f64;
     for (const bool best : {false, true}) {
-      ChartSeries& series = add(point.family.c_str(), best ? kind->color : faded(kind->color, 0x70));
+      ChartSeries& series = add(point.series_name.c_str(), best ? kind->color : faded(kind->color, 0x70));
       series.line = best;
       series.dashed = fine;
       series.mark = fine ? 2 : 0;
       double least = std::numeric_limits<double>::infinity();
       for (const std::size_t k : order) {
-        if (points[k].family != point.family) continue;
+        if (points[k].series_name != point.series_name) continue;
         const bool better = points[k].error < least;
         least = std::min(least, points[k].error);
         if (better != best) continue;

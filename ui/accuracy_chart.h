@@ -16,7 +16,7 @@ struct AccuracyChart {
   Chart chart;
   /// Of each series and place in it, which of the points.
   std::vector<std::vector<std::size_t>> points;
-  /// What is told apart by colour: families, whatever their precision.
+  /// What is told apart by colour: series, whatever their precision.
   struct Kind {
     std::string name;
     std::uint32_t color;
@@ -24,9 +24,9 @@ struct AccuracyChart {
   std::vector<Kind> kinds;
 };
 
-/// A colour for each kind of family; float is a solid line with discs, double a dashed one with diamonds. The
-/// line of a family joins those of its points that no other of them beats in both; the rest are fainter. Bars
-/// are the spread of the price. The
+/// A colour for each kind of series; float is a solid line with discs, double a dashed one with diamonds. The
+/// line of a series joins those of its points that no other of them beats in both; the rest are fainter. Bars
+/// are the spread of the cost. The
 /// Pareto front of all is a broad line below. `light`: the theme.
 AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
                              const std::optional<AccuracyReference>& reference, double tolerance, bool light);

@@ -1,4 +1,4 @@
-// What accuracy costs on the running scene: error over price of many settings, measured while the panel is
+// What accuracy costs on the running scene: error over cost of many settings, measured while the panel is
 // unfolded. A point is a setting: a click applies it. The line across is the error that is allowed: the
 // cheapest setting below it is named.
 
@@ -24,7 +24,7 @@ void wrapped_faint(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-void wish_for(const AccuracySetting& setting, const AccuracyFacts& facts, Settings& settings) {
+void request_settings(const AccuracySetting& setting, const AccuracyView& panel, Settings& settings) {
   settings.time_step = setting.time_step;
   settings.substeps = setting.substeps;
   settings.iterations = setting.iterations;
@@ -32,7 +32,7 @@ void wish_for(const AccuracySetting& setting, const AccuracyFacts& facts, Settin
   settings.integrator = setting.integrator;
   settings.rotation_update = setting.rotation_update;
   settings.precision = setting.precision;
-  settings.effects = facts.effects;  // a list of one's own: "auto" may go by the time step
+  settings.effects = panel.effects;  // a list of one's own: "auto" may go by the time step
   settings.effects->continuous_collision = setting.continuous_collision;
 }
 
@@ -54,7 +54,7 @@ void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool no
   };
   const AccuracySetting& s = p.setting;
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted((p.family + (now ? " · as the run is" : "")).c_str());
+  ImGui::TextUnformatted((p.series_name + (now ? " · as the run is" : "")).c_str());
   row("step", fmt::format("{:.6g} Hz, {}, {}", 1 / s.time_step, count_text(s.substeps, "substep"),
                           count_text(s.iterations, "iteration")));
   row("solver", std::string(name_of(solver_names, s.solver)));
@@ -89,16 +89,16 @@ void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool no
   ImGui::EndTooltip();
 }
 
-void draw_progress(Workspace& workspace, const AccuracyFacts& facts) {
+void draw_progress(Workspace& workspace, const AccuracyView& panel) {
   const float size = ImGui::GetFontSize();
-  const bool over = facts.doing.empty();
+  const bool over = panel.current_task.empty();
   const char* const label = over ? "done" : workspace.accuracy.running ? "stop" : "go on";
   const float buttons = 9.5f * size;
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-  ImGui::ProgressBar(static_cast<float>(facts.done), {ImGui::GetContentRegionAvail().x - buttons, 0},
-                     over ? "all measured" : fmt::format("{:.0f} %", std::floor(100 * facts.done)).c_str());
+  ImGui::ProgressBar(static_cast<float>(panel.done), {ImGui::GetContentRegionAvail().x - buttons, 0},
+                     over ? "all measured" : fmt::format("{:.0f} %", std::floor(100 * panel.done)).c_str());
   ImGui::PopStyleColor();
-  if (!over) explain(("measuring " + facts.doing).c_str());
+  if (!over) explain(("measuring " + panel.current_task).c_str());
   ImGui::SameLine();
   ImGui::BeginDisabled(over);
   if (ImGui::Button(label, {3.4f * size, 0})) workspace.accuracy.running = !workspace.accuracy.running;
@@ -110,17 +110,17 @@ void draw_progress(Workspace& workspace, const AccuracyFacts& facts) {
   explain("Measures anew, from the bodies as they are");
 }
 
-void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const WorkspaceView& view) {
+void draw_diagram(Workspace& workspace, const AccuracyView& panel, const WorkspaceView& view) {
   const bool light = workspace.theme == Theme::light;
-  AccuracyChart diagram = accuracy_chart(facts.points, facts.reference, workspace.accuracy.tolerance, light);
-  diagram.chart.names = diagram.chart.tells = false;
+  AccuracyChart diagram = accuracy_chart(panel.points, panel.reference, workspace.accuracy.tolerance, light);
+  diagram.chart.names = diagram.chart.has_tooltip = false;
   double least = 1e300, most = 0;
   for (std::size_t s = 0; s < diagram.points.size(); ++s)
     for (std::size_t k = 0; k < diagram.points[s].size(); ++k) {
-      const AccuracyPoint& p = facts.points[diagram.points[s][k]];
+      const AccuracyPoint& p = panel.points[diagram.points[s][k]];
       ChartPoint& place = diagram.chart.series[s].points[k];
-      if (facts.cheapest == diagram.points[s][k]) place.ring = ImGui::GetColorU32(ImGuiCol_CheckMark);
-      if (p.setting == facts.now) place.ring = ImGui::GetColorU32(ImGuiCol_Text);
+      if (panel.cheapest == diagram.points[s][k]) place.ring = ImGui::GetColorU32(ImGuiCol_CheckMark);
+      if (p.setting == panel.now) place.ring = ImGui::GetColorU32(ImGuiCol_Text);
       if (p.error > 0) least = std::min(least, p.error);
       most = std::max(most, p.error);
     }
@@ -136,21 +136,21 @@ void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const Worksp
   if (held && memory->GetBool(dragging) && most > 0)
     workspace.accuracy.tolerance = std::clamp(hit.y, 0.1 * least, 10 * most);
   if (hit.level || (held && memory->GetBool(dragging))) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
-  AccuracyWishes& wishes = workspace.accuracy;
-  wishes.line.reset();
-  if (hit.level_at > 0) wishes.line = {0, hit.right - 0.25f * ImGui::GetFontSize(), hit.level_at};
-  wishes.places.clear();
+  AccuracyRequests& requests = workspace.accuracy;
+  requests.line.reset();
+  if (hit.level_at > 0) requests.line = {0, hit.right - 0.25f * ImGui::GetFontSize(), hit.level_at};
+  requests.places.clear();
   for (const ChartHit::Place& place : hit.places)
     if (place.series > 0)  // the front's are points of the others
-      wishes.places.push_back(
+      requests.places.push_back(
           {diagram.points[static_cast<std::size_t>(place.series)][static_cast<std::size_t>(place.point)],
            place.x, place.y});
   if (hit.point >= 0) {
     const AccuracyPoint& p =
-        facts.points[diagram
+        panel.points[diagram
                          .points[static_cast<std::size_t>(hit.series)][static_cast<std::size_t>(hit.point)]];
-    accuracy_tooltip(p, view, p.setting == facts.now);
-    if (clicked) wish_for(p.setting, facts, workspace.settings);
+    accuracy_tooltip(p, view, p.setting == panel.now);
+    if (clicked) request_settings(p.setting, panel, workspace.settings);
   }
   for (std::size_t k = 0; k < diagram.kinds.size(); ++k) {
     const auto& [name, color] = diagram.kinds[k];
@@ -164,56 +164,57 @@ void draw_diagram(Workspace& workspace, const AccuracyFacts& facts, const Worksp
   faint_text("solid: f32, dashed: f64, broad: Pareto front");
 }
 
-void draw_answer(Workspace& workspace, const AccuracyFacts& facts, const WorkspaceView& view) {
+void draw_answer(Workspace& workspace, const AccuracyView& panel, const WorkspaceView& view) {
   row_label("allowed", "The error that is allowed: drag the line, or type it");
   ImGui::PushID("tolerance");
   number_field(workspace, "accuracy.tolerance", "allowed", workspace.accuracy.tolerance,
                {limits::min_tolerance, limits::max_tolerance, "m"}, "{:.3g} m");
   ImGui::PopID();
   draw_input_fault(workspace, "accuracy.tolerance");
-  if (!facts.cheapest) {
-    wrapped_faint(facts.no_choice);
+  if (!panel.cheapest) {
+    wrapped_faint(panel.no_recommendation_reason);
     return;
   }
-  const AccuracyPoint& p = facts.points[*facts.cheapest];
-  if (ImGui::Button("apply")) wish_for(p.setting, facts, workspace.settings);
+  const AccuracyPoint& p = panel.points[*panel.cheapest];
+  if (ImGui::Button("apply")) request_settings(p.setting, panel, workspace.settings);
   track(workspace, "accuracy.apply");
   ImGui::SameLine();
-  ImGui::TextUnformatted(p.family.c_str());
+  ImGui::TextUnformatted(p.series_name.c_str());
   ImGui::TextUnformatted(fmt::format("{}: {}{}", p.name, length_text(p.error),
                                      view.with_times ? fmt::format(", {} ms", short_number(p.ms.median)) : "")
                              .c_str());
 }
 
-void draw_terms(const AccuracyFacts& facts) {
-  if (facts.reference) {
-    const AccuracyReference& r = *facts.reference;
+void draw_notes(const AccuracyView& panel) {
+  if (panel.reference) {
+    const AccuracyReference& r = *panel.reference;
     wrapped_faint(r.description);
     wrapped_faint(fmt::format("From state {}. Positions are compared for {:.3g} s{}",
-                              grouped_number(facts.since), r.horizon, r.end.empty() ? "." : ": " + r.end));
+                              grouped_number(panel.start_state), r.horizon,
+                              r.end.empty() ? "." : ": " + r.end));
   } else {
-    wrapped_faint(
-        fmt::format("From state {}: the reference first, which takes a while.", grouped_number(facts.since)));
+    wrapped_faint(fmt::format("From state {}: the reference first, which takes a while.",
+                              grouped_number(panel.start_state)));
   }
-  for (const std::string& doubt : facts.doubts) wrapped_faint("! " + doubt);
+  for (const std::string& warning : panel.warnings) wrapped_faint("! " + warning);
 }
 
 }  // namespace
 
 void draw_accuracy_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "accuracy", "Accuracy", workspace.folds.accuracy)) return end_panel();
-  if (view.accuracy == nullptr || !view.accuracy->lack.empty()) {
-    wrapped_faint(view.accuracy == nullptr ? "of the next frame" : view.accuracy->lack);
+  if (!begin_panel(workspace, "accuracy", "Accuracy", workspace.visible_panels.accuracy)) return end_panel();
+  if (view.accuracy == nullptr || !view.accuracy->unavailable_reason.empty()) {
+    wrapped_faint(view.accuracy == nullptr ? "of the next frame" : view.accuracy->unavailable_reason);
     return end_panel();
   }
-  const AccuracyFacts& facts = *view.accuracy;
-  draw_progress(workspace, facts);
-  if (std::ranges::any_of(facts.points,
-                          [](const AccuracyPoint& p) { return p.has_error() && p.has_price(); })) {
-    draw_diagram(workspace, facts, view);
-    draw_answer(workspace, facts, view);
+  const AccuracyView& panel = *view.accuracy;
+  draw_progress(workspace, panel);
+  if (std::ranges::any_of(panel.points,
+                          [](const AccuracyPoint& p) { return p.has_error() && p.has_cost(); })) {
+    draw_diagram(workspace, panel, view);
+    draw_answer(workspace, panel, view);
   }
-  draw_terms(facts);
+  draw_notes(panel);
   end_panel();
 }
 

@@ -13,12 +13,12 @@
 namespace collidoscope {
 namespace {
 
-void draw_condition(Workspace& workspace, const ConditionName& condition) {
+void draw_condition(Workspace& workspace, const BreakConditionName& condition) {
   const auto k = static_cast<std::size_t>(condition.condition);
-  BreakWishes& wishes = workspace.breaks;
+  BreakRequests& requests = workspace.breaks;
   const std::string name(condition.name);
   ImGui::PushID(name.c_str());
-  ImGui::Checkbox(name.c_str(), &wishes.on[k]);
+  ImGui::Checkbox(name.c_str(), &requests.on[k]);
   track(workspace, ("breaks." + name).c_str());
   explain(
       fmt::format("Stops where {}{}", condition.meaning, condition.has_limit ? " than this" : "").c_str());
@@ -26,7 +26,7 @@ void draw_condition(Workspace& workspace, const ConditionName& condition) {
     ImGui::SameLine(ImGui::GetFontSize() * 10);
     ImGui::SetNextItemWidth(-1);
     const std::string unit(condition.unit), field = "breaks." + name + ".limit";
-    number_field(workspace, field.c_str(), name.c_str(), wishes.limits[k],
+    number_field(workspace, field.c_str(), name.c_str(), requests.limits[k],
                  {0, condition.max_limit, unit.c_str()}, ("{:.6g} " + unit).c_str());
     draw_input_fault(workspace, field.c_str());
   }
@@ -34,25 +34,26 @@ void draw_condition(Workspace& workspace, const ConditionName& condition) {
 }
 
 /// The line, and its buttons; `where` begins their names.
-void draw_stop(Workspace& workspace, const StopFacts& stop, const std::string& where) {
+void draw_stop(Workspace& workspace, const StopView& stop, const std::string& where) {
   ImGui::PushTextWrapPos(0);
   ImGui::TextUnformatted(stop.what.c_str());
   ImGui::PopTextWrapPos();
-  StopWish& wish = workspace.breaks.stop;
-  if (ImGui::Button("go on")) wish = StopWish::go_on;
+  StopRequest& request = workspace.breaks.stop;
+  if (ImGui::Button("go on")) request = StopRequest::resume;
   track(workspace, (where + ".go_on").c_str());
-  explain(stop.found ? "Does the step as it is, with guards switched off"
-                     : "Stops again where the condition is met anew");
+  explain(stop.is_violation ? "Does the step as it is, with guards switched off"
+                            : "Stops again where the condition is met anew");
   if (stop.body) {
     ImGui::SameLine();
     ImGui::BeginDisabled(!stop.can_freeze);
-    if (ImGui::Button(fmt::format("freeze body {}", *stop.body).c_str())) wish = StopWish::freeze;
+    if (ImGui::Button(fmt::format("freeze body {}", *stop.body).c_str())) request = StopRequest::freeze;
     ImGui::EndDisabled();
     track(workspace, (where + ".freeze").c_str());
     explain("Fixes it where it is, at rest; all that it never touches goes on as if it had been well");
   }
   ImGui::SameLine();
-  if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.before)).c_str())) wish = StopWish::save;
+  if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.state_before)).c_str()))
+    request = StopRequest::save;
   track(workspace, (where + ".save").c_str());
   explain("A snapshot of the state before that step, from which a run comes to the same");
 }
@@ -60,8 +61,8 @@ void draw_stop(Workspace& workspace, const StopFacts& stop, const std::string& w
 }  // namespace
 
 void draw_break_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "breaks", "Break when", workspace.folds.breaks)) return end_panel();
-  for (const ConditionName& condition : condition_names) draw_condition(workspace, condition);
+  if (!begin_panel(workspace, "breaks", "Break when", workspace.visible_panels.breaks)) return end_panel();
+  for (const BreakConditionName& condition : break_condition_names) draw_condition(workspace, condition);
   if (view.stop) {
     ImGui::Separator();
     draw_stop(workspace, *view.stop, "breaks");

@@ -9,24 +9,24 @@
 namespace collidoscope {
 
 void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "camera", "View", workspace.folds.camera)) return end_panel();
+  if (!begin_panel(workspace, "camera", "View", workspace.visible_panels.camera)) return end_panel();
   struct Button {
     const char *name, *label, *help;
-    CameraWish wish;
+    CameraRequest request;
   };
   static constexpr std::array<Button, 5> buttons{
       {{"camera.all", "All", "Shift+F: see the whole scene, with all bodies where they are",
-        CameraWish::frame_all},
-       {"camera.front", "Front", "1", CameraWish::front},
-       {"camera.side", "Side", "3", CameraWish::side},
-       {"camera.top", "Top", "7", CameraWish::top},
-       {"camera.ortho", "Ortho", "5: without perspective", CameraWish::orthographic}}};
+        CameraRequest::frame_all},
+       {"camera.front", "Front", "1", CameraRequest::front},
+       {"camera.side", "Side", "3", CameraRequest::side},
+       {"camera.top", "Top", "7", CameraRequest::top},
+       {"camera.ortho", "Ortho", "5: without perspective", CameraRequest::orthographic}}};
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   const float width = (ImGui::GetContentRegionAvail().x - 4 * gap) / 5;
   for (const Button& button : buttons) {
-    const bool on = button.wish == CameraWish::orthographic && view.orthographic;
+    const bool on = button.request == CameraRequest::orthographic && view.orthographic;
     if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    if (ImGui::Button(button.label, {width, 0})) workspace.camera_wish = button.wish;
+    if (ImGui::Button(button.label, {width, 0})) workspace.camera_request = button.request;
     if (on) ImGui::PopStyleColor();
     track(workspace, button.name);
     explain(button.help);
@@ -36,7 +36,7 @@ void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
   if (ImGui::Checkbox("light theme", &light)) workspace.theme = light ? Theme::light : Theme::dark;
   track(workspace, "view.light");
   ImGui::SameLine();
-  if (ImGui::Button("Picture")) workspace.screenshot_wish = true;
+  if (ImGui::Button("Picture")) workspace.screenshot_requested = true;
   track(workspace, "view.picture");
   explain("P: the window as a PNG, in captures/");
   ImGui::SameLine();

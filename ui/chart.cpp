@@ -169,7 +169,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
     for (const ChartPoint& p : series.points) {
       x_data.take(p.x, chart.x.logarithmic);
       y_data.take(p.y, chart.y.logarithmic);
-      if (!chart.fits_spreads) continue;
+      if (!chart.fits_error_bars) continue;
       for (const double x : {p.x_low, p.x_high}) x_data.take(x, chart.x.logarithmic);
       for (const double y : {p.y_low, p.y_high}) y_data.take(y, chart.y.logarithmic);
     }
@@ -319,7 +319,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
     const ChartSeries& series = chart.series[static_cast<std::size_t>(hit.series)];
     const ChartPoint& p = series.points[static_cast<std::size_t>(hit.point)];
     list->AddCircle({x.pixel(p.x), y.pixel(p.y)}, 2.1f * r, ink, 24, thick);
-    if (chart.tells) {
+    if (chart.has_tooltip) {
       ImGui::BeginTooltip();
       ImGui::TextUnformatted(series.name.c_str());
       ImGui::TextUnformatted(fmt::format("{}: {}", chart.x.label, chart.x.number(p.x)).c_str());

@@ -32,11 +32,11 @@ void text_to(float right, const std::string& text) {
   ImGui::TextUnformatted(text.c_str());
 }
 
-std::string cost_text(const EffectFacts& effect, const Effects& now) {
+std::string cost_text(const EffectView& effect, const Effects& now) {
   std::string text = spaced(effect.name) + ": " + effect.why + ".\n";
   if (!effect.cost) return text;
   const EffectCost& cost = *effect.cost;
-  if (!cost.lack.empty()) return text + "Not measured: " + cost.lack + ".";
+  if (!cost.unavailable_reason.empty()) return text + "Not measured: " + cost.unavailable_reason + ".";
   text += fmt::format(
       "A step takes {:.4f} ms more with it, the middle half of {} pairs {:.4f} to {:.4f} ms, and {:.4f} ms "
       "without: two worlds from state {}, stepped in turns. {}Bytes are of their buffers at that state.",
@@ -55,7 +55,7 @@ std::string cost_text(const EffectFacts& effect, const Effects& now) {
 
 void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
   const float size = ImGui::GetFontSize();
-  if (!cost.lack.empty()) {
+  if (!cost.unavailable_reason.empty()) {
     ImGui::SameLine(size * 12.3f);
     faint_text("cannot be measured");
     return;
@@ -73,23 +73,23 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
 }
 
 /// What they do where something goes wrong is a setting; what they look at decides no state.
-void draw_guards(Workspace& workspace, const EffectFacts& effect, const WorkspaceView& view,
+void draw_guards(Workspace& workspace, const EffectView& effect, const WorkspaceView& view,
                  const Effects& now) {
-  std::optional<OnFailure>& wish = workspace.settings.guards;
-  bool on = wish.has_value();
-  if (ImGui::Checkbox("guards", &on)) wish = on ? std::optional(OnFailure::pause) : std::nullopt;
+  std::optional<OnFailure>& request = workspace.settings.guards;
+  bool on = request.has_value();
+  if (ImGui::Checkbox("guards", &on)) request = on ? std::optional(OnFailure::pause) : std::nullopt;
   track(workspace, "effects.guards");
   explain(("After each stage a look at all that it wrote, for what is not finite, or absurd. " +
            cost_text(effect, now))
               .c_str());
   ImGui::SameLine(ImGui::GetFontSize() * 6.6f);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5.2f);
-  ImGui::BeginDisabled(!wish);
-  const std::string chosen = wish ? std::string(name_of(on_failure_names, *wish)) : "off";
+  ImGui::BeginDisabled(!request);
+  const std::string chosen = request ? std::string(name_of(on_failure_names, *request)) : "off";
   if (begin_choice("##guards", chosen.c_str())) {
     track(workspace, "effects.on_failure");
     for (const auto& [name, value] : on_failure_names) {
-      if (ImGui::Selectable(std::string(name).c_str(), wish == value)) wish = value;
+      if (ImGui::Selectable(std::string(name).c_str(), request == value)) request = value;
       track(workspace, ("effects.on_failure." + std::string(name)).c_str());
     }
     ImGui::EndCombo();
@@ -101,9 +101,9 @@ void draw_guards(Workspace& workspace, const EffectFacts& effect, const Workspac
   if (effect.cost) draw_cost(view, *effect.cost);
 }
 
-void draw_effect(Workspace& workspace, const EffectFacts& effect, const WorkspaceView& view,
+void draw_effect(Workspace& workspace, const EffectView& effect, const WorkspaceView& view,
                  const Effects& now) {
-  const bool greyed = !effect.on && (!effect.called_for || !effect.cannot.empty());
+  const bool greyed = !effect.on && (!effect.required || !effect.cannot.empty());
   ImGui::PushID(effect.name.c_str());
   ImGui::BeginDisabled(greyed);
   bool on = effect.on;
@@ -114,10 +114,10 @@ void draw_effect(Workspace& workspace, const EffectFacts& effect, const Workspac
   explain(cost_text(effect, now).c_str());
   if (greyed) {
     ImGui::SameLine(ImGui::GetFontSize() * 12.3f);
-    faint_text(effect.called_for ? effect.cannot : effect.why);
+    faint_text(effect.required ? effect.cannot : effect.why);
   } else if (effect.cost) {
     draw_cost(view, *effect.cost);
-  } else if (!effect.called_for) {
+  } else if (!effect.required) {
     ImGui::SameLine(ImGui::GetFontSize() * 12.3f);
     faint_text("on, though " + effect.why);
   }
@@ -127,9 +127,9 @@ void draw_effect(Workspace& workspace, const EffectFacts& effect, const Workspac
 }  // namespace
 
 void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "effects", "Effects", workspace.folds.effects)) return end_panel();
+  if (!begin_panel(workspace, "effects", "Effects", workspace.visible_panels.effects)) return end_panel();
   Effects now;
-  for (const EffectFacts& effect : view.effect_facts) now.*(effect.flag) = effect.on;
+  for (const EffectView& effect : view.effect_views) now.*(effect.flag) = effect.on;
   bool automatic = !workspace.settings.effects.has_value();
   if (ImGui::Checkbox("auto", &automatic))
     workspace.settings.effects = automatic ? std::nullopt : std::optional(now);
@@ -141,7 +141,7 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   explain(
       "With an effect minus without it, from the state that is shown, in two more worlds. The run is not "
       "touched, but slower meanwhile.");
-  const bool costs = std::ranges::any_of(view.effect_facts, [](const auto& e) { return e.cost.has_value(); });
+  const bool costs = std::ranges::any_of(view.effect_views, [](const auto& e) { return e.cost.has_value(); });
   if (costs) {
     const float size = ImGui::GetFontSize();
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
@@ -149,9 +149,9 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
     text_to(size * 25.0f, view.measuring_effects ? "…" : "bytes");
     ImGui::PopStyleColor();
   }
-  for (const EffectFacts& effect : view.effect_facts)
+  for (const EffectView& effect : view.effect_views)
     (effect.flag == &Effects::guards ? draw_guards : draw_effect)(workspace, effect, view, now);
-  const bool any_faint = std::ranges::any_of(view.effect_facts, [](const EffectFacts& effect) {
+  const bool any_faint = std::ranges::any_of(view.effect_views, [](const EffectView& effect) {
     return effect.cost && effect.cost->pairs > 0 && !effect.cost->differs_from_zero();
   });
   if (view.with_times && any_faint) faint_text("grey ms: not distinguishable from 0");

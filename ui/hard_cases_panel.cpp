@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/hard_mark.h"
 #include "ui/panels.h"
+#include "ui/test_status.h"
 #include "ui/widgets.h"
 
 namespace collidoscope {
@@ -25,15 +25,16 @@ struct Columns {
   float left(Solver solver) const {
     return left() + gap() + static_cast<float>(solver) * (2 * cell() + gap());
   }
-  float left(const HardTrialFacts& trial) const {
-    return left(trial.solver) + (trial.precision == Precision::f64 ? cell() : 0);
+  float left(const TestRunView& test_run) const {
+    return left(test_run.solver) + (test_run.precision == Precision::f64 ? cell() : 0);
   }
 
   float size, right;
 };
 
-std::string trial_name(const HardTrialFacts& trial) {
-  return fmt::format("{} {}", name_of(solver_names, trial.solver), name_of(precision_names, trial.precision));
+std::string test_run_name(const TestRunView& test_run) {
+  return fmt::format("{} {}", name_of(solver_names, test_run.solver),
+                     name_of(precision_names, test_run.precision));
 }
 
 /// As much of it as there is room for.
@@ -55,92 +56,99 @@ void wrapped(const std::string& text, bool faint, float width = 0) {
 }
 
 /// A mark in a line of text, and what follows it.
-void marked(HardMark mark, bool light, const std::string& text) {
+void with_status(TestStatus status, bool light, const std::string& text) {
   const float size = ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  draw_hard_mark({at.x + 0.5f * size, at.y + 0.5f * size}, size, mark, 0, light);
+  draw_test_status({at.x + 0.5f * size, at.y + 0.5f * size}, size, status, 0, light);
   ImGui::Dummy({size, size});
   ImGui::SameLine();
   ImGui::TextUnformatted(text.c_str());
 }
 
-void trial_tooltip(const HardCaseFacts& one, const HardTrialFacts& trial, bool with_times, bool light) {
+void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run, bool with_times,
+                      bool light) {
   const float width = ImGui::GetFontSize() * 30;
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted((one.refused ? one.name : one.name + " · " + trial_name(trial)).c_str());
-  std::string line(name_of(hard_mark_names, trial.mark));
-  if (trial.mark == HardMark::running) line += fmt::format(", {:.0f} %", std::floor(100 * trial.progress));
-  if (trial.over() && trial.steps > 0) {
-    line += fmt::format(", {} steps", grouped_number(trial.steps));
-    if (with_times) line += fmt::format(" in {:.3g} s", trial.seconds);
+  ImGui::TextUnformatted(
+      (hard_case.refused ? hard_case.name : hard_case.name + " · " + test_run_name(test_run)).c_str());
+  std::string line(name_of(test_status_names, test_run.status));
+  if (test_run.status == TestStatus::running)
+    line += fmt::format(", {:.0f} %", std::floor(100 * test_run.progress));
+  if (test_run.is_finished() && test_run.steps > 0) {
+    line += fmt::format(", {} steps", grouped_number(test_run.steps));
+    if (with_times) line += fmt::format(" in {:.3g} s", test_run.seconds);
   }
-  marked(trial.mark, light, line);
-  if (!trial.why.empty() && trial.why != trial.failure) wrapped(trial.why, false, width);
-  if (trial.terms.empty() && !trial.failure.empty()) wrapped(trial.failure, false, width);
-  if (!trial.terms.empty()) ImGui::Separator();
-  for (const HardTermFacts& term : trial.terms) {
-    ImGui::TextUnformatted(term.term.c_str());
-    ImGui::PushStyleColor(ImGuiCol_Text, term.held ? ImGui::GetColorU32(ImGuiCol_TextDisabled)
-                                                   : hard_mark_color(HardMark::failed, light));
-    ImGui::TextUnformatted(
-        fmt::format("    {} {} at state {}{}", term.held ? "at worst" : "fails:", term.value,
-                    grouped_number(term.state), term.body ? fmt::format(", body {}", *term.body) : "")
-            .c_str());
+  with_status(test_run.status, light, line);
+  if (!test_run.why.empty() && test_run.why != test_run.failure) wrapped(test_run.why, false, width);
+  if (test_run.assertions.empty() && !test_run.failure.empty()) wrapped(test_run.failure, false, width);
+  if (!test_run.assertions.empty()) ImGui::Separator();
+  for (const AssertionView& assertion : test_run.assertions) {
+    ImGui::TextUnformatted(assertion.assertion.c_str());
+    ImGui::PushStyleColor(ImGuiCol_Text, assertion.passed ? ImGui::GetColorU32(ImGuiCol_TextDisabled)
+                                                          : test_status_color(TestStatus::failed, light));
+    ImGui::TextUnformatted(fmt::format("    {} {} at state {}{}", assertion.passed ? "at worst" : "fails:",
+                                       assertion.value, grouped_number(assertion.state),
+                                       assertion.body ? fmt::format(", body {}", *assertion.body) : "")
+                               .c_str());
     ImGui::PopStyleColor();
   }
-  if (!one.refused && trial.mark != HardMark::not_applicable)
-    faint_text(trial.failed_state
-                   ? fmt::format("A click opens it at state {}", grouped_number(*trial.failed_state))
+  if (!hard_case.refused && test_run.status != TestStatus::not_applicable)
+    faint_text(test_run.failed_state
+                   ? fmt::format("A click opens it at state {}", grouped_number(*test_run.failed_state))
                    : "A click opens it from state 0");
   ImGui::EndTooltip();
 }
 
-void draw_buttons(Workspace& workspace, const HardCasesFacts& facts) {
+void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
   const float size = ImGui::GetFontSize();
-  HardCasesWishes& wishes = workspace.hard_cases;
-  std::int64_t all = 0, over = 0;
-  for (const HardCaseFacts& one : facts.cases) {
-    all += std::ssize(one.trials);
-    over += std::ranges::count_if(one.trials, &HardTrialFacts::over);
+  HardCasesRequests& requests = workspace.hard_cases;
+  std::int64_t all = 0, is_finished = 0;
+  for (const HardCaseView& hard_case : panel.cases) {
+    all += std::ssize(hard_case.test_runs);
+    is_finished += std::ranges::count_if(hard_case.test_runs, &TestRunView::is_finished);
   }
-  const bool running = !facts.doing.empty() || facts.opening;
-  const double share = facts.opening
-                           ? *facts.opening
-                           : static_cast<double>(over) / static_cast<double>(std::max<std::int64_t>(all, 1));
-  const std::string text = facts.opening ? fmt::format("on the way: {:.0f} %", std::floor(100 * share))
-                                         : fmt::format("{} of {} trials", over, all);
+  const bool running = !panel.current_task.empty() || panel.opening;
+  const double share =
+      panel.opening ? *panel.opening
+                    : static_cast<double>(is_finished) / static_cast<double>(std::max<std::int64_t>(all, 1));
+  const std::string text = panel.opening ? fmt::format("on the way: {:.0f} %", std::floor(100 * share))
+                                         : fmt::format("{} of {} trials", is_finished, all);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
   ImGui::ProgressBar(static_cast<float>(share), {ImGui::GetContentRegionAvail().x - 12.6f * size, 0},
                      text.c_str());
   ImGui::PopStyleColor();
-  explain(
-      fmt::format("{}; on {}", facts.doing.empty() ? "nothing runs" : facts.doing, facts.executor).c_str());
+  explain(fmt::format("{}; on {}", panel.current_task.empty() ? "nothing runs" : panel.current_task,
+                      panel.executor)
+              .c_str());
   ImGui::SameLine();
-  const char* const label = running ? "stop" : over == 0 ? "run all" : over < all ? "go on" : "run again";
-  if (ImGui::Button(label, {5.4f * size, 0})) (running ? wishes.stop : wishes.run_all) = true;
+  const char* const label = running             ? "stop"
+                            : is_finished == 0  ? "run all"
+                            : is_finished < all ? "go on"
+                                                : "run again";
+  if (ImGui::Button(label, {5.4f * size, 0})) (running ? requests.stop : requests.run_all) = true;
   track(workspace, "hard_cases.run_all");
   explain("All cases with each solver in each precision, in slices: the scene goes on meanwhile");
   ImGui::SameLine();
-  const bool any =
-      std::ranges::any_of(facts.cases, [&](const auto& one) { return one.name == wishes.selected; });
+  const bool any = std::ranges::any_of(
+      panel.cases, [&](const auto& hard_case) { return hard_case.name == requests.selected; });
   ImGui::BeginDisabled(!any);
-  if (ImGui::Button("run selected", {-1, 0})) wishes.run_selected = true;
+  if (ImGui::Button("run selected", {-1, 0})) requests.run_selected = true;
   ImGui::EndDisabled();
   track(workspace, "hard_cases.run");
-  if (any) explain(("Runs " + wishes.selected + " with each solver in each precision").c_str());
+  if (any) explain(("Runs " + requests.selected + " with each solver in each precision").c_str());
 }
 
 /// What has come of all, and with it what the marks mean.
-void draw_counts(const HardCasesFacts& facts, bool light) {
-  constexpr std::pair<HardMark, const char*> kinds[] = {{HardMark::passed, "passed"},
-                                                        {HardMark::declared_limit, "limit"},
-                                                        {HardMark::failed, "failed"},
-                                                        {HardMark::not_applicable, "n/a"}};
+void draw_counts(const HardCasesView& panel, bool light) {
+  constexpr std::pair<TestStatus, const char*> kinds[] = {{TestStatus::passed, "passed"},
+                                                          {TestStatus::expected_failure, "limit"},
+                                                          {TestStatus::failed, "failed"},
+                                                          {TestStatus::not_applicable, "n/a"}};
   const float width = ImGui::GetContentRegionAvail().x / 4, left = ImGui::GetCursorPosX();
   for (int k = 0; k < 4; ++k) {
     if (k > 0) ImGui::SameLine(left + static_cast<float>(k) * width);
     ImGui::BeginGroup();
-    marked(kinds[k].first, light, fmt::format("{} {}", facts.count(kinds[k].first), kinds[k].second));
+    with_status(kinds[k].first, light, fmt::format("{} {}", panel.count(kinds[k].first), kinds[k].second));
     ImGui::EndGroup();
     static constexpr const char* meanings[] = {
         "Every term of the criterion held",
@@ -177,14 +185,14 @@ void draw_heads(const Columns& columns) {
   ImGui::Dummy({1, 3 * line});
 }
 
-void draw_trial(Workspace& workspace, const HardCasesFacts& facts, std::size_t which, std::size_t k,
-                const Columns& columns, const WorkspaceView& view) {
-  const HardCaseFacts& one = facts.cases[which];
-  const HardTrialFacts& trial = one.trials[k];
+void draw_test_run(Workspace& workspace, const HardCasesView& panel, std::size_t which, std::size_t k,
+                   const Columns& columns, const WorkspaceView& view) {
+  const HardCaseView& hard_case = panel.cases[which];
+  const TestRunView& test_run = hard_case.test_runs[k];
   const bool light = workspace.theme == Theme::light;
   const float height = ImGui::GetTextLineHeightWithSpacing();
-  const float x = one.refused ? columns.left() + columns.gap() : columns.left(trial);
-  const float width = one.refused ? columns.width() - columns.gap() : columns.cell();
+  const float x = hard_case.refused ? columns.left() + columns.gap() : columns.left(test_run);
+  const float width = hard_case.refused ? columns.width() - columns.gap() : columns.cell();
   ImGui::SameLine();
   ImGui::SetCursorScreenPos({x, ImGui::GetCursorScreenPos().y});
   ImGui::PushID(static_cast<int>(k));
@@ -195,75 +203,80 @@ void draw_trial(Workspace& workspace, const HardCasesFacts& facts, std::size_t w
   const ImVec2 middle{0.5f * (from.x + to.x), 0.5f * (from.y + to.y)};
   if (ImGui::IsItemHovered()) {
     list->AddRectFilled(from, to, ImGui::GetColorU32(ImGuiCol_HeaderHovered), 3);
-    trial_tooltip(one, trial, view.with_times, light);
+    test_run_tooltip(hard_case, test_run, view.with_times, light);
   }
-  if (facts.shown == which && facts.shown_trial == k)
+  if (panel.shown == which && panel.shown_test_run == k)
     list->AddRect(from, to, ImGui::GetColorU32(ImGuiCol_CheckMark), 3);
-  if (one.refused) {  // one answer for all of them
+  if (hard_case.refused) {  // one answer for all of them
     const float room = 0.8f * columns.size;
     const ImU32 line = ImGui::GetColorU32(ImGuiCol_Border);
     list->AddLine({from.x + 0.4f * columns.size, middle.y}, {middle.x - room, middle.y}, line);
     list->AddLine({middle.x + room, middle.y}, {to.x - 0.4f * columns.size, middle.y}, line);
   }
-  draw_hard_mark(middle, columns.size, trial.mark, trial.progress, light);
-  track(workspace, ("hard_cases.mark." + one.name + (one.refused ? "" : "." + trial_name(trial))).c_str());
+  draw_test_status(middle, columns.size, test_run.status, test_run.progress, light);
+  track(workspace,
+        ("hard_cases.mark." + hard_case.name + (hard_case.refused ? "" : "." + test_run_name(test_run)))
+            .c_str());
   if (!clicked) return;
-  workspace.hard_cases.selected = one.name;
-  if (!one.refused && trial.mark != HardMark::not_applicable)
-    workspace.hard_cases.open = HardCasesWishes::Opening{which, k};
+  workspace.hard_cases.selected = hard_case.name;
+  if (!hard_case.refused && test_run.status != TestStatus::not_applicable)
+    workspace.hard_cases.open = HardCasesRequests::Opening{which, k};
 }
 
-void draw_case(Workspace& workspace, const HardCasesFacts& facts, std::size_t which, const Columns& columns,
+void draw_case(Workspace& workspace, const HardCasesView& panel, std::size_t which, const Columns& columns,
                const WorkspaceView& view) {
-  const HardCaseFacts& one = facts.cases[which];
-  HardCasesWishes& wishes = workspace.hard_cases;
-  ImGui::PushID(one.name.c_str());
+  const HardCaseView& hard_case = panel.cases[which];
+  HardCasesRequests& requests = workspace.hard_cases;
+  ImGui::PushID(hard_case.name.c_str());
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float indent = 0.5f * columns.size, width = columns.left() - at.x;
-  if (facts.shown == which)
+  if (panel.shown == which)
     ImGui::GetWindowDrawList()->AddRectFilled(at,
                                               {at.x + 0.2f * columns.size, at.y + ImGui::GetTextLineHeight()},
                                               ImGui::GetColorU32(ImGuiCol_CheckMark));
   ImGui::SetCursorScreenPos({at.x + indent, at.y});
-  const std::string shown = fitted(one.name, width - indent);
-  if (ImGui::Selectable((shown + "###name").c_str(), wishes.selected == one.name, 0, {width - indent, 0})) {
-    wishes.selected = one.name;
-    if (!one.refused) wishes.open = HardCasesWishes::Opening{which, std::nullopt};
+  const std::string shown = fitted(hard_case.name, width - indent);
+  if (ImGui::Selectable((shown + "###name").c_str(), requests.selected == hard_case.name, 0,
+                        {width - indent, 0})) {
+    requests.selected = hard_case.name;
+    if (!hard_case.refused) requests.open = HardCasesRequests::Opening{which, std::nullopt};
   }
-  track(workspace, ("hard_cases.case." + one.name).c_str());
-  explain((one.name + ": " + one.what +
-           (one.refused ? ". It must be refused on reading" : ". A click opens it from state 0"))
+  track(workspace, ("hard_cases.case." + hard_case.name).c_str());
+  explain((hard_case.name + ": " + hard_case.what +
+           (hard_case.refused ? ". It must be refused on reading" : ". A click opens it from state 0"))
               .c_str());
-  for (std::size_t k = 0; k < one.trials.size(); ++k) draw_trial(workspace, facts, which, k, columns, view);
+  for (std::size_t k = 0; k < hard_case.test_runs.size(); ++k)
+    draw_test_run(workspace, panel, which, k, columns, view);
   ImGui::PopID();
 }
 
-void draw_list(Workspace& workspace, const HardCasesFacts& facts, const WorkspaceView& view) {
+void draw_list(Workspace& workspace, const HardCasesView& panel, const WorkspaceView& view) {
   const float size = ImGui::GetFontSize();
   const Columns columns(ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x -
                         ImGui::GetStyle().ScrollbarSize);
   draw_heads(columns);
   std::size_t groups = 0;
-  for (std::size_t k = 0; k < facts.cases.size(); ++k)
-    groups += k == 0 || facts.cases[k].group != facts.cases[k - 1].group;
+  for (std::size_t k = 0; k < panel.cases.size(); ++k)
+    groups += k == 0 || panel.cases[k].group != panel.cases[k - 1].group;
   const float row = ImGui::GetTextLineHeightWithSpacing();
-  const float whole = static_cast<float>(facts.cases.size()) * row + static_cast<float>(groups) * 1.4f * row;
+  const float whole = static_cast<float>(panel.cases.size()) * row + static_cast<float>(groups) * 1.4f * row;
   ImGui::BeginChild("list", {0, std::min(whole, 26 * size)}, false, ImGuiWindowFlags_AlwaysVerticalScrollbar);
-  for (std::size_t k = 0; k < facts.cases.size(); ++k) {
-    if (k == 0 || facts.cases[k].group != facts.cases[k - 1].group) {
+  for (std::size_t k = 0; k < panel.cases.size(); ++k) {
+    if (k == 0 || panel.cases[k].group != panel.cases[k - 1].group) {
       if (k > 0) ImGui::Dummy({1, 0.2f * row});
-      faint_text(facts.cases[k].group);
+      faint_text(panel.cases[k].group);
     }
-    draw_case(workspace, facts, k, columns, view);
+    draw_case(workspace, panel, k, columns, view);
   }
   ImGui::EndChild();
 }
 
-void draw_selected(Workspace& workspace, const HardCasesFacts& facts) {
-  for (const HardCaseFacts& one : facts.cases)
-    if (one.name == workspace.hard_cases.selected) wrapped(one.name + ": " + one.what, true);
-  if (facts.before.empty()) return;
-  if (ImGui::Button(("back to " + facts.before).c_str())) workspace.hard_cases.back = true;
+void draw_selected(Workspace& workspace, const HardCasesView& panel) {
+  for (const HardCaseView& hard_case : panel.cases)
+    if (hard_case.name == workspace.hard_cases.selected)
+      wrapped(hard_case.name + ": " + hard_case.what, true);
+  if (panel.scene_before.empty()) return;
+  if (ImGui::Button(("back to " + panel.scene_before).c_str())) workspace.hard_cases.back = true;
   track(workspace, "hard_cases.back");
   explain("The scene that was there before, at the state that it was left in");
 }
@@ -271,16 +284,17 @@ void draw_selected(Workspace& workspace, const HardCasesFacts& facts) {
 }  // namespace
 
 void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "hard_cases", "Hard cases", workspace.folds.hard_cases)) return end_panel();
-  if (view.hard_cases == nullptr || !view.hard_cases->lack.empty()) {
-    wrapped(view.hard_cases == nullptr ? "of the next frame" : view.hard_cases->lack, true);
+  if (!begin_panel(workspace, "hard_cases", "Hard cases", workspace.visible_panels.hard_cases))
+    return end_panel();
+  if (view.hard_cases == nullptr || !view.hard_cases->unavailable_reason.empty()) {
+    wrapped(view.hard_cases == nullptr ? "of the next frame" : view.hard_cases->unavailable_reason, true);
     return end_panel();
   }
-  const HardCasesFacts& facts = *view.hard_cases;
-  draw_buttons(workspace, facts);
-  draw_counts(facts, workspace.theme == Theme::light);
-  draw_list(workspace, facts, view);
-  draw_selected(workspace, facts);
+  const HardCasesView& panel = *view.hard_cases;
+  draw_buttons(workspace, panel);
+  draw_counts(panel, workspace.theme == Theme::light);
+  draw_list(workspace, panel, view);
+  draw_selected(workspace, panel);
   end_panel();
 }
 

@@ -121,7 +121,7 @@ void draw_path(const WorkspaceView& view, const BodyReport& body) {
 }  // namespace
 
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "inspector", "Body", workspace.folds.inspector)) return end_panel();
+  if (!begin_panel(workspace, "inspector", "Body", workspace.visible_panels.inspector)) return end_panel();
   if (view.selected == nullptr) {
     faint_text("click a body to see its state");
     return end_panel();
@@ -147,7 +147,7 @@ void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
   const bool closed = ImGui::SmallButton("close");
   track(workspace, "inspector.close");
   ImGui::SameLine();
-  if (ImGui::SmallButton("remove")) workspace.remove_wish = true;
+  if (ImGui::SmallButton("remove")) workspace.removal_requested = true;
   track(workspace, "inspector.remove");
   explain("Delete: takes the body out of the run; the ids above it move down by one");
   draw_state(*view.selected);

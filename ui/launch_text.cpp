@@ -50,7 +50,7 @@ std::string range_text(std::int64_t least, std::int64_t most) {
 std::string launch_text(const History::Stage& stage) {
   const StageLaunch& launch = stage.launch;
   std::string text;
-  if (stage.own_shape)
+  if (stage.library_launch)
     text = launch.threads == 0 ? "own shape: a library launches it, and ignores (B, T)"
                                : "* own shape in part: a library launches some of it, and ignores (B, T)";
   if (launch.threads == 0) return text;

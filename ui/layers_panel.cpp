@@ -49,12 +49,12 @@ void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
 // What should be, beside what is.
 void draw_reference(Workspace& workspace, const WorkspaceView& view, float column) {
   FrameLayers& layers = workspace.layers;
-  const ReferenceFacts& reference = view.reference;
+  const ReferenceView& reference = view.reference;
   const auto reference_switch = [&](const char* name, const char* label, bool& on, const char* help) {
-    ImGui::BeginDisabled(!on && !reference.lack.empty());
+    ImGui::BeginDisabled(!on && !reference.unavailable_reason.empty());
     layer_switch(workspace, name, label, on);
     ImGui::EndDisabled();
-    explain(reference.lack.empty() ? help : reference.lack.c_str());
+    explain(reference.unavailable_reason.empty() ? help : reference.unavailable_reason.c_str());
   };
   reference_switch(
       "ghosts", "ghosts", layers.ghosts,
@@ -63,26 +63,27 @@ void draw_reference(Workspace& workspace, const WorkspaceView& view, float colum
   ImGui::SameLine(column);
   reference_switch("errors", "errors", layers.errors,
                    "Lines from each body towards where a reference has it");
-  if (!reference.lack.empty()) {
+  if (!reference.unavailable_reason.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TextWrapped("%s", reference.lack.c_str());
+    ImGui::TextWrapped("%s", reference.unavailable_reason.c_str());
     ImGui::PopStyleColor();
   }
-  if (!layers.ask_a_reference()) return;
+  if (!layers.needs_reference()) return;
   if (layers.errors) choose_error_scale(workspace, view);
   if (reference.name.empty()) return;
   if (reference.known()) {
     faint_text(fmt::format("off by {} rms, {} at most", with_prefix(reference.rms, "m"),
                            with_prefix(reference.max, "m")));
-    faint_text((reference.doubt > 0 ? "the reference itself by about " + with_prefix(reference.doubt, "m")
-                                    : "of " + reference.name));
-    explain(fmt::format("Reference: {}, from state {}", reference.name, reference.since).c_str());
+    faint_text((reference.error_estimate > 0
+                    ? "the reference itself by about " + with_prefix(reference.error_estimate, "m")
+                    : "of " + reference.name));
+    explain(fmt::format("Reference: {}, from state {}", reference.name, reference.start_state).c_str());
   }
-  if (ImGui::SmallButton("from here")) workspace.reference_wish = true;
+  if (ImGui::SmallButton("from here")) workspace.reference_requested = true;
   track(workspace, "layers.reference");
   explain("Begins the reference anew with the bodies as they are");
   ImGui::SameLine();
-  faint_text(fmt::format("from state {}", grouped_number(reference.since)));
+  faint_text(fmt::format("from state {}", grouped_number(reference.start_state)));
 }
 
 /// All levels at once are a tangle of thousands of boxes.
@@ -96,7 +97,7 @@ void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
 }  // namespace
 
 void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "layers", "Layers", workspace.folds.layers)) return end_panel();
+  if (!begin_panel(workspace, "layers", "Layers", workspace.visible_panels.layers)) return end_panel();
   FrameLayers& layers = workspace.layers;
   const float column = ImGui::GetContentRegionAvail().x / 3 + ImGui::GetStyle().WindowPadding.x;
   layer_switch(workspace, "spheres", "spheres", layers.spheres);
@@ -124,8 +125,9 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     choose_box_color(workspace, "layers.box_color");
-    const bool told = workspace.folds.right && workspace.folds.tree;  // by the histogram there
-    if (!told) draw_color_key(view.box_colors);
+    const bool in_histogram =
+        workspace.visible_panels.right && workspace.visible_panels.tree;  // by the histogram there
+    if (!in_histogram) draw_legend(view.box_colors);
   }
   static constexpr std::array<std::pair<BodyColor, const char*>, 9> colors{
       {{BodyColor::speed, "speed"},
@@ -149,7 +151,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::EndCombo();
   }
   track(workspace, "layers.color");
-  draw_color_key(view.body_colors);
+  draw_legend(view.body_colors);
   if (layers.contacts) draw_contact_legend(view);
   end_panel();
 }

@@ -9,7 +9,7 @@
 namespace collidoscope {
 
 void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "numbers", "Energy, momentum, counts", workspace.folds.numbers))
+  if (!begin_panel(workspace, "numbers", "Energy, momentum, counts", workspace.visible_panels.numbers))
     return end_panel();
   const StepStats& s = view.stats;
   TextPairs row;

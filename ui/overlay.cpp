@@ -85,7 +85,7 @@ class Writer {
 };
 
 // The rows under the scene's name, and how far down they reach.
-float draw_facts(const Writer& write, const OverlayText& text, float x, float y, float end) {
+float draw_run_info(const Writer& write, const OverlayText& text, float x, float y, float end) {
   const float line = write.size() * 1.45f;
   write.title(x, y, text.scene, bright);
   y += write.size() * 2.2f;
@@ -199,7 +199,7 @@ void draw_overlay(const OverlayText& text, float width, float height) {
   const float legend = height - margin - write.size() * 4;
   if (height < write.size() * 8) return;
   write.begin_plate();
-  draw_facts(write, text, margin, margin * 0.9f, legend);
+  draw_run_info(write, text, margin, margin * 0.9f, legend);
   write.end_plate();
   write.begin_plate();
   draw_times(write, text, width - margin, margin, legend);

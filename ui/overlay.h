@@ -8,7 +8,7 @@
 
 #include "sim_cuda/core/launch_shape.h"
 #include "sim_cuda/core/stage_times.h"
-#include "ui/color_key.h"
+#include "ui/legend_text.h"
 
 namespace collidoscope {
 

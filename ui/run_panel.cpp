@@ -33,7 +33,7 @@ void draw_edited(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine(button_at);
   else
     ImGui::SetCursorPosX(button_at);
-  if (ImGui::SmallButton(changes.c_str())) workspace.changes_wish = true;
+  if (ImGui::SmallButton(changes.c_str())) workspace.changes_file_requested = true;
   track(workspace, "run.changes");
   explain(
       "Writes what was changed, and at which states, to captures/: from this file, collidoscope-headless "
@@ -43,7 +43,7 @@ void draw_edited(Workspace& workspace, const WorkspaceView& view) {
 }  // namespace
 
 void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (begin_panel(workspace, "run", "Run", workspace.folds.run)) {
+  if (begin_panel(workspace, "run", "Run", workspace.visible_panels.run)) {
     ImGui::TextUnformatted(view.scene.c_str());
     draw_edited(workspace, view);
     const float gap = ImGui::GetStyle().ItemSpacing.x;
@@ -52,11 +52,11 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     track(workspace, "run.play");
     explain("Space");
     ImGui::SameLine();
-    if (ImGui::Button("Step", {third, 0})) workspace.wish_step();
+    if (ImGui::Button("Step", {third, 0})) workspace.request_step();
     track(workspace, "run.step");
     explain("S: one step, then pause");
     ImGui::SameLine();
-    if (ImGui::Button("Restart", {third, 0})) workspace.restart_wish = true;
+    if (ImGui::Button("Restart", {third, 0})) workspace.restart_requested = true;
     track(workspace, "run.restart");
     explain("R: back to state 0, with these settings");
 

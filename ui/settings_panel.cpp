@@ -73,7 +73,7 @@ void log_row(Workspace& workspace, int& value, const LogRow& row) {
 
 /// A choice that cannot be made is grey, with the reason beside it.
 template <class Choice>
-struct Lack {
+struct Unavailable {
   Choice choice;
   std::string why;  ///< empty: it can be made
 };
@@ -81,7 +81,7 @@ struct Lack {
 template <class Choice, std::size_t count>
 void choice_row(Workspace& workspace, const char* name, const char* label,
                 const std::array<std::pair<Choice, const char*>, count>& choices, Choice& value,
-                const char* help, const Lack<Choice>& lack = {}) {
+                const char* help, const Unavailable<Choice>& unavailable_reason = {}) {
   row_label(label, help);
   const char* chosen = "?";
   for (const auto& [choice, text] : choices)
@@ -89,9 +89,9 @@ void choice_row(Workspace& workspace, const char* name, const char* label,
   ImGui::PushID(name);
   if (begin_choice("##choice", chosen)) {
     for (const auto& [choice, text] : choices) {
-      const bool lacks = choice == lack.choice && !lack.why.empty();
-      ImGui::BeginDisabled(lacks);
-      const std::string shown = lacks ? fmt::format("{}: {}", text, lack.why) : text;
+      const bool is_unavailable = choice == unavailable_reason.choice && !unavailable_reason.why.empty();
+      ImGui::BeginDisabled(is_unavailable);
+      const std::string shown = is_unavailable ? fmt::format("{}: {}", text, unavailable_reason.why) : text;
       if (ImGui::Selectable(shown.c_str(), choice == value)) value = choice;
       ImGui::EndDisabled();
       track(workspace, (std::string(name) + "." + text).c_str());
@@ -133,7 +133,7 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   log_row(workspace, s.shape.threads,
           {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, limits::max_threads,
            limits::max_threads, false, &chosen.threads, 256});
-  const LaunchShape& shape = view.in_effect.shape;
+  const LaunchShape& shape = view.active_settings.shape;
   std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
     lines.insert(lines.begin(), fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
@@ -194,14 +194,14 @@ void draw_motion(Workspace& workspace, const WorkspaceView& view) {
 
 std::string bodies_text(const WorkspaceView& view) {
   if (view.removed_bodies == 0 && view.other_bodies == 0) return "";
-  std::string text = grouped_number(view.in_effect.bodies) + " generated";
+  std::string text = grouped_number(view.active_settings.bodies) + " generated";
   if (view.removed_bodies > 0) text += fmt::format(" - {} removed", grouped_number(view.removed_bodies));
   if (view.other_bodies > 0) text += fmt::format(" + {} others", grouped_number(view.other_bodies));
-  return text + " = " + grouped_number(view.in_effect.bodies - view.removed_bodies + view.other_bodies);
+  return text + " = " + grouped_number(view.active_settings.bodies - view.removed_bodies + view.other_bodies);
 }
 
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "settings", "N · B · T", workspace.folds.settings)) return end_panel();
+  if (!begin_panel(workspace, "settings", "N · B · T", workspace.visible_panels.settings)) return end_panel();
   Settings& s = workspace.settings;
   draw_generator(workspace, view);
   draw_shape(workspace, view);
@@ -209,7 +209,8 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   std::array<std::pair<ExecutorKind, const char*>, 3> executors{
       {{ExecutorKind::automatic, "auto"}, {ExecutorKind::cpu, "cpu"}, {ExecutorKind::cuda, "cuda"}}};
   choice_row(workspace, "settings.executor", "executor", executors, s.executor,
-             "What runs the stages; never changes the result", {ExecutorKind::cuda, view.cuda_lack});
+             "What runs the stages; never changes the result",
+             {ExecutorKind::cuda, view.cuda_unavailable_reason});
   row_label("broad phase", "How pairs are found; never changes the result");
   choose_broad_phase(workspace, view, "settings.broad_phase");
 

@@ -9,19 +9,19 @@
 namespace collidoscope {
 
 void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
-  struct Fold {
+  struct PanelToggle {
     const char *name, *label;
     bool& open;
   };
-  const Fold folds[] = {{"fold.left", "controls", workspace.folds.left},
-                        {"fold.bottom", "graphs", workspace.folds.bottom},
-                        {"fold.right", "details", workspace.folds.right}};
-  for (const Fold& fold : folds) {
-    const bool on = fold.open;
+  const PanelToggle visible_panels[] = {{"fold.left", "controls", workspace.visible_panels.left},
+                                        {"fold.bottom", "graphs", workspace.visible_panels.bottom},
+                                        {"fold.right", "details", workspace.visible_panels.right}};
+  for (const PanelToggle& toggle : visible_panels) {
+    const bool on = toggle.open;
     if (!on) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    if (ImGui::SmallButton(fold.label)) fold.open = !fold.open;
+    if (ImGui::SmallButton(toggle.label)) toggle.open = !toggle.open;
     if (!on) ImGui::PopStyleColor();
-    track(workspace, fold.name);
+    track(workspace, toggle.name);
     explain(on ? "folds these panels away" : "unfolds these panels");
     ImGui::SameLine();
   }
@@ -52,7 +52,7 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
     const bool larger = factor > 1;
     ImGui::SameLine(larger ? right - width(label) : left);
     ImGui::BeginDisabled(larger ? workspace.font_scale >= workspace.largest_font_scale
-                                : workspace.font_scale <= least_font_scale);
+                                : workspace.font_scale <= min_font_scale);
     if (ImGui::SmallButton(label)) workspace.scale_font(factor);
     ImGui::EndDisabled();
     track(workspace, name);

@@ -19,7 +19,7 @@ void time_cells(const TimeSummary& times, bool shown) {
 }  // namespace
 
 void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "timing", "Timing", workspace.folds.timing)) return end_panel();
+  if (!begin_panel(workspace, "timing", "Timing", workspace.visible_panels.timing)) return end_panel();
   const History& history = *view.history;
   const auto window = static_cast<std::size_t>(std::max(workspace.window, 1));
   const TimeSummary sum = history.summarize_sum(window), plain = history.summarize_plain(window);
@@ -51,7 +51,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
       ImGui::GetWindowDrawList()->AddRectFilled(
           {at.x, at.y + 0.25f * size}, {at.x + 0.55f * size, at.y + 0.8f * size}, stage_color(k, light), 2);
       ImGui::SetCursorPosX(ImGui::GetCursorPosX() + size);
-      if (ImGui::Selectable((stage.name + (stage.own_shape ? " *" : "")).c_str(),
+      if (ImGui::Selectable((stage.name + (stage.library_launch ? " *" : "")).c_str(),
                             highlighted == static_cast<int>(k), ImGuiSelectableFlags_SpanAllColumns))
         workspace.chosen_stage = workspace.chosen_stage == static_cast<int>(k) ? -1 : static_cast<int>(k);
       if (ImGui::IsItemHovered()) hovered = static_cast<int>(k);
@@ -75,16 +75,16 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::EndTable();
   }
   if (hovered >= 0) workspace.hovered_stage = hovered;
-  const bool any_own = std::ranges::any_of(history.stages(), &History::Stage::own_shape);
+  const bool any_own = std::ranges::any_of(history.stages(), &History::Stage::library_launch);
   faint_text(
       fmt::format("last {} steps{}", std::min(window, history.size()), any_own ? " · * own shape" : ""));
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   ImGui::SameLine(ImGui::GetContentRegionAvail().x - 2 * ImGui::CalcTextSize("JSON").x - 3 * gap - gap);
-  if (ImGui::SmallButton("CSV")) workspace.csv_wish = true;
+  if (ImGui::SmallButton("CSV")) workspace.csv_requested = true;
   track(workspace, "timing.csv");
   explain("Writes these steps to captures/, one row each");
   ImGui::SameLine();
-  if (ImGui::SmallButton("JSON")) workspace.json_wish = true;
+  if (ImGui::SmallButton("JSON")) workspace.json_requested = true;
   track(workspace, "timing.json");
   end_panel();
 }

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "ui/panels.h"
-#include "ui/tree_parts.h"
+#include "ui/tree_sections.h"
 #include "ui/tree_widgets.h"
 #include "ui/widgets.h"
 
@@ -78,23 +78,23 @@ void draw_quality(const WorkspaceView& view) {
 }  // namespace
 
 void draw_tree_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "tree", "Tree", workspace.folds.tree)) return end_panel();
+  if (!begin_panel(workspace, "tree", "Tree", workspace.visible_panels.tree)) return end_panel();
   row_label("method", "How pairs are found; never changes the result");
   choose_broad_phase(workspace, view, "tree.method");
   if (view.tree == nullptr) {
     faint_text("not measured yet");
     return end_panel();
   }
-  const TreeFacts& facts = *view.tree;
-  if (facts.quality.nodes == 0) {
+  const TreePanelView& panel = *view.tree;
+  if (panel.quality.nodes == 0) {
     faint_text("this method has no tree");
     return end_panel();
   }
   draw_quality(view);
   faint_text(view.with_times
-                 ? fmt::format("state {}, measured in {} ms{}", facts.step, short_time(facts.took_ms),
-                               facts.took_ms > 20 && workspace.playing ? ", now and then" : "")
-                 : fmt::format("state {}", facts.step));
+                 ? fmt::format("state {}, measured in {} ms{}", panel.step, short_time(panel.took_ms),
+                               panel.took_ms > 20 && workspace.playing ? ", now and then" : "")
+                 : fmt::format("state {}", panel.step));
   explain(
       "Only while this panel is unfolded, or something is coloured by the tree. A run that plays is measured "
       "at "
@@ -110,7 +110,7 @@ void draw_tree_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
   choose_box_color(workspace, "tree.color");
-  draw_tree_spread(workspace, view);
+  draw_tree_histogram(workspace, view);
   ImGui::Spacing();
   draw_tree_table(workspace, view);
   draw_tree_selection(workspace, view);

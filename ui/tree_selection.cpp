@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "ui/tree_parts.h"
+#include "ui/tree_sections.h"
 #include "ui/widgets.h"
 
 namespace collidoscope {
@@ -23,61 +23,61 @@ void key(const WorkspaceView& view, BoxMark mark, const char* text) {
 }
 
 void draw_node(Workspace& workspace, const WorkspaceView& view) {
-  const TreeFacts& facts = *view.tree;
-  if (!facts.node) return;
-  key(view, BoxMark::node, fmt::format("node {}, level {}", facts.node->node, facts.node->level).c_str());
+  const TreePanelView& panel = *view.tree;
+  if (!panel.node) return;
+  key(view, BoxMark::node, fmt::format("node {}, level {}", panel.node->node, panel.node->level).c_str());
   ImGui::SameLine();
   key(view, BoxMark::left, "");
   ImGui::SameLine(0, 0);
   key(view, BoxMark::right, "children");
   ImGui::SameLine();
-  if (ImGui::SmallButton("frame")) workspace.camera_wish = CameraWish::frame_selection;
+  if (ImGui::SmallButton("frame")) workspace.camera_request = CameraRequest::frame_selection;
   track(workspace, "tree.frame");
   explain("F: the camera goes there");
-  faint_text(size_text(*facts.node));
+  faint_text(size_text(*panel.node));
 }
 
 void draw_query(Workspace& workspace, const WorkspaceView& view) {
-  const TreeFacts& facts = *view.tree;
-  TreeWishes& wishes = workspace.tree;
-  ImGui::Checkbox("query of the selected body", &wishes.query);
+  const TreePanelView& panel = *view.tree;
+  TreeRequests& requests = workspace.tree;
+  ImGui::Checkbox("query of the selected body", &requests.query);
   track(workspace, "tree.query");
   explain("The boxes that its query tests, from the root, in order; in place of its path");
-  if (!wishes.query) return;
-  if (!workspace.selection || facts.visited.empty()) {
+  if (!requests.query) return;
+  if (!workspace.selection || panel.visited.empty()) {
     faint_text("click a body, or a leaf in the table");
     return;
   }
-  const auto count = static_cast<int>(facts.visited.size());
-  if (wishes.playing) {
+  const auto count = static_cast<int>(panel.visited.size());
+  if (requests.playing) {
     // The whole of it in at most five seconds, and no faster than an eye can follow where they are few.
     const double more = static_cast<double>(ImGui::GetIO().DeltaTime) * std::max(5.0, count / 5.0);
-    wishes.visit = std::min(wishes.visit + more, static_cast<double>(count));
-    if (wishes.visit >= count) wishes.playing = false;
+    requests.visit = std::min(requests.visit + more, static_cast<double>(count));
+    if (requests.visit >= count) requests.playing = false;
   }
-  int at = std::clamp(static_cast<int>(wishes.visit), 1, count);
-  if (ImGui::Button(wishes.playing ? "pause" : "play ")) {
-    wishes.playing = !wishes.playing;
-    if (wishes.playing && at == count) wishes.visit = 1;
+  int at = std::clamp(static_cast<int>(requests.visit), 1, count);
+  if (ImGui::Button(requests.playing ? "pause" : "play ")) {
+    requests.playing = !requests.playing;
+    if (requests.playing && at == count) requests.visit = 1;
   }
   track(workspace, "tree.query.play");
   ImGui::SameLine();
   for (const auto& [name, label, by] :
        {std::tuple{"tree.query.back", "<", -1}, std::tuple{"tree.query.on", ">", 1}}) {
-    if (ImGui::Button(label)) wishes.visit = std::clamp(at + by, 1, count);
+    if (ImGui::Button(label)) requests.visit = std::clamp(at + by, 1, count);
     track(workspace, name);
     ImGui::SameLine();
   }
   ImGui::SetNextItemWidth(-1);
-  at = std::clamp(static_cast<int>(wishes.visit), 1, count);
+  at = std::clamp(static_cast<int>(requests.visit), 1, count);
   if (ImGui::SliderInt("##visit", &at, 1, count, "visit %d",
                        ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
-    wishes.visit = at;
+    requests.visit = at;
   track(workspace, "tree.query.at");
-  const TreeFacts::Visited& visited = facts.visited[static_cast<std::size_t>(at) - 1];
+  const TreePanelView::Visited& visited = panel.visited[static_cast<std::size_t>(at) - 1];
   const NodeReport& node = visited.node;
   key(view, visited.met ? BoxMark::met : BoxMark::apart,
-      fmt::format("{} of {}: {}, level {}: {}", at, grouped_number(facts.visits),
+      fmt::format("{} of {}: {}, level {}: {}", at, grouped_number(panel.visits),
                   node.children > 0 ? fmt::format("node {}", node.node) : fmt::format("body {}", node.body),
                   node.level,
                   !visited.met                        ? "apart"
@@ -85,7 +85,7 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
                   : node.body == *workspace.selection ? "itself"
                                                       : "a pair")
           .c_str());
-  if (facts.visits > count) faint_text(fmt::format("the first {} are kept", grouped_number(count)));
+  if (panel.visits > count) faint_text(fmt::format("the first {} are kept", grouped_number(count)));
 }
 
 }  // namespace

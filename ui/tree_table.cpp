@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "ui/tree_parts.h"
+#include "ui/tree_sections.h"
 #include "ui/widgets.h"
 
 namespace collidoscope {
@@ -52,8 +52,8 @@ std::string size_text(const NodeReport& node) {
 }
 
 void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
-  const TreeFacts& facts = *view.tree;
-  TreeWishes& wishes = workspace.tree;
+  const TreePanelView& panel = *view.tree;
+  TreeRequests& requests = workspace.tree;
   // ImGui keeps the width of a column that is out of sight: another font begins with another table.
   const std::string table = fmt::format("nodes {}", ImGui::GetFontSize());
   if (ImGui::BeginTable(table.c_str(), 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
@@ -64,26 +64,26 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
     faint_text("worst first");
     for (const Column& column : columns) {
       ImGui::TableNextColumn();
-      const bool sorted = wishes.sort == column.metric;
+      const bool sorted = requests.sort == column.metric;
       if (ImGui::Selectable(column.name, sorted)) {
-        wishes.sort = column.metric;
-        wishes.first = 0;
+        requests.sort = column.metric;
+        requests.first = 0;
       }
       track(workspace, (std::string("tree.sort.") + column.name).c_str());
       explain((std::string(column.help) + ". Click: the greatest first").c_str());
     }
-    for (std::size_t i = 0; i < facts.rows.size(); ++i) {
-      const NodeReport& node = facts.rows[i];
+    for (std::size_t i = 0; i < panel.rows.size(); ++i) {
+      const NodeReport& node = panel.rows[i];
       const bool leaf = node.children == 0;
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      const bool chosen = leaf ? workspace.selection == node.body : wishes.node == node.node;
+      const bool chosen = leaf ? workspace.selection == node.body : requests.node == node.node;
       ImGui::PushID(static_cast<int>(i));
       ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetColorU32(ImGuiCol_ButtonActive, 0.6f));
       if (ImGui::Selectable(
               leaf ? fmt::format("body {}", node.body).c_str() : std::to_string(node.node).c_str(), chosen,
               ImGuiSelectableFlags_SpanAllColumns)) {
-        wishes.rank = facts.first + static_cast<std::int64_t>(i);
+        requests.rank = panel.first + static_cast<std::int64_t>(i);
         workspace.playing = false;
       }
       ImGui::PopStyleColor();
@@ -97,40 +97,40 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
     }
     ImGui::EndTable();
   }
-  const auto shown = static_cast<std::int64_t>(facts.rows.size());
+  const auto shown = static_cast<std::int64_t>(panel.rows.size());
   const auto turn = [&](const char* name, const char* label, const char* help, bool can, std::int64_t to) {
     if (!can) ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 0.4f);
-    if (ImGui::SmallButton(label) && can) wishes.first = to;
+    if (ImGui::SmallButton(label) && can) requests.first = to;
     if (!can) ImGui::PopStyleVar();
     track(workspace, name);
     explain(help);
     ImGui::SameLine();
   };
-  turn("tree.page.first", "|<", "The worst", facts.first > 0, 0);
-  turn("tree.page.previous", "<", "The page before", facts.first > 0,
-       std::max<std::int64_t>(facts.first - TreeFacts::page, 0));
-  turn("tree.page.next", ">", "The next page", facts.first + shown < facts.ranked,
-       facts.first + TreeFacts::page);
+  turn("tree.page.first", "|<", "The worst", panel.first > 0, 0);
+  turn("tree.page.previous", "<", "The page before", panel.first > 0,
+       std::max<std::int64_t>(panel.first - TreePanelView::page, 0));
+  turn("tree.page.next", ">", "The next page", panel.first + shown < panel.ranked,
+       panel.first + TreePanelView::page);
   // The selected one's neighbours in the order of the table, wherever their page is.
   std::optional<std::int64_t> rank;
   for (std::int64_t i = 0; i < shown; ++i) {
-    const NodeReport& node = facts.rows[static_cast<std::size_t>(i)];
-    if (node.children == 0 ? workspace.selection == node.body : wishes.node == node.node)
-      rank = facts.first + i;
+    const NodeReport& node = panel.rows[static_cast<std::size_t>(i)];
+    if (node.children == 0 ? workspace.selection == node.body : requests.node == node.node)
+      rank = panel.first + i;
   }
   for (const auto& [name, label, help, by] :
        {std::tuple{"tree.previous", "previous", "Selects the node before, in the order of the table", -1},
         std::tuple{"tree.next", "next", "Selects the next node, in the order of the table", 1}}) {
-    if (ImGui::SmallButton(label) && facts.ranked > 0) {
-      wishes.rank = std::clamp<std::int64_t>(rank ? *rank + by : facts.first, 0, facts.ranked - 1);
+    if (ImGui::SmallButton(label) && panel.ranked > 0) {
+      requests.rank = std::clamp<std::int64_t>(rank ? *rank + by : panel.first, 0, panel.ranked - 1);
       workspace.playing = false;
     }
     track(workspace, name);
     explain(help);
     ImGui::SameLine();
   }
-  faint_text(fmt::format("{}–{} of {}", grouped_number(std::min(facts.first + 1, facts.ranked)),
-                         grouped_number(facts.first + shown), grouped_number(facts.ranked)));
+  faint_text(fmt::format("{}–{} of {}", grouped_number(std::min(panel.first + 1, panel.ranked)),
+                         grouped_number(panel.first + shown), grouped_number(panel.ranked)));
 }
 
 }  // namespace collidoscope

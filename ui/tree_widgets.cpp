@@ -123,7 +123,7 @@ void draw_color_bar(const std::vector<std::uint32_t>& colors, const std::string&
   faint_text(high);
 }
 
-void draw_color_key(const Legend& key) {
+void draw_legend(const Legend& key) {
   if (!key.colors.empty()) draw_color_bar(key.colors, low_text(key), title_text(key), high_text(key));
 }
 

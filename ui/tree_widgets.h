@@ -24,6 +24,6 @@ void choose_box_color(Workspace& workspace, const char* name);
 /// A bar of colours from least to greatest, with what stands at its ends and in its middle.
 void draw_color_bar(const std::vector<std::uint32_t>& colors, const std::string& low,
                     const std::string& title, const std::string& high);
-void draw_color_key(const Legend& key);
+void draw_legend(const Legend& key);
 
 }  // namespace collidoscope

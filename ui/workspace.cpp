@@ -20,7 +20,9 @@ struct Layout {
 constexpr float left_ems = 21.5f, right_ems = 26;
 constexpr float panel_share = 0.6f;  // of the width, at most: the 3D view has the rest
 
-float column_ems(const Folds& folds) { return (folds.left ? left_ems : 0) + (folds.right ? right_ems : 0); }
+float column_ems(const PanelVisibility& visible_panels) {
+  return (visible_panels.left ? left_ems : 0) + (visible_panels.right ? right_ems : 0);
+}
 
 /// Pixels of the font as the screen suggests it.
 float usual_font_size(int width, int height) {
@@ -29,14 +31,14 @@ float usual_font_size(int width, int height) {
 }
 
 Layout lay_out(const Workspace& workspace, float width, float height, float font_size) {
-  const float wanted = font_size * column_ems(workspace.folds), most = panel_share * width;
+  const float wanted = font_size * column_ems(workspace.visible_panels), most = panel_share * width;
   const auto pixels = [&](float ems) {
     return wanted > most ? std::floor(font_size * ems * most / wanted) : std::round(font_size * ems);
   };
-  const float left = workspace.folds.left ? pixels(left_ems) : 0;
-  const float right = workspace.folds.right ? pixels(right_ems) : 0;
+  const float left = workspace.visible_panels.left ? pixels(left_ems) : 0;
+  const float right = workspace.visible_panels.right ? pixels(right_ems) : 0;
   const float status = std::round(font_size * 1.9f);
-  const float bottom = workspace.folds.bottom
+  const float bottom = workspace.visible_panels.bottom
                            ? std::round(std::min(std::max(font_size * 13.5f, 0.22f * height), 0.4f * height))
                            : 0;
   Layout layout;
@@ -103,15 +105,16 @@ ScreenRect scene_view_rect(const Workspace& workspace, float width, float height
   return lay_out(workspace, width, height, font_size).scene;
 }
 
-float largest_font_scale(int width, int height, float content_scale, const Folds& folds) {
-  const float columns = column_ems(folds);
-  if (columns == 0) return most_font_scale;
+float largest_font_scale(int width, int height, float content_scale, const PanelVisibility& visible_panels) {
+  const float columns = column_ems(visible_panels);
+  if (columns == 0) return max_font_scale;
   const float fits = panel_share * static_cast<float>(width) / columns;
-  return std::clamp(fits / (usual_font_size(width, height) * content_scale), 1.0f, most_font_scale);
+  return std::clamp(fits / (usual_font_size(width, height) * content_scale), 1.0f, max_font_scale);
 }
 
-float workspace_font_size(int width, int height, float font_scale, float content_scale, const Folds& folds) {
-  const float scale = std::min(font_scale, largest_font_scale(width, height, content_scale, folds));
+float workspace_font_size(int width, int height, float font_scale, float content_scale,
+                          const PanelVisibility& visible_panels) {
+  const float scale = std::min(font_scale, largest_font_scale(width, height, content_scale, visible_panels));
   return std::round(std::clamp(usual_font_size(width, height) * content_scale * scale, 8.0f, 64.0f));
 }
 
@@ -125,15 +128,16 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   workspace.scene_view = layout.scene;
   track(workspace, "scene", layout.scene);
   draw_on_scene(workspace, view);
-  const Folds folds = workspace.folds;  // what the status line changes acts from the next frame on
-  if (folds.left)
+  const PanelVisibility visible_panels =
+      workspace.visible_panels;  // what the status line changes acts from the next frame on
+  if (visible_panels.left)
     window("controls", layout.left, true, [&] {
       draw_run_panel(workspace, view);
       draw_settings_panel(workspace, view);
       draw_layers_panel(workspace, view);
       draw_camera_panel(workspace, view);
     });
-  if (folds.right)
+  if (visible_panels.right)
     window("details", layout.right, true, [&] {
       draw_tree_panel(workspace, view);
       draw_effects_panel(workspace, view);
@@ -145,7 +149,8 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_numbers_panel(workspace, view);
       draw_inspector_panel(workspace, view);
     });
-  if (folds.bottom) window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
+  if (visible_panels.bottom)
+    window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
   window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);

@@ -1,6 +1,6 @@
 #pragma once
 // The workspace: plain data for all that panels show and change, and one function that draws them. The caller
-// (the viewer, or a capture) owns a Workspace, reads the wishes that panels left in it, and fills a
+// (the viewer, or a capture) owns a Workspace, reads the requests that panels left in it, and fills a
 // WorkspaceView from what it runs. No GL, no CUDA, no window.
 
 #include <algorithm>
@@ -20,13 +20,13 @@
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/solver/residual.h"
-#include "ui/accuracy_facts.h"
-#include "ui/break_facts.h"
-#include "ui/color_key.h"
-#include "ui/effect_facts.h"
-#include "ui/hard_cases_facts.h"
-#include "ui/reference_facts.h"
-#include "ui/tree_facts.h"
+#include "ui/accuracy_view.h"
+#include "ui/break_view.h"
+#include "ui/effect_view.h"
+#include "ui/hard_cases_view.h"
+#include "ui/legend_text.h"
+#include "ui/reference_view.h"
+#include "ui/tree_panel_view.h"
 
 namespace collidoscope {
 
@@ -55,7 +55,7 @@ struct Settings {
 };
 
 /// What the 3D view shows.
-enum class CameraWish { none, frame_all, frame_selection, front, side, top, orthographic };
+enum class CameraRequest { none, frame_all, frame_selection, front, side, top, orthographic };
 enum class Theme { dark, light };
 
 struct SpeedChoice {
@@ -70,7 +70,7 @@ inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×"},
                                                            {0, "a step a frame"}}};
 
 /// Which panels are unfolded.
-struct Folds {
+struct PanelVisibility {
   bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
        inspector = true, tree = false, convergence = false,  ///< measuring takes time
@@ -78,7 +78,7 @@ struct Folds {
       breaks = false, hard_cases = false,                    ///< runs them where somebody said so
       accuracy = false;                                      ///< measures as long as it is unfolded
 
-  friend bool operator==(const Folds&, const Folds&) = default;
+  friend bool operator==(const PanelVisibility&, const PanelVisibility&) = default;
 };
 
 /// A part of the screen, in pixels from its top left corner.
@@ -87,8 +87,8 @@ struct ScreenRect {
 };
 
 struct Workspace {
-  Settings settings;       ///< as wished for; the owner takes them over, or puts back what is in effect
-  bool adjusting = false;  ///< a slider of `settings` is held
+  Settings settings;              ///< as requested; the owner takes them over, or puts back what is in effect
+  bool adjusting = false;         ///< a slider of `settings` is held
   bool adjusting_result = false;  ///< one that changes the result: the run waits, so that it is one change
   /// What was typed last, where it was refused.
   struct InputFault {
@@ -101,15 +101,15 @@ struct Workspace {
 
   bool playing = true;
   double speed = 1;  ///< of speed_choices
-  // Wishes, cleared by the owner once they are met.
-  int step_wishes = 0;
-  bool restart_wish = false, screenshot_wish = false, csv_wish = false, json_wish = false;
-  bool changes_wish = false;     ///< a file of what was changed since the start
-  bool throw_wish = false;       ///< a new body, from the camera
-  bool remove_wish = false;      ///< of the selected body
-  bool measure_effects = false;  ///< what each costs, anew where something else is simulated
-  bool reference_wish = false;   ///< a reference of the run, from the bodies as they are
-  CameraWish camera_wish = CameraWish::none;
+  // Requests, cleared by the owner once they are met.
+  int step_requests = 0;
+  bool restart_requested = false, screenshot_requested = false, csv_requested = false, json_requested = false;
+  bool changes_file_requested = false;  ///< a file of what was changed since the start
+  bool projectile_requested = false;    ///< a new body, from the camera
+  bool removal_requested = false;       ///< of the selected body
+  bool measure_effects = false;         ///< what each costs, anew where something else is simulated
+  bool reference_requested = false;     ///< a reference of the run, from the bodies as they are
+  CameraRequest camera_request = CameraRequest::none;
 
   std::optional<std::uint32_t> selection;  ///< id of a body
   bool follow = false;                     ///< the camera goes with it
@@ -121,10 +121,10 @@ struct Workspace {
     bool hovered = false;
   } contact_rows;
 
-  TreeWishes tree;
-  AccuracyWishes accuracy;
-  HardCasesWishes hard_cases;
-  BreakWishes breaks;
+  TreeRequests tree;
+  AccuracyRequests accuracy;
+  HardCasesRequests hard_cases;
+  BreakRequests breaks;
 
   int window = 240;        ///< steps that graphs and tables speak of
   int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
@@ -134,17 +134,17 @@ struct Workspace {
   Theme theme = Theme::dark;
   float font_scale = 1;
   float largest_font_scale = 3;  ///< that acts on this screen; set by the owner
-  Folds folds;
+  PanelVisibility visible_panels;
 
   /// One step, then pause. A key that is held asks for no step while one is pending.
-  void wish_step(bool held = false) {
+  void request_step(bool held = false) {
     playing = false;
-    if (!held || step_wishes == 0) ++step_wishes;
+    if (!held || step_requests == 0) ++step_requests;
   }
   /// Steps that are pending are dropped.
   void play_or_pause() {
     playing = !playing;
-    step_wishes = 0;
+    step_requests = 0;
   }
   /// By a factor, within what acts.
   void scale_font(float factor) {
@@ -166,7 +166,7 @@ struct Workspace {
 struct WorkspaceView {
   std::string scene;
   bool generated = false;  ///< N, radius, seed and variant can be changed
-  Settings in_effect;
+  Settings active_settings;
   double greatest_radius = limits::max_radius;  ///< m, that can be chosen: the spheres must fit in the box
   /// Beside the N of a generator: removed of it; listed in the scene or added.
   std::int64_t removed_bodies = 0, other_bodies = 0;
@@ -176,11 +176,11 @@ struct WorkspaceView {
   std::string renderer, display_path;     ///< what draws, and how the data get there
   bool software = false;                  ///< the renderer draws on the CPU
   double view_scale = 1;                  ///< of the 3D view: pixels drawn for each one seen, along an axis
-  std::string cuda_lack;                  ///< why CUDA cannot be chosen; empty: it can
+  std::string cuda_unavailable_reason;    ///< why CUDA cannot be chosen; empty: it can
   std::vector<std::string> broad_phases;  ///< names, the default first
   std::vector<std::string> effects;       ///< that are on
   int substeps = 1;                       ///< of a step, also where they are "auto"
-  std::vector<EffectFacts> effect_facts;  ///< of all; empty while their panel is folded
+  std::vector<EffectView> effect_views;   ///< of all; empty while their panel is folded
   bool measuring_effects = false;
   int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
 
@@ -200,17 +200,17 @@ struct WorkspaceView {
   std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
   double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
 
-  ReferenceFacts reference;  ///< that ghosts and errors are of
-  double error_scale = 1;    ///< of the lines that show errors, in effect
+  ReferenceView reference;  ///< that ghosts and errors are of
+  double error_scale = 1;   ///< of the lines that show errors, in effect
 
-  std::optional<StopFacts> stop;      ///< what the run has stopped at
+  std::optional<StopView> stop;       ///< what the run has stopped at
   std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed
 
   const BodyReport* selected = nullptr;
-  const TreeFacts* tree = nullptr;             ///< null: nobody asked
-  const AccuracyFacts* accuracy = nullptr;     ///< so here
-  const HardCasesFacts* hard_cases = nullptr;  ///< and here
-  std::vector<std::uint32_t> mark_colors;      ///< by BoxMark
+  const TreePanelView* tree = nullptr;        ///< null: nobody asked
+  const AccuracyView* accuracy = nullptr;     ///< so here
+  const HardCasesView* hard_cases = nullptr;  ///< and here
+  std::vector<std::uint32_t> mark_colors;     ///< by BoxMark
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
   std::vector<std::pair<float, float>> outline;
   std::vector<std::vector<std::pair<float, float>>> frozen_outlines;  ///< so too, of the first of `frozen`
@@ -229,11 +229,11 @@ void end_unfinished_panels(Workspace& workspace);
 /// Where the 3D view will be on a screen of this size.
 ScreenRect scene_view_rect(const Workspace& workspace, float width, float height, float font_size);
 
-inline constexpr float least_font_scale = 0.6f, most_font_scale = 3;
+inline constexpr float min_font_scale = 0.6f, max_font_scale = 3;
 /// The largest size of text, 1 or more, at which the unfolded columns leave the 3D view 40 % of the width.
-float largest_font_scale(int width, int height, float content_scale, const Folds& folds);
+float largest_font_scale(int width, int height, float content_scale, const PanelVisibility& visible_panels);
 /// Pixels of the panels' font on a screen of this size: as `font_scale` asks for, or as large as fits.
 float workspace_font_size(int width, int height, float font_scale, float content_scale = 1,
-                          const Folds& folds = {});
+                          const PanelVisibility& visible_panels = {});
 
 }  // namespace collidoscope

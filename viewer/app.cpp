@@ -12,7 +12,7 @@
 #include "sim_cuda/scene/box_collider.h"
 #include "ui/colored_levels.h"
 #include "ui/widgets.h"
-#include "viewer/app_guard.h"
+#include "viewer/app_error_bar.h"
 #include "viewer/render/gl/errors.h"
 #include "viewer/session/fill_view.h"
 #include "viewer/session/settings_file.h"
@@ -20,7 +20,7 @@
 namespace collidoscope {
 namespace {
 
-void say_on_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
+void log_to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
 /// What was remembered, and over it what the command line says. `keeps`: whether it may be written at the
 /// end.
@@ -30,15 +30,15 @@ Workspace first_workspace(const Options& options, bool& keeps) {
   keeps = !file.empty();
   if (!options.view.reset_ui && keeps) {
     const RememberedSettings remembered = read_settings_file(file, workspace);
-    if (!remembered.fault.empty()) say_on_stderr(remembered.fault);
+    if (!remembered.fault.empty()) log_to_stderr(remembered.fault);
     keeps = remembered.may_be_written;
   }
   const FrameLayers& asked = options.capture.layers;
   if (!(asked == CaptureRequest{}.layers)) workspace.layers = window_layers(asked);
   workspace.levels_chosen |= workspace.layers.boxes;
   if (options.breaks.any()) {
-    workspace.breaks.ask(options.breaks);
-    workspace.folds.right = workspace.folds.breaks = true;
+    workspace.breaks.set_conditions(options.breaks);
+    workspace.visible_panels.right = workspace.visible_panels.breaks = true;
   }
   return workspace;
 }
@@ -61,19 +61,20 @@ App::App(const Start& start, const Options& options)
       gui_(workspace_font_size(window_.width(), window_.height(), 1, window_.content_scale())),
       input_(window_),
       picture_(std::max(window_.width(), 1), std::max(window_.height(), 1)),
-      live_(prepared(start)),
-      scene_(options.capture.display_path, options.capture.draw, say_on_stderr),
+      live_(make_world(start)),
+      scene_(options.capture.display_path, options.capture.draw, log_to_stderr),
       stability_(options.stability.cases, options.run),
       workspace_(first_workspace(options, keeps_settings_)),
       renderer_name_(gl::renderer_name()),
       software_(gl::is_software_renderer()) {
-  cuda_available(&cuda_lack_);
+  cuda_available(&cuda_unavailable_reason_);
   workspace_.settings = live_.settings();
-  if (!live_.world().initial().meshes.empty()) say("mesh bodies collide as their bounding spheres for now");
+  if (!live_.world().initial().meshes.empty())
+    show_notice("mesh bodies collide as their bounding spheres for now");
 }
 
 /// The world, which may take long to make; the window says so, and can be closed.
-World App::prepared(const Start& start) {
+World App::make_world(const Start& start) {
   if (Cancellation* const cancellation = options_.run.cancellation)
     cancellation->set_poll([this, cancellation] {
       window_.poll();
@@ -98,7 +99,7 @@ bool App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
   while (!window_.closing() && !ended() && !cancelled_ && automation_failure_.empty()) {
     // Paused and untouched, the window need not be drawn sixty times a second.
-    bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_wishes > 0;
+    bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_requests > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
     busy |= shows_hard_cases() && !stability_.done();
     busy |= settling_.has_value();
@@ -117,7 +118,7 @@ bool App::run(const std::function<bool()>& ended) {
   try {
     if (keeps_settings_) write_whole_file(settings_path(), settings_text(workspace_));
   } catch (const MachineError& error) {
-    say_on_stderr(error.what());
+    log_to_stderr(error.what());
   }
   if (!automation_failure_.empty()) throw MachineError("--automation: " + automation_failure_);
   return cancelled_;
@@ -126,45 +127,46 @@ bool App::run(const std::function<bool()>& ended) {
 /// Each part is guarded by itself: a fault in one of them leaves the others, the picture and the input.
 void App::frame(double seconds) {
   const int width = window_.width(), height = window_.height();
-  guarded([&] {
+  with_error_bar([&] {
     const float content_scale = window_.content_scale();
-    const Folds& folds = workspace_.folds;
-    workspace_.largest_font_scale = largest_font_scale(width, height, content_scale, folds);
-    gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale, content_scale, folds));
+    const PanelVisibility& visible_panels = workspace_.visible_panels;
+    workspace_.largest_font_scale = largest_font_scale(width, height, content_scale, visible_panels);
+    gui_.set_font_size(
+        workspace_font_size(width, height, workspace_.font_scale, content_scale, visible_panels));
   });
   std::vector<InputEvent> events;
-  guarded([&] { events = input_.feed(); });
+  with_error_bar([&] { events = input_.feed(); });
   gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
-  for (const InputEvent& event : events) guarded([&] { handle(event); });
-  guarded([&] { fly_on(seconds); });
-  meet_wishes(seconds);
+  for (const InputEvent& event : events) with_error_bar([&] { handle(event); });
+  with_error_bar([&] { fly_camera(seconds); });
+  handle_requests(seconds);
   if (cancelled_) return;
 
   const float font_size = ImGui::GetFontSize();
   const ScreenRect rect =
       scene_view_rect(workspace_, static_cast<float>(width), static_cast<float>(height), font_size);
   WorkspaceView view;
-  guarded([&] { picture_.resize(width, height); });
-  guarded([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
-  guarded([&] {
+  with_error_bar([&] { picture_.resize(width, height); });
+  with_error_bar([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
+  with_error_bar([&] {
     scene_.draw(live_, workspace_, tree_, reference_, std::max(static_cast<int>(rect.width), 1),
                 std::max(static_cast<int>(rect.height), 1));
     picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
                    scene_.height());
   });
-  guarded([&] { fill(view); });
+  with_error_bar([&] { fill(view); });
   if (cancelled_) return;
   if (view.history == nullptr) view.history = &live_.history();
 
   const Clock::time_point before = Clock::now();
-  if (!guarded([&] { draw_workspace(workspace_, view); })) end_unfinished_panels(workspace_);
+  if (!with_error_bar([&] { draw_workspace(workspace_, view); })) end_unfinished_panels(workspace_);
   double ui_ms = std::chrono::duration<double, std::milli>(Clock::now() - before).count();
-  guarded([&] { gui_.end(picture_.target()); });
-  if (std::exchange(workspace_.screenshot_wish, false)) guarded([&] { save_picture(); });
-  guarded([&] { picture_.present(width, height); });
+  with_error_bar([&] { gui_.end(picture_.target()); });
+  if (std::exchange(workspace_.screenshot_requested, false)) with_error_bar([&] { save_picture(); });
+  with_error_bar([&] { picture_.present(width, height); });
   window_.swap();
   ++frame_;
-  guarded([&] { write_automation(view, ui_ms); });
+  with_error_bar([&] { write_automation(view, ui_ms); });
 }
 
 void App::fill(WorkspaceView& view) {
@@ -172,20 +174,21 @@ void App::fill(WorkspaceView& view) {
   view.level_sizes = live_.level_sizes(workspace_.layers.boxes || !workspace_.playing);
   view.edited = live_.edited();
   view.changes = std::ssize(live_.changes());
-  if (workspace_.folds.right && workspace_.folds.effects) {
-    view.effect_facts = costs_.facts(live_.world());
+  if (workspace_.visible_panels.right && workspace_.visible_panels.effects) {
+    view.effect_views = costs_.views(live_.world());
     view.measuring_effects = workspace_.measure_effects && !costs_.done();
   }
-  if (shows_accuracy()) view.accuracy = &accuracy_.facts(live_.world(), workspace_.accuracy);
-  if (shows_hard_cases()) view.hard_cases = &stability_.facts();
-  view.reference = reference_.facts();
-  if (view.reference.name.empty()) view.reference.lack = LiveReference::lack_of(view.stats.bodies);
+  if (shows_accuracy()) view.accuracy = &accuracy_.view(live_.world(), workspace_.accuracy);
+  if (shows_hard_cases()) view.hard_cases = &stability_.view();
+  view.reference = reference_.view();
+  if (view.reference.name.empty())
+    view.reference.unavailable_reason = LiveReference::unavailable_reason(view.stats.bodies);
   view.error_scale = scene_.range().error_scale;
   view.renderer = renderer_name_;
   view.software = software_;
   view.view_scale = scene_.scale();
   view.display_path = scene_.display_path();
-  view.cuda_lack = cuda_lack_;
+  view.cuda_unavailable_reason = cuda_unavailable_reason_;
   view.body_colors = scene_.body_legend();
   view.box_colors = scene_.box_legend();
   view.boxes_drawn = scene_.range().boxes;
@@ -193,7 +196,7 @@ void App::fill(WorkspaceView& view) {
   view.max_impulse = scene_.range().max_impulse;
   view.orthographic = scene_.camera().orthographic;
   view.mark_colors = mark_legend();
-  view.tree = tree_.facts();
+  view.tree = tree_.view();
   view.stop = breaks_.stop(live_);
   if (scene_.selected()) view.selected = &*scene_.selected();
   const auto [first_level, last_level] =
@@ -226,7 +229,7 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.frame = frame_;
   frame.width = picture_.width();
   frame.height = picture_.height();
-  guarded([&] {
+  with_error_bar([&] {
     if (!workspace_.playing) frame.state_hash = live_.state_hash();
   });
   const OrbitCamera& camera = scene_.camera();
@@ -254,11 +257,11 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
 void App::report_error(const std::string& line, bool step) {
   if (step) {
     workspace_.playing = false;
-    workspace_.step_wishes = 0;
+    workspace_.step_requests = 0;
   }
   // A fault of every frame is one fault.
   if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
-  say_on_stderr(line);
+  log_to_stderr(line);
   workspace_.errors.push_back(line);
 }
 

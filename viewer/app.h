@@ -18,7 +18,7 @@
 #include "viewer/session/automation.h"
 #include "viewer/session/effect_costs.h"
 #include "viewer/session/live_accuracy.h"
-#include "viewer/session/live_breaks.h"
+#include "viewer/session/live_breakpoints.h"
 #include "viewer/session/live_reference.h"
 #include "viewer/session/live_stability.h"
 #include "viewer/session/live_world.h"
@@ -39,12 +39,12 @@ class App {
  private:
   using Clock = std::chrono::steady_clock;
 
-  World prepared(const Start& start);
+  World make_world(const Start& start);
   void frame(double seconds);
   /// Does it; an error goes to the window, and pauses if it was one of a `step`. Returns whether there was
   /// none.
   template <class Action>
-  bool guarded(Action action, bool step = false);
+  bool with_error_bar(Action action, bool step = false);
   void report_error(const std::string& line, bool step);
 
   // Hands (app_input.cpp).
@@ -52,36 +52,40 @@ class App {
   void handle_key(const InputEvent& event);
   void handle_button(const InputEvent& event);
   void handle_move(const InputEvent& event);
-  void fly_on(double seconds);
+  void fly_camera(double seconds);
 
-  // What panels wish for (app_wishes.cpp).
-  void meet_wishes(double seconds);
+  // What panels request (app_requests.cpp).
+  void handle_requests(double seconds);
   void apply_settings(double seconds);
-  bool comes_to_rest(const Scene& scene, double seconds, std::optional<RunState>& rest);
+  bool finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest);
   void restart(double seconds);
   void advance(double seconds);
-  void say(const std::string& notice);
+  void show_notice(const std::string& notice);
   void export_history(bool csv);
   void export_changes();
-  void throw_ball();
+  void spawn_projectile();
   void remove_selected();
   void follow_selection();
   void measure_effects();
   void follow_reference();
-  bool shows_accuracy() const { return workspace_.folds.right && workspace_.folds.accuracy; }
+  bool shows_accuracy() const {
+    return workspace_.visible_panels.right && workspace_.visible_panels.accuracy;
+  }
   void measure_accuracy(double seconds);
   void save_picture();
 
   // Where it stops by itself (app_breaks.cpp).
-  void meet_stop_wish();
+  void handle_stop_request();
   void step_once();
-  bool is_held();
+  bool is_blocked_by_stop();
 
   // Hard cases (app_hard_cases.cpp).
-  bool shows_hard_cases() const { return workspace_.folds.right && workspace_.folds.hard_cases; }
+  bool shows_hard_cases() const {
+    return workspace_.visible_panels.right && workspace_.visible_panels.hard_cases;
+  }
   void follow_hard_cases(double seconds);
   void show_case(LiveStability::Opened opened);
-  void to_scene_before();
+  void restore_scene_before();
   void show_another_scene();
 
   void fill(WorkspaceView& view);
@@ -99,27 +103,27 @@ class App {
   TreeInspector tree_;
   LiveReference reference_;
   LiveAccuracy accuracy_;
-  LiveBreaks breaks_;
+  LiveBreakpoints breaks_;
   LiveStability stability_;
-  struct Left {
+  struct ReplacedRun {
     Start start;
     RunOptions options;
     LiveWorld::Record record;
   };
-  std::optional<Left> before_cases_;  ///< the run that a hard case took the place of
-  std::optional<Settling> settling_;  ///< what is to begin next
-  std::string settling_scene_;        ///< its scene, as text
+  std::optional<ReplacedRun> run_before_cases_;  ///< the run that a hard case took the place of
+  std::optional<Settling> settling_;             ///< what is to begin next
+  std::string settling_scene_;                   ///< its scene, as text
   EffectCosts costs_;
   int costs_generation_ = -1;   ///< of the World that costs_ speaks of
   bool keeps_settings_ = true;  ///< written at the end; set with workspace_
   Workspace workspace_;
   std::string renderer_name_, picture_file_;
-  std::string cuda_lack_;  ///< why CUDA cannot be used; empty: it can
+  std::string cuda_unavailable_reason_;  ///< why CUDA cannot be used; empty: it can
   bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
-  double due_ = 0;               ///< steps that the speed asks for
-  bool slider_goes_on_ = false;  ///< the last change came from a slider that is still held
+  double steps_due_ = 0;              ///< steps that the speed asks for
+  bool extends_last_change_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {
     Clock::time_point when;

@@ -6,38 +6,39 @@
 
 #include "sim_cuda/core/whole_file.h"
 #include "viewer/app.h"
-#include "viewer/free_name.h"
+#include "viewer/unused_file_name.h"
 
 namespace collidoscope {
 
-void App::meet_stop_wish() {
-  const StopWish wish = std::exchange(workspace_.breaks.stop, StopWish::none);
-  const std::optional<StopFacts> stop = breaks_.stop(live_);
-  if (wish == StopWish::none || !stop) return;
-  switch (wish) {
-    case StopWish::none:
+void App::handle_stop_request() {
+  const StopRequest request = std::exchange(workspace_.breaks.stop, StopRequest::none);
+  const std::optional<StopView> stop = breaks_.stop(live_);
+  if (request == StopRequest::none || !stop) return;
+  switch (request) {
+    case StopRequest::none:
       break;
-    case StopWish::go_on:
-      breaks_.go_on();
-      if (stop->found) {
+    case StopRequest::resume:
+      breaks_.resume();
+      if (stop->is_violation) {
         workspace_.settings.guards.reset();
         apply_settings(0);
-        say("guards are off now");
+        show_notice("guards are off now");
       }
       workspace_.playing = true;
       break;
-    case StopWish::freeze:
+    case StopRequest::freeze:
       if (!stop->can_freeze) break;
-      breaks_.go_on();
+      breaks_.resume();
       live_.freeze(*stop->body);
-      say(fmt::format("body {} is frozen where it was; Space goes on", *stop->body));
+      show_notice(fmt::format("body {} is frozen where it was; Space goes on", *stop->body));
       break;
-    case StopWish::save: {
+    case StopRequest::save: {
       std::string bytes;
-      write_snapshot(breaks_.before(live_), [&](std::string_view more) { bytes += more; });
-      const std::string file = free_name(fmt::format("before_{:06}", stop->before + 1), "snapshot");
+      write_snapshot(breaks_.snapshot_before(live_), [&](std::string_view more) { bytes += more; });
+      const std::string file =
+          unused_file_name(fmt::format("before_{:06}", stop->state_before + 1), "snapshot");
       write_whole_file(file, bytes);
-      say(fmt::format("wrote {}, a snapshot of state {}", file, stop->before));
+      show_notice(fmt::format("wrote {}, a snapshot of state {}", file, stop->state_before));
       break;
     }
   }
@@ -46,7 +47,7 @@ void App::meet_stop_wish() {
 /// One step, if nothing is in its way.
 void App::step_once() {
   const BreakConditions conditions = workspace_.breaks.conditions();
-  const std::size_t frozen = live_.world().guards().frozen().size();
+  const std::size_t frozen = live_.world().validation().frozen().size();
   const double time_step = live_.world().scene().physics.time_step;
   breaks_.before_step(live_, conditions);
   if (live_.step(true)) {
@@ -56,22 +57,22 @@ void App::step_once() {
   if (live_.scripted()) workspace_.settings = live_.settings();
   if (breaks_.after_step(live_, conditions)) {
     workspace_.playing = false;
-    workspace_.step_wishes = 0;
+    workspace_.step_requests = 0;
     if (const auto& body = breaks_.stop(live_)->body) workspace_.selection = body;
-  } else if (live_.world().guards().frozen().size() > frozen) {
-    say("frozen: " + describe(*live_.world().guards().finding()));
+  } else if (live_.world().validation().frozen().size() > frozen) {
+    show_notice("frozen: " + describe(*live_.world().validation().finding()));
   }
 }
 
 /// Whether guards hold the run; at a condition that is met, it goes on as soon as somebody plays or steps.
-bool App::is_held() {
+bool App::is_blocked_by_stop() {
   if (!breaks_.stop(live_)) return false;
-  if (!live_.world().guards().paused()) {
-    breaks_.go_on();
+  if (!live_.world().validation().paused()) {
+    breaks_.resume();
     return false;
   }
   workspace_.playing = false;
-  workspace_.step_wishes = 0;
+  workspace_.step_requests = 0;
   return true;
 }
 

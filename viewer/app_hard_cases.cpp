@@ -9,31 +9,32 @@ namespace collidoscope {
 
 void App::follow_hard_cases(double seconds) {
   if (!shows_hard_cases()) return;
-  HardCasesWishes& wishes = workspace_.hard_cases;
-  if (std::exchange(wishes.back, false)) return to_scene_before();
-  stability_.follow(live_.world(), wishes);
+  HardCasesRequests& requests = workspace_.hard_cases;
+  if (std::exchange(requests.back, false)) return restore_scene_before();
+  stability_.follow(live_.world(), requests);
   // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
-  stability_.go_on(std::clamp(500 * seconds, 12.0, 60.0));
+  stability_.advance(std::clamp(500 * seconds, 12.0, 60.0));
   if (auto opened = stability_.take_opened()) show_case(std::move(*opened));
 }
 
 void App::show_case(LiveStability::Opened opened) {
-  if (!before_cases_)
-    before_cases_ = Left{Start{live_.world().scene(), snapshot_of(live_.world())}, live_.world().options(),
-                         live_.record()};
+  if (!run_before_cases_)
+    run_before_cases_ = ReplacedRun{Start{live_.world().scene(), snapshot_of(live_.world())},
+                                    live_.world().options(), live_.record()};
   live_.open(std::move(opened.world), std::move(opened.script));
-  stability_.shows_case(before_cases_->start.scene.name);
+  stability_.case_shown(run_before_cases_->start.scene.name);
   show_another_scene();
   if (opened.failed) workspace_.playing = false;
   workspace_.selection = opened.body;
-  say(opened.notice);
+  show_notice(opened.notice);
 }
 
-void App::to_scene_before() {
-  if (!before_cases_) return;
-  live_.open(before_cases_->start.world(before_cases_->options), std::move(before_cases_->record));
-  before_cases_.reset();
-  stability_.shows_none();
+void App::restore_scene_before() {
+  if (!run_before_cases_) return;
+  live_.open(run_before_cases_->start.world(run_before_cases_->options),
+             std::move(run_before_cases_->record));
+  run_before_cases_.reset();
+  stability_.no_case_shown();
   show_another_scene();
 }
 
@@ -43,7 +44,7 @@ void App::show_another_scene() {
   workspace_.tree.node.reset();
   workspace_.follow = false;
   scene_.forget_camera();
-  due_ = 0;
+  steps_due_ = 0;
 }
 
 }  // namespace collidoscope

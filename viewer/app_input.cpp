@@ -57,42 +57,42 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_S:
       if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
-      workspace_.wish_step(again);
+      workspace_.request_step(again);
       break;
     case GLFW_KEY_R:
-      workspace_.restart_wish |= !again;
+      workspace_.restart_requested |= !again;
       break;
     case GLFW_KEY_F:
-      workspace_.camera_wish =
-          event.modifiers & GLFW_MOD_SHIFT ? CameraWish::frame_all : CameraWish::frame_selection;
+      workspace_.camera_request =
+          event.modifiers & GLFW_MOD_SHIFT ? CameraRequest::frame_all : CameraRequest::frame_selection;
       break;
     case GLFW_KEY_1:
     case GLFW_KEY_KP_1:
-      workspace_.camera_wish = CameraWish::front;
+      workspace_.camera_request = CameraRequest::front;
       break;
     case GLFW_KEY_3:
     case GLFW_KEY_KP_3:
-      workspace_.camera_wish = CameraWish::side;
+      workspace_.camera_request = CameraRequest::side;
       break;
     case GLFW_KEY_7:
     case GLFW_KEY_KP_7:
-      workspace_.camera_wish = CameraWish::top;
+      workspace_.camera_request = CameraRequest::top;
       break;
     case GLFW_KEY_5:
     case GLFW_KEY_KP_5:
-      if (!again) workspace_.camera_wish = CameraWish::orthographic;
+      if (!again) workspace_.camera_request = CameraRequest::orthographic;
       break;
     case GLFW_KEY_B:
-      workspace_.throw_wish |= !again;
+      workspace_.projectile_requested |= !again;
       break;
     case GLFW_KEY_DELETE:
-      workspace_.remove_wish |= !again;
+      workspace_.removal_requested |= !again;
       break;
     case GLFW_KEY_C:
-      if (!again) workspace_.folds.convergence = !workspace_.folds.convergence;
+      if (!again) workspace_.visible_panels.convergence = !workspace_.visible_panels.convergence;
       break;
     case GLFW_KEY_P:
-      workspace_.screenshot_wish |= !again;
+      workspace_.screenshot_requested |= !again;
       break;
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD:
@@ -113,8 +113,8 @@ void App::handle_key(const InputEvent& event) {
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // closes that
       if (settling_) {
         workspace_.settings = live_.settings();
-        workspace_.restart_wish = false;
-        say("left as it is");
+        workspace_.restart_requested = false;
+        show_notice("left as it is");
         break;
       }
       workspace_.help = false;
@@ -123,8 +123,10 @@ void App::handle_key(const InputEvent& event) {
       workspace_.follow = false;
       break;
     case GLFW_KEY_TAB: {
-      Folds& folds = workspace_.folds;
-      if (!again) folds.left = folds.right = folds.bottom = !(folds.left || folds.right || folds.bottom);
+      PanelVisibility& visible_panels = workspace_.visible_panels;
+      if (!again)
+        visible_panels.left = visible_panels.right = visible_panels.bottom =
+            !(visible_panels.left || visible_panels.right || visible_panels.bottom);
       break;
     }
     default:
@@ -150,8 +152,8 @@ void App::handle_button(const InputEvent& event) {
   workspace_.selection = picked.body;
   workspace_.tree.node.reset();
   if (!picked.body) workspace_.follow = false;
-  if (!picked.box || tree_.facts() == nullptr) return;  // only its panel tells what a node is
-  workspace_.playing = false;                           // the next state has another tree
+  if (!picked.box || tree_.view() == nullptr) return;  // only its panel tells what a node is
+  workspace_.playing = false;                          // the next state has another tree
   const std::vector<std::int64_t>& sizes = live_.level_sizes(true);
   std::int64_t place = *picked.box;
   for (int level = 0; level < std::min(workspace_.layers.first_level, static_cast<int>(sizes.size()));
@@ -177,7 +179,7 @@ void App::handle_move(const InputEvent& event) {
     pan(scene_.camera(), dx, dy, height);
 }
 
-void App::fly_on(double seconds) {
+void App::fly_camera(double seconds) {
   if (!buttons_.contains(GLFW_MOUSE_BUTTON_RIGHT)) return;
   const auto axis = [&](int more, int less) {
     return (keys_.contains(more) ? 1.0 : 0.0) - (keys_.contains(less) ? 1.0 : 0.0);

@@ -8,7 +8,7 @@
 
 #include "headless/cli/command_line.h"
 #include "headless/cli/exit_status.h"
-#include "headless/cli/interruption.h"
+#include "headless/cli/interrupt_handler.h"
 #include "headless/cli/process.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
@@ -32,14 +32,14 @@ int show(CommandLine line) {
   announce_long_work();
   // Ctrl+C closes the window as its button does: the settings are written.
   static Cancellation cancellation;
-  const Interruption interruption(cancellation, false);
+  const InterruptHandler interrupt_handler(cancellation, false);
   line.options.run.cancellation = &cancellation;
   try {
     const Start start = load_start(line);
     // A wrong folder is reported now, not when the panel opens.
     if (const std::string& cases = line.options.stability.cases; !cases.empty()) read_hard_cases(cases);
     App app(start, line.options);
-    if (app.run([&] { return interruption.wished(); })) end_at_once();
+    if (app.run([&] { return interrupt_handler.requested(); })) end_at_once();
   } catch (const Cancelled&) {  // before the first frame
     end_at_once();
   }
@@ -51,8 +51,8 @@ int show(CommandLine line) {
 
 int main(int argc, char** argv) {
   collidoscope::prepare_process();
-  collidoscope::end_with_a_line_where_memory_ends();
-  return collidoscope::exit_status_of([&] {
+  collidoscope::install_out_of_memory_handler();
+  return collidoscope::run_and_report_errors([&] {
     return collidoscope::show(collidoscope::parse_viewer_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
   });
 }

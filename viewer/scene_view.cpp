@@ -18,18 +18,18 @@ bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
 
 }  // namespace
 
-SceneView::SceneView(DisplayPath wish, const DrawWish& draw, DisplayLink::Say say)
-    : wish_(wish), draw_wish_(draw), say_(std::move(say)) {}
+SceneView::SceneView(DisplayPath request, const DrawRequest& draw, DisplayLink::LogCallback log)
+    : display_path_request_(request), draw_request_(draw), log_(std::move(log)) {}
 
 void SceneView::follow_world(LiveWorld& live) {
   if (generation_ == live.generation()) return;
   World& world = live.world();
   const std::optional<Box> before = renderer_->scene().box;
   renderer_->set_scene(frame_scene(world.scene(), world.initial()));
-  link_.emplace(world, wish_, say_);
+  link_.emplace(world, display_path_request_, log_);
   path_name_ = display_path_name(link_->path());
   generation_ = live.generation();
-  scene_wish_ = world.scene().camera;
+  scene_camera_request_ = world.scene().camera;
   // In another box the same direction shows all of it. A body that is added leaves the camera alone.
   if (camera_set_ && !same_box(before, renderer_->scene().box))
     camera_ = frame_all(renderer_->scene().bounds, aspect(), camera_);
@@ -37,7 +37,7 @@ void SceneView::follow_world(LiveWorld& live) {
 
 void SceneView::follow_frozen(LiveWorld& live) {
   constexpr std::size_t most = 100;
-  const std::vector<std::uint32_t>& ids = live.world().guards().frozen();
+  const std::vector<std::uint32_t>& ids = live.world().validation().frozen();
   const std::size_t shown = std::min(ids.size(), most);
   if (frozen_generation_ == live.generation() &&
       std::ranges::equal(frozen_, std::span(ids).first(shown), {}, &Frozen::id))
@@ -67,21 +67,21 @@ void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
 
 void SceneView::mark(const Workspace& workspace, const TreeInspector& tree) {
   node_.reset();
-  const TreeFacts* facts = tree.facts();
-  if (facts != nullptr && facts->node)
-    node_ = Bounds{Eigen::Map<const Vector3f>(facts->node->min).cast<double>(),
-                   Eigen::Map<const Vector3f>(facts->node->max).cast<double>()};
+  const TreePanelView* panel = tree.view();
+  if (panel != nullptr && panel->node)
+    node_ = Bounds{Eigen::Map<const Vector3f>(panel->node->min).cast<double>(),
+                   Eigen::Map<const Vector3f>(panel->node->max).cast<double>()};
   const Marked wanted{selected_ ? inspected_ : Inspected{}, workspace.show_path, tree.version(),
                       static_cast<int>(workspace.tree.visit)};
   if (wanted == marked_) return;
-  renderer_->set_marks(tree_marks(workspace, selected_ ? &*selected_ : nullptr, facts));
+  renderer_->set_marks(tree_marks(workspace, selected_ ? &*selected_ : nullptr, panel));
   marked_ = wanted;
 }
 
 void SceneView::publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference) {
   Published wanted{live.generation(), live.world().steps(), workspace.layers, reference.version()};
   if (wanted == published_) return;
-  if (workspace.layers.ask_a_reference()) {
+  if (workspace.layers.needs_reference()) {
     renderer_->set_ghosts(reference.ghosts(live.world(), live.generation()));
     wanted.reference = reference.version();
   }
@@ -102,14 +102,14 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
   height_ = height;
   const bool software = gl::is_software_renderer();
   const auto bodies = static_cast<std::int64_t>(live.world().initial().size());
-  const DrawOptions options = live_options(draw_wish_, software, bodies);
+  const DrawOptions options = live_options(draw_request_, software, bodies);
   if (!renderer_) renderer_.emplace(width, height, options);
   renderer_->set_options(options);
   follow_world(live);
   const bool resized = drawn_.width != width || drawn_.height != height;
   if (!camera_set_ || (resized && !camera_moved_)) {
     const bool orthographic = camera_.orthographic;
-    camera_ = scene_camera(scene_wish_, renderer_->scene().bounds, aspect());
+    camera_ = scene_camera(scene_camera_request_, renderer_->scene().bounds, aspect());
     camera_.orthographic = orthographic;
     camera_set_ = true;
   }
@@ -127,7 +127,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
   }
   // A moment after the last change every pixel is drawn, as it is for whoever keeps the picture.
   const bool moves = !(wanted == drawn_) || since < 0.25;
-  const bool may = software && !draw_wish_.supersampling && !workspace.screenshot_wish;
+  const bool may = software && !draw_request_.supersampling && !workspace.screenshot_requested;
   wanted.scale = may && moves ? view_scale_.scale() : 1;
   if (wanted == drawn_) return;
   const auto pixels = [&](int size) {
@@ -144,13 +144,13 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
   drawn_ = wanted;
 }
 
-void SceneView::meet_wish(CameraWish wish, LiveWorld& live) {
-  if (wish == CameraWish::none || !renderer_) return;
+void SceneView::handle_request(CameraRequest request, LiveWorld& live) {
+  if (request == CameraRequest::none || !renderer_) return;
   camera_moved_ = true;
-  switch (wish) {
-    case CameraWish::none:
+  switch (request) {
+    case CameraRequest::none:
       break;
-    case CameraWish::frame_selection:
+    case CameraRequest::frame_selection:
       if (node_) {
         camera_ = frame_all(*node_, aspect(), camera_);
         break;
@@ -161,21 +161,21 @@ void SceneView::meet_wish(CameraWish wish, LiveWorld& live) {
         break;
       }
       [[fallthrough]];
-    case CameraWish::frame_all:
+    case CameraRequest::frame_all:
       camera_ = frame_all(scene_bounds(live.world().scene(), live.world().initial().box,
                                        live.world().bodies().position, live.world().initial().radius),
                           aspect(), camera_);
       break;
-    case CameraWish::front:
+    case CameraRequest::front:
       look_along(camera_, AxisView::front);
       break;
-    case CameraWish::side:
+    case CameraRequest::side:
       look_along(camera_, AxisView::side);
       break;
-    case CameraWish::top:
+    case CameraRequest::top:
       look_along(camera_, AxisView::top);
       break;
-    case CameraWish::orthographic:
+    case CameraRequest::orthographic:
       camera_.orthographic = !camera_.orthographic;
       break;
   }

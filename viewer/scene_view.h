@@ -20,8 +20,8 @@ namespace collidoscope {
 
 class SceneView {
  public:
-  /// `wish`: the display path; `say` gets a line for each step down.
-  SceneView(DisplayPath wish, const DrawWish& draw, DisplayLink::Say say);
+  /// `request`: the display path; `log` gets a line for each step down.
+  SceneView(DisplayPath request, const DrawRequest& draw, DisplayLink::LogCallback log);
 
   /// Brings camera and buffers to what is to be drawn, and draws it for `width` x `height` pixels: on a slow
   /// renderer fewer while it changes, and nothing while it does not.
@@ -37,9 +37,9 @@ class SceneView {
   OrbitCamera& camera() { return camera_; }
   /// From now on the camera is somebody's choice: a new window size keeps it.
   void camera_was_moved() { camera_moved_ = true; }
-  /// Another scene: the camera looks as that one wishes.
+  /// Another scene: the camera looks as that one requests.
   void forget_camera() { camera_set_ = camera_moved_ = false; }
-  void meet_wish(CameraWish wish, LiveWorld& live);
+  void handle_request(CameraRequest request, LiveWorld& live);
   /// The body at a pixel of the view; where there is none, the box whose edge is near.
   struct Picked {
     std::optional<std::uint32_t> body;
@@ -67,16 +67,16 @@ class SceneView {
   void publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference);
   double aspect() const { return static_cast<double>(width_) / height_; }
 
-  DisplayPath wish_;
-  DrawWish draw_wish_;
-  DisplayLink::Say say_;
+  DisplayPath display_path_request_;
+  DrawRequest draw_request_;
+  DisplayLink::LogCallback log_;
   std::optional<Renderer> renderer_;
   std::optional<DisplayLink> link_;
   std::string path_name_ = "none";
   OrbitCamera camera_;
   bool camera_moved_ = false, camera_set_ = false;
   int generation_ = -1;
-  Camera scene_wish_;
+  Camera scene_camera_request_;
 
   // What the buffers hold: they are filled anew only when it changes.
   struct Published {

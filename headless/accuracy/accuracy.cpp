@@ -11,12 +11,12 @@
 
 #include "headless/accuracy/analytic_suite.h"
 #include "headless/accuracy/study_report.h"
-#include "headless/cli/interruption.h"
+#include "headless/cli/interrupt_handler.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/result_files.h"
+#include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/accuracy/study.h"
-#include "sim_cuda/accuracy/subject.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/text_file.h"
 
@@ -45,7 +45,7 @@ void start_apart(const CommandLine& line, Scene& scene) {
 }
 
 /// What the file of --json holds of this study, which was cut short. Any other file will be replaced.
-void go_on(const std::string& file, AccuracyStudy& study) {
+void advance(const std::string& file, AccuracyStudy& study) {
   if (file.empty() || file == "-" || !std::filesystem::is_regular_file(file)) return;
   try {
     const std::string text = read_text_file(file, std::size_t{64} << 20, "what accuracy --json wrote");
@@ -60,7 +60,8 @@ void go_on(const std::string& file, AccuracyStudy& study) {
 }
 
 /// Works to the end, or to Ctrl-C, which also cancels the step in progress. Files are as of the last second.
-void work(AccuracyStudy& study, const Interruption& interruption, const std::function<void()>& save) {
+void work(AccuracyStudy& study, const InterruptHandler& interrupt_handler,
+          const std::function<void()>& save) {
   using Clock = std::chrono::steady_clock;
   std::optional<Progress> bar;
   std::int64_t total = -1;
@@ -72,7 +73,7 @@ void work(AccuracyStudy& study, const Interruption& interruption, const std::fun
       return false;
     }
   };
-  while (!interruption.wished() && advance()) {
+  while (!interrupt_handler.requested() && advance()) {
     const AccuracyStudy::Progress progress = study.progress();
     if (progress.total != total) bar.emplace(study.reference() ? "runs" : "reference", progress.total);
     total = progress.total;
@@ -85,7 +86,7 @@ void work(AccuracyStudy& study, const Interruption& interruption, const std::fun
 
 [[noreturn]] void end_without_result() {
   std::fputs("stopped before the reference was known: nothing is kept\n", stderr);
-  Interruption::obey();
+  InterruptHandler::reraise();
 }
 
 }  // namespace
@@ -103,17 +104,17 @@ int accuracy_command(const CommandLine& line) try {
   const ResultFiles files(options);
   start_apart(line, scene);
   Cancellation cancellation;
-  const Interruption interruption(cancellation, /*at_once=*/false);
+  const InterruptHandler interrupt_handler(cancellation, /*at_once=*/false);
   RunOptions run = options.run;
   run.cancellation = &cancellation;
   AccuracyStudy study(
       scene, run, {.seconds = options.accuracy.seconds, .rounds = static_cast<int>(options.bench.repeats)});
-  go_on(options.json, study);
+  advance(options.json, study);
   const auto save = [&] {
     const AccuracyRecord record = study.record();
     files.write(write_record(record), study_csv(record), study_markdown(record, tolerance));
   };
-  work(study, interruption, save);
+  work(study, interrupt_handler, save);
   if (study.points().empty()) end_without_result();
   save();
   const AccuracyRecord record = study.record();
@@ -125,7 +126,7 @@ int accuracy_command(const CommandLine& line) try {
     std::fputs(kept ? fmt::format("stopped; the same command goes on from {}\n", options.json).c_str()
                     : "stopped; with --json FILE the same command would go on from there\n",
                stderr);
-    Interruption::obey();
+    InterruptHandler::reraise();
   }
   return tolerance && !recommended(record.points, record.reference.error, *tolerance).point ? 1 : 0;
 } catch (const Cancelled&) {

@@ -116,7 +116,7 @@ struct Counts {
 };
 
 /// The cases have scenes and steps of their own: flags that would change them are refused, not ignored.
-void refuse_what_cases_set(const Options& options) {
+void refuse_settings_of_cases(const Options& options) {
   const Overrides& o = options.overrides;
   const std::pair<const char*, bool> flags[] = {
       {"--bodies", o.bodies.has_value()},
@@ -160,7 +160,7 @@ std::string analytic_json(const std::vector<AnalyticResult>& results, const std:
     const bool exact = r.method.theory.claim == Claim::exact;
     json["cases"].push_back({{"name", r.name},
                              {"compared", r.compared},
-                             {"because", r.because},
+                             {"because", r.rationale},
                              {"integrator", name_of(r.method)},
                              {"precision", name_of(precision_names, r.precision)},
                              {"claim", name_of_claim(r.method.theory.claim)},
@@ -202,7 +202,7 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
                         order_text(r), row.passed() ? "" : ", **failed**", step_text(r.levels.back().h),
                         row.f64 ? error_text(row.f64->levels.back().error) : "", share_text(r),
                         row.f32 ? error_text(row.f32->levels.back().error) : "", float_pays_to(row),
-                        again ? "" : r.because);
+                        again ? "" : r.rationale);
   }
   return text;
 }
@@ -255,7 +255,7 @@ Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::stri
 
 int analytic_suite(const CommandLine& line) {
   const Overrides& chosen = line.options.overrides;
-  refuse_what_cases_set(line.options);
+  refuse_settings_of_cases(line.options);
   const ResultFiles files(line.options);
   struct Run {
     const AnalyticCase* one;

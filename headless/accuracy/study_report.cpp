@@ -19,16 +19,16 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{:
 /// For CSV: exact, empty where it is not known.
 std::string csv_cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
-std::string price_text(const AccuracyPrice& ms) {
+std::string cost_text(const AccuracyCost& ms) {
   if (!std::isfinite(ms.median)) return "-";
   return fmt::format("{:.4g} ({:.4g}-{:.4g})", ms.median, ms.low, ms.high);
 }
 
-/// Of how many runs prices are the medians: fewer than asked for where a study was stopped.
+/// Of how many runs costs are the medians: fewer than asked for where a study was stopped.
 std::string runs_text(const AccuracyRecord& record) {
   std::size_t least = static_cast<std::size_t>(record.rounds), most = 0;
   for (const AccuracyPoint& point : record.points) {
-    if (!point.has_price()) continue;
+    if (!point.has_cost()) continue;
     least = std::min(least, point.ms_runs.size());
     most = std::max(most, point.ms_runs.size());
   }
@@ -48,21 +48,21 @@ std::string head_text(const AccuracyRecord& record) {
   if (!r.end.empty()) text += fmt::format(": {}", r.end);
   text += fmt::format("\nits own error: {} m", number(r.error));
   if (std::isfinite(r.order)) text += fmt::format(", observed order {:.2f}", r.order);
-  if (r.growth_rate > 0)
-    text += fmt::format("; a tiny displacement grows e-fold each {:.2g} s", 1 / r.growth_rate);
+  if (r.lyapunov_rate > 0)
+    text += fmt::format("; a tiny displacement grows e-fold each {:.2g} s", 1 / r.lyapunov_rate);
   return text + "\n";
 }
 
-/// The slope of a family's error over its time step, of the settings that differ in nothing else; in double,
+/// The slope of a series's error over its time step, of the settings that differ in nothing else; in double,
 /// since float's rounding has none; what the reference cannot tell is left out.
-double order_of(const AccuracyRecord& record, const std::string& family) {
+double order_of(const AccuracyRecord& record, const std::string& series_name) {
   double order = not_known;
   std::size_t longest = 2;  // points, at least three
   for (const AccuracyPoint& first : record.points) {
-    if (first.family != family || first.setting.precision != Precision::f64) continue;
+    if (first.series_name != series_name || first.setting.precision != Precision::f64) continue;
     std::vector<double> steps, errors;
     for (const AccuracyPoint& p : record.points) {
-      if (p.family != family || p.setting.substeps != first.setting.substeps ||
+      if (p.series_name != series_name || p.setting.substeps != first.setting.substeps ||
           p.setting.iterations != first.setting.iterations || !std::isfinite(p.error) ||
           !(p.error > 3 * record.reference.error))
         continue;
@@ -76,12 +76,13 @@ double order_of(const AccuracyRecord& record, const std::string& family) {
   return order;
 }
 
-std::vector<std::string> families_of(const AccuracyRecord& record) {
-  std::vector<std::string> families;
+std::vector<std::string> series_of(const AccuracyRecord& record) {
+  std::vector<std::string> series_names;
   for (const AccuracyPoint& p : record.points)
-    if (std::ranges::find(families, p.family) == families.end()) families.push_back(p.family);
-  std::ranges::sort(families);
-  return families;
+    if (std::ranges::find(series_names, p.series_name) == series_names.end())
+      series_names.push_back(p.series_name);
+  std::ranges::sort(series_names);
+  return series_names;
 }
 
 std::string row_text(const AccuracyPoint& p) {
@@ -89,16 +90,16 @@ std::string row_text(const AccuracyPoint& p) {
   const double joints = std::isfinite(i.joint_error) ? i.joint_error : i.penetration_max;
   return fmt::format("{} {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", p.on_front ? '*' : ' ', p.name,
                      p.has_error() && !std::isfinite(p.error) ? "lost" : number(p.error),
-                     number(p.error_worst), price_text(p.ms), number(i.energy_error),
+                     number(p.error_worst), cost_text(p.ms), number(i.energy_error),
                      number(i.momentum_balance), number(joints));
 }
 
 std::string cheapest_text(const AccuracyRecord& record, double tolerance) {
   const Recommendation answer = recommended(record.points, record.reference.error, tolerance);
-  if (!answer.point) return answer.lack;
+  if (!answer.point) return answer.unavailable_reason;
   const AccuracyPoint& p = record.points[*answer.point];
   return fmt::format("the cheapest within {:g} m: {}, {}; error {} m, {:.4g} ms for a simulated second",
-                     tolerance, p.family, p.name, number(p.error), p.ms.median);
+                     tolerance, p.series_name, p.name, number(p.error), p.ms.median);
 }
 
 std::string float_text(const AccuracyRecord& record) {
@@ -112,7 +113,7 @@ std::string float_text(const AccuracyRecord& record) {
       AccuracySetting other = d.setting;
       other.precision = Precision::f32;
       if (d.setting.precision != Precision::f64 || !(other == f.setting)) continue;
-      if (f.has_price() && d.has_price()) ratios.push_back(d.ms.median / f.ms.median);
+      if (f.has_cost() && d.has_cost()) ratios.push_back(d.ms.median / f.ms.median);
       if (!std::isfinite(f.error) || !std::isfinite(d.error)) continue;
       ++pairs;
       if (f.error > worse * d.error) departs = std::max(departs, f.error);
@@ -144,11 +145,12 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
       record.points, [](const AccuracyPoint& p) { return std::isfinite(p.invariants.joint_error); });
   text += fmt::format("\n  {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", "", "error, m", "worst", "ms a second",
                       "energy", "momentum", joints ? "joint, m" : "depth, m");
-  for (const std::string& family : families_of(record)) {
-    const double order = order_of(record, family);
-    text += family + (std::isfinite(order) ? fmt::format(", order {:.2f} in its step", order) : "") + "\n";
+  for (const std::string& series_name : series_of(record)) {
+    const double order = order_of(record, series_name);
+    text +=
+        series_name + (std::isfinite(order) ? fmt::format(", order {:.2f} in its step", order) : "") + "\n";
     for (const AccuracyPoint& p : record.points)
-      if (p.family == family) text += row_text(p);
+      if (p.series_name == series_name) text += row_text(p);
   }
   text +=
       "* nothing else is both cheaper and more accurate. error: root mean square over bodies and time of "
@@ -157,12 +159,12 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
       "  momentum: change that neither walls nor gravity account for, over the sum of m |v|\n\n";
   text += "the front, from cheap to dear:\n";
   for (const AccuracyPoint* p : front_of(record))
-    text += fmt::format("  {:<60}{:>9} m {:>9.4g} ms\n", p->family + ", " + p->name, number(p->error),
+    text += fmt::format("  {:<60}{:>9} m {:>9.4g} ms\n", p->series_name + ", " + p->name, number(p->error),
                         p->ms.median);
   text += "\n" + float_text(record);
   if (!tolerance && all_below_reference(record.points, record.reference.error))
-    text += recommended(record.points, record.reference.error, 0).lack + "\n";
-  for (const std::string& doubt : record.doubts) text += doubt + "\n";
+    text += recommended(record.points, record.reference.error, 0).unavailable_reason + "\n";
+  for (const std::string& warning : record.warnings) text += warning + "\n";
   if (tolerance) text += cheapest_text(record, *tolerance) + "\n";
   return text;
 }
@@ -178,7 +180,7 @@ std::string study_csv(const AccuracyRecord& record) {
     const AccuracySetting& s = p.setting;
     const AccuracyInvariants& i = p.invariants;
     text +=
-        fmt::format("{},\"{}\",{},{},{},{},{},{},{},{}", p.family, p.name, s.time_step, s.substeps,
+        fmt::format("{},\"{}\",{},{},{},{},{},{},{},{}", p.series_name, p.name, s.time_step, s.substeps,
                     s.iterations, name_of(solver_names, s.solver), name_of(integrator_names, s.integrator),
                     name_of(rotation_update_names, s.rotation_update), name_of(precision_names, s.precision),
                     s.continuous_collision);
@@ -215,8 +217,8 @@ std::string study_markdown(const AccuracyRecord& record, std::optional<double> t
       "\n\n| setting | error, m | worst, m | ms for a simulated second | energy | overlap over radius |\n"
       "|---|---:|---:|---:|---:|---:|\n";
   for (const AccuracyPoint* p : front_of(record))
-    text += fmt::format("| `{}`, {} | {:.2g} | {:.2g} | {} | {:.2g} | {:.2g} |\n", p->family, p->name,
-                        p->error, p->error_worst, price_text(p->ms), p->invariants.energy_error,
+    text += fmt::format("| `{}`, {} | {:.2g} | {:.2g} | {} | {:.2g} | {:.2g} |\n", p->series_name, p->name,
+                        p->error, p->error_worst, cost_text(p->ms), p->invariants.energy_error,
                         p->invariants.penetration_over_radius);
   text += "\n" + float_text(record);
   if (tolerance) text += cheapest_text(record, *tolerance) + "\n";
@@ -236,7 +238,7 @@ Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance)
   for (std::size_t s = 0; s < chart.series.size(); ++s) {
     ChartSeries& series = chart.series[s];
     if (!series.line || !series.marks) {
-      series.name.clear();  // the front, and what families' own fronts leave behind
+      series.name.clear();  // the front, and what series' own fronts leave behind
       continue;
     }
     for (std::size_t k = 0; k < series.points.size(); ++k) {

@@ -9,7 +9,7 @@
 
 namespace collidoscope {
 
-/// Tables by family, what is cheapest below a tolerance in m, and where float stops paying.
+/// Tables by series, what is cheapest below a tolerance in m, and where float stops paying.
 std::string study_text(const AccuracyRecord& record, std::optional<double> tolerance);
 /// A row for each setting.
 std::string study_csv(const AccuracyRecord& record);

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "headless/bench/cubql_baseline.h"
 #include "headless/bench/method_row.h"
-#include "headless/bench/peer_cubql.h"
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
@@ -62,7 +62,7 @@ MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
   }
   const BodyBounds<float> bounds{position.data(), radius.data(), boxes.data()};
   for (std::size_t k = 0; k < bodies.size(); ++k) bounds(static_cast<int>(k));
-  const PeerTimes times = time_cubql(boxes, ours.repeats);
+  const BaselineTimes times = time_cubql(boxes, ours.repeats);
   if (times.pairs != ours.pairs)
     throw MachineError(fmt::format("cuBQL finds {} pairs among {} bodies where there are {}", times.pairs,
                                    bodies.size(), ours.pairs));
@@ -73,7 +73,7 @@ MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
   row.stages.clear();
   std::vector<float> us(times.ms);
   for (float& time : us) time *= 1000;
-  row.whole = spread_of(us);
+  row.whole = percentiles_of(us);
   return row;
 }
 

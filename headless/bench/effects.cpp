@@ -8,10 +8,10 @@
 
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/reporting/percentiles.h"
+#include "headless/reporting/percentiles_json.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
-#include "headless/reporting/spread.h"
-#include "headless/reporting/spread_json.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/names.h"
 
@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr int effect_turn_steps = 4;
 
 /// How a scene comes to call for an effect.
-struct EffectTrial {
+struct EffectCase {
   std::string_view effect;
   void (*ground)(Scene&);    ///< of all three runs
   void (*call_for)(Scene&);  ///< of those that call for it; null: the ground calls for it already
@@ -36,7 +36,7 @@ void rub(Scene& scene) {
   scene.materials[0].friction = 0.5;
 }
 
-constexpr EffectTrial trials[] = {
+constexpr EffectCase effect_cases[] = {
     {"gravity",
      [](Scene& s) {
        s.generators[0].speed_max = 5;
@@ -66,7 +66,7 @@ constexpr EffectTrial trials[] = {
      [](Scene& s) {
        s.physics.sleep = Sleep{2, 0.1};
      }},
-    {"guards", nothing, [](Scene& s) { s.physics.guards = Guards{}; }, false},
+    {"guards", nothing, [](Scene& s) { s.physics.guards = ValidationSettings{}; }, false},
 };
 
 struct Launched {
@@ -116,17 +116,17 @@ struct Runner {
 struct EffectRow {
   std::string effect;
   Footprint without, off, on;
-  Spread ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
+  Percentiles ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
   bool decides = true;
 
-  bool off_is_free() const {
+  bool off_adds_nothing() const {
     return off.launches == without.launches && off.buffers == without.buffers && off.hash == without.hash;
   }
   /// What decides no state leads to the same one.
-  bool on_is_right() const { return decides || on.hash == without.hash; }
-  bool on_is_seen() const {
+  bool on_matches_hash_rule() const { return decides || on.hash == without.hash; }
+  bool on_has_effect() const {
     const bool seen = decides ? on.hash != without.hash : on.launches != without.launches;
-    return seen && on_is_right();
+    return seen && on_matches_hash_rule();
   }
 };
 
@@ -145,19 +145,19 @@ Scene base_of(const CommandLine& line) {
   return scene;
 }
 
-EffectRow measure_effect(const EffectTrial& trial, const Scene& base, const RunOptions& options,
+EffectRow measure_effect(const EffectCase& effect_case, const Scene& base, const RunOptions& options,
                          std::int64_t turns, const std::function<void()>& turned) {
   Scene without = base;
-  trial.ground(without);
+  effect_case.ground(without);
   Scene on = without;
-  if (trial.call_for != nullptr) trial.call_for(on);
+  if (effect_case.call_for != nullptr) effect_case.call_for(on);
   Scene off = on;
   Runner with{World(on, options)};
   Effects effects = with.world.effects();
   for (const EffectName& each : effect_names)
-    if (each.name == trial.effect) effects.*each.flag = false;
+    if (each.name == effect_case.effect) effects.*each.flag = false;
   off.physics.effects = effects;
-  if (trial.call_for == nullptr) without = off;
+  if (effect_case.call_for == nullptr) without = off;
   Runner first{World(without, options)}, second{World(off, options)};
   for (std::int64_t turn = 0; turn < turns; ++turn) {
     // Who goes first finds other caches than who goes second.
@@ -171,8 +171,14 @@ EffectRow measure_effect(const EffectTrial& trial, const Scene& base, const RunO
     off_ratios.push_back(second.ms[k] / first.ms[k]);
     on_ratios.push_back(with.ms[k] / first.ms[k]);
   }
-  return {std::string(trial.effect), first.footprint(),     second.footprint(),   with.footprint(),
-          spread_of(first.ms),       spread_of(off_ratios), spread_of(on_ratios), trial.decides};
+  return {std::string(effect_case.effect),
+          first.footprint(),
+          second.footprint(),
+          with.footprint(),
+          percentiles_of(first.ms),
+          percentiles_of(off_ratios),
+          percentiles_of(on_ratios),
+          effect_case.decides};
 }
 
 Json footprint_json(const Footprint& print) {
@@ -195,11 +201,11 @@ std::string effects_json(const EffectsSetting& setting, const std::vector<Effect
             {"effects", Json::array()}};
   for (const EffectRow& r : rows) {
     Json one{{"effect", r.effect},
-             {"off_costs_nothing", r.off_is_free()},
-             {"on_is_seen", r.on_is_seen()},
-             {"step_ms", spread_json(r.ms)},
-             {"off_ratio", spread_json(r.off_ratio)},
-             {"on_ratio", spread_json(r.on_ratio)},
+             {"off_costs_nothing", r.off_adds_nothing()},
+             {"on_is_seen", r.on_has_effect()},
+             {"step_ms", percentiles_json(r.ms)},
+             {"off_ratio", percentiles_json(r.off_ratio)},
+             {"on_ratio", percentiles_json(r.on_ratio)},
              {"without", footprint_json(r.without)},
              {"off", footprint_json(r.off)},
              {"on", footprint_json(r.on)}};
@@ -210,12 +216,12 @@ std::string effects_json(const EffectsSetting& setting, const std::vector<Effect
 
 /// The cells of a row, as the table on the terminal and that in Markdown have them.
 std::vector<std::string> cells_of(const EffectRow& r) {
-  const auto ratio = [](const Spread& s) {
+  const auto ratio = [](const Percentiles& s) {
     return fmt::format("{:.3f} ({:.3f} to {:.3f})", s.median, s.p5, s.p95);
   };
   std::vector<std::string> cells{
       r.effect,
-      r.off_is_free() ? "same" : "DIFFERENT",
+      r.off_adds_nothing() ? "same" : "DIFFERENT",
       fmt::format("{:.2f}", r.ms.median),
       ratio(r.off_ratio),
       ratio(r.on_ratio),
@@ -223,7 +229,7 @@ std::vector<std::string> cells_of(const EffectRow& r) {
       fmt::format("{:+.1f}",
                   static_cast<double>(r.on.bytes() - r.without.bytes()) / static_cast<double>(1 << 10)),
       r.decides ? (r.on.hash != r.without.hash ? "another" : "THE SAME")
-                : (r.on_is_right() ? "same" : "DIFFERENT")};
+                : (r.on_matches_hash_rule() ? "same" : "DIFFERENT")};
   return cells;
 }
 const std::vector<std::string> heads{"effect",
@@ -250,8 +256,8 @@ std::string effects_csv(const std::vector<EffectRow>& rows) {
       "effect,off_costs_nothing,on_is_seen,step_ms,off_ratio,off_ratio_p5,off_ratio_p95,on_ratio,on_ratio_p5,"
       "on_ratio_p95,launches_without,launches_off,launches_on,bytes_without,bytes_off,bytes_on\n";
   for (const EffectRow& r : rows) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_is_free(),
-                        r.on_is_seen(), r.ms.median, r.off_ratio.median, r.off_ratio.p5, r.off_ratio.p95,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_adds_nothing(),
+                        r.on_has_effect(), r.ms.median, r.off_ratio.median, r.off_ratio.p5, r.off_ratio.p95,
                         r.on_ratio.median, r.on_ratio.p5, r.on_ratio.p95, r.without.launch_count(),
                         r.off.launch_count(), r.on.launch_count(), r.without.bytes(), r.off.bytes(),
                         r.on.bytes());
@@ -289,16 +295,17 @@ int bench_effects(const CommandLine& line) {
                                static_cast<std::int64_t>(probe.initial().size()), turns * effect_turn_steps};
   std::vector<EffectRow> rows;
   {
-    Progress progress("turns", turns * static_cast<std::int64_t>(std::size(trials)));
+    Progress progress("turns", turns * static_cast<std::int64_t>(std::size(effect_cases)));
     std::int64_t done = 0;
-    for (const EffectTrial& trial : trials) {
-      rows.push_back(measure_effect(trial, base, line.options.run, turns, [&] { progress.update(++done); }));
+    for (const EffectCase& effect_case : effect_cases) {
+      rows.push_back(
+          measure_effect(effect_case, base, line.options.run, turns, [&] { progress.update(++done); }));
       files.write(effects_json(setting, rows), effects_csv(rows), effects_markdown(rows));
     }
   }
   print(line.options.json == "-" ? effects_json(setting, rows) : effects_text(setting, rows));
   for (const EffectRow& row : rows)
-    if (!row.off_is_free() || !row.on_is_seen()) return 1;
+    if (!row.off_adds_nothing() || !row.on_has_effect()) return 1;
   return 0;
 }
 

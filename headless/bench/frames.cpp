@@ -14,8 +14,8 @@
 #include "headless/cli/standard_output.h"
 #include "headless/pictures/egl_context.h"
 #include "headless/pictures/panel_picture.h"
+#include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
-#include "headless/reporting/spread.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
 #include "viewer/session/live_world.h"
@@ -54,21 +54,21 @@ struct MeasuredFrames {
 };
 
 /// The live view without a window: what SceneView and App do, in their order.
-class Desk {
+class PanelBench {
  public:
-  Desk(const Scene& scene, const Options& options)
+  PanelBench(const Scene& scene, const Options& options)
       : request_(options.capture),
         live_(scene, options.run),
         context_(live_.world().info().gpu),
-        say_([](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }),
+        log_([](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }),
         options_(live_options(request_.draw, context_.software(),
                               static_cast<std::int64_t>(live_.world().initial().size()))),
         view_(request_.layers.ui ? PanelPicture::scene_rect(request_.width, request_.height)
                                  : ScreenRect{0, 0, static_cast<float>(request_.width),
                                               static_cast<float>(request_.height)}),
         renderer_(static_cast<int>(view_.width), static_cast<int>(view_.height), options_),
-        link_(live_.world(), request_.display_path, say_) {
-    for (const std::string& line : context_.steps_down()) say_(line);
+        link_(live_.world(), request_.display_path, log_) {
+    for (const std::string& line : context_.steps_down()) log_(line);
     World& world = live_.world();
     world.records().record_impulses(request_.layers.contacts);
     renderer_.set_scene(frame_scene(world.scene(), world.initial()));
@@ -122,7 +122,7 @@ class Desk {
   CaptureRequest request_;
   LiveWorld live_;
   EglContext context_;
-  DisplayLink::Say say_;
+  DisplayLink::LogCallback log_;
   DrawOptions options_;
   ScreenRect view_;
   Renderer renderer_;
@@ -165,7 +165,7 @@ struct FramesSetting {
 };
 
 Json part_json(const Part& part, double frames_sum) {
-  const Spread ms = spread_of(part.ms);
+  const Percentiles ms = percentiles_of(part.ms);
   return {{"name", part.name},
           {"median_ms", ms.median},
           {"p5_ms", ms.p5},
@@ -207,7 +207,7 @@ Json result_json(const FramesSetting& setting, const MeasuredFrames& measured) {
 std::string result_text(const FramesSetting& setting, const MeasuredFrames& measured) {
   constexpr const char* row = "  {:<34}{:>10}{:>10}{:>10}{:>10}\n";
   const auto line = [&](const std::string& name, const Part& part) {
-    const Spread ms = spread_of(part.ms);
+    const Percentiles ms = percentiles_of(part.ms);
     return fmt::format(row, name, fmt::format("{:.3f}", ms.median), fmt::format("{:.3f}", ms.p5),
                        fmt::format("{:.3f}", ms.p95),
                        fmt::format("{:.1f} %", 100 * part.sum / measured.frame.sum));
@@ -250,29 +250,29 @@ int bench_frames(const CommandLine& line) {
   std::optional<OutputFile> file;
   if (!options.json.empty() && options.json != "-") file.emplace("--json", options.json);
 
-  Desk desk(scene, options);
-  const StepStats initial = desk.live().world().measure();
+  PanelBench panel_bench(scene, options);
+  const StepStats initial = panel_bench.live().world().measure();
   MeasuredFrames measured;
   {
     Progress progress("frames", options.frames);
     for (int k = 0; k < warm_up; ++k) {
       MeasuredFrames forgotten;
-      desk.frame(forgotten);
+      panel_bench.frame(forgotten);
     }
     for (std::int64_t k = 0; k < options.frames; ++k) {
-      desk.frame(measured);
+      panel_bench.frame(measured);
       progress.update(k + 1);
     }
   }
-  const DrawOptions& drawing = desk.renderer().options();
-  const FramesSetting setting{make_report(desk.live().world(), initial, std::nullopt),
-                              desk.context().renderer(),
-                              desk.context().version(),
-                              display_path_name(desk.path()),
+  const DrawOptions& drawing = panel_bench.renderer().options();
+  const FramesSetting setting{make_report(panel_bench.live().world(), initial, std::nullopt),
+                              panel_bench.context().renderer(),
+                              panel_bench.context().version(),
+                              display_path_name(panel_bench.path()),
                               quality_name(drawing.light),
                               layer_names(options.capture.layers),
-                              desk.context().software(),
-                              desk.renderer().computes_spheres(),
+                              panel_bench.context().software(),
+                              panel_bench.renderer().computes_spheres(),
                               drawing.supersampling,
                               options.capture.width,
                               options.capture.height,

@@ -39,11 +39,11 @@ MethodRow measure_method(const SweepPoint& at, int repeats) {
   row.visits = world.tree().own_visits();
   const auto in_us = [](std::vector<float> samples) {
     for (float& ms : samples) ms *= 1000;
-    return spread_of(samples);
+    return percentiles_of(samples);
   };
   row.whole = in_us(times.whole);
   for (const BroadPhaseTimes::Stage& stage : times.stages) {
-    row.stages.push_back({stage.name, in_us(stage.ms).median, stage.launches, stage.own_shape});
+    row.stages.push_back({stage.name, in_us(stage.ms).median, stage.launches, stage.library_launch});
     row.launches += stage.launches;
   }
   return row;
@@ -61,7 +61,7 @@ nlohmann::ordered_json json_of(const MethodRow& row) {
     json["stages"].push_back({{"name", stage.name},
                               {"median_us", stage.median_us},
                               {"launches", stage.launches},
-                              {"own_shape", stage.own_shape}});
+                              {"own_shape", stage.library_launch}});
   return json;
 }
 
@@ -80,7 +80,7 @@ std::string csv_of(const std::vector<MethodRow>& rows) {
 std::string stages_text(const MethodRow& row) {
   std::vector<std::string> parts;
   for (const MethodRow::Stage& stage : row.stages)
-    parts.push_back(fmt::format("{}{} {:.1f}", stage.name, stage.own_shape ? "*" : "", stage.median_us));
+    parts.push_back(fmt::format("{}{} {:.1f}", stage.name, stage.library_launch ? "*" : "", stage.median_us));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

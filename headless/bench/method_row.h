@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "headless/cli/command_line.h"
-#include "headless/reporting/spread.h"
+#include "headless/reporting/percentiles.h"
 #include "sim_cuda/core/launch_shape.h"
 #include "sim_cuda/world.h"
 #include "ui/chart.h"
@@ -21,12 +21,12 @@ struct MethodRow {
   int launches = 0, repeats = 0;
   int key_bits = 0;   ///< of Morton keys; 0: it has none
   double visits = 0;  ///< nodes that a query of the method's own reads, on average; 0: it has no tree
-  Spread whole;       ///< us, from positions to the ordered list of pairs
+  Percentiles whole;  ///< us, from positions to the ordered list of pairs
   struct Stage {
     std::string name;
     double median_us;
     int launches;
-    bool own_shape;
+    bool library_launch;
   };
   std::vector<Stage> stages;  ///< of other repeats, timed apart
 

@@ -54,12 +54,12 @@ PaperTiming time_steps(Scene scene, RunOptions run, const char* method, PaperQue
     sort.push_back(stages["sort"]);
     build.push_back(stages["build"]);
   } while (!repeats.enough(std::ssize(both), start));
-  timing.forwarding = spread_of(forwarding);
-  timing.collisions = spread_of(collisions);
-  timing.both = spread_of(both);
-  timing.pairs_stage = spread_of(pairs);
-  timing.sort_stage = spread_of(sort);
-  timing.build_stage = spread_of(build);
+  timing.forwarding = percentiles_of(forwarding);
+  timing.collisions = percentiles_of(collisions);
+  timing.both = percentiles_of(both);
+  timing.pairs_stage = percentiles_of(pairs);
+  timing.sort_stage = percentiles_of(sort);
+  timing.build_stage = percentiles_of(build);
   timing.whole_step = world.times().step_median_ms;
   timing.pairs = world.measure().pairs;
   timing.bytes = world.info().allocated_bytes;

@@ -43,7 +43,7 @@ double median_efficiency(const PaperRows& rows, PaperQuery query, double (*ms)(c
   for (const PaperRow& row : rows)
     if (row.cell.table == 5 && row.query == query && row.cell.blocks * row.cell.threads > 8)
       values.push_back(static_cast<float>(efficiency(rows, row, ms)));
-  return spread_of(values).median;
+  return percentiles_of(values).median;
 }
 
 const PaperRow* find(const PaperRows& rows, PaperQuery query, int table, std::int64_t bodies, int blocks,
@@ -55,7 +55,7 @@ const PaperRow* find(const PaperRows& rows, PaperQuery query, int table, std::in
   return row == rows.end() ? nullptr : &*row;
 }
 
-const char* verdict(bool holds) { return holds ? "confirmed" : "not confirmed"; }
+const char* outcome(bool holds) { return holds ? "confirmed" : "not confirmed"; }
 
 void add_efficiency(const PaperRows& rows, PaperQuery query, std::vector<std::string>& lines) {
   const double ours = median_efficiency(rows, query, our_ms);
@@ -64,14 +64,14 @@ void add_efficiency(const PaperRows& rows, PaperQuery query, std::vector<std::st
   lines.push_back(fmt::format(
       "\"Efficiency of 80 % in most cases\" (Table 5, {} queries, median beyond 8 threads): {:.1f} % by the "
       "paper's own figures, {:.1f} % here: {}.",
-      name_of(query), 100 * median_efficiency(rows, query, paper_ms), 100 * ours, verdict(ours >= claimed)));
+      name_of(query), 100 * median_efficiency(rows, query, paper_ms), 100 * ours, outcome(ours >= claimed)));
   const double sort = median_efficiency(rows, query, sort_ms),
                rest = median_efficiency(rows, query, unsorted_ms);
   lines.push_back(
       fmt::format("\"The sorting algorithm seems to be the main factor that eats up the speedup\" ({} "
                   "queries): the sort is "
                   "{:.1f} % efficient here, all the rest {:.1f} %: {}.",
-                  name_of(query), 100 * sort, 100 * rest, verdict(sort < 0.9 * rest)));
+                  name_of(query), 100 * sort, 100 * rest, outcome(sort < 0.9 * rest)));
 }
 
 void add_comparison(const PaperRows& rows, PaperQuery query, const std::string& what,
@@ -91,7 +91,7 @@ void add_comparison(const PaperRows& rows, PaperQuery query, const std::string& 
   lines.push_back(fmt::format(
       "\"Bottom-up is faster than top-down\" (Tables 3 and 4, N = 10,000), {}: in {} of {} shapes here; "
       "top-down takes {:.2f} to {:.2f} times as long (in the paper 2.4 to 6.9): {}.",
-      what, faster, compared, least, most, faster == 0 ? "refuted" : verdict(faster == compared)));
+      what, faster, compared, least, most, faster == 0 ? "refuted" : outcome(faster == compared)));
 }
 
 std::vector<std::string> claims(const PaperResults& results) {
@@ -125,7 +125,7 @@ std::vector<std::string> claims(const PaperResults& results) {
         grouped(r.bodies),
         r.shape.blocks > 0 ? fmt::format("B {}, T {}", r.shape.blocks, r.shape.threads) : "B and T auto",
         r.stack_ms.median, r.calls_ms.median, r.calls_ms.median / r.stack_ms.median,
-        verdict(r.calls_ms.median >= 5 * r.stack_ms.median)));
+        outcome(r.calls_ms.median >= 5 * r.stack_ms.median)));
   return lines;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "headless/bench/paper_cells.h"
-#include "headless/reporting/spread.h"
+#include "headless/reporting/percentiles.h"
 #include "sim_cuda/core/launch_shape.h"
 #include "ui/chart.h"
 
@@ -20,8 +20,8 @@ const char* name_of(PaperQuery query);
 /// What the first steps of one (method, query, N, B, T) took: ms, over the steps that were timed stage by
 /// stage. Each shape of one N goes through the same steps.
 struct PaperTiming {
-  Spread forwarding, collisions, both;  ///< sums of stages, step by step
-  Spread pairs_stage, sort_stage, build_stage;
+  Percentiles forwarding, collisions, both;  ///< sums of stages, step by step
+  Percentiles pairs_stage, sort_stage, build_stage;
   double whole_step = 0;  ///< median of the steps between, in which nothing is timed
   std::int64_t pairs = 0, bytes = 0;
   int launches = 0, steps = 0, timed = 0, key_bits = 0;
@@ -30,7 +30,7 @@ struct PaperTiming {
 struct PaperRow {
   PaperCell cell;
   PaperQuery query;
-  Spread ms;
+  Percentiles ms;
   PaperTiming timing;
 };
 
@@ -38,7 +38,7 @@ struct PaperRow {
 struct PaperRecursion {
   std::int64_t bodies;
   LaunchShape shape;
-  Spread stack_ms, calls_ms;
+  Percentiles stack_ms, calls_ms;
 };
 
 struct PaperResults {

@@ -111,9 +111,9 @@ PredictorRow measure_tree(const SweepPoint& at, int repeats) {
   row.quality = world.tree().quality();
   if (row.quality.nodes == 0) return row;
   const double ns_a_body = 1e6 / static_cast<double>(row.quality.bodies);
-  row.same_ns = ns_a_body * spread_of(world.tree().time_queries(repeats)).median;
+  row.same_ns = ns_a_body * percentiles_of(world.tree().time_queries(repeats)).median;
   for (const BroadPhaseTimes::Stage& stage : world.tree().time_broad_phase(repeats).stages)
-    if (stage.name == "pairs") row.own_ns = ns_a_body * spread_of(stage.ms).median;
+    if (stage.name == "pairs") row.own_ns = ns_a_body * percentiles_of(stage.ms).median;
   return row;
 }
 

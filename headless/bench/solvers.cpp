@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "headless/bench/peer_bullet.h"
+#include "headless/bench/bullet_baseline.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/reporting/percentiles.h"
+#include "headless/reporting/percentiles_json.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
-#include "headless/reporting/spread.h"
-#include "headless/reporting/spread_json.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
@@ -52,7 +52,7 @@ SolverResidual residual(const Scene& scene, const RunOptions& options, const Bod
 struct Contestant {
   std::string name, settings;
   std::optional<World> world;
-  std::unique_ptr<PeerBullet> bullet;
+  std::unique_ptr<BulletBaseline> bullet;
   std::vector<float> ms;  ///< a step, of each turn
 
   void turn() {
@@ -67,7 +67,7 @@ struct Contestant {
   BodyStates bodies() { return world ? world->bodies() : bullet->bodies(); }
 };
 
-void refuse_what_bullet_is_not_told(const Scene& scene, const World& world) {
+void refuse_unsupported_by_bullet(const Scene& scene, const World& world) {
   const Effects effects = world.effects();
   bool moved = false;  // by something else than forces
   for (const Motion motion : world.initial().motion) moved |= motion != Motion::dynamic;
@@ -114,14 +114,14 @@ std::vector<Contestant> contestants(const Scene& scene, const RunOptions& option
     Contestant& c = all.emplace_back();
     c.name = "Bullet";
     c.settings = text(each, settings.iterations, "");
-    c.bullet = std::make_unique<PeerBullet>(first, start.bodies, settings);
+    c.bullet = std::make_unique<BulletBaseline>(first, start.bodies, settings);
   }
   return all;
 }
 
 struct SolverRow {
   std::string name, settings;
-  Spread ms, ratio;  ///< a step; over the first contestant's of the same turn
+  Percentiles ms, ratio;  ///< a step; over the first contestant's of the same turn
   SolverResidual left;
   std::optional<double> speed;  ///< m/s, r.m.s. by mass; unset without a mass
 };
@@ -132,8 +132,12 @@ std::vector<SolverRow> solver_rows(std::vector<Contestant>& all, const Scene& sc
   for (Contestant& c : all) {
     std::vector<float> ratios;
     for (std::size_t k = 0; k < c.ms.size(); ++k) ratios.push_back(c.ms[k] / all[0].ms[k]);
-    SolverRow& row = rows.emplace_back(SolverRow{
-        c.name, c.settings, spread_of(c.ms), spread_of(ratios), residual(scene, options, c.bodies()), {}});
+    SolverRow& row = rows.emplace_back(SolverRow{c.name,
+                                                 c.settings,
+                                                 percentiles_of(c.ms),
+                                                 percentiles_of(ratios),
+                                                 residual(scene, options, c.bodies()),
+                                                 {}});
     if (mass > 0) row.speed = std::sqrt(2 * row.left.stats.kinetic_energy / mass);
   }
   return rows;
@@ -169,8 +173,8 @@ std::string solvers_json(const SolversSetting& setting, const std::vector<Solver
   for (const SolverRow& r : rows)
     json["rows"].push_back({{"solver", r.name},
                             {"settings", r.settings},
-                            {"step_ms", spread_json(r.ms)},
-                            {"ratio", spread_json(r.ratio)},
+                            {"step_ms", percentiles_json(r.ms)},
+                            {"ratio", percentiles_json(r.ratio)},
                             {"overlap_rms", r.left.overlap},
                             {"max_penetration", r.left.stats.max_penetration},
                             {"kinetic_energy", r.left.stats.kinetic_energy},
@@ -235,7 +239,7 @@ int bench_solvers(const CommandLine& line) {
   options.executor = ExecutorKind::cpu;
   if (options.cpu_threads == 0) options.cpu_threads = 1;
   World first(scene, options);
-  refuse_what_bullet_is_not_told(scene, first);
+  refuse_unsupported_by_bullet(scene, first);
   const std::int64_t turns = line.options.bench.repeats;
   const SolversSetting setting{scene.name,          first.info().device_name,
                                first.measure(),     scene.physics.time_step,

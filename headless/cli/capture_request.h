@@ -19,7 +19,7 @@ struct CaptureRequest {
   std::string out = "captures";    ///< the folder; made if it is not there
   bool timings = false;            ///< stage times as measured; else drawn as a dash, so that pictures repeat
   DisplayPath display_path = DisplayPath::automatic;
-  DrawWish draw;
+  DrawRequest draw;
 };
 
 /// Each throws InputError with lines that begin with `where`.

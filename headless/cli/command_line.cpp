@@ -249,7 +249,7 @@ Scene load_scene(const CommandLine& line) {
   Scene scene = read_scene(file);
   apply(line.options.overrides, file, scene);
   constexpr unsigned guarded = bit(Command::run) | bit(Command::capture) | bit(Command::view);
-  if (!(guarded & bit(line.command))) leave_out_guards(scene.physics);
+  if (!(guarded & bit(line.command))) disable_guards(scene.physics);
   return scene;
 }
 
@@ -263,7 +263,7 @@ void refuse_other_bodies(const Overrides& overrides, const std::string& file, co
     alone.*value = overrides.*value;
     Scene scene = saved;
     apply(alone, file, scene);
-    if (begins_another_run(saved, scene))
+    if (requires_restart(saved, scene))
       faults.push_back(
           fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load", flag,
                       shown(file), flag));

@@ -36,33 +36,33 @@ void print_faults(const std::vector<std::string>& faults) {
   if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
 }
 
-void tell_of_memory(const char* doing) {
+void report_out_of_memory(const char* activity) {
   std::fprintf(stderr,
                "out of memory%s%s: the machine refused an allocation; fewer bodies (--bodies) need less\n",
-               *doing != 0 ? " while " : "", doing);
+               *activity != 0 ? " while " : "", activity);
 }
 
 }  // namespace
 
-void end_with_a_line_where_memory_ends() {
+void install_out_of_memory_handler() {
   static const std::terminate_handler usual = std::get_terminate();
   std::set_terminate([] {
     remove_temporary_files();
     try {
       if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
     } catch (const OutOfMemory& error) {
-      tell_of_memory(error.what());
-      _exit(machine_lacks);
+      report_out_of_memory(error.what());
+      _exit(missing_resource);
     } catch (const std::bad_alloc&) {
-      tell_of_memory("");
-      _exit(machine_lacks);
+      report_out_of_memory("");
+      _exit(missing_resource);
     } catch (...) {
     }
     usual();
   });
 }
 
-int exit_status_of(const std::function<int()>& work) noexcept {
+int run_and_report_errors(const std::function<int()>& work) noexcept {
   try {
     const int status = work();
     flush_stdout();
@@ -71,13 +71,13 @@ int exit_status_of(const std::function<int()>& work) noexcept {
     print_faults(error.lines());
     return bad_input;
   } catch (const OutOfMemory& error) {
-    tell_of_memory(error.what());
+    report_out_of_memory(error.what());
   } catch (const std::bad_alloc&) {
-    tell_of_memory("");
+    report_out_of_memory("");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
   }
-  return machine_lacks;
+  return missing_resource;
 }
 
 }  // namespace collidoscope

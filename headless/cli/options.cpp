@@ -67,7 +67,7 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
   set(physics.restitution_threshold, overrides.restitution_threshold);
   if (overrides.guards) {
     if (!*overrides.guards)
-      leave_out_guards(physics);
+      disable_guards(physics);
     else if (physics.guards)
       physics.guards->on_failure = **overrides.guards;
     else

@@ -60,7 +60,7 @@ struct Overrides {
 /// What only `accuracy` takes, beside what it shares with `bench`.
 struct AccuracyOptions {
   std::optional<double> tolerance;  ///< m
-  double seconds = 0;               ///< s, that are compared at most; 0: as AccuracyRequest has it
+  double seconds = 0;               ///< s, that are compared at most; 0: as AccuracyStudyOptions has it
 };
 
 /// What only `stability` takes, but for the cases, which the viewer lists.

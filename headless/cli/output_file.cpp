@@ -31,7 +31,7 @@ OutputFile::OutputFile(std::string flag, const std::string& target)
     return;
   }
   try {
-    WholeFile trial(target_);
+    WholeFile probe(target_);
   } catch (const NotWritten& error) {
     refuse(error.why);
   }
@@ -73,7 +73,7 @@ void ensure_writable_folder(const std::string& flag, const std::string& folder) 
     refuse(fmt::format("{} cannot be made: {}", shown(folder),
                        failed ? failed.message() : "a file of this name is in the way"));
   try {
-    WholeFile trial((fs::path(folder) / "trial").string());
+    WholeFile probe((fs::path(folder) / "trial").string());
   } catch (const NotWritten& error) {
     refuse(fmt::format("{} cannot be written: {}", shown(folder), error.why));
   }

@@ -58,10 +58,10 @@ void announce_long_work() {
     (*bar)->update(steps);
     if (steps == most) bar->reset();
   };
-  const auto say = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
-  set_settle_news({progress, say});
-  set_slow_step_news([say, last = std::string()](const std::string& line) mutable {
-    if (line != last) say(line);  // worlds of one scene are often made one after the other
+  const auto log = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  set_settle_news({progress, log});
+  set_slow_step_callback([log, last = std::string()](const std::string& line) mutable {
+    if (line != last) log(line);  // worlds of one scene are often made one after the other
     last = line;
   });
 }

@@ -14,11 +14,11 @@ PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int wi
   workspace_.playing = false;
   workspace_.hint = false;
   if (layers.tree) {  // long as it is, it takes the others' room
-    Folds& folds = workspace_.folds;
-    folds.tree = true;
-    folds.timing = folds.numbers = folds.inspector = false;
+    PanelVisibility& visible_panels = workspace_.visible_panels;
+    visible_panels.tree = true;
+    visible_panels.timing = visible_panels.numbers = visible_panels.inspector = false;
   }
-  workspace_.folds.convergence = layers.convergence;
+  workspace_.visible_panels.convergence = layers.convergence;
   view_.with_times = timings;
 }
 
@@ -33,12 +33,12 @@ void PanelPicture::set_renderer(const std::string& renderer, bool software, cons
   view_.display_path = display_path;
 }
 
-void PanelPicture::refresh(World& world, Renderer& renderer, const ReferenceFacts& reference) {
+void PanelPicture::refresh(World& world, Renderer& renderer, const ReferenceView& reference) {
   view_.reference = reference;
   tree_.refresh(world, 0, workspace_);
   selected_.reset();
   if (workspace_.selection) selected_ = world.inspect(*workspace_.selection);
-  renderer.set_marks(tree_marks(workspace_, selected_ ? &*selected_ : nullptr, tree_.facts()));
+  renderer.set_marks(tree_marks(workspace_, selected_ ? &*selected_ : nullptr, tree_.view()));
 }
 
 void PanelPicture::record(World& world) {
@@ -49,9 +49,9 @@ void PanelPicture::record(World& world) {
 void PanelPicture::fill(World& world, const StepStats& stats, const History& history,
                         const std::vector<std::int64_t>& level_sizes, const ValueRange& range) {
   fill_view(world, stats, history, view_);
-  if (workspace_.folds.effects) {
+  if (workspace_.visible_panels.effects) {
     if (!costs_.begun()) costs_.begin(world);
-    view_.effect_facts = costs_.facts(world);
+    view_.effect_views = costs_.views(world);
   }
   view_.level_sizes = level_sizes;
   const FrameLayers& layers = workspace_.layers;
@@ -62,7 +62,7 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
   view_.max_impulse = range.max_impulse;
   view_.error_scale = range.error_scale;
   view_.mark_colors = mark_legend();
-  view_.tree = tree_.facts();
+  view_.tree = tree_.view();
   view_.selected = selected_ ? &*selected_ : nullptr;
   const auto [first, last] = colored_levels(layers, level_sizes.size(), view_.selected);
   view_.level_colors = level_legend(first, last);

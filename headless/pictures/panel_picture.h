@@ -29,9 +29,9 @@ class PanelPicture {
 
   Workspace& workspace() { return workspace_; }
   EffectCosts& costs() { return costs_; }
-  /// Before the 3D view is drawn: measures the tree where its panel is unfolded, meets what is wished for of
+  /// Before the 3D view is drawn: measures the tree where its panel is unfolded, meets what is requested of
   /// it, and marks the selection.
-  void refresh(World& world, Renderer& renderer, const ReferenceFacts& reference = {});
+  void refresh(World& world, Renderer& renderer, const ReferenceView& reference = {});
   /// What draws, as the status line says it.
   void set_renderer(const std::string& renderer, bool software, const std::string& display_path);
   /// After each step: graphs show it.

@@ -42,7 +42,7 @@ Json finding_json(const Finding& finding) {
       {"quantity", name_of(finding.quantity)},
       {"value", std::isfinite(finding.value) ? Json(finding.value) : Json(fmt::format("{}", finding.value))},
       {"unit", unit_of(finding.quantity)},
-      {"before", finding.before}};
+      {"before", finding.invalid_before}};
 }
 
 std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
@@ -53,17 +53,17 @@ std::string stage_table(const RunTimes& times) {
   const auto ms = [](double value, int samples) { return samples > 0 ? fmt::format("{:.4f}", value) : "-"; };
   double sum = 0;
   int timed = 0;
-  bool own_shape = false;
+  bool library_launch = false;
   for (const StageTime& stage : times.stages) {
     sum += stage.median_ms;
     timed += stage.samples;
-    own_shape |= stage.own_shape;
+    library_launch |= stage.library_launch;
   }
   std::string text = fmt::format(row, "stage", "median ms", "p95 ms", "share", "launches");
   int launches = 0;
   for (const StageTime& stage : times.stages) {
-    text += fmt::format(row, stage.name + (stage.own_shape ? " *" : ""), ms(stage.median_ms, stage.samples),
-                        ms(stage.p95_ms, stage.samples),
+    text += fmt::format(row, stage.name + (stage.library_launch ? " *" : ""),
+                        ms(stage.median_ms, stage.samples), ms(stage.p95_ms, stage.samples),
                         sum > 0 ? fmt::format("{:.1f} %", 100 * stage.median_ms / sum) : "-", stage.launches);
     launches += stage.launches;
   }
@@ -75,7 +75,7 @@ std::string stage_table(const RunTimes& times) {
       "  Stages are timed on odd steps, with a time taken after each; the whole step on\n"
       "  even ones, with none taken within. So the sum contains the cost of measuring,\n"
       "  the step does not, and as medians of different steps they need not add up.\n";
-  if (own_shape) text += "  * works in part in a launch shape of its own, not in (B, T)\n";
+  if (library_launch) text += "  * works in part in a launch shape of its own, not in (B, T)\n";
   return text;
 }
 
@@ -175,12 +175,12 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .state_hash = world.state_hash(),
       .allocated_bytes = world.info().allocated_bytes,
       .guards = {},
-      .finding = world.guards().finding(),
-      .frozen = world.guards().frozen(),
+      .finding = world.validation().finding(),
+      .frozen = world.validation().frozen(),
       .failure = {},
       .wall_seconds = wall_seconds};
   if (world.effects().guards)
-    report.guards = name_of(on_failure_names, scene.physics.guards.value_or(Guards{}).on_failure);
+    report.guards = name_of(on_failure_names, scene.physics.guards.value_or(ValidationSettings{}).on_failure);
   for (const EffectName& effect : effect_names)
     report.effect_reasons.emplace_back(effect.name, effect_reason(scene, world.initial(), effect.flag).why);
   report.simulated_seconds = static_cast<double>(report.final.step - initial.step) * report.time_step;
@@ -265,7 +265,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
                               {"median_ms", time_json(stage.median_ms, stage.samples)},
                               {"p95_ms", time_json(stage.p95_ms, stage.samples)},
                               {"launches", stage.launches},
-                              {"own_shape", stage.own_shape},
+                              {"own_shape", stage.library_launch},
                               {"launch", launch_json(stage.launch)}});
   json["step_median_ms"] = time_json(report.times.step_median_ms, report.times.steps_timed);
   json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);

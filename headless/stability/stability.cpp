@@ -10,13 +10,13 @@
 #include <optional>
 #include <thread>
 
-#include "headless/cli/interruption.h"
+#include "headless/cli/interrupt_handler.h"
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
 #include "headless/stability/stability_readme.h"
 #include "headless/stability/stability_report.h"
-#include "headless/stability/trial_pool.h"
+#include "headless/stability/test_pool.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/whole_file.h"
@@ -56,13 +56,14 @@ RunOptions on_one_thread(RunOptions options, ExecutorKind executor) {
 }
 
 /// To the end, or to Ctrl-C; seconds that it took.
-double run_all(std::vector<Trial>& trials, int jobs, const char* what, const Interruption& interruption) {
+double run_all(std::vector<TestRun>& test_runs, int jobs, const char* what,
+               const InterruptHandler& interrupt_handler) {
   const auto start = std::chrono::steady_clock::now();
-  Progress progress(what, std::ssize(trials));
+  Progress progress(what, std::ssize(test_runs));
   if (jobs == 0) jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  run_trials(trials, jobs, [&](std::int64_t done) {
+  run_tests(test_runs, jobs, [&](std::int64_t done) {
     progress.update(done);
-    return !interruption.wished();
+    return !interrupt_handler.requested();
   });
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -79,19 +80,19 @@ void report(const Options& options, const std::string& json, const std::string& 
 }
 
 void save_failures(const StabilityRun& run, const RunOptions& options, const std::string& folder) {
-  for (const TrialRow& row : run.rows) {
-    if (row.result.verdict != Verdict::failed || !row.result.failed_term) continue;
+  for (const TestRow& row : run.rows) {
+    if (row.result.outcome != TestOutcome::failed || !row.result.failed_assertion) continue;
     std::string bytes;
-    write_snapshot(state_in_trial(*row.one, row.setting, options, row.result.last_good),
+    write_snapshot(replay_to_state(*row.hard_case, row.configuration, options, row.result.last_passing_state),
                    [&](std::string_view more) { bytes += more; });
     const std::string name =
-        fmt::format("{}-{}-{}.snapshot", row.one->name, name_of(solver_names, row.setting.solver),
-                    name_of(precision_names, row.setting.precision));
+        fmt::format("{}-{}-{}.snapshot", row.hard_case->name, name_of(solver_names, row.configuration.solver),
+                    name_of(precision_names, row.configuration.precision));
     const std::string file = (std::filesystem::path(folder) / name).string();
     write_whole_file(file, bytes);
     std::fputs(fmt::format("{}: state {}; run --load {} --steps {} comes to what failed\n",
-                           name_of(*row.one, row.setting), row.result.last_good, file,
-                           row.result.steps - row.result.last_good)
+                           name_of(*row.hard_case, row.configuration), row.result.last_passing_state, file,
+                           row.result.steps - row.result.last_passing_state)
                    .c_str(),
                stderr);
   }
@@ -100,27 +101,27 @@ void save_failures(const StabilityRun& run, const RunOptions& options, const std
 int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const RunOptions& options) {
   const StabilityOptions& asked = line.options.stability;
   const Overrides& chosen = line.options.overrides;
-  std::vector<Trial> trials;
+  std::vector<TestRun> test_runs;
   std::vector<const HardCase*> of;
-  for (const HardCase& one : cases)
-    for (const TrialSetting& setting : trials_of(one, options.executor)) {
-      const bool every = !one.criterion.refused.empty();  // of whatever solver
-      if (!every && (chosen.solver.value_or(setting.solver) != setting.solver ||
-                     chosen.precision.value_or(setting.precision) != setting.precision))
+  for (const HardCase& hard_case : cases)
+    for (const TestConfiguration& configuration : test_configurations(hard_case, options.executor)) {
+      const bool every = !hard_case.criterion.refused.empty();  // of whatever solver
+      if (!every && (chosen.solver.value_or(configuration.solver) != configuration.solver ||
+                     chosen.precision.value_or(configuration.precision) != configuration.precision))
         continue;
-      trials.emplace_back(one, setting, options, asked.extended);
-      of.push_back(&one);
+      test_runs.emplace_back(hard_case, configuration, options, asked.extended);
+      of.push_back(&hard_case);
     }
   StabilityRun run{World(Scene{}, options).info().device_name,
                    options.executor,
                    asked.extended,
                    0,
-                   std::ssize(trials),
+                   std::ssize(test_runs),
                    {}};
-  const Interruption interruption;
-  run.seconds = run_all(trials, asked.jobs, "trials", interruption);
-  for (std::size_t k = 0; k < trials.size(); ++k)
-    if (trials[k].done()) run.rows.push_back({of[k], trials[k].setting(), trials[k].result()});
+  const InterruptHandler interrupt_handler;
+  run.seconds = run_all(test_runs, asked.jobs, "trials", interrupt_handler);
+  for (std::size_t k = 0; k < test_runs.size(); ++k)
+    if (test_runs[k].done()) run.rows.push_back({of[k], test_runs[k].configuration(), test_runs[k].result()});
   std::exception_ptr not_saved;  // the results are reported all the same
   try {
     if (!asked.save_failures.empty()) save_failures(run, options, asked.save_failures);
@@ -129,32 +130,33 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
   }
   report(line.options, stability_json(run), stability_text(run));
   if (not_saved) std::rethrow_exception(not_saved);
-  if (interruption.wished()) Interruption::obey();
-  return run.count(Verdict::failed) == 0 ? 0 : 1;
+  if (interrupt_handler.requested()) InterruptHandler::reraise();
+  return run.count(TestOutcome::failed) == 0 ? 0 : 1;
 }
 
-int plant(const CommandLine& line, const std::vector<HardCase>& cases, const RunOptions& options) {
-  std::vector<Trial> trials;
-  std::vector<PlantedRow> rows;
-  for (const HardCase& one : cases)
-    for (std::size_t k = 0; k < one.criterion.faults.size(); ++k) {
-      const CriterionFault& fault = one.criterion.faults[k];
-      trials.emplace_back(one, setting_of(one, fault, options.executor), options,
-                          line.options.stability.extended, &fault);
-      rows.push_back({&one, k, false, {}});
+int run_injected_faults(const CommandLine& line, const std::vector<HardCase>& cases,
+                        const RunOptions& options) {
+  std::vector<TestRun> test_runs;
+  std::vector<InjectedFaultRow> rows;
+  for (const HardCase& hard_case : cases)
+    for (std::size_t k = 0; k < hard_case.criterion.injected_faults.size(); ++k) {
+      const InjectedFault& fault = hard_case.criterion.injected_faults[k];
+      test_runs.emplace_back(hard_case, configuration_of(hard_case, fault, options.executor), options,
+                             line.options.stability.extended, &fault);
+      rows.push_back({&hard_case, k, false, {}});
     }
-  const Interruption interruption;
-  run_all(trials, line.options.stability.jobs, "faults", interruption);
-  std::vector<PlantedRow> known;
-  for (std::size_t k = 0; k < trials.size(); ++k) {
-    if (!trials[k].done() || trials[k].result().verdict == Verdict::not_applicable) continue;
-    rows[k].shows = trials[k].fault_shows();
-    rows[k].result = trials[k].result();
+  const InterruptHandler interrupt_handler;
+  run_all(test_runs, line.options.stability.jobs, "faults", interrupt_handler);
+  std::vector<InjectedFaultRow> known;
+  for (std::size_t k = 0; k < test_runs.size(); ++k) {
+    if (!test_runs[k].done() || test_runs[k].result().outcome == TestOutcome::not_applicable) continue;
+    rows[k].shows = test_runs[k].fault_detected();
+    rows[k].result = test_runs[k].result();
     known.push_back(rows[k]);
   }
-  report(line.options, planted_json(known), planted_text(known));
-  if (interruption.wished()) Interruption::obey();
-  return std::ranges::all_of(known, &PlantedRow::shows) ? 0 : 1;
+  report(line.options, injected_faults_json(known), injected_faults_text(known));
+  if (interrupt_handler.requested()) InterruptHandler::reraise();
+  return std::ranges::all_of(known, &InjectedFaultRow::shows) ? 0 : 1;
 }
 
 }  // namespace
@@ -171,7 +173,7 @@ int stability_command(const CommandLine& line) {
   const std::vector<HardCase> cases = read_hard_cases(folder, line.operands);
   if (!line.options.json.empty() && line.options.json != "-") OutputFile("--json", line.options.json);
   if (!asked.save_failures.empty()) ensure_writable_folder("--save-failures", asked.save_failures);
-  return asked.plant ? plant(line, cases, options) : run_suite(line, cases, options);
+  return asked.plant ? run_injected_faults(line, cases, options) : run_suite(line, cases, options);
 }
 
 }  // namespace collidoscope

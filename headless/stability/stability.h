@@ -8,7 +8,7 @@
 namespace collidoscope {
 
 /// The exit status: 1 where something failed that is no declared limit, or a declared limit holds, or a
-/// planted fault shows nowhere. After Ctrl-C it does not return: what is known is told, and the program ends
+/// injected fault shows nowhere. After Ctrl-C it does not return: what is known is told, and the program ends
 /// by that signal. Throws InputError or MachineError.
 int stability_command(const CommandLine& line);
 

@@ -24,32 +24,32 @@ std::string word(const Json& object, const char* key) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-/// All trials of a case, by solver, precision and executor.
+/// All test runs of a case, by solver, precision and executor.
 struct CaseRow {
   Json about;  ///< of the first file that has it
-  std::vector<Json> trials;
+  std::vector<Json> test_runs;
 
   std::vector<const Json*> of(std::string_view solver, std::string_view precision) const {
     std::vector<const Json*> found;
-    for (const Json& trial : trials)
-      if (word(trial, "solver").empty() ||
-          (word(trial, "solver") == solver && word(trial, "precision") == precision))
-        found.push_back(&trial);
+    for (const Json& test_run : test_runs)
+      if (word(test_run, "solver").empty() ||
+          (word(test_run, "solver") == solver && word(test_run, "precision") == precision))
+        found.push_back(&test_run);
     return found;
   }
 };
 
-const char* readme_mark(const std::string& verdict) {
-  if (verdict == "passed") return "✓";
-  if (verdict == "declared limit") return "L";
-  return verdict == "failed" ? "**✗**" : "–";
+const char* readme_mark(const std::string& outcome) {
+  if (outcome == "passed") return "✓";
+  if (outcome == "declared limit") return "L";
+  return outcome == "failed" ? "**✗**" : "–";
 }
 
 /// Of all machines: what they agree on; what one does not run says nothing.
-std::string readme_mark(const std::vector<const Json*>& trials) {
+std::string readme_mark(const std::vector<const Json*>& test_runs) {
   std::string mark;
-  for (const Json* trial : trials) {
-    const std::string here = readme_mark(word(*trial, "verdict"));
+  for (const Json* test_run : test_runs) {
+    const std::string here = readme_mark(word(*test_run, "verdict"));
     if (mark.empty() || mark == "–" || here == mark)
       mark = here;
     else if (here != "–")
@@ -62,12 +62,12 @@ std::string readme_mark(const std::vector<const Json*>& trials) {
 std::string machines_text(const CaseRow& row) {
   bool cpu = false, cuda = false, differ = false;
   std::map<std::string, std::string> hashes;
-  for (const Json& trial : row.trials) {
-    if (word(trial, "verdict") == "not applicable") continue;
-    (word(trial, "executor") == "cuda" ? cuda : cpu) = true;
-    const std::string hash = word(trial, "state_hash");
+  for (const Json& test_run : row.test_runs) {
+    if (word(test_run, "verdict") == "not applicable") continue;
+    (word(test_run, "executor") == "cuda" ? cuda : cpu) = true;
+    const std::string hash = word(test_run, "state_hash");
     if (hash.empty()) continue;
-    const auto [known, fresh] = hashes.emplace(word(trial, "solver") + word(trial, "precision"), hash);
+    const auto [known, fresh] = hashes.emplace(word(test_run, "solver") + word(test_run, "precision"), hash);
     differ = differ || (!fresh && known->second != hash);
   }
   if (differ) return "**differ**";
@@ -103,13 +103,13 @@ std::string limit_text(const std::string& name, const Json& limit) {
 }
 
 /// "of 120 trials on an AMD EPYC (CPU) 110 pass".
-std::string readme_counts(const std::vector<Json>& runs, std::int64_t& limits, std::int64_t& trials) {
+std::string readme_counts(const std::vector<Json>& runs, std::int64_t& limits, std::int64_t& test_runs) {
   std::string text;
   for (const Json& run : runs) {
     const auto count = [&](const char* key) { return run.value(key, std::int64_t{0}); };
     const std::int64_t ran = count("passed") + count("failed") + count("declared_limits");
     limits += count("declared_limits");
-    trials += ran;
+    test_runs += ran;
     text += fmt::format("{}{} ({}, {:.0f} s{}): {} trials, {} pass, {} at declared limits, {} fail",
                         text.empty() ? "" : "; ", word(run, "device"),
                         word(run, "executor") == "cuda" ? "CUDA" : "CPU", run.value("seconds", 0.0),
@@ -133,9 +133,9 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
       if (std::ranges::none_of(
               rows, [&](const CaseRow& row) { return word(row.about, "name") == word(about, "name"); }))
         rows.push_back({about, {}});
-    for (const Json& trial : run["trials"])
+    for (const Json& test_run : run["trials"])
       for (CaseRow& row : rows)
-        if (word(row.about, "name") == word(trial, "case")) row.trials.push_back(trial);
+        if (word(row.about, "name") == word(test_run, "case")) row.test_runs.push_back(test_run);
   }
   std::ranges::stable_sort(rows, {}, [](const CaseRow& row) {
     return std::ranges::find(hard_case_groups, word(row.about, "group")) - hard_case_groups.begin();
@@ -154,8 +154,8 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
     for (const Json& limit : row.about.value("limits", Json::array()))
       limits_text += limit_text(word(row.about, "name"), limit);
   }
-  std::int64_t limits = 0, trials = 0;
-  const std::string counts = readme_counts(runs, limits, trials);
+  std::int64_t limits = 0, test_runs = 0;
+  const std::string counts = readme_counts(runs, limits, test_runs);
   text +=
       "\nTwo marks for each solver, in float and in double: ✓ holds, L a declared limit, – the solver does "
       "not take the scene, or "
@@ -164,9 +164,9 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
       "of them.\n\n" +
       counts + ".\n";
   if (limits_text.empty()) return text + "\nNo limits are declared.\n";
-  text += fmt::format("\nDeclared limits: {} of {} trials", limits, trials);
+  text += fmt::format("\nDeclared limits: {} of {} trials", limits, test_runs);
   if (limits > 0)
-    text += fmt::format(", one in {:.3g}", static_cast<double>(trials) / static_cast<double>(limits));
+    text += fmt::format(", one in {:.3g}", static_cast<double>(test_runs) / static_cast<double>(limits));
   return text + ".\n\n" + limits_text;
 }
 

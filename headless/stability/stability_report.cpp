@@ -20,43 +20,45 @@ Json or_null(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json json_of(const Term& term, const TermResult& result) {
-  return {{"term", text_of(term)},
-          {"quantity", collidoscope::name_of(quantity_names, term.quantity)},
+Json json_of(const Assertion& assertion, const AssertionResult& result) {
+  return {{"term", text_of(assertion)},
+          {"quantity", collidoscope::name_of(quantity_names, assertion.quantity)},
           {"measured", result.measured},
-          {"held", result.held},
+          {"held", result.passed},
           {"worst", result.measured ? Json(result.value) : Json(nullptr)},
           {"bound", result.measured ? Json(result.bound) : Json(nullptr)},
           {"state", result.state},
           {"body", or_null(result.body)}};
 }
 
-Json json_of(const TrialRow& row) {
-  const TrialResult& result = row.result;
-  const bool refused = !row.one->criterion.refused.empty();
-  Json terms = Json::array();
-  for (std::size_t k = 0; k < result.terms.size() && !refused; ++k)
-    terms.push_back(json_of(row.one->criterion.holds[k], result.terms[k]));
-  const TermResult* failed = result.failed_term ? &result.terms[*result.failed_term] : nullptr;
+Json json_of(const TestRow& row) {
+  const TestResult& result = row.result;
+  const bool refused = !row.hard_case->criterion.refused.empty();
+  Json assertions = Json::array();
+  for (std::size_t k = 0; k < result.assertions.size() && !refused; ++k)
+    assertions.push_back(json_of(row.hard_case->criterion.assertions[k], result.assertions[k]));
+  const AssertionResult* failed =
+      result.failed_assertion ? &result.assertions[*result.failed_assertion] : nullptr;
   return {
-      {"case", row.one->name},
-      {"group", row.one->criterion.group},
-      {"solver", refused ? Json(nullptr) : Json(collidoscope::name_of(solver_names, row.setting.solver))},
+      {"case", row.hard_case->name},
+      {"group", row.hard_case->criterion.group},
+      {"solver",
+       refused ? Json(nullptr) : Json(collidoscope::name_of(solver_names, row.configuration.solver))},
       {"precision",
-       refused ? Json(nullptr) : Json(collidoscope::name_of(precision_names, row.setting.precision))},
-      {"executor", name_of(row.setting.executor)},
-      {"verdict", collidoscope::name_of(verdict_names, result.verdict)},
+       refused ? Json(nullptr) : Json(collidoscope::name_of(precision_names, row.configuration.precision))},
+      {"executor", name_of(row.configuration.executor)},
+      {"verdict", collidoscope::name_of(test_outcome_names, result.outcome)},
       {"why", result.why},
       {"failure", result.failure},
       {"failing_state", failed ? Json(failed->state) : Json(nullptr)},
       {"failing_body", failed ? or_null(failed->body) : Json(nullptr)},
-      {"terms", std::move(terms)},
+      {"terms", std::move(assertions)},
       {"steps", result.steps},
       {"state_hash", result.state_hash ? Json(fmt::format("{:016x}", *result.state_hash)) : Json(nullptr)},
       {"seconds", result.seconds}};
 }
 
-Json json_of(const DeclaredLimit& limit) {
+Json json_of(const ExpectedFailure& limit) {
   return {{"solver", limit.solver ? Json(collidoscope::name_of(solver_names, *limit.solver)) : Json(nullptr)},
           {"precision",
            limit.precision ? Json(collidoscope::name_of(precision_names, *limit.precision)) : Json(nullptr)},
@@ -64,68 +66,68 @@ Json json_of(const DeclaredLimit& limit) {
           {"why", limit.why}};
 }
 
-Json json_of(const HardCase& one) {
+Json json_of(const HardCase& hard_case) {
   Json limits = Json::array();
-  for (const DeclaredLimit& limit : one.criterion.limits) limits.push_back(json_of(limit));
-  return {{"name", one.name},
-          {"group", one.criterion.group},
-          {"what", one.criterion.what},
+  for (const ExpectedFailure& limit : hard_case.criterion.expected_failures) limits.push_back(json_of(limit));
+  return {{"name", hard_case.name},
+          {"group", hard_case.criterion.group},
+          {"what", hard_case.criterion.what},
           {"limits", std::move(limits)}};
 }
 
-const char* mark_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::passed:
+const char* mark_of(TestOutcome outcome) {
+  switch (outcome) {
+    case TestOutcome::passed:
       return "ok";
-    case Verdict::failed:
+    case TestOutcome::failed:
       return "FAIL";
-    case Verdict::declared_limit:
+    case TestOutcome::expected_failure:
       return "limit";
-    case Verdict::not_applicable:
+    case TestOutcome::not_applicable:
       return "-";
   }
   return "?";
 }
 
 /// Rows of one case.
-std::vector<std::vector<const TrialRow*>> by_case(const StabilityRun& run) {
-  std::vector<std::vector<const TrialRow*>> cases;
-  for (const TrialRow& row : run.rows) {
-    if (cases.empty() || cases.back()[0]->one != row.one) cases.emplace_back();
+std::vector<std::vector<const TestRow*>> by_case(const StabilityRun& run) {
+  std::vector<std::vector<const TestRow*>> cases;
+  for (const TestRow& row : run.rows) {
+    if (cases.empty() || cases.back()[0]->hard_case != row.hard_case) cases.emplace_back();
     cases.back().push_back(&row);
   }
   return cases;
 }
 
-std::string table_row(const std::vector<const TrialRow*>& rows) {
-  const HardCase& one = *rows[0]->one;
-  std::string text = fmt::format("  {:<32}", one.name);
+std::string table_row(const std::vector<const TestRow*>& rows) {
+  const HardCase& hard_case = *rows[0]->hard_case;
+  std::string text = fmt::format("  {:<32}", hard_case.name);
   double seconds = 0;
-  for (const TrialRow* row : rows) seconds += row->result.seconds;
-  if (!one.criterion.refused.empty()) {
-    text += fmt::format("  {:<6}{:>58.2f}\n", mark_of(rows[0]->result.verdict), seconds);
+  for (const TestRow* row : rows) seconds += row->result.seconds;
+  if (!hard_case.criterion.refused.empty()) {
+    text += fmt::format("  {:<6}{:>58.2f}\n", mark_of(rows[0]->result.outcome), seconds);
     return text;
   }
   for (const Named<Solver>& solver : solver_names)
     for (const Named<Precision>& precision : precision_names) {
-      const auto here = std::ranges::find_if(rows, [&](const TrialRow* row) {
-        return row->setting.solver == solver.value && row->setting.precision == precision.value;
+      const auto here = std::ranges::find_if(rows, [&](const TestRow* row) {
+        return row->configuration.solver == solver.value && row->configuration.precision == precision.value;
       });
-      text += fmt::format("  {:<7}", here == rows.end() ? "" : mark_of((*here)->result.verdict));
+      text += fmt::format("  {:<7}", here == rows.end() ? "" : mark_of((*here)->result.outcome));
     }
   return text + fmt::format("{:>10.2f}\n", seconds);
 }
 
 std::string counts_text(const StabilityRun& run) {
-  const std::int64_t passed = run.count(Verdict::passed), failed = run.count(Verdict::failed),
-                     limits = run.count(Verdict::declared_limit), ran = passed + failed + limits;
+  const std::int64_t passed = run.count(TestOutcome::passed), failed = run.count(TestOutcome::failed),
+                     limits = run.count(TestOutcome::expected_failure), ran = passed + failed + limits;
   std::string text = fmt::format(
       "{} trials of {} on {}{}: {} passed, {} failed, {} declared {}", ran,
       by_case(run).size() == 1 ? "a case" : fmt::format("{} cases", by_case(run).size()), run.device,
       run.extended ? ", long" : "", passed, failed, limits, limits == 1 ? "limit" : "limits");
   if (limits > 0)
     text += fmt::format(" (one in {:.3g})", static_cast<double>(ran) / static_cast<double>(limits));
-  text += fmt::format("; {} not applicable; {:.1f} s", run.count(Verdict::not_applicable), run.seconds);
+  text += fmt::format("; {} not applicable; {:.1f} s", run.count(TestOutcome::not_applicable), run.seconds);
   if (run.asked > std::ssize(run.rows))
     text += fmt::format("; stopped, {} trials did not end", run.asked - std::ssize(run.rows));
   return text + "\n";
@@ -133,14 +135,14 @@ std::string counts_text(const StabilityRun& run) {
 
 }  // namespace
 
-std::int64_t StabilityRun::count(Verdict verdict) const {
-  return std::ranges::count_if(rows, [&](const TrialRow& row) { return row.result.verdict == verdict; });
+std::int64_t StabilityRun::count(TestOutcome outcome) const {
+  return std::ranges::count_if(rows, [&](const TestRow& row) { return row.result.outcome == outcome; });
 }
 
-std::string name_of(const HardCase& one, const TrialSetting& setting) {
-  if (!one.criterion.refused.empty()) return one.name;
-  return fmt::format("{}, {} {}", one.name, name_of(solver_names, setting.solver),
-                     name_of(precision_names, setting.precision));
+std::string name_of(const HardCase& hard_case, const TestConfiguration& configuration) {
+  if (!hard_case.criterion.refused.empty()) return hard_case.name;
+  return fmt::format("{}, {} {}", hard_case.name, name_of(solver_names, configuration.solver),
+                     name_of(precision_names, configuration.precision));
 }
 
 std::string stability_json(const StabilityRun& run) {
@@ -149,15 +151,15 @@ std::string stability_json(const StabilityRun& run) {
             {"executor", name_of(run.executor)},
             {"long", run.extended},
             {"complete", run.asked == std::ssize(run.rows)},
-            {"passed", run.count(Verdict::passed)},
-            {"failed", run.count(Verdict::failed)},
-            {"declared_limits", run.count(Verdict::declared_limit)},
-            {"not_applicable", run.count(Verdict::not_applicable)},
+            {"passed", run.count(TestOutcome::passed)},
+            {"failed", run.count(TestOutcome::failed)},
+            {"declared_limits", run.count(TestOutcome::expected_failure)},
+            {"not_applicable", run.count(TestOutcome::not_applicable)},
             {"seconds", run.seconds},
             {"cases", Json::array()},
             {"trials", Json::array()}};
-  for (const auto& rows : by_case(run)) json["cases"].push_back(json_of(*rows[0]->one));
-  for (const TrialRow& row : run.rows) json["trials"].push_back(json_of(row));
+  for (const auto& rows : by_case(run)) json["cases"].push_back(json_of(*rows[0]->hard_case));
+  for (const TestRow& row : run.rows) json["trials"].push_back(json_of(row));
   return json_text(json);
 }
 
@@ -168,47 +170,49 @@ std::string stability_text(const StabilityRun& run) {
   text += fmt::format("{:>10}\n", "s");
   std::string group;
   for (const auto& rows : by_case(run)) {
-    const Criterion& criterion = rows[0]->one->criterion;
+    const Criterion& criterion = rows[0]->hard_case->criterion;
     if (criterion.group != group) text += criterion.group + "\n";
     group = criterion.group;
     text += table_row(rows);
-    for (const TrialRow* row : rows)
-      if (row->result.verdict == Verdict::failed)
-        text += fmt::format("    {}: {}\n", name_of(*row->one, row->setting), row->result.why);
+    for (const TestRow* row : rows)
+      if (row->result.outcome == TestOutcome::failed)
+        text += fmt::format("    {}: {}\n", name_of(*row->hard_case, row->configuration), row->result.why);
   }
-  if (run.count(Verdict::declared_limit) > 0) text += "\ndeclared limits\n";
-  for (const TrialRow& row : run.rows)
-    if (row.result.verdict == Verdict::declared_limit)
-      text +=
-          fmt::format("  {}: {} ({})\n", name_of(*row.one, row.setting), row.result.why, row.result.failure);
+  if (run.count(TestOutcome::expected_failure) > 0) text += "\ndeclared limits\n";
+  for (const TestRow& row : run.rows)
+    if (row.result.outcome == TestOutcome::expected_failure)
+      text += fmt::format("  {}: {} ({})\n", name_of(*row.hard_case, row.configuration), row.result.why,
+                          row.result.failure);
   return text + "\n" + counts_text(run);
 }
 
-std::string planted_json(const std::vector<PlantedRow>& rows) {
+std::string injected_faults_json(const std::vector<InjectedFaultRow>& rows) {
   Json json{{"suite", "stability"}, {"planted", Json::array()}};
-  for (const PlantedRow& row : rows) {
-    const Criterion& criterion = row.one->criterion;
-    const std::size_t term = criterion.faults[row.fault].term;
-    json["planted"].push_back({{"case", row.one->name},
-                               {"fault", row.fault},
-                               {"shows", row.shows},
-                               {"failure", row.result.failure},
-                               {"term", json_of(criterion.holds[term], row.result.terms[term])}});
+  for (const InjectedFaultRow& row : rows) {
+    const Criterion& criterion = row.hard_case->criterion;
+    const std::size_t assertion = criterion.injected_faults[row.fault].assertion;
+    json["planted"].push_back(
+        {{"case", row.hard_case->name},
+         {"fault", row.fault},
+         {"shows", row.shows},
+         {"failure", row.result.failure},
+         {"term", json_of(criterion.assertions[assertion], row.result.assertions[assertion])}});
   }
   return json_text(json);
 }
 
-std::string planted_text(const std::vector<PlantedRow>& rows) {
+std::string injected_faults_text(const std::vector<InjectedFaultRow>& rows) {
   std::string text;
   std::int64_t hidden = 0;
-  for (const PlantedRow& row : rows) {
-    const Criterion& criterion = row.one->criterion;
-    const Term& term = criterion.holds[criterion.faults[row.fault].term];
-    const TermResult& result = row.result.terms[criterion.faults[row.fault].term];
+  for (const InjectedFaultRow& row : rows) {
+    const Criterion& criterion = row.hard_case->criterion;
+    const Assertion& assertion = criterion.assertions[criterion.injected_faults[row.fault].assertion];
+    const AssertionResult& result = row.result.assertions[criterion.injected_faults[row.fault].assertion];
     hidden += row.shows ? 0 : 1;
-    text += fmt::format("  {:<32}  {:<4}  {}", row.one->name, row.shows ? "ok" : "FAIL", text_of(term));
+    text += fmt::format("  {:<32}  {:<4}  {}", row.hard_case->name, row.shows ? "ok" : "FAIL",
+                        text_of(assertion));
     if (row.shows)
-      text += fmt::format(": {} at state {}\n", text_of(term.quantity, result.value), result.state);
+      text += fmt::format(": {} at state {}\n", text_of(assertion.quantity, result.value), result.state);
     else if (!row.result.failure.empty())
       text += fmt::format(": the run failed: {}\n", row.result.failure);
     else

@@ -41,10 +41,10 @@ InvariantScales::InvariantScales(const std::vector<ReferenceSample>& samples, co
   if (turning > 0) angular_momentum = turning;
 }
 
-InvariantCollector::InvariantCollector(const AccuracySubject& subject, const InvariantScales& scales)
-    : subject_(subject), scales_(scales) {}
+InvariantCollector::InvariantCollector(const AccuracyProblem& problem, const InvariantScales& scales)
+    : problem_(problem), scales_(scales) {}
 
-void InvariantCollector::look(World& world, double time, const StepStats* expected) {
+void InvariantCollector::add_sample(World& world, double time, const StepStats* expected) {
   const StepStats now = world.measure();
   if (!started_) first_ = now;
   started_ = true;
@@ -63,19 +63,19 @@ void InvariantCollector::look(World& world, double time, const StepStats* expect
     take(result_.joint_error, now.max_joint_error);
     take(result_.joint_angle, now.max_joint_angle);
   }
-  if (subject_.effects.friction) cones(state);
+  if (problem_.effects.friction) cones(state);
 }
 
 void InvariantCollector::balance(const StepStats& now, double time) {
-  const Scene& scene = subject_.scene;
-  const Effects& effects = subject_.effects;
-  if (effects.drag || effects.sleeping || held_by_the_world(scene) || !all_dynamic(subject_.initial)) return;
+  const Scene& scene = problem_.scene;
+  const Effects& effects = problem_.effects;
+  if (effects.drag || effects.sleeping || held_by_the_world(scene) || !all_dynamic(problem_.initial)) return;
   const Vector3d gravity = effects.gravity ? scene.physics.gravity : Vector3d(0, 0, 0);
   double mass = 0;
   Vector3d moment(0, 0, 0);  // kg m
-  for (std::size_t i = 0; i < subject_.initial.size(); ++i) {
-    mass += subject_.initial.mass[i];
-    moment += subject_.initial.mass[i] * subject_.start.bodies.position[i];
+  for (std::size_t i = 0; i < problem_.initial.size(); ++i) {
+    mass += problem_.initial.mass[i];
+    moment += problem_.initial.mass[i] * problem_.start.bodies.position[i];
   }
   const Vector3d momentum = vector_of(first_.momentum);
   if (!effects.attractor)
@@ -83,7 +83,7 @@ void InvariantCollector::balance(const StepStats& now, double time) {
                                     vector_of(first_.wall_impulse_vector) - mass * time * gravity)
                                            .norm() /
                                        scales_.momentum);
-  const bool walls = subject_.initial.box || !scene.obstacles.empty() || !scene.boxes.empty();
+  const bool walls = problem_.initial.box || !scene.obstacles.empty() || !scene.boxes.empty();
   const std::vector<Attractor>& attractors = scene.physics.attractors;
   if (walls || (effects.attractor && (effects.gravity || attractors.size() != 1))) return;
   // About the only attractor, or the origin: where the centre of mass falls, gravity's torque is known.
@@ -97,7 +97,7 @@ void InvariantCollector::balance(const StepStats& now, double time) {
 }
 
 void InvariantCollector::overlap(World& world, const BodyStates& bodies) {
-  const std::vector<double>& radius = subject_.initial.radius;
+  const std::vector<double>& radius = problem_.initial.radius;
   for (const auto& [a, b] : world.pairs()) {
     const double gap = (bodies.position[b] - bodies.position[a]).norm() - radius[a] - radius[b];
     if (!(gap < 0)) continue;
@@ -112,8 +112,8 @@ void InvariantCollector::overlap(World& world, const BodyStates& bodies) {
 }
 
 void InvariantCollector::cones(const RunState& state) {
-  const Scene& scene = subject_.scene;
-  const std::vector<std::uint16_t>& material = subject_.initial.material;
+  const Scene& scene = problem_.scene;
+  const std::vector<std::uint16_t>& material = problem_.initial.material;
   const auto friction = [&](std::uint32_t body) {
     return scene.materials[material.empty() ? 0 : material[body]].friction;
   };
@@ -128,8 +128,8 @@ void InvariantCollector::cones(const RunState& state) {
     const ContactImpulse& contact = memory.contacts[k];
     compare(friction(contact.a) * friction(contact.b), contact.impulse, memory.grips[k]);
   }
-  const std::size_t planes = scene.obstacles.size() + (subject_.initial.box ? 6 : 0);
-  const std::size_t bodies = subject_.initial.size();
+  const std::size_t planes = scene.obstacles.size() + (problem_.initial.box ? 6 : 0);
+  const std::size_t bodies = problem_.initial.size();
   for (std::size_t p = 0; p < std::min(planes, memory.wall_grips.size() / std::max<std::size_t>(bodies, 1));
        ++p) {
     const int of_wall = p < scene.obstacles.size() ? scene.obstacles[p].material : 0;

@@ -3,7 +3,7 @@
 // error of joints, friction beyond its cone. One collector for each run, which looks at every sample.
 
 #include "sim_cuda/accuracy/point.h"
-#include "sim_cuda/accuracy/subject.h"
+#include "sim_cuda/accuracy/problem.h"
 
 namespace collidoscope {
 
@@ -25,9 +25,9 @@ struct InvariantScales {
 class InvariantCollector {
  public:
   /// Both outlive it.
-  InvariantCollector(const AccuracySubject& subject, const InvariantScales& scales);
+  InvariantCollector(const AccuracyProblem& problem, const InvariantScales& scales);
   /// `time`: s since the start; `expected`: the reference's state then, or null.
-  void look(World& world, double time, const StepStats* expected);
+  void add_sample(World& world, double time, const StepStats* expected);
   const AccuracyInvariants& result() const { return result_; }
 
  private:
@@ -35,7 +35,7 @@ class InvariantCollector {
   void overlap(World& world, const BodyStates& bodies);
   void cones(const RunState& state);
 
-  const AccuracySubject& subject_;
+  const AccuracyProblem& problem_;
   const InvariantScales& scales_;
   StepStats first_;
   bool started_ = false;

@@ -30,7 +30,7 @@ void mark_front(std::vector<AccuracyPoint>& points) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < points.size(); ++k) {
     points[k].on_front = false;
-    if (points[k].has_error() && points[k].has_price()) order.push_back(k);
+    if (points[k].has_error() && points[k].has_cost()) order.push_back(k);
   }
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     const double ms_a = points[a].ms.median, ms_b = points[b].ms.median;
@@ -47,7 +47,7 @@ std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points,
   std::optional<std::size_t> best;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const AccuracyPoint& p = points[k];
-    if (!p.has_price() || !(p.error <= tolerance)) continue;
+    if (!p.has_cost() || !(p.error <= tolerance)) continue;
     if (!best || p.ms.median < points[*best].ms.median) best = k;
   }
   return best;

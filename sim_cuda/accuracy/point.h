@@ -1,5 +1,5 @@
 #pragma once
-// What an accuracy study finds: settings, each with its error and its price; what the errors are measured
+// What an accuracy study finds: settings, each with its error and its cost; what the errors are measured
 // against; and the two questions asked of them. Plain data in SI units, read by panels, files and charts
 // alike. `not_known` stands where a quantity does not apply, or is not measured yet.
 
@@ -35,7 +35,7 @@ struct AccuracySetting {
 Scene with_setting(const Scene& scene, const AccuracySetting& setting, const Effects& effects);
 
 /// Milliseconds of the clock for a simulated second: the middle of some runs, and their quartiles.
-struct AccuracyPrice {
+struct AccuracyCost {
   double median = not_known, low = not_known, high = not_known;
 };
 
@@ -65,37 +65,37 @@ struct AccuracyDistributions {
 };
 
 struct AccuracyPoint {
-  std::string family;  ///< "soft_step f32": the points of one line
-  std::string name;    ///< "1/60 s, 4 substeps, 1 iteration": which of them
+  std::string series_name;  ///< "soft_step f32": the points of one line
+  std::string name;         ///< "1/60 s, 4 substeps, 1 iteration": which of them
   AccuracySetting setting;
   /// m, root mean square over all bodies and samples of how far a body's matter is from where it should be,
   /// turns included; and a standard error below and above, by how groups of bodies differ.
   double error = not_known, error_low = not_known, error_high = not_known;
   double error_worst = not_known;  ///< m, of any body at any sample
-  AccuracyPrice ms;                ///< for a simulated second
+  AccuracyCost ms;                 ///< for a simulated second
   std::vector<double> ms_runs;     ///< each run's, of which `ms` is the middle
   AccuracyInvariants invariants;
   AccuracyDistributions distributions;
   bool on_front = false;  ///< nothing else is both as cheap and as accurate
 
   bool has_error() const { return error == error; }
-  bool has_price() const { return ms.median == ms.median; }
+  bool has_cost() const { return ms.median == ms.median; }
 };
 
 /// What errors are measured against.
 struct AccuracyReference {
   enum class Kind { hard_spheres, converged_run };
   Kind kind = Kind::converged_run;
-  std::string description;         ///< a line
-  double seconds = 0;              ///< s, for which it goes on
-  double horizon = 0;              ///< s, up to which positions are compared; at most `seconds`
-  std::string end;                 ///< a line: why no further, or empty
-  double error = 0;                ///< m, its own, r.m.s. as a point's; what is below it means nothing
-  double order = not_known;        ///< observed, of a converged run
-  double growth_rate = not_known;  ///< 1/s, at which a tiny displacement grows exponentially
+  std::string description;           ///< a line
+  double seconds = 0;                ///< s, for which it goes on
+  double horizon = 0;                ///< s, up to which positions are compared; at most `seconds`
+  std::string end;                   ///< a line: why no further, or empty
+  double error = 0;                  ///< m, its own, r.m.s. as a point's; what is below it means nothing
+  double order = not_known;          ///< observed, of a converged run
+  double lyapunov_rate = not_known;  ///< 1/s, at which a tiny displacement grows exponentially
 };
 
-/// Marks the points on the Pareto front, of those with both an error and a price.
+/// Marks the points on the Pareto front, of those with both an error and a cost.
 void mark_front(std::vector<AccuracyPoint>& points);
 
 /// Which point is the cheapest whose error is at most `tolerance`, m; none where no point is.
@@ -104,7 +104,7 @@ std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points,
 /// The setting to recommend, or why there is none.
 struct Recommendation {
   std::optional<std::size_t> point;  ///< the cheapest below the tolerance
-  std::string lack;                  ///< a line; empty where there is a point
+  std::string unavailable_reason;    ///< a line; empty where there is a point
 };
 /// `reference_error`, m: what lies below it cannot be told from it. So none is recommended where all errors,
 /// or the tolerance, lie below.

@@ -48,7 +48,7 @@ auto choice_of(const Json& json, const Table& table) {
 
 Json json_of(const AccuracyPoint& p) {
   const AccuracySetting& s = p.setting;
-  Json json{{"family", p.family},
+  Json json{{"family", p.series_name},
             {"name", p.name},
             {"setting",
              {{"time_step", s.time_step},
@@ -80,7 +80,7 @@ Json json_of(const AccuracyPoint& p) {
 
 AccuracyPoint point_of(const Json& json) {
   AccuracyPoint p;
-  p.family = json.at("family");
+  p.series_name = json.at("family");
   p.name = json.at("name");
   const Json& s = json.at("setting");
   p.setting = {s.at("time_step"),
@@ -116,7 +116,7 @@ std::string write_record(const AccuracyRecord& record) {
                   {"scene", record.scene},
                   {"bodies", record.bodies},
                   {"executor", record.executor},
-                  {"subject", record.subject},
+                  {"subject", record.problem_hash},
                   {"rounds", record.rounds},
                   {"complete", record.complete},
                   {"reference",
@@ -127,8 +127,8 @@ std::string write_record(const AccuracyRecord& record) {
                     {"end", r.end},
                     {"error", finite_or_null(r.error)},
                     {"order", finite_or_null(r.order)},
-                    {"growth_rate", finite_or_null(r.growth_rate)}}},
-                  {"doubts", record.doubts}};
+                    {"growth_rate", finite_or_null(r.lyapunov_rate)}}},
+                  {"doubts", record.warnings}};
   std::string text = head.dump(2, ' ', false, Json::error_handler_t::replace);
   text.resize(text.size() - 2);  // the last line: each point becomes one of its own
   text += ",\n  \"points\": [";
@@ -145,11 +145,11 @@ AccuracyRecord parse_record(const std::string& text, const std::string& name) {
     AccuracyRecord record;
     json.at("scene").get_to(record.scene);
     json.at("executor").get_to(record.executor);
-    json.at("subject").get_to(record.subject);
+    json.at("subject").get_to(record.problem_hash);
     json.at("bodies").get_to(record.bodies);
     json.at("rounds").get_to(record.rounds);
     json.at("complete").get_to(record.complete);
-    json.at("doubts").get_to(record.doubts);
+    json.at("doubts").get_to(record.warnings);
     const Json& r = json.at("reference");
     AccuracyReference& reference = record.reference;
     reference.kind = choice_of(r.at("kind"), kind_names);
@@ -159,7 +159,7 @@ AccuracyRecord parse_record(const std::string& text, const std::string& name) {
     r.at("end").get_to(reference.end);
     reference.error = number_of(r.at("error"));
     reference.order = number_of(r.at("order"));
-    reference.growth_rate = number_of(r.at("growth_rate"));
+    reference.lyapunov_rate = number_of(r.at("growth_rate"));
     for (const Json& point : json.at("points")) record.points.push_back(point_of(point));
     return record;
   } catch (const std::exception& error) {

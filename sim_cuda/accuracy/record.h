@@ -13,13 +13,13 @@ namespace collidoscope {
 
 struct AccuracyRecord {
   std::string scene, executor;  ///< names
-  std::string subject;          ///< 16 hexadecimal digits: of all that decides points and prices
+  std::string problem_hash;     ///< 16 hexadecimal digits: of all that decides points and costs
   std::int64_t bodies = 0;
-  int rounds = 0;         ///< runs that each price is the middle of, in the end
+  int rounds = 0;         ///< runs that each cost is the middle of, in the end
   bool complete = false;  ///< nothing is left to measure
   AccuracyReference reference;
   std::vector<AccuracyPoint> points;
-  std::vector<std::string> doubts;
+  std::vector<std::string> warnings;
 };
 
 std::string write_record(const AccuracyRecord& record);

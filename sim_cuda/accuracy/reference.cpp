@@ -19,7 +19,7 @@ constexpr int runs = 4;
 constexpr double weights[runs] = {1, 1, 2, 4};  // of their work
 
 /// The start with every body displaced by `share` of its radius, each in a direction of its own.
-RunState shaken(const RunState& start, const InitialBodies& bodies, double share) {
+RunState perturbed(const RunState& start, const InitialBodies& bodies, double share) {
   RunState moved = start;
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     const PhiloxWords words = philox4x32({{i, 0, 0, 0}}, philox_key(1));
@@ -32,10 +32,10 @@ RunState shaken(const RunState& start, const InitialBodies& bodies, double share
 }
 
 /// The scene with its bodies listed one by one, as the start has them: all that HardSpheres looks at.
-Scene listed(const AccuracySubject& subject, const RunState& start) {
-  Scene scene = subject.scene;
-  const InitialBodies& bodies = subject.initial;
-  scene.physics.effects = subject.effects;
+Scene listed(const AccuracyProblem& problem, const RunState& start) {
+  Scene scene = problem.scene;
+  const InitialBodies& bodies = problem.initial;
+  scene.physics.effects = problem.effects;
   scene.generators.clear();
   scene.added.clear();
   scene.bodies.clear();
@@ -53,25 +53,25 @@ Scene listed(const AccuracySubject& subject, const RunState& start) {
 }
 
 /// With what integrates best of what the scene can take.
-AccuracySetting best_integrated(const AccuracySubject& subject, const AccuracySetting& setting) {
+AccuracySetting best_integrated(const AccuracyProblem& problem, const AccuracySetting& setting) {
   AccuracySetting best = setting;
   for (const auto& integrator : integrator_names)
     for (const auto& rotation : rotation_update_names) {
       AccuracySetting other = setting;
       other.integrator = integrator.value;
       other.rotation_update = rotation.value;
-      if (validate(with_setting(subject.scene, other, subject.effects)).empty()) best = other;
+      if (validate(with_setting(problem.scene, other, problem.effects)).empty()) best = other;
     }
   return best;
 }
 
 }  // namespace
 
-ReferenceRun::ReferenceRun(const AccuracySubject& subject) : subject_(subject) { begin_spheres(); }
+ReferenceRun::ReferenceRun(const AccuracyProblem& problem) : problem_(problem) { begin_spheres(); }
 ReferenceRun::~ReferenceRun() = default;
 
 double ReferenceRun::distance(const BodyStates& a, const BodyStates& b) const {
-  return rms_distance(a, b, subject_.initial, subject_.effects.rotation);
+  return rms_distance(a, b, problem_.initial, problem_.effects.rotation);
 }
 
 bool ReferenceRun::advance(const Deadline& slice) {
@@ -87,7 +87,7 @@ double ReferenceRun::progress() const {
   for (int k = 0; k < runs; ++k) {
     all += weights[k];
     if (k < runs_done_) done += weights[k];
-    if (k == runs_done_ && run_) done += weights[k] * run_->sample() / subject_.samples;
+    if (k == runs_done_ && run_) done += weights[k] * run_->sample() / problem_.samples;
   }
   return done / all;
 }
@@ -95,13 +95,13 @@ double ReferenceRun::progress() const {
 // ---- Event-driven ----
 
 void ReferenceRun::begin_spheres() {
-  doing_ = "reference: event-driven hard spheres";
-  if (!subject_.initial.meshes.empty()) return begin_runs("meshes");
+  current_task_ = "reference: event-driven hard spheres";
+  if (!problem_.initial.meshes.empty()) return begin_runs("meshes");
   try {
-    const Scene scene = listed(subject_, subject_.start);
+    const Scene scene = listed(problem_, problem_.start);
     exact_ = std::make_unique<HardSpheres>(scene);
-    shaken_ =
-        std::make_unique<HardSpheres>(listed(subject_, shaken(subject_.start, subject_.initial, 1e-10)));
+    perturbed_ =
+        std::make_unique<HardSpheres>(listed(problem_, perturbed(problem_.start, problem_.initial, 1e-10)));
     samples_.push_back({exact_->bodies(), exact_->measure()});
   } catch (const InputError& error) {
     exact_.reset();
@@ -112,11 +112,11 @@ void ReferenceRun::begin_spheres() {
 
 bool ReferenceRun::advance_spheres(const Deadline& slice) {
   const auto next = static_cast<int>(samples_.size());
-  if (next > subject_.samples) {
+  if (next > problem_.samples) {
     finish_spheres();
     return true;
   }
-  const double time = subject_.time(next);
+  const double time = problem_.time(next);
   while (exact_->next_collision(time) && !exact_->zeno_point())
     if (slice.passed()) return false;
   if (!exact_->advance_to(time)) {
@@ -130,48 +130,48 @@ bool ReferenceRun::advance_spheres(const Deadline& slice) {
 
 void ReferenceRun::finish_spheres() {
   const int reached = static_cast<int>(samples_.size()) - 1;
-  if (3 * reached < subject_.samples) {
+  if (3 * reached < problem_.samples) {
     const std::string zeno = exact_->zeno_line();
     exact_.reset();
-    shaken_.reset();
+    perturbed_.reset();
     samples_.clear();
     return begin_runs(zeno);
   }
-  facts_.kind = AccuracyReference::Kind::hard_spheres;
-  facts_.description = fmt::format("event-driven hard spheres, {} collisions",
-                                   exact_->counts().pairs + exact_->counts().planes);
-  facts_.end = exact_->zeno_line();
-  facts_.seconds = subject_.time(reached);
+  result_.kind = AccuracyReference::Kind::hard_spheres;
+  result_.description = fmt::format("event-driven hard spheres, {} collisions",
+                                    exact_->counts().pairs + exact_->counts().planes);
+  result_.end = exact_->zeno_line();
+  result_.seconds = problem_.time(reached);
   horizon_ = reached;
-  const double first = distance(shaken_->bodies(), samples_[0].bodies);
+  const double first = distance(perturbed_->bodies(), samples_[0].bodies);
   std::vector<BodyStates> other;
   std::vector<const BodyStates*> same;
-  for (int k = 1; k <= reached && shaken_->advance_to(subject_.time(k)); ++k) {
-    other.push_back(shaken_->bodies());
+  for (int k = 1; k <= reached && perturbed_->advance_to(problem_.time(k)); ++k) {
+    other.push_back(perturbed_->bodies());
     same.push_back(&samples_[static_cast<std::size_t>(k)].bodies);
   }
   const double growth = measure_growth(other, same, first);
   double extent = 0;
   for (const Vector3d& x : samples_[0].bodies.position) extent = std::max(extent, x.norm());
-  facts_.error = 4e-16 * extent * std::max(growth, 1.0);
+  result_.error = 4e-16 * extent * std::max(growth, 1.0);
   exact_.reset();
-  shaken_.reset();
+  perturbed_.reset();
   done_ = true;
 }
 
 // ---- Converged ----
 
 void ReferenceRun::begin_runs(const std::string& why) {
-  facts_.kind = AccuracyReference::Kind::converged_run;
-  facts_.description = why;  // for now
-  setting_ = subject_.own_setting();
+  result_.kind = AccuracyReference::Kind::converged_run;
+  result_.description = why;  // for now
+  setting_ = problem_.own_setting();
   setting_.solver = Solver::soft_step;
   setting_.precision = Precision::f64;
-  setting_.time_step = subject_.coarsest / 32;
-  setting_.substeps = subject_.scene.physics.solver == Solver::impulse ? 4 : subject_.substeps;
-  setting_ = best_integrated(subject_, setting_);
-  shaken_start_ = shaken(subject_.start, subject_.initial, 1e-8);
-  doing_ = "reference: converged run, step h";
+  setting_.time_step = problem_.coarsest / 32;
+  setting_.substeps = problem_.scene.physics.solver == Solver::impulse ? 4 : problem_.substeps;
+  setting_ = best_integrated(problem_, setting_);
+  perturbed_start_ = perturbed(problem_.start, problem_.initial, 1e-8);
+  current_task_ = "reference: converged run, step h";
 }
 
 bool ReferenceRun::advance_runs(const Deadline& slice) {
@@ -182,10 +182,10 @@ bool ReferenceRun::advance_runs(const Deadline& slice) {
   }
   const auto k = static_cast<std::size_t>(runs_done_);
   if (!run_) {
-    doing_ = fmt::format("reference: converged run, step {}", names[k]);
+    current_task_ = fmt::format("reference: converged run, step {}", names[k]);
     AccuracySetting setting = setting_;
     setting.time_step /= k == 3 ? 4 : k == 2 ? 2 : 1;
-    run_ = std::make_unique<SampledRun>(subject_, setting, k == 1 ? shaken_start_ : subject_.start);
+    run_ = std::make_unique<SampledRun>(problem_, setting, k == 1 ? perturbed_start_ : problem_.start);
     if (k == 3) samples_.push_back({run_->world().bodies(), run_->world().measure()});
   }
   if (!run_->reach_next(slice)) return false;
@@ -196,47 +196,47 @@ bool ReferenceRun::advance_runs(const Deadline& slice) {
   } else {
     (k == 0 ? first_ : k == 1 ? second_ : third_).push_back(std::move(bodies));
   }
-  if (run_->sample() < subject_.samples) return true;
+  if (run_->sample() < problem_.samples) return true;
   run_.reset();
   ++runs_done_;
   return true;
 }
 
 void ReferenceRun::finish_runs() {
-  const std::string why = facts_.description;
-  horizon_ = subject_.samples;
-  facts_.seconds = subject_.time(horizon_);
+  const std::string why = result_.description;
+  horizon_ = problem_.samples;
+  result_.seconds = problem_.time(horizon_);
   // Rounding is no lack of convergence.
   double extent = 0;
   for (const Vector3d& x : samples_[0].bodies.position) extent = std::max(extent, x.norm());
   const double rounding = 1e-13 * std::max(extent, 1e-3);
   std::vector<double> d1, d2;
-  for (int k = 1; k <= subject_.samples; ++k) {
+  for (int k = 1; k <= problem_.samples; ++k) {
     const auto at = static_cast<std::size_t>(k);
     d1.push_back(distance(first_[at - 1], third_[at - 1]));
     d2.push_back(distance(third_[at - 1], samples_[at].bodies));
     if (!(d2.back() < 0.71 * d1.back()) && !(d2.back() < rounding)) {
       horizon_ = k - 1;
-      facts_.end = fmt::format("runs at {:.3g} s and half of it part at {:.3g} s", setting_.time_step / 2,
-                               subject_.time(k));
+      result_.end = fmt::format("runs at {:.3g} s and half of it part at {:.3g} s", setting_.time_step / 2,
+                                problem_.time(k));
       break;
     }
   }
   horizon_ = std::max(horizon_, 1);  // so that there is something to compare; its error says how well
   std::vector<const BodyStates*> same;
   for (const BodyStates& each : first_) same.push_back(&each);
-  measure_growth(second_, same, distance(shaken_start_.bodies, subject_.start.bodies));
+  measure_growth(second_, same, distance(perturbed_start_.bodies, problem_.start.bodies));
   double coarse = 0, fine = 0;
   for (int k = 0; k < horizon_; ++k) {
     coarse += d1[static_cast<std::size_t>(k)] * d1[static_cast<std::size_t>(k)] / horizon_;
     fine += d2[static_cast<std::size_t>(k)] * d2[static_cast<std::size_t>(k)] / horizon_;
   }
-  facts_.order = fine > rounding * rounding ? std::log2(coarse / fine) / 2 : not_known;
-  const double order = std::isfinite(facts_.order) ? std::clamp(facts_.order, 0.5, 4.0) : 1;
-  facts_.error = std::max(std::sqrt(fine) / (std::exp2(order) - 1), rounding);
-  facts_.description = fmt::format("converged run in double, {} s in {} substeps ({})",
-                                   fmt::format("{:.3g}", setting_.time_step / 4), setting_.substeps,
-                                   why.empty() ? "no event-driven answer" : "not event-driven: " + why);
+  result_.order = fine > rounding * rounding ? std::log2(coarse / fine) / 2 : not_known;
+  const double order = std::isfinite(result_.order) ? std::clamp(result_.order, 0.5, 4.0) : 1;
+  result_.error = std::max(std::sqrt(fine) / (std::exp2(order) - 1), rounding);
+  result_.description = fmt::format("converged run in double, {} s in {} substeps ({})",
+                                    fmt::format("{:.3g}", setting_.time_step / 4), setting_.substeps,
+                                    why.empty() ? "no event-driven answer" : "not event-driven: " + why);
   first_.clear();
   second_.clear();
   third_.clear();
@@ -246,21 +246,21 @@ void ReferenceRun::finish_runs() {
 double ReferenceRun::measure_growth(const std::vector<BodyStates>& other,
                                     const std::vector<const BodyStates*>& same, double first) {
   double growth = 1, mean_radius = 0;
-  for (const double r : subject_.initial.radius)
-    mean_radius += r / static_cast<double>(subject_.initial.size());
+  for (const double r : problem_.initial.radius)
+    mean_radius += r / static_cast<double>(problem_.initial.size());
   for (std::size_t k = 0; k < other.size() && first > 0; ++k) {
     const int sample = static_cast<int>(k) + 1;
     const double grown = distance(other[k], *same[k]) / first;
     if (k == 0 || grown * first < 0.01 * mean_radius)  // later it cannot grow any more
-      facts_.growth_rate = std::log(grown) / subject_.time(sample);
+      result_.lyapunov_rate = std::log(grown) / problem_.time(sample);
     if (sample <= horizon_) growth = grown;
     if (!(grown > most_growth) || sample > horizon_) continue;
     horizon_ = std::max(sample - 1, 1);
-    facts_.end =
-        fmt::format("a tiny displacement has grown {:.3g}-fold at {:.3g} s", grown, subject_.time(sample));
+    result_.end =
+        fmt::format("a tiny displacement has grown {:.3g}-fold at {:.3g} s", grown, problem_.time(sample));
     break;
   }
-  facts_.horizon = subject_.time(horizon_);
+  result_.horizon = problem_.time(horizon_);
   return growth;
 }
 

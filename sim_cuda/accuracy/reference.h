@@ -16,26 +16,26 @@
 #include <memory>
 
 #include "sim_cuda/accuracy/invariants.h"
-#include "sim_cuda/accuracy/subject.h"
+#include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/reference/hard_spheres.h"
 
 namespace collidoscope {
 
 class ReferenceRun {
  public:
-  /// Of `subject`, or, for tests, of another scene of the same bodies. Both outlive it.
-  explicit ReferenceRun(const AccuracySubject& subject);
+  /// Of `problem`, or, for tests, of another scene of the same bodies. Both outlive it.
+  explicit ReferenceRun(const AccuracyProblem& problem);
   ~ReferenceRun();
 
   /// Works for a slice; false once it is done.
   bool advance(const Deadline& slice);
   /// Shares of the work, 0 to 1.
   double progress() const;
-  const std::string& doing() const { return doing_; }
+  const std::string& current_task() const { return current_task_; }
 
   /// Samples 0 (the start) to the last that the reference reaches. Once it is done.
   std::vector<ReferenceSample> take_samples() { return std::move(samples_); }
-  const AccuracyReference& facts() const { return facts_; }
+  const AccuracyReference& result() const { return result_; }
   /// Up to which positions are compared.
   int horizon() const { return horizon_; }
   double fastest() const { return fastest_; }  ///< m/s, of any body
@@ -52,16 +52,16 @@ class ReferenceRun {
                         double first);
   double distance(const BodyStates& a, const BodyStates& b) const;
 
-  const AccuracySubject& subject_;
-  AccuracyReference facts_;
-  std::string doing_;
-  std::unique_ptr<HardSpheres> exact_, shaken_;  // while there is an event-driven answer
-  std::unique_ptr<SampledRun> run_;              // of the converged runs, that which goes on
-  AccuracySetting setting_;                      // of the first of them
-  int runs_done_ = 0;                            // h, shaken, h/2, h/4
-  RunState shaken_start_;
+  const AccuracyProblem& problem_;
+  AccuracyReference result_;
+  std::string current_task_;
+  std::unique_ptr<HardSpheres> exact_, perturbed_;  // while there is an event-driven answer
+  std::unique_ptr<SampledRun> run_;                 // of the converged runs, that which goes on
+  AccuracySetting setting_;                         // of the first of them
+  int runs_done_ = 0;                               // h, perturbed, h/2, h/4
+  RunState perturbed_start_;
   std::vector<ReferenceSample> samples_;
-  std::vector<BodyStates> first_, second_, third_;  // of runs h, shaken, h/2
+  std::vector<BodyStates> first_, second_, third_;  // of runs h, perturbed, h/2
   int horizon_ = 0;
   double fastest_ = 0;
   bool done_ = false;

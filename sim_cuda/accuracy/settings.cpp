@@ -13,7 +13,7 @@
 namespace collidoscope {
 namespace {
 
-std::string family_name(const AccuracySetting& s) {
+std::string series_name_of(const AccuracySetting& s) {
   std::string name(name_of(solver_names, s.solver));
   if (s.integrator != Integrator::semi_implicit_euler)
     name += fmt::format(" {}", name_of(integrator_names, s.integrator));
@@ -38,20 +38,20 @@ std::string point_name(const AccuracySetting& s) {
 }
 
 /// Whether integrators differ: whether anything but impacts changes velocities, or turns.
-bool accelerates(const AccuracySubject& subject) {
-  const Effects& e = subject.effects;
-  return e.gravity || e.attractor || e.drag || (e.rotation && !subject.initial.inertia.empty());
+bool accelerates(const AccuracyProblem& problem) {
+  const Effects& e = problem.effects;
+  return e.gravity || e.attractor || e.drag || (e.rotation && !problem.initial.inertia.empty());
 }
 
 /// The scene's own solver with every integrator, the better ones with the better rotation update; the other
 /// solvers with the scene's own integrator; its other rotation update, and continuous collision off and on,
 /// where they can tell. All of it in float and in double.
-std::vector<AccuracySetting> families(const AccuracySubject& subject, double fastest) {
-  const AccuracySetting own = subject.own_setting();
+std::vector<AccuracySetting> series_settings(const AccuracyProblem& problem, double fastest) {
+  const AccuracySetting own = problem.own_setting();
   double smallest = std::numeric_limits<double>::infinity();
-  for (const double r : subject.initial.radius) smallest = std::min(smallest, r);
-  const bool leaps = subject.initial.size() > 1 && fastest * subject.coarsest / subject.substeps > smallest;
-  const bool turns = subject.effects.rotation;
+  for (const double r : problem.initial.radius) smallest = std::min(smallest, r);
+  const bool leaps = problem.initial.size() > 1 && fastest * problem.coarsest / problem.substeps > smallest;
+  const bool turns = problem.effects.rotation;
   std::vector<AccuracySetting> kinds;
   const auto add = [&](auto... changes) {
     AccuracySetting kind = own;
@@ -62,7 +62,7 @@ std::vector<AccuracySetting> families(const AccuracySubject& subject, double fas
     if (turns) s.rotation_update = RotationUpdate::lie_group;
   };
   for (const auto& solver : solver_names) add([&](AccuracySetting& s) { s.solver = solver.value; });
-  if (accelerates(subject))
+  if (accelerates(problem))
     for (const auto& integrator : integrator_names)
       if (integrator.value != own.integrator)
         add([&](AccuracySetting& s) { s.integrator = integrator.value; }, lie_group);
@@ -73,39 +73,39 @@ std::vector<AccuracySetting> families(const AccuracySubject& subject, double fas
   for (AccuracySetting& kind : kinds)
     for (const auto& precision : precision_names) {
       kind.precision = precision.value;
-      if (validate(with_setting(subject.scene, kind, subject.effects)).empty()) all.push_back(kind);
+      if (validate(with_setting(problem.scene, kind, problem.effects)).empty()) all.push_back(kind);
     }
   return all;
 }
 
 /// Of `impulse`, substeps are time steps by another name.
-int own_substeps(const AccuracySubject& subject, Solver solver) {
+int own_substeps(const AccuracyProblem& problem, Solver solver) {
   return solver == Solver::impulse                         ? 1
-         : subject.scene.physics.solver == Solver::impulse ? 4
-                                                           : subject.substeps;
+         : problem.scene.physics.solver == Solver::impulse ? 4
+                                                           : problem.substeps;
 }
 
 }  // namespace
 
-double fineness(const AccuracySetting& s) {
+double solves_per_second(const AccuracySetting& s) {
   return (s.solver == Solver::impulse ? 1 : 2 + s.substeps) * std::sqrt(s.iterations) / s.time_step;
 }
 
-bool on_ladder(const AccuracyPoint& point, const AccuracySubject& subject) {
-  return point.setting.substeps == own_substeps(subject, point.setting.solver) &&
-         point.setting.iterations == subject.scene.physics.iterations;
+bool in_refinement_series(const AccuracyPoint& point, const AccuracyProblem& problem) {
+  return point.setting.substeps == own_substeps(problem, point.setting.solver) &&
+         point.setting.iterations == problem.scene.physics.iterations;
 }
 
-std::vector<AccuracyPoint> accuracy_settings(const AccuracySubject& subject, double fastest) {
-  const int iterations = subject.scene.physics.iterations;
+std::vector<AccuracyPoint> accuracy_settings(const AccuracyProblem& problem, double fastest) {
+  const int iterations = problem.scene.physics.iterations;
   std::vector<AccuracyPoint> points;
-  for (const AccuracySetting& family : families(subject, fastest)) {
-    const int own = own_substeps(subject, family.solver);
+  for (const AccuracySetting& series : series_settings(problem, fastest)) {
+    const int own = own_substeps(problem, series.solver);
     const auto add = [&](int parts, int substeps, int sweeps) {
       AccuracyPoint& point = points.emplace_back();
-      point.family = family_name(family);
-      point.setting = family;
-      point.setting.time_step = subject.coarsest / parts;
+      point.series_name = series_name_of(series);
+      point.setting = series;
+      point.setting.time_step = problem.coarsest / parts;
       point.setting.substeps = substeps;
       point.setting.iterations = sweeps;
       point.name = point_name(point.setting);
@@ -116,7 +116,7 @@ std::vector<AccuracyPoint> accuracy_settings(const AccuracySubject& subject, dou
       for (int parts = 1; parts * substeps <= finest; parts *= 2) add(parts, substeps, iterations);
     for (const int parts : {1, 2, 4}) add(parts, own, 4 * iterations);
   }
-  std::ranges::stable_sort(points, {}, [](const AccuracyPoint& p) { return fineness(p.setting); });
+  std::ranges::stable_sort(points, {}, [](const AccuracyPoint& p) { return solves_per_second(p.setting); });
   return points;
 }
 

@@ -29,18 +29,19 @@ std::vector<double> speeds_of(const BodyStates& states) {
   return speeds;
 }
 
-/// Of the finest two settings of each family's ladder in double: what they converge to should be the answer.
-std::map<std::string, std::vector<std::size_t>> finest_of_ladders(const std::vector<AccuracyPoint>& points,
-                                                                  const AccuracySubject& subject) {
-  std::map<std::string, std::vector<std::size_t>> ladders;
+/// Of the finest two settings of each refinement series in double: what they converge to should be the
+/// answer.
+std::map<std::string, std::vector<std::size_t>> finest_of_series(const std::vector<AccuracyPoint>& points,
+                                                                 const AccuracyProblem& problem) {
+  std::map<std::string, std::vector<std::size_t>> all_series;
   for (std::size_t k = 0; k < points.size(); ++k)
-    if (points[k].setting.precision == Precision::f64 && on_ladder(points[k], subject))
-      ladders[points[k].family].push_back(k);
-  for (auto& [family, ladder] : ladders) {
-    std::ranges::sort(ladder, std::greater<>(), [&](std::size_t k) { return points[k].setting.time_step; });
-    if (ladder.size() > 2) ladder.erase(ladder.begin(), ladder.end() - 2);
+    if (points[k].setting.precision == Precision::f64 && in_refinement_series(points[k], problem))
+      all_series[points[k].series_name].push_back(k);
+  for (auto& [series_name, series] : all_series) {
+    std::ranges::sort(series, std::greater<>(), [&](std::size_t k) { return points[k].setting.time_step; });
+    if (series.size() > 2) series.erase(series.begin(), series.end() - 2);
   }
-  return ladders;
+  return all_series;
 }
 
 }  // namespace
@@ -51,46 +52,49 @@ struct AccuracyStudy::ErrorRun {
   ErrorSum error;
 };
 
-AccuracyStudy::AccuracyStudy(const Scene& scene, const RunOptions& options, AccuracyRequest request,
+AccuracyStudy::AccuracyStudy(const Scene& scene, const RunOptions& options, AccuracyStudyOptions request,
                              const RunState* start)
-    : request_(std::move(request)), subject_(accuracy_subject(scene, options, request_.seconds, start)) {
-  const std::vector<Motion>& motion = subject_.initial.motion;
-  if (subject_.initial.size() == 0 ||
+    : request_(std::move(request)), problem_(make_accuracy_problem(scene, options, request_.seconds, start)) {
+  const std::vector<Motion>& motion = problem_.initial.motion;
+  if (problem_.initial.size() == 0 ||
       (!motion.empty() && std::ranges::none_of(motion, [](Motion m) { return m == Motion::dynamic; })))
     throw InputError((scene.file.empty() ? scene.name : scene.file) +
                      ": no body that forces move, so there is nothing whose error could be measured");
-  if (request_.planted) planted_ = accuracy_subject(*request_.planted, options, request_.seconds, start);
-  making_ = std::make_unique<ReferenceRun>(planted_ ? *planted_ : subject_);
+  if (request_.reference_scene)
+    reference_problem_ = make_accuracy_problem(*request_.reference_scene, options, request_.seconds, start);
+  reference_run_ = std::make_unique<ReferenceRun>(reference_problem_ ? *reference_problem_ : problem_);
 }
 AccuracyStudy::~AccuracyStudy() = default;
 
 bool AccuracyStudy::advance(double milliseconds) {
   const Deadline slice(milliseconds);
   do {
-    if (making_) {
-      if (!making_->advance(slice)) plan();
+    if (reference_run_) {
+      if (!reference_run_->advance(slice)) plan();
     } else if (next_ < jobs_.size()) {
-      const bool ended = jobs_[next_].round < 0 ? work_on_error(slice) : work_on_price(slice);
+      const bool ended = jobs_[next_].round < 0 ? measure_error(slice) : measure_cost(slice);
       if (ended) ++next_;
-      if (next_ == jobs_.size()) doubt();
+      if (next_ == jobs_.size()) check_convergence();
     }
   } while (!slice.passed() && !done());
   return !done();
 }
 
 AccuracyStudy::Progress AccuracyStudy::progress() const {
-  if (making_) return {static_cast<std::int64_t>(1000 * making_->progress()), 1000, making_->doing()};
+  if (reference_run_)
+    return {static_cast<std::int64_t>(1000 * reference_run_->progress()), 1000,
+            reference_run_->current_task()};
   Progress progress{static_cast<std::int64_t>(next_), static_cast<std::int64_t>(jobs_.size()), "done"};
   if (next_ < jobs_.size()) {
     const AccuracyPoint& point = points_[jobs_[next_].point];
-    progress.doing =
-        fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price", point.family, point.name);
+    progress.current_task = fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price",
+                                        point.series_name, point.name);
   }
   return progress;
 }
 
 AccuracyRecord AccuracyStudy::record() const {
-  const AccuracySubject& s = subject_;
+  const AccuracyProblem& s = problem_;
   std::uint64_t hash = 0;
   const auto mix = [&](std::uint64_t word) { hash = mix64(hash ^ word); };
   for (const char letter : write_scene(s.scene) + s.executor + s.options.broad_phase)
@@ -107,35 +111,36 @@ AccuracyRecord AccuracyStudy::record() const {
           std::ssize(s.start.bodies.position),
           request_.rounds,
           done(),
-          facts_,
+          reference_,
           points_,
-          doubts_};
+          warnings_};
 }
 
 bool AccuracyStudy::restore(const AccuracyRecord& known) {
-  if (known.subject != record().subject) return false;
-  known_ = known.points;
+  if (known.problem_hash != record().problem_hash) return false;
+  recorded_points_ = known.points;
   return true;
 }
 
-/// The jobs that are left: each setting's error and first price, from coarse to fine, then its other prices
+/// The jobs that are left: each setting's error and first cost, from coarse to fine, then its other costs
 /// in turns.
 void AccuracyStudy::plan() {
-  facts_ = making_->facts();
-  samples_ = making_->take_samples();
-  horizon_ = making_->horizon();
-  points_ = request_.settings ? *request_.settings : accuracy_settings(subject_, making_->fastest());
-  making_.reset();
-  scales_ = InvariantScales(samples_, subject_.initial);
+  reference_ = reference_run_->result();
+  samples_ = reference_run_->take_samples();
+  horizon_ = reference_run_->horizon();
+  points_ = request_.settings ? *request_.settings : accuracy_settings(problem_, reference_run_->fastest());
+  reference_run_.reset();
+  scales_ = InvariantScales(samples_, problem_.initial);
   for (AccuracyPoint& point : points_)
-    for (AccuracyPoint& known : known_)
-      if (known.family == point.family && known.name == point.name && known.setting == point.setting)
+    for (AccuracyPoint& known : recorded_points_)
+      if (known.series_name == point.series_name && known.name == point.name &&
+          known.setting == point.setting)
         point = known;
-  known_.clear();
+  recorded_points_.clear();
   mark_front(points_);
   std::map<std::size_t, bool> again;  // their states are not in the points
-  for (const auto& [family, ladder] : finest_of_ladders(points_, subject_))
-    for (const std::size_t k : ladder) again[k] = true;
+  for (const auto& [series_name, series] : finest_of_series(points_, problem_))
+    for (const std::size_t k : series) again[k] = true;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (!points_[k].has_error() || again.contains(k)) jobs_.push_back({k, -1});
     if (points_[k].ms_runs.empty()) jobs_.push_back({k, 0});
@@ -145,89 +150,89 @@ void AccuracyStudy::plan() {
       if (std::ssize(points_[k].ms_runs) <= round) jobs_.push_back({k, round});
 }
 
-bool AccuracyStudy::work_on_error(const Deadline& slice) {
+bool AccuracyStudy::measure_error(const Deadline& slice) {
   if (!error_run_) {
     error_run_.reset(new ErrorRun{
-        {subject_, points_[jobs_[next_].point].setting, subject_.start}, {subject_, scales_}, {}});
-    error_run_->invariants.look(error_run_->run.world(), 0, &samples_[0].stats);
+        {problem_, points_[jobs_[next_].point].setting, problem_.start}, {problem_, scales_}, {}});
+    error_run_->invariants.add_sample(error_run_->run.world(), 0, &samples_[0].stats);
   }
   if (!error_run_->run.reach_next(slice)) return false;
-  look();
+  compare_sample();
   if (error_run_->run.sample() + 1 < std::ssize(samples_)) return false;
   finish_error();
   return true;
 }
 
-void AccuracyStudy::look() {
+void AccuracyStudy::compare_sample() {
   const int sample = error_run_->run.sample();
   const ReferenceSample& expected = samples_[static_cast<std::size_t>(sample)];
   World& world = error_run_->run.world();
-  error_run_->invariants.look(world, subject_.time(sample), &expected.stats);
+  error_run_->invariants.add_sample(world, problem_.time(sample), &expected.stats);
   if (sample > horizon_) return;
   const BodyStates states = world.bodies();
   error_run_->error.add(
-      squared_distances(states, expected.bodies, subject_.initial, subject_.effects.rotation));
+      squared_distances(states, expected.bodies, problem_.initial, problem_.effects.rotation));
   if (sample == horizon_ && points_[jobs_[next_].point].setting.precision == Precision::f64)
     at_horizon_[jobs_[next_].point] = states;
 }
 
 void AccuracyStudy::finish_error() {
   AccuracyPoint& point = points_[jobs_[next_].point];
-  const ErrorSum::Result error = error_run_->error.result(subject_.initial);
+  const ErrorSum::Result error = error_run_->error.result(problem_.initial);
   point.error = error.rms;
   point.error_low = error.low;
   point.error_high = error.high;
   point.error_worst = error.worst;
   point.invariants = error_run_->invariants.result();
   const BodyStates states = error_run_->run.world().bodies();
-  point.distributions = {distribution_distance(heights_of(states, subject_.scene),
-                                               heights_of(samples_.back().bodies, subject_.scene)),
+  point.distributions = {distribution_distance(heights_of(states, problem_.scene),
+                                               heights_of(samples_.back().bodies, problem_.scene)),
                          distribution_distance(speeds_of(states), speeds_of(samples_.back().bodies))};
   error_run_.reset();
   mark_front(points_);
 }
 
-bool AccuracyStudy::work_on_price(const Deadline& slice) {
+bool AccuracyStudy::measure_cost(const Deadline& slice) {
   AccuracyPoint& point = points_[jobs_[next_].point];
-  if (!price_run_) {
-    price_run_ = std::make_unique<SampledRun>(subject_, point.setting, subject_.start);
-    price_run_->world().step(2);  // buffers grow, code and caches warm up
-    price_run_->rewind(subject_.start);
+  if (!cost_run_) {
+    cost_run_ = std::make_unique<SampledRun>(problem_, point.setting, problem_.start);
+    cost_run_->world().step(2);  // buffers grow, code and caches warm up
+    cost_run_->restart(problem_.start);
   }
-  if (!price_run_->reach_next(slice)) return false;
-  if (price_run_->sample() + 1 < std::ssize(samples_)) return false;
+  if (!cost_run_->reach_next(slice)) return false;
+  if (cost_run_->sample() + 1 < std::ssize(samples_)) return false;
   // A run of few steps is made again, until there are enough for their median.
   constexpr int enough = 100;
-  price_steps_ += price_run_->plain_steps();
-  prices_.push_back(price_run_->price());
-  if (price_steps_ < enough) {
-    price_run_->rewind(subject_.start);
+  cost_steps_ += cost_run_->plain_steps();
+  costs_.push_back(cost_run_->cost_ms_per_second());
+  if (cost_steps_ < enough) {
+    cost_run_->restart(problem_.start);
     return false;
   }
-  point.ms_runs.push_back(quantile(prices_, 0.5, not_known));
-  prices_.clear();
-  price_steps_ = 0;
+  point.ms_runs.push_back(quantile(costs_, 0.5, not_known));
+  costs_.clear();
+  cost_steps_ = 0;
   point.ms = {quantile(point.ms_runs, 0.5, not_known), quantile(point.ms_runs, 0.25, not_known),
               quantile(point.ms_runs, 0.75, not_known)};
-  price_run_.reset();
+  cost_run_.reset();
   mark_front(points_);
   return true;
 }
 
 /// Runs that come to each other but not to the reference doubt it, or their solver.
-void AccuracyStudy::doubt() {
-  for (const auto& [family, ladder] : finest_of_ladders(points_, subject_)) {
-    if (ladder.size() < 2 || !at_horizon_.contains(ladder[0]) || !at_horizon_.contains(ladder[1])) continue;
-    const BodyStates &coarse = at_horizon_[ladder[0]], &fine = at_horizon_[ladder[1]];
+void AccuracyStudy::check_convergence() {
+  for (const auto& [series_name, series] : finest_of_series(points_, problem_)) {
+    if (series.size() < 2 || !at_horizon_.contains(series[0]) || !at_horizon_.contains(series[1])) continue;
+    const BodyStates &coarse = at_horizon_[series[0]], &fine = at_horizon_[series[1]];
     const auto from = [&](const BodyStates& other) {
-      return rms_distance(fine, other, subject_.initial, subject_.effects.rotation);
+      return rms_distance(fine, other, problem_.initial, problem_.effects.rotation);
     };
     const double off = from(samples_[static_cast<std::size_t>(horizon_)].bodies), apart = from(coarse);
-    if (off > 4 * apart + 4 * facts_.error)
-      doubts_.push_back(
+    if (off > 4 * apart + 4 * reference_.error)
+      warnings_.push_back(
           fmt::format("{}: the last two time steps are {:.2g} m from each other, but {:.2g} m from the "
                       "reference: this family converges to something else",
-                      family, apart, off));
+                      series_name, apart, off));
   }
   at_horizon_.clear();
 }

@@ -97,7 +97,7 @@ struct CellGrid {
 };
 
 /// Threads that share one look at all boxes, each of which then bids once for the longest side.
-inline constexpr std::int64_t survey_lanes = 1 << 17;
+inline constexpr std::int64_t histogram_lanes = 1 << 17;
 
 class CellList {
  public:

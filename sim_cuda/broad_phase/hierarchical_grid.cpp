@@ -21,15 +21,15 @@ SIM_HD inline std::int32_t first_power(const Aabb& extent) {
   return CellGrid::power_of(longest_side(extent)) - (classes - 2);
 }
 
-struct Census {
+struct SizeHistogram {
   std::uint64_t longest[classes];  ///< side of any box, as the bits of a float > 0; 0 where there is none
   std::uint32_t sampled[classes];  ///< bodies, of each `every`-th
 };
 
-struct TakeCensus {
+struct BuildSizeHistogram {
   const Aabb *boxes, *extent;
   std::int64_t bodies, lanes, every;
-  Census* census;
+  SizeHistogram* histogram;
   SIM_HD void operator()(int lane) const {
     const std::int32_t power = first_power(*extent);
     float longest[classes] = {};
@@ -39,31 +39,31 @@ struct TakeCensus {
       const float side = longest_side(box);
       const std::int32_t c = CellGrid::class_of(side, power);
       longest[c] = max_of(longest[c], side);
-      if (body % every == 0) atomic_add(&census->sampled[c], 1);
+      if (body % every == 0) atomic_add(&histogram->sampled[c], 1);
     }
     for (std::int32_t c = 0; c < classes; ++c)
       if (longest[c] > 0)
-        atomic_max(&census->longest[c], std::uint64_t{std::bit_cast<std::uint32_t>(longest[c])});
+        atomic_max(&histogram->longest[c], std::uint64_t{std::bit_cast<std::uint32_t>(longest[c])});
   }
 };
 
 /// One class, and its level where it is the coarsest there. Finer classes join it while the level holds at
-/// most `most_joined` times as many bodies as that class alone: solid bodies of that class fill no more than
+/// most `max_joined` times as many bodies as that class alone: solid bodies of that class fill no more than
 /// their own cells, so the lists stay that short.
 struct LayOutLevel {
-  static constexpr std::uint32_t most_joined = 16, lists_each = 2;
+  static constexpr std::uint32_t max_joined = 16, lists_each = 2;
   const Aabb* extent;
-  const Census* census;
+  const SizeHistogram* histogram;
   std::uint32_t every;
   CellGrid* grid;
   SIM_HD void operator()(int item) const {
     std::int32_t level = 0, own_level = 0;
     std::uint32_t alone = 0, together = 0, occupied = 0, lists = 0, first_list = 0;
     for (std::int32_t c = classes - 1; c >= 0; --c) {
-      if (census->longest[c] == 0) continue;
-      const std::uint32_t count = census->sampled[c] + 1;
+      if (histogram->longest[c] == 0) continue;
+      const std::uint32_t count = histogram->sampled[c] + 1;
       together += count;
-      if (together > most_joined * alone) {
+      if (together > max_joined * alone) {
         level = c;
         alone = together = count;
       }
@@ -78,7 +78,7 @@ struct LayOutLevel {
       grid->occupied = occupied;
     }
     if ((occupied >> item & 1) == 0) return;
-    const float reach = std::bit_cast<float>(static_cast<std::uint32_t>(census->longest[item]));
+    const float reach = std::bit_cast<float>(static_cast<std::uint32_t>(histogram->longest[item]));
     grid->levels[item] = make_level(*extent, reach, lists);
     grid->levels[item].first_list = first_list;
   }
@@ -87,35 +87,36 @@ struct LayOutLevel {
 class HierarchicalGrid final : public BroadPhase {
  public:
   explicit HierarchicalGrid(Executor& executor)
-      : executor_(executor), census_(executor, "census of sizes"), cells_(executor) {}
+      : executor_(executor), histogram_(executor, "census of sizes"), cells_(executor) {}
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;
-    every_ = (bodies + most_sampled - 1) / most_sampled;
-    census_.resize_discarding(1);
+    every_ = (bodies + max_sampled - 1) / max_sampled;
+    histogram_.resize_discarding(1);
     cells_.reserve(bodies,
                    LayOutLevel::lists_each * (bodies + every_ * (classes + 1)));  // all that it can give
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (bodies_ == 0) return;
-    const std::int64_t lanes = min_of(bodies_, survey_lanes);
+    const std::int64_t lanes = min_of(bodies_, histogram_lanes);
     executor_.begin_stage("keys");
-    census_.fill_zero();
-    executor_.run("keys", lanes, TakeCensus{boxes, extent, bodies_, lanes, every_, census_.data()});
+    histogram_.fill_zero();
+    executor_.run("keys", lanes,
+                  BuildSizeHistogram{boxes, extent, bodies_, lanes, every_, histogram_.data()});
     executor_.run("keys", classes,
-                  LayOutLevel{extent, census_.data(), static_cast<std::uint32_t>(every_), cells_.grid()});
+                  LayOutLevel{extent, histogram_.data(), static_cast<std::uint32_t>(every_), cells_.grid()});
     cells_.sort(boxes);
   }
 
   void find_pairs(const PairSink& sink) override { cells_.find_pairs(sink); }
 
  private:
-  static constexpr std::int64_t most_sampled = 4096;
+  static constexpr std::int64_t max_sampled = 4096;
 
   Executor& executor_;
   std::int64_t bodies_ = 0, every_ = 0;
-  Buffer<Census> census_;
+  Buffer<SizeHistogram> histogram_;
   CellList cells_;
 };
 

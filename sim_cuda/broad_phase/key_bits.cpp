@@ -70,7 +70,7 @@ class KeySample {
 
 }  // namespace
 
-int key_bits_called_for(const InitialBodies& bodies, const std::vector<Vector3d>& position, SortMethod sort) {
+int automatic_key_bits(const InitialBodies& bodies, const std::vector<Vector3d>& position, SortMethod sort) {
   const auto n = static_cast<std::int64_t>(bodies.size());
   const bool counting = sorts_by_counting(sort, n);
   const int shortest = counting || n > 1 << 24 ? 30 : 24;

@@ -18,10 +18,10 @@ namespace collidoscope {
 /// - 63 where crowds would make a counting sort slow: where they are now, or where the smaller bodies (a
 ///   tenth to a half of all) would form one if they gathered, at the density of random close packing. And 63
 ///   where there is no box, since one body that flies away stretches the cells of all others.
-int key_bits_called_for(const InitialBodies& bodies, const std::vector<Vector3d>& position,
-                        SortMethod sort = SortMethod::automatic);
-inline int key_bits_called_for(const InitialBodies& bodies) {
-  return key_bits_called_for(bodies, bodies.position);
+int automatic_key_bits(const InitialBodies& bodies, const std::vector<Vector3d>& position,
+                       SortMethod sort = SortMethod::automatic);
+inline int automatic_key_bits(const InitialBodies& bodies) {
+  return automatic_key_bits(bodies, bodies.position);
 }
 
 }  // namespace collidoscope

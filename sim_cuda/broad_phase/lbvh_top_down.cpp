@@ -213,7 +213,7 @@ class LbvhTopDown final : public BroadPhase {
     n_ = static_cast<std::uint32_t>(bodies);
     order_.reserve(bodies);
     leaf_.resize_discarding(n_);
-    levels_.resize_discarding(2 * (most_levels + 1));
+    levels_.resize_discarding(2 * (max_levels + 1));
     const std::size_t nodes = n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0;
     for (Buffer<std::uint32_t>* numbers : {&first_, &parent_, &met_}) numbers->resize_discarding(nodes);
     nodes_.resize_discarding(nodes);
@@ -222,7 +222,7 @@ class LbvhTopDown final : public BroadPhase {
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
     order_.sort(boxes, extent);
-    const Levels levels{levels_.data(), levels_.data() + most_levels + 1};
+    const Levels levels{levels_.data(), levels_.data() + max_levels + 1};
     executor_.begin_stage("build");
     levels_.fill_zero();
     executor_.run("build", 1, PutRoot{n_, levels, first_.data(), parent_.data(), nodes_.data()});
@@ -230,7 +230,7 @@ class LbvhTopDown final : public BroadPhase {
                                 parent_.data(), met_.data(),     leaf_.data(), nodes_.data()};
     if (executor_.on_device() && n_ > most_in_rounds) {
       for (int level = 0; level < levels_needed(); ++level)
-        executor_.run("build", Count(levels.size + level, widest(level)), SplitLevel<Key>{split, level});
+        executor_.run("build", ItemCount(levels.size + level, widest(level)), SplitLevel<Key>{split, level});
     } else {
       executor_.run_rounds("build", levels_needed(), n_, split);
     }
@@ -259,14 +259,14 @@ class LbvhTopDown final : public BroadPhase {
     return level < 40 && (std::int64_t{1} << level) < nodes ? std::int64_t{1} << level : nodes;
   }
   // A split by a bit takes one level for each bit, then equal keys are halved.
-  static constexpr int most_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
+  static constexpr int max_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
   int levels_needed() const {
     int halvings = 0;
     while ((std::uint64_t{1} << halvings) < n_) ++halvings;
     return order_.key_bits() + halvings + 1;
   }
   template <class Sink>
-  DescendFromRoot<most_levels, Sink> query(const Sink& sink) const {
+  DescendFromRoot<max_levels, Sink> query(const Sink& sink) const {
     return {nodes_.data(), leaf_.data(), executor_.options().whole_queries, sink};
   }
 

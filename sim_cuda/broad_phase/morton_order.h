@@ -178,7 +178,7 @@ class MortonOrder {
   void sort(const Aabb* boxes, const Aabb* extent) { sort(boxes, extent, NoteBody{bodies_by_place()}); }
   /// If `items` is all bodies. If it is 0, nothing is emitted, and keys() stay those of the last sort.
   template <class Emit>
-  void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items) {
+  void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const ItemCount& items) {
     constexpr int all_bits = sizeof(Key) == 4 ? 30 : 63;
     const int dropped_bits = all_bits - key_bits_;
     if constexpr (sizeof(Key) == 4) {
@@ -208,7 +208,7 @@ class MortonOrder {
  private:
 #if !SIM_CUDA || defined(__CUDACC__)
   template <class Emit>
-  void sort_by_counting(const Aabb* boxes, const Aabb* extent, const Emit& emit, const Count& items,
+  void sort_by_counting(const Aabb* boxes, const Aabb* extent, const Emit& emit, const ItemCount& items,
                         int dropped_bits) {
     const int shift = key_bits_ - cell_bits_;
     executor_.begin_stage("keys");

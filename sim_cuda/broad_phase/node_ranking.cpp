@@ -1,10 +1,10 @@
-// What TreeMeter tells of single nodes: their values, the greatest first, and how these spread.
+// What BvhStatistics tells of single nodes: their values, the greatest first, and how these spread.
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
-#include "sim_cuda/broad_phase/quality.h"
+#include "sim_cuda/broad_phase/bvh_statistics.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/core/sort.h"
@@ -39,19 +39,19 @@ struct LoadValue {
 
 struct CountValues {
   LoadValue load;
-  const float* edge;  ///< of NodeSpread::bins
+  const float* edge;  ///< of NodeHistogram::bins
   float low, high;
   std::uint32_t* count;  ///< of each bin, and one for those from low to high
   SIM_HD void operator()(int node) const {
     const ValueSpan value = load(node);
     if (value.count == 0) return;
-    std::size_t bin = 0, end = NodeSpread::bins;
+    std::size_t bin = 0, end = NodeHistogram::bins;
     while (end - bin > 1) {
       const std::size_t middle = (bin + end) / 2;
       (edge[middle] <= value.least ? bin : end) = middle;
     }
     atomic_add(&count[bin], 1);
-    if (low <= value.least && value.least <= high) atomic_add(&count[NodeSpread::bins], 1);
+    if (low <= value.least && value.least <= high) atomic_add(&count[NodeHistogram::bins], 1);
   }
 };
 
@@ -83,7 +83,7 @@ struct RankKeys {
 
 }  // namespace
 
-const float* TreeMeter::values(NodeMetric metric) const {
+const float* BvhStatistics::values(NodeMetric metric) const {
   switch (metric) {
     case NodeMetric::level:
       return level_.data();
@@ -99,8 +99,8 @@ const float* TreeMeter::values(NodeMetric metric) const {
   return nullptr;
 }
 
-std::vector<NodeReport> TreeMeter::ranked(const TreeView& tree, NodeMetric metric, std::int64_t first,
-                                          std::int64_t count, int from, int to) {
+std::vector<NodeReport> BvhStatistics::ranked(const TreeView& tree, NodeMetric metric, std::int64_t first,
+                                              std::int64_t count, int from, int to) {
   from = std::max(from, 0);
   to = std::min(to, tree.levels() - 1);
   if (from > to) return {};
@@ -120,7 +120,7 @@ std::vector<NodeReport> TreeMeter::ranked(const TreeView& tree, NodeMetric metri
   return nodes(tree, places);
 }
 
-std::vector<NodeReport> TreeMeter::nodes(const TreeView& tree, const std::vector<std::uint32_t>& places) {
+std::vector<NodeReport> BvhStatistics::nodes(const TreeView& tree, const std::vector<std::uint32_t>& places) {
   if (places.empty()) return {};
   Buffer<std::uint32_t> wanted(executor_, "nodes to read");
   Buffer<GatheredNode> gathered(executor_, "nodes to read");
@@ -151,12 +151,13 @@ std::vector<NodeReport> TreeMeter::nodes(const TreeView& tree, const std::vector
   return reports;
 }
 
-NodeSpread TreeMeter::spread(const TreeView& tree, NodeMetric metric, const NodeSelection& selection) {
-  NodeSpread result;
+NodeHistogram BvhStatistics::histogram(const TreeView& tree, NodeMetric metric,
+                                       const NodeSelection& selection) {
+  NodeHistogram result;
   const int from = std::max(selection.first_level, 0), to = std::min(selection.last_level, tree.levels() - 1);
   if (from > to) return result;
   const std::uint32_t begin = tree.level_begin(from), nodes = tree.level_begin(to + 1) - begin;
-  const LoadValue load{values(metric) + begin, tree.children + begin, leaves_have(metric)};
+  const LoadValue load{values(metric) + begin, tree.children + begin, has_leaf_values(metric)};
   spans_.resize_discarding(reduce_scratch_size(nodes));
   ValueSpan span;
   executor_.copy_to_host(&span, reduce<ValueSpan>(executor_, "quality", nodes, load, spans_.data()),
@@ -169,8 +170,8 @@ NodeSpread TreeMeter::spread(const TreeView& tree, NodeMetric metric, const Node
   const double low =
       static_cast<double>(is_logarithmic(metric) ? std::max(span.least, 1e-9f * span.greatest) : span.least);
   const double high = static_cast<double>(span.greatest);
-  for (std::size_t i = 0; i <= NodeSpread::bins; ++i) {
-    const double t = static_cast<double>(i) / NodeSpread::bins;
+  for (std::size_t i = 0; i <= NodeHistogram::bins; ++i) {
+    const double t = static_cast<double>(i) / NodeHistogram::bins;
     result.edge[i] = static_cast<float>(is_logarithmic(metric) && low > 0 ? low * std::pow(high / low, t)
                                                                           : low + t * (high - low));
   }
@@ -178,12 +179,12 @@ NodeSpread TreeMeter::spread(const TreeView& tree, NodeMetric metric, const Node
   result.edge.back() = span.greatest;
 
   edges_.upload(std::vector<float>(result.edge.begin(), result.edge.end()));
-  counts_.resize_discarding(NodeSpread::bins + 1);
+  counts_.resize_discarding(NodeHistogram::bins + 1);
   counts_.fill_zero();
   executor_.run("quality", nodes,
                 CountValues{load, edges_.data(), selection.low, selection.high, counts_.data()});
   const std::vector<std::uint32_t> counts = counts_.download();
-  std::copy_n(counts.begin(), NodeSpread::bins, result.nodes.begin());
+  std::copy_n(counts.begin(), NodeHistogram::bins, result.nodes.begin());
   result.inside = counts.back();
   return result;
 }

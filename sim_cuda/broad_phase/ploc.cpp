@@ -192,7 +192,7 @@ class Ploc final : public RopeTreeMethod<Key> {
     std::uint32_t* count = counts_.data();
     order_.sort(boxes, extent, StartClusters{boxes, n_, count, nodes_.data(), links, clusters});
     for (Round round = Round::first(n_); round.bound > 1; round = round.next(), ++count) {
-      const Count there(count, round.bound);
+      const ItemCount there(count, round.bound);
       executor_.run("build", there, FindNearest{clusters, count, round.due, nearest_.data()});
       executor_.run("build", round.bound, MarkMerged{count, nearest_.data(), merged_.data()});
       exclusive_scan(executor_, "build", round.bound, merged_.data(), before_.data(), temporary_.data(),

@@ -144,7 +144,7 @@ class RefitBvh final : public RopeTreeMethod<Key> {
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;
     Upkeep* upkeep = upkeep_.data();
-    const Count leaves(&upkeep->leaves, n_), nodes(&upkeep->nodes, Base::tree_nodes());
+    const ItemCount leaves(&upkeep->leaves, n_), nodes(&upkeep->nodes, Base::tree_nodes());
     const TreeLinks links{link_.data()};
     order_.sort(boxes, extent, PlaceLeafBody{nodes_.data()}, leaves);
     executor_.run("build", leaves, LinkNodes<Key>{order_.keys(), n_, nodes_.data(), links, met_.data()});

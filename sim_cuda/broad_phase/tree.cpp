@@ -103,7 +103,7 @@ Tree::Tree(Executor& executor)
       level_first_(executor, "levels of the tree"),
       temporary_(executor, "sort workspace") {}
 
-void Tree::arrange(const BroadPhase& method, std::int64_t bodies) {
+void Tree::build_level_order(const BroadPhase& method, std::int64_t bodies) {
   view_ = {};
   const std::int64_t nodes = method.tree_nodes();
   if (nodes == 0) return;

@@ -44,7 +44,7 @@ struct TreeView {
   std::uint32_t level_size(int level) const { return level_begin(level + 1) - level_begin(level); }
 };
 
-/// What was measured of it (TreeMeter), in the executor's memory; null where nobody asks for it.
+/// What was measured of it (BvhStatistics), in the executor's memory; null where nobody asks for it.
 struct TreeValues {
   const float* of_node = nullptr;          ///< of one metric, by place
   const std::uint32_t* of_body = nullptr;  ///< boxes that its query tests, by id
@@ -54,7 +54,7 @@ class Tree {
  public:
   explicit Tree(Executor& executor);
   /// The tree of a method that has its boxes. Waits for the device.
-  void arrange(const BroadPhase& method, std::int64_t bodies);
+  void build_level_order(const BroadPhase& method, std::int64_t bodies);
   const TreeView& view() const { return view_; }
 
  private:

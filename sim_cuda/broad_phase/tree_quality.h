@@ -12,7 +12,7 @@ namespace collidoscope {
 enum class NodeMetric : std::uint32_t { level, sah_share, sibling_overlap, empty_space, visits };
 
 /// Leaves have no children whose overlap or emptiness one could name.
-constexpr bool leaves_have(NodeMetric metric) {
+constexpr bool has_leaf_values(NodeMetric metric) {
   return metric != NodeMetric::sibling_overlap && metric != NodeMetric::empty_space;
 }
 /// These span powers of ten, and are shown in even steps of their logarithm.
@@ -27,7 +27,7 @@ struct NodeSelection {
 };
 
 /// How the values of a metric spread over the nodes of some levels; those that have none are left out.
-struct NodeSpread {
+struct NodeHistogram {
   static constexpr std::size_t bins = 48;
   std::int64_t count = 0;   ///< nodes that have a value
   std::int64_t inside = 0;  ///< of them those from `low` to `high`

@@ -52,7 +52,7 @@ class UniformGrid final : public BroadPhase {
 
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (bodies_ == 0) return;
-    const std::int64_t lanes = min_of(bodies_, survey_lanes);
+    const std::int64_t lanes = min_of(bodies_, histogram_lanes);
     executor_.begin_stage("keys");
     largest_.fill_zero();
     executor_.run("keys", lanes, FindLargest{boxes, bodies_, lanes, largest_.data()});

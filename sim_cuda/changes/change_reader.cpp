@@ -71,7 +71,7 @@ void read_settings(Reading& reading, ObjectReader& reader, Change& change) {
   }
 }
 
-void read_way_of_running(Reading& reading, ObjectReader& reader, Change& change) {
+void read_run_options(Reading& reading, ObjectReader& reader, Change& change) {
   read_shape(reading, reader, "blocks", limits::max_blocks, change.blocks);
   read_shape(reading, reader, "threads", limits::max_threads, change.threads);
   std::string name;

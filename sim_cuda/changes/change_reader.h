@@ -10,6 +10,6 @@ namespace collidoscope {
 /// All that decides the state but bodies to remove and add. Whether it fits a scene is validate()'s business.
 void read_settings(Reading& reading, ObjectReader& reader, Change& change);
 /// How it runs: blocks, threads, broad_phase.
-void read_way_of_running(Reading& reading, ObjectReader& reader, Change& change);
+void read_run_options(Reading& reading, ObjectReader& reader, Change& change);
 
 }  // namespace collidoscope

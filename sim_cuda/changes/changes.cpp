@@ -7,7 +7,7 @@
 namespace collidoscope {
 namespace {
 
-std::int64_t made_by(const BoxCollider& generator) {
+std::int64_t generated_count(const BoxCollider& generator) {
   return generator.count - static_cast<std::int64_t>(generator.without.size());
 }
 
@@ -27,7 +27,7 @@ void remove_body(Scene& scene, std::int64_t id) {
   if (id < std::ssize(scene.bodies)) return erase(scene.bodies);
   id -= std::ssize(scene.bodies);
   for (BoxCollider& generator : scene.generators) {
-    const std::int64_t made = made_by(generator);
+    const std::int64_t made = generated_count(generator);
     if (id < made) {
       const std::int64_t number = generated_number(generator, id);
       generator.without.insert(std::ranges::upper_bound(generator.without, number), number);
@@ -39,18 +39,18 @@ void remove_body(Scene& scene, std::int64_t id) {
 }
 
 /// N of the only generator, and what becomes of the bodies: those that were added come last.
-void set_count(Scene& scene, std::int64_t count, BodyIds& ids) {
+void set_count(Scene& scene, std::int64_t count, BodyIdMap& ids) {
   BoxCollider& generator = scene.generators.at(0);
   const auto first = static_cast<std::size_t>(std::ssize(scene.bodies));
-  const auto before = static_cast<std::size_t>(made_by(generator));
+  const auto before = static_cast<std::size_t>(generated_count(generator));
   generator.count = count;
   std::erase_if(generator.without, [&](std::int64_t number) { return number >= count; });
-  const auto after = static_cast<std::size_t>(made_by(generator));
+  const auto after = static_cast<std::size_t>(generated_count(generator));
   for (std::size_t body = first + std::min(before, after); body < ids.size(); ++body)
     ids[body] = body < first + before ? no_body : static_cast<std::uint32_t>(body - before + after);
 }
 
-void remove_bodies(Scene& scene, std::vector<std::int64_t> gone, BodyIds& ids) {
+void remove_bodies(Scene& scene, std::vector<std::int64_t> gone, BodyIdMap& ids) {
   std::ranges::sort(gone);
   for (auto id = gone.rbegin(); id != gone.rend(); ++id) remove_body(scene, *id);
   for (std::uint32_t& id : ids) {
@@ -64,7 +64,7 @@ void remove_bodies(Scene& scene, std::vector<std::int64_t> gone, BodyIds& ids) {
 }
 
 /// Joints go with their bodies.
-void renumber_joints(Scene& scene, const BodyIds& ids) {
+void remap_joints(Scene& scene, const BodyIdMap& ids) {
   const auto gone = [&](std::int64_t& id) {
     const std::uint32_t now = ids.at(static_cast<std::size_t>(id));
     id = now;
@@ -79,8 +79,8 @@ bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
 }
 
 template <class Value>
-void set_if_given(Value& value, const std::optional<Value>& wish) {
-  if (wish) value = *wish;
+void set_if_given(Value& value, const std::optional<Value>& request) {
+  if (request) value = *request;
 }
 
 }  // namespace
@@ -91,16 +91,16 @@ bool Change::physical() const {
          !add.empty() || !freeze.empty();
 }
 
-bool Change::shape_alone() const { return !physical() && !broad_phase && (blocks || threads); }
+bool Change::only_launch_shape() const { return !physical() && !broad_phase && (blocks || threads); }
 
 std::int64_t bodies_of(const Scene& scene) {
   std::int64_t count = std::ssize(scene.bodies) + std::ssize(scene.added);
-  for (const BoxCollider& generator : scene.generators) count += made_by(generator);
+  for (const BoxCollider& generator : scene.generators) count += generated_count(generator);
   return count;
 }
 
-BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
-  BodyIds ids;
+BodyIdMap apply_change(const Change& change, Scene& scene, RunOptions& options) {
+  BodyIdMap ids;
   if (change.bodies || !change.remove.empty()) {
     ids.resize(static_cast<std::size_t>(bodies_of(scene)));
     for (std::size_t body = 0; body < ids.size(); ++body) ids[body] = static_cast<std::uint32_t>(body);
@@ -130,7 +130,7 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
   set_if_given(physics.precision, change.precision);
   set_if_given(physics.effects, change.effects);
   remove_bodies(scene, change.remove, ids);
-  if (!ids.empty()) renumber_joints(scene, ids);
+  if (!ids.empty()) remap_joints(scene, ids);
   scene.added.insert(scene.added.end(), change.add.begin(), change.add.end());
 
   set_if_given(options.shape.blocks, change.blocks);
@@ -139,7 +139,7 @@ BodyIds make_change(const Change& change, Scene& scene, RunOptions& options) {
   return ids;
 }
 
-bool begins_another_run(const Scene& before, const Scene& after) {
+bool requires_restart(const Scene& before, const Scene& after) {
   if (!same_box(box_in_effect(before), box_in_effect(after))) return true;
   for (std::size_t g = 0; g < std::min(before.generators.size(), after.generators.size()); ++g) {
     const BoxCollider &a = before.generators[g], &b = after.generators[g];
@@ -151,8 +151,8 @@ bool begins_another_run(const Scene& before, const Scene& after) {
   return false;
 }
 
-void record_change(std::vector<Change>& changes, Change change, bool goes_on) {
-  const bool replaces = !changes.empty() && (goes_on || changes.back().step == change.step) &&
+void record_change(std::vector<Change>& changes, Change change, bool extends_last) {
+  const bool replaces = !changes.empty() && (extends_last || changes.back().step == change.step) &&
                         !changes.back().physical() && !change.physical();
   if (!replaces) {
     changes.push_back(std::move(change));

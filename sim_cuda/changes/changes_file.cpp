@@ -68,7 +68,7 @@ class ChangesReader {
     if (!reader.is_object()) return;
     read_step(node, reader, change);
     read_settings(reading_, reader, change);
-    read_way_of_running(reading_, reader, change);
+    read_run_options(reading_, reader, change);
     const JsonNode* remove = reader.member("remove", JsonKind::array);
     if (remove != nullptr) read_ids(*remove, "remove", change.remove);
     const JsonNode* add = reader.member("add", JsonKind::array);
@@ -121,14 +121,14 @@ class ChangesReader {
   void try_change(const JsonNode& node, const Change& change, const JsonNode* remove) {
     if (!fits_generators(node, change) || !ids_exist(change, remove)) return;
     const Scene before = scene_;
-    make_change(change, scene_, options_);
+    apply_change(change, scene_, options_);
     for (Fault& fault : validate(scene_)) {
       const JsonNode* at = place_of(fault.path, node, before.added.size());
       const bool is_value = at != &node && (at->kind == JsonKind::number || at->kind == JsonKind::text);
       reading_.fault(
           *at, line_of(fault) + (is_value ? fmt::format(", not {}", printable(document_.token(*at))) : ""));
     }
-    if (reading_.faults.empty() && change.step > 0 && begins_another_run(before, scene_))
+    if (reading_.faults.empty() && change.step > 0 && requires_restart(before, scene_))
       reading_.fault(node,
                      "these are other bodies, or another box: a change that begins another run stands "
                      "at \"step\": 0");
@@ -156,7 +156,7 @@ class ChangesReader {
     settings.remove.clear();
     settings.add.clear();
     RunOptions options = options_;
-    make_change(settings, counted, options);
+    apply_change(settings, counted, options);
     return are_ids(change.remove, *remove, bodies_of(counted));
   }
 
@@ -285,7 +285,7 @@ std::string text_of(const Change& change, const Scene& scene) {
 
 ChangeList parse_changes(std::string text, const std::string& name, const Scene& scene,
                          const RunOptions& options, std::int64_t start) {
-  return while_doing("reading a list of changes", [&] {
+  return with_allocation_context("reading a list of changes", [&] {
     JsonDocument document(std::move(text), name);
     ChangeList list;
     document.read_all([&](bool first) {

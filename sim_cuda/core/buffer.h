@@ -32,10 +32,10 @@ class Buffer {
   /// Makes room for exactly `size` elements of undefined value, unless that is the size already.
   void resize_discarding(std::size_t size) {
     if (size == size_) return;
-    if (executor_->rehearsing()) {
-      executor_->count_rehearsed(static_cast<std::int64_t>(size * sizeof(T)) -
-                                 static_cast<std::int64_t>(bytes()));
-      if (executor_->imagining()) size_ = size;
+    if (executor_->is_dry_run()) {
+      executor_->count_dry_run_bytes(static_cast<std::int64_t>(size * sizeof(T)) -
+                                     static_cast<std::int64_t>(bytes()));
+      if (executor_->is_construction_dry_run()) size_ = size;
       return;
     }
     executor_->release(data_, bytes());
@@ -47,7 +47,7 @@ class Buffer {
   /// The same, but what there was stays, as far as there is room; by way of the host. Where there is no
   /// memory for more, all stays as it was.
   void resize_keeping(std::size_t size) {
-    if (size == size_ || executor_->rehearsing()) return resize_discarding(size);
+    if (size == size_ || executor_->is_dry_run()) return resize_discarding(size);
     const std::vector<T> kept = download(size < size_ ? size : size_);
     const auto put_back = [&] {
       if (!kept.empty()) executor_->copy_to_executor(data_, kept.data(), kept.size() * sizeof(T));

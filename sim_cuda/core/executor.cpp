@@ -79,7 +79,7 @@ double Executor::equal_cores() const {
 }
 
 void Executor::copy_to_executor(void* destination, const void* host_source, std::size_t bytes) {
-  if (bytes == 0 || imagining()) return;
+  if (bytes == 0 || is_construction_dry_run()) return;
 #if SIM_CUDA
   if (on_device()) {
     if (options_.cancellation != nullptr) synchronize();  // can be cancelled, unlike the wait in a copy
@@ -92,7 +92,7 @@ void Executor::copy_to_executor(void* destination, const void* host_source, std:
 }
 
 void Executor::copy_to_host(void* host_destination, const void* source, std::size_t bytes) {
-  if (bytes == 0 || imagining()) return;
+  if (bytes == 0 || is_construction_dry_run()) return;
 #if SIM_CUDA
   if (on_device()) {
     if (options_.cancellation != nullptr) synchronize();
@@ -105,7 +105,7 @@ void Executor::copy_to_host(void* host_destination, const void* source, std::siz
 }
 
 void Executor::fill(void* destination, int byte, std::size_t bytes) {
-  if (bytes == 0 || rehearsing()) return;
+  if (bytes == 0 || is_dry_run()) return;
 #if SIM_CUDA
   if (on_device())
     return check(cudaMemsetAsync(destination, byte, bytes, stream_),
@@ -131,7 +131,7 @@ void Executor::synchronize() {
     cudaGetLastError();  // clears cudaErrorNotReady, which is not a failure
     const Clock::duration waited = Clock::now() - start;
     if (waited < short_work) continue;
-    heed();
+    throw_if_cancelled();
     std::this_thread::sleep_for(std::min<Clock::duration>(waited / 64, longest_sleep));
   }
 #endif
@@ -139,8 +139,8 @@ void Executor::synchronize() {
 
 // ---- cancellation ----
 
-void Executor::heed() {
-  if (!on_device()) return team_.heed();
+void Executor::throw_if_cancelled() {
+  if (!on_device()) return team_.throw_if_cancelled();
   if (!team_.is_cancelled()) return;
   abandon_gpu();
   throw Cancelled();
@@ -155,9 +155,9 @@ void Executor::shield(int more) {
 
 // ---- stages ----
 
-void Executor::begin_stage(const char* name, bool own_shape) {
-  if (!on_device()) heed();
-  stages_.begin(name, own_shape);
+void Executor::begin_stage(const char* name, bool library_launch) {
+  if (!on_device()) throw_if_cancelled();
+  stages_.begin(name, library_launch);
 }
 
 void Executor::count_launches(int launches) {

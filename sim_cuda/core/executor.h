@@ -64,11 +64,15 @@ class Executor {
   std::map<std::string, std::int64_t> bytes_by_name() const { return memory_.bytes_by_name(); }
   std::int64_t available_bytes() const { return memory_.available_bytes(); }
   std::int64_t room_bytes() const { return memory_.room_bytes(); }
-  std::int64_t rehearse(const std::function<void()>& reserve) { return memory_.rehearse(reserve); }
-  std::int64_t imagine(const std::function<void()>& make) { return memory_.imagine(make); }
-  bool imagining() const { return memory_.imagining(); }
-  bool rehearsing() const { return memory_.rehearsing(); }
-  void count_rehearsed(std::int64_t bytes) { memory_.count_rehearsed(bytes); }
+  std::int64_t dry_run_allocation(const std::function<void()>& reserve) {
+    return memory_.dry_run_allocation(reserve);
+  }
+  std::int64_t dry_run_construction(const std::function<void()>& make) {
+    return memory_.dry_run_construction(make);
+  }
+  bool is_construction_dry_run() const { return memory_.is_construction_dry_run(); }
+  bool is_dry_run() const { return memory_.is_dry_run(); }
+  void count_dry_run_bytes(std::int64_t bytes) { memory_.count_dry_run_bytes(bytes); }
 
   // Copies and fills, in the order of the stages. A copy has been done when the function returns; a fill has
   // only been enqueued.
@@ -81,7 +85,7 @@ class Executor {
   // between chunks. On a GPU, the functions that wait for the device throw it; the device continues its work.
 
   /// Throws Cancelled if that was requested. For work between stages.
-  void heed();
+  void throw_if_cancelled();
   /// Something was cancelled and may be incomplete: buffers that outlive a step, too. On a GPU the executor
   /// cannot be used any more.
   bool interrupted() const;
@@ -103,25 +107,25 @@ class Executor {
   /// within a step.
   void reserve_call_stack(std::size_t bytes);
 
-  /// What is enqueued from now on belongs to this stage. `own_shape`: (B, T) does not apply to it, because a
-  /// library launches its kernels.
-  void begin_stage(const char* name, bool own_shape = false);
+  /// What is enqueued from now on belongs to this stage. `library_launch`: (B, T) does not apply to it,
+  /// because a library launches its kernels.
+  void begin_stage(const char* name, bool library_launch = false);
   /// On the CPU: the stage ran so many parallel loops. On a GPU the nodes of the graph are counted instead.
   void count_launches(int launches);
-  /// Stages that begin from now on belong to this substep (from 0). Only StageEnded receives the number.
+  /// Stages that begin from now on belong to this substep (from 0). Only StageCallback receives the number.
   void begin_substep(int substep) { stages_.begin_substep(substep); }
 
-  using StageEnded = StageRecorder::StageEnded;
+  using StageCallback = StageRecorder::StageCallback;
   /// Calls `work`, and `ended` after each of its stages: see StageRecorder.
-  void run_watched(const StageEnded& ended, const std::function<void()>& work) {
-    stages_.run_watched(ended, work);
+  void run_with_stage_callback(const StageCallback& ended, const std::function<void()>& work) {
+    stages_.run_with_stage_callback(ended, work);
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
   /// Runs one stage over all items. Returns when it is done on the CPU, when it is enqueued on a GPU.
   template <class Stage>
-  void run(const char* name, const Count& count, const Stage& stage) {
-    if (count.bound == 0) return;
+  void run(const char* name, const ItemCount& count, const Stage& stage) {
+    if (count.max == 0) return;
     begin_stage(name);
     if (!on_device()) return run_on_cpu(count.value(), stage);
 #if defined(__CUDACC__)

@@ -58,19 +58,19 @@ __device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t s
 /// B x T threads stride over the items, as in the paper. At most 64 registers, so that every T up to 1024 can
 /// be launched.
 template <class Stage>
-__global__ void __launch_bounds__(1024, 1) run_stage(const Count count, const Stage stage) {
+__global__ void __launch_bounds__(1024, 1) run_stage(const ItemCount count, const Stage stage) {
   run_items(static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x, count.value(),
             static_cast<std::int64_t>(gridDim.x) * blockDim.x, stage);
 }
 
 template <class Stage>
-void launch_stage(LaunchPlanner& planner, cudaStream_t stream, const char* name, const Count& count,
+void launch_stage(LaunchPlanner& planner, cudaStream_t stream, const char* name, const ItemCount& count,
                   const Stage& stage) {
   const auto kernel = reinterpret_cast<const void*>(&run_stage<Stage>);
   // If the count is only an upper bound, no more threads than run at once: most of the others would have no
   // item.
   const LaunchShape shape =
-      planner.choose_shape(kernel, name, count.bound, count.counter != nullptr, nullptr);
+      planner.choose_shape(kernel, name, count.max, count.device_count != nullptr, nullptr);
   run_stage<Stage><<<shape.blocks, shape.threads, 0, stream>>>(count, stage);
   check_launch(name, shape);
 }

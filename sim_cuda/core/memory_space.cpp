@@ -74,24 +74,24 @@ std::int64_t MemorySpace::room_bytes() const {
   return std::max<std::int64_t>((available + taken) / 5 * 4 - allocated_bytes_, 0);
 }
 
-std::int64_t MemorySpace::imagine(const std::function<void()>& make) {
+std::int64_t MemorySpace::dry_run_construction(const std::function<void()>& make) {
   struct UntilTheEnd {  // also where `make` throws
     bool& on;
     ~UntilTheEnd() { on = false; }
-  } imagined{imagining_};
-  imagining_ = true;
-  return rehearse(make);
+  } imagined{is_construction_dry_run_};
+  is_construction_dry_run_ = true;
+  return dry_run_allocation(make);
 }
 
-std::int64_t MemorySpace::rehearse(const std::function<void()>& reserve) {
+std::int64_t MemorySpace::dry_run_allocation(const std::function<void()>& reserve) {
   struct UntilTheEnd {  // also where `reserve` throws
     bool& on;
     ~UntilTheEnd() { on = false; }
-  } rehearsal{rehearsing_};
-  rehearsing_ = true;
-  rehearsed_bytes_ = 0;
+  } rehearsal{is_dry_run_};
+  is_dry_run_ = true;
+  dry_run_bytes_ = 0;
   reserve();
-  return rehearsed_bytes_;
+  return dry_run_bytes_;
 }
 
 void* MemorySpace::allocate(const char* name, std::size_t bytes) {

@@ -38,14 +38,14 @@ class MemorySpace {
 
   /// By how many bytes `reserve` would change allocated_bytes(). While it runs, buffers keep their size and
   /// their contents, and fills do nothing.
-  std::int64_t rehearse(const std::function<void()>& reserve);
+  std::int64_t dry_run_allocation(const std::function<void()>& reserve);
   /// The same for `make`, which creates buffers and destroys them before it returns. They have a size, but no
   /// memory: `make` must not run stages.
-  std::int64_t imagine(const std::function<void()>& make);
-  bool imagining() const { return imagining_; }
-  bool rehearsing() const { return rehearsing_; }
+  std::int64_t dry_run_construction(const std::function<void()>& make);
+  bool is_construction_dry_run() const { return is_construction_dry_run_; }
+  bool is_dry_run() const { return is_dry_run_; }
   /// A buffer would grow by so many bytes (negative: shrink).
-  void count_rehearsed(std::int64_t bytes) { rehearsed_bytes_ += bytes; }
+  void count_dry_run_bytes(std::int64_t bytes) { dry_run_bytes_ += bytes; }
 
  private:
   const ComputeDevice& device_;
@@ -57,8 +57,8 @@ class MemorySpace {
     std::size_t bytes;
   };
   std::unordered_map<const void*, Allocation> allocations_;
-  bool rehearsing_ = false, imagining_ = false;
-  std::int64_t rehearsed_bytes_ = 0;
+  bool is_dry_run_ = false, is_construction_dry_run_ = false;
+  std::int64_t dry_run_bytes_ = 0;
 };
 
 }  // namespace collidoscope

@@ -17,7 +17,7 @@ class OutOfMemory : public std::bad_alloc {
 
 /// Does it. Where memory is refused, the innermost of these says in what.
 template <class Work>
-decltype(auto) while_doing(const char* doing, const Work& work) {
+decltype(auto) with_allocation_context(const char* doing, const Work& work) {
   try {
     return work();
   } catch (const OutOfMemory&) {

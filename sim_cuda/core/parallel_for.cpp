@@ -143,7 +143,7 @@ class Stride {
 void ThreadTeam::parallel_for(std::int64_t count, std::int64_t grain,
                               void (*body)(void*, std::int64_t, std::int64_t), void* context) {
   if (count <= 0) return;
-  heed();
+  throw_if_cancelled();
   const bool alone = count <= grain || impl_->threads == 1;
   if (count <= grain || (alone && cancellation_ == nullptr)) {
     body(context, 0, count);

@@ -23,7 +23,7 @@ class ThreadTeam {
   bool stopped() const { return stopped_.load(std::memory_order_relaxed); }
   void resume() { stopped_.store(false, std::memory_order_relaxed); }
   /// Throws Cancelled if that was requested. By the thread that calls parallel_for().
-  void heed() {
+  void throw_if_cancelled() {
     if (is_cancelled()) throw_cancelled();
   }
   /// Within a body that takes long: whether to return at once. parallel_for() then throws.

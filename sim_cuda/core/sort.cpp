@@ -41,9 +41,9 @@ void sort_by_key(Executor& executor, const char* stage, std::int64_t count, int 
   auto* records = static_cast<ThreadTeam::KeyedIndex*>(temporary);
   const std::uint64_t mask = key_bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << key_bits) - 1;
   for (std::int64_t i = 0; i < count; ++i) records[i] = {keys[i] & mask, static_cast<std::uint32_t>(i)};
-  executor.heed();
+  executor.throw_if_cancelled();
   executor.team().sort(records, count);
-  executor.heed();
+  executor.throw_if_cancelled();
   for (std::int64_t i = 0; i < count; ++i) {
     sorted_keys[i] = keys[records[i].index];
     sorted_values[i] = values[records[i].index];

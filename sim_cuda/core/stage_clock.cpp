@@ -38,7 +38,7 @@ std::vector<StageTime> StageClock::step_in_progress() const {
     stage.name = e.name;
     stage.last_ms = static_cast<double>(e.step_ms);
     stage.launches = e.launches;
-    stage.own_shape = e.own_shape;
+    stage.library_launch = e.library_launch;
   }
   return stages;
 }
@@ -69,7 +69,7 @@ RunTimes StageClock::times() const {
   for (const Entry& e : entries_)
     times.stages.push_back({e.name, quantile(e.samples_ms.recent(), 0.5),
                             quantile(e.samples_ms.recent(), 0.95), e.samples_ms.last(), e.launches,
-                            e.own_shape, e.launch, static_cast<int>(e.samples_ms.count())});
+                            e.library_launch, e.launch, static_cast<int>(e.samples_ms.count())});
   return times;
 }
 
@@ -78,7 +78,7 @@ RunTimes StageClock::latest() const {
   times.steps_timed = static_cast<int>(plain_ms_.count());
   times.step_last_ms = plain_ms_.last();
   for (const Entry& e : entries_)
-    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.own_shape, e.launch,
+    times.stages.push_back({e.name, 0, 0, e.samples_ms.last(), e.launches, e.library_launch, e.launch,
                             static_cast<int>(e.samples_ms.count())});
   return times;
 }

@@ -32,7 +32,7 @@ class StageClock {
   struct Entry {
     std::string name;
     int launches = 0;
-    bool own_shape = false;
+    bool library_launch = false;
     StageLaunch launch;      ///< of its kernel with the most items
     TimeSamples samples_ms;  ///< one per measured step
     float step_ms = 0;       ///< of the step in progress

@@ -37,14 +37,14 @@ std::size_t StageRecorder::nodes_in_capture() const {
 }
 #endif
 
-void StageRecorder::begin(const char* name, bool own_shape) {
+void StageRecorder::begin(const char* name, bool library_launch) {
   if (stage_ != nullptr && std::strcmp(stage_, name) == 0) {
-    if (own_shape) clock_.entry(name).own_shape = true;
+    if (library_launch) clock_.entry(name).library_launch = true;
     return;
   }
   end();
   StageClock::Entry& entry = clock_.entry(name);
-  if (own_shape) entry.own_shape = true;
+  if (library_launch) entry.library_launch = true;
   stage_ = name;
   stage_entry_ = clock_.index(entry);
   stage_substep_ = substep_;
@@ -61,21 +61,21 @@ void StageRecorder::begin(const char* name, bool own_shape) {
 void StageRecorder::end() {
   const char* ended = stage_;
   close();
-  if (watch_ == nullptr || ended == nullptr) return;
-  const StageEnded* watch = std::exchange(watch_, nullptr);
+  if (stage_callback_ == nullptr || ended == nullptr) return;
+  const StageCallback* watch = std::exchange(stage_callback_, nullptr);
   (*watch)(ended, stage_substep_);
   close();
-  watch_ = watch;
+  stage_callback_ = watch;
 }
 
-void StageRecorder::run_watched(const StageEnded& ended, const std::function<void()>& work) {
+void StageRecorder::run_with_stage_callback(const StageCallback& ended, const std::function<void()>& work) {
   end();
   substep_ = 0;
-  watch_ = &ended;
+  stage_callback_ = &ended;
   struct UntilTheEnd {  // also where `work` throws
-    const StageEnded*& watch;
+    const StageCallback*& watch;
     ~UntilTheEnd() { watch = nullptr; }
-  } watched{watch_};
+  } watched{stage_callback_};
   work();
   end();
 }
@@ -110,7 +110,7 @@ void StageRecorder::end_step() {
 }
 
 void StageRecorder::cancel_step() {
-  watch_ = nullptr;
+  stage_callback_ = nullptr;
   close();
   timing_ = counting_ = false;
 }
@@ -126,7 +126,7 @@ void StageRecorder::count_loop(const StageLaunch& loop) {
 }
 
 #if SIM_CUDA
-void StageRecorder::begin_capture(cudaStream_t stream, StageBegan began) {
+void StageRecorder::begin_capture(cudaStream_t stream, StageBeginCallback began) {
   capturing_ = true;
   stream_ = stream;
   began_ = std::move(began);

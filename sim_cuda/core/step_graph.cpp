@@ -17,7 +17,7 @@ StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()
   const cudaStream_t stream = executor_.stream();
   stages.end();
   check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "record a step");
-  StageRecorder::StageBegan began;
+  StageRecorder::StageBeginCallback began;
   if (instrumented_) began = [this](std::size_t entry) { mark(entry); };
   stages.begin_capture(stream, std::move(began));
   cudaGraph_t graph = nullptr;

@@ -46,7 +46,7 @@ void run_awake_bodies(Executor& executor, const char* name, std::int64_t bodies,
 }
 
 template <class Stage>
-void run_awake_contacts(Executor& executor, const char* name, const Count& count, const Pair* contacts,
+void run_awake_contacts(Executor& executor, const char* name, const ItemCount& count, const Pair* contacts,
                         const std::uint8_t* asleep, const Stage& stage) {
   executor.run(name, count, OfAwakeContacts<Stage>{stage, contacts, asleep});
 }

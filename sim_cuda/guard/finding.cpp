@@ -4,39 +4,39 @@
 
 namespace collidoscope {
 
-std::string_view name_of(FoundQuantity quantity) {
+std::string_view name_of(FindingQuantity quantity) {
   switch (quantity) {
-    case FoundQuantity::box:
+    case FindingQuantity::box:
       return "box";
-    case FoundQuantity::normal:
+    case FindingQuantity::normal:
       return "contact normal";
-    case FoundQuantity::acceleration:
+    case FindingQuantity::acceleration:
       return "acceleration";
-    case FoundQuantity::velocity:
+    case FindingQuantity::velocity:
       return "velocity";
-    case FoundQuantity::spin:
+    case FindingQuantity::spin:
       return "spin";
-    case FoundQuantity::position:
+    case FindingQuantity::position:
       return "position";
-    case FoundQuantity::orientation:
+    case FindingQuantity::orientation:
       return "orientation";
   }
   return "?";
 }
 
-std::string_view unit_of(FoundQuantity quantity) {
+std::string_view unit_of(FindingQuantity quantity) {
   switch (quantity) {
-    case FoundQuantity::box:
-    case FoundQuantity::position:
+    case FindingQuantity::box:
+    case FindingQuantity::position:
       return "m";
-    case FoundQuantity::acceleration:
+    case FindingQuantity::acceleration:
       return "m/s^2";
-    case FoundQuantity::velocity:
+    case FindingQuantity::velocity:
       return "m/s";
-    case FoundQuantity::spin:
+    case FindingQuantity::spin:
       return "rad/s";
-    case FoundQuantity::normal:
-    case FoundQuantity::orientation:
+    case FindingQuantity::normal:
+    case FindingQuantity::orientation:
       break;
   }
   return "";
@@ -44,10 +44,10 @@ std::string_view unit_of(FoundQuantity quantity) {
 
 std::string describe(const Finding& finding) {
   const std::string_view unit = unit_of(finding.quantity);
-  return fmt::format("stage {} of step {}, substep {}: body {} has the {} {:.6g}{}{}{}", finding.stage,
-                     finding.step, finding.substep, finding.body, name_of(finding.quantity), finding.value,
-                     unit.empty() ? "" : " ", unit,
-                     finding.before ? fmt::format("; it was bad in state {} already", finding.step - 1) : "");
+  return fmt::format(
+      "stage {} of step {}, substep {}: body {} has the {} {:.6g}{}{}{}", finding.stage, finding.step,
+      finding.substep, finding.body, name_of(finding.quantity), finding.value, unit.empty() ? "" : " ", unit,
+      finding.invalid_before ? fmt::format("; it was bad in state {} already", finding.step - 1) : "");
 }
 
 }  // namespace collidoscope

@@ -7,22 +7,22 @@
 
 namespace collidoscope {
 
-enum class FoundQuantity { box, normal, acceleration, velocity, spin, position, orientation };
+enum class FindingQuantity { box, normal, acceleration, velocity, spin, position, orientation };
 
-std::string_view name_of(FoundQuantity quantity);  ///< "velocity"
-std::string_view unit_of(FoundQuantity quantity);  ///< "m/s", or "" where it has none
+std::string_view name_of(FindingQuantity quantity);  ///< "velocity"
+std::string_view unit_of(FindingQuantity quantity);  ///< "m/s", or "" where it has none
 
 struct Finding {
   std::int64_t step = 0;   ///< that failed; it leads to the state of this number
   int substep = 1;         ///< of it, from 1; what follows all substeps counts to the last
   std::string stage;       ///< the first, in the order of the step, after which something was found
   std::uint32_t body = 0;  ///< the lowest id of what was found there; of a contact, its lower one
-  FoundQuantity quantity = FoundQuantity::velocity;
+  FindingQuantity quantity = FindingQuantity::velocity;
   /// A component that is not finite, or the magnitude; of a box its farthest coordinate, and not a number
   /// where the box holds nothing, as that of a body does whose position or velocity is not finite.
   double value = 0;
   /// The body was bad in the state before the step already: what it shows is no fault of that stage.
-  bool before = false;
+  bool invalid_before = false;
 };
 
 /// "stage forces of step 8, substep 2: body 3 has the velocity 3.2e+10 m/s", and where it was so before: ",

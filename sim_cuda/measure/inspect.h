@@ -17,7 +17,7 @@ struct InspectSource {
   std::int64_t body_count;
   Vector3d gravity;  ///< m/s^2
   ContactView<Real> contacts;
-  Count contact_count;
+  ItemCount contact_count;
   ImpulseView<Real> impulses;  ///< of the last step
   TreeView tree;
 };

@@ -29,7 +29,7 @@ struct FrameLayers {
   float box_low = 0, box_high = std::numeric_limits<float>::infinity();
   int highlighted_level = -1;  ///< boxes of all other levels are faint; -1: none
 
-  bool ask_a_reference() const { return ghosts || errors || color == BodyColor::error; }
+  bool needs_reference() const { return ghosts || errors || color == BodyColor::error; }
   friend bool operator==(const FrameLayers&, const FrameLayers&) = default;
 };
 

@@ -176,7 +176,7 @@ struct PackJoints {
 
 void pack_boxes(Executor& executor, const PublishTarget& target, const TreeView& tree, const float* values) {
   BoxInstance* out = target.boxes;
-  const bool leaves = leaves_have(target.box_metric);
+  const bool leaves = has_leaf_values(target.box_metric);
   for (int level = target.first_level; level <= target.last_level && level < tree.levels(); ++level) {
     const std::uint32_t begin = tree.level_begin(level);
     executor.run(

@@ -19,7 +19,7 @@ struct PackSource {
   std::int64_t body_count;
   const std::uint32_t* mesh;  ///< null: all are spheres
   ContactView<Real> contacts;
-  Count contact_count;
+  ItemCount contact_count;
   ImpulseView<Real> impulses;  ///< of the last step
   TreeView tree;               ///< needed for boxes, and for bodies coloured by it
   TreeValues values;

@@ -62,7 +62,7 @@ double fitted_order(const std::vector<AnalyticLevel>& levels) {
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-void judge(AnalyticResult& result) {
+void evaluate(AnalyticResult& result) {
   result.fitted_order = std::numeric_limits<double>::quiet_NaN();
   result.fault.clear();
   for (const AnalyticLevel& level : result.levels)
@@ -80,7 +80,7 @@ void judge(AnalyticResult& result) {
 
 AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, Precision precision,
                         const RunOptions& options) {
-  AnalyticResult result{one.name, one.compared, one.because, method, precision, {}, 0, ""};
+  AnalyticResult result{one.name, one.compared, one.rationale, method, precision, {}, 0, ""};
   int parts = 1;
   for (int k = 0; k < analytic_levels; ++k, parts *= one.refinement) {
     Scene scene = refined(one.scene, parts);
@@ -95,7 +95,7 @@ AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, P
     level.tolerance = tolerance(method.theory, level.h, rounding(precision, level.steps, one.scale));
     result.levels.push_back(level);
   }
-  judge(result);
+  evaluate(result);
   return result;
 }
 

@@ -41,7 +41,7 @@ void add_bouncing(std::vector<AnalyticCase>& cases) {
   one.name = "bouncing";
   one.scene = analytic_scene("bouncing");
   one.compared = "height after three bounces, m";
-  one.because = "Euler falls short by g h a flight, and a bounce waits up to h for its step's end";
+  one.rationale = "Euler falls short by g h a flight, and a bounce waits up to h for its step's end";
   one.horizon = 2.3;
   one.scale = 5;
   const Rebounds ball = rebounds(one.scene);
@@ -73,7 +73,7 @@ void add_zeno(std::vector<AnalyticCase>& cases) {
   one.name = "zeno";
   one.scene = analytic_scene("zeno");
   one.compared = "time at which it rests, s";
-  one.because = "below 2 g h nothing bounces; each bounce before waits up to h";
+  one.rationale = "below 2 g h nothing bounces; each bounce before waits up to h";
   one.horizon = 2;
   one.scale = 2;
   const Rebounds ball = rebounds(one.scene);
@@ -103,15 +103,15 @@ void add_slide_to_roll(std::vector<AnalyticCase>& cases) {
   one.name = "slide_to_roll";
   one.scene = analytic_scene("slide_to_roll");
   one.compared = "position, m";
-  one.because = "mu g h t/2 until it rolls at t = 2 v / (7 mu g): v h/7";
+  one.rationale = "mu g h t/2 until it rolls at t = 2 v / (7 mu g): v h/7";
   one.horizon = 1;
   one.scale = 7;
   const Body ball = one.scene.bodies[0];
-  const SlideToRoll way{ball.velocity.x(), one.scene.materials[0].friction * gravity(one.scene)};
-  one.methods = by_euler(leading_theory(1, way.deceleration * way.rolling_at() / 2));
+  const SlideToRoll slide{ball.velocity.x(), one.scene.materials[0].friction * gravity(one.scene)};
+  one.methods = by_euler(leading_theory(1, slide.deceleration * slide.rolling_at() / 2));
   one.error = [=, t = one.horizon](World& world, int steps) {
     world.step(steps);
-    return (world.bodies().position[0] - ball.position - Vector3d(way.way(t), 0, 0)).norm();
+    return (world.bodies().position[0] - ball.position - Vector3d(slide.distance(t), 0, 0)).norm();
   };
   cases.push_back(one);
 }
@@ -121,7 +121,7 @@ void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
   one.name = name;
   one.scene = analytic_scene(name);
   one.compared = "position, m";
-  one.because = "a uniform acceleration: a h t/2";
+  one.rationale = "a uniform acceleration: a h t/2";
   one.horizon = 1;
   one.scale = 5;
   const Vector3d start = one.scene.bodies[0].position, normal = one.scene.obstacles[0].normal,
@@ -143,7 +143,7 @@ void add_stack(std::vector<AnalyticCase>& cases) {
   one.name = "stack_forces";
   one.scene = analytic_scene("stack");
   one.compared = "worst force, of the weight above";
-  one.because = "at rest impulses are what bears on them, whatever the step";
+  one.rationale = "at rest impulses are what bears on them, whatever the step";
   one.horizon = 10;
   one.scale = 5;
   const auto n = static_cast<int>(one.scene.bodies.size());
@@ -166,7 +166,7 @@ void add_stack(std::vector<AnalyticCase>& cases) {
 
   one.name = "stack_sinking";
   one.compared = "height of the top, m";
-  one.because = "contacts yield by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
+  one.rationale = "contacts yield by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
   const double turn = 2 * std::numbers::pi * Softness<double>::turns_per_substep;
   one.methods = by_euler(leading_theory(2, g * n * (n - 1) / (turn * turn)));
   const double height = one.scene.bodies.back().position.z();

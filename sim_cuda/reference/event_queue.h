@@ -11,9 +11,9 @@
 namespace collidoscope {
 
 struct Event {
-  double time;                       ///< s
-  std::uint32_t body, other;         ///< what `other` stands for is the owner's matter
-  std::uint32_t count, other_count;  ///< collisions that each had had
+  double time;                                           ///< s
+  std::uint32_t body, other;                             ///< what `other` stands for is the owner's matter
+  std::uint32_t collision_count, other_collision_count;  ///< collisions that each had had
 
   /// Later, or as late and of larger ids: the order is that of time and ids, however events came in.
   friend bool operator<(const Event& a, const Event& b) {
@@ -35,10 +35,10 @@ class EventQueue {
     std::pop_heap(heap_.begin(), heap_.end());
     heap_.pop_back();
   }
-  /// Drops those of which is_past(event) holds, wherever they are.
-  template <class IsPast>
-  void drop_if(const IsPast& is_past) {
-    std::erase_if(heap_, is_past);
+  /// Drops those of which is_stale(event) holds, wherever they are.
+  template <class IsStale>
+  void drop_if(const IsStale& is_stale) {
+    std::erase_if(heap_, is_stale);
     std::make_heap(heap_.begin(), heap_.end());
   }
 

@@ -17,14 +17,14 @@ namespace collidoscope {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr std::uint32_t crowd_size = 32;  // collisions
+constexpr std::uint32_t collapse_count = 32;  // collisions
 constexpr double unresolved = 0x1p12 * epsilon;
 
 /// m/s: what rounding leaves of a relative velocity that a collision should have made 0.
 double noise_of(const Vector3d& velocity) { return 8 * epsilon * velocity.lpNorm<1>(); }
 
 /// What the scene calls for and this does not know; a line each.
-void refuse_the_unknown(const Scene& scene, const InitialBodies& bodies, const Effects& effects) {
+void refuse_unsupported(const Scene& scene, const InitialBodies& bodies, const Effects& effects) {
   std::vector<std::string> faults;
   const auto fault = [&](const std::string& what) {
     faults.push_back(
@@ -36,7 +36,7 @@ void refuse_the_unknown(const Scene& scene, const InitialBodies& bodies, const E
     if (known || !(effects.*effect.flag)) continue;
     const EffectReason reason = effect_reason(scene, bodies, effect.flag);
     fault(fmt::format("{} ({})", effect.name,
-                      reason.called_for ? reason.why : "the scene's list of effects holds it"));
+                      reason.required ? reason.why : "the scene's list of effects holds it"));
   }
   if (!scene.boxes.empty()) fault("boxes among the obstacles");
   if (!bodies.meshes.empty()) fault(fmt::format("meshes ({})", bodies.meshes.front().name));
@@ -76,13 +76,13 @@ HardSpheres::HardSpheres(const Scene& scene)
       gravity_(0, 0, 0),
       planes_(planes_of(scene, initial_.box)),
       threshold_(scene.physics.restitution_threshold.value_or(0)) {
-  const Effects effects = scene.physics.effects.value_or(effects_called_for(scene, initial_));
-  refuse_the_unknown(scene, initial_, effects);
+  const Effects effects = scene.physics.effects.value_or(required_effects(scene, initial_));
+  refuse_unsupported(scene, initial_, effects);
   if (effects.gravity) gravity_ = scene.physics.gravity;
   for (const Material& material : scene.materials) restitutions_.push_back(material.restitution);
 
   const std::size_t bodies = initial_.size();
-  memories_.resize(bodies);
+  histories_.resize(bodies);
   if (!planes_.empty()) ledgers_.resize(bodies);
   Vector3d low(0, 0, 0), high(0, 0, 0);
   double largest = 0;
@@ -101,10 +101,10 @@ HardSpheres::HardSpheres(const Scene& scene)
   refuse_overlaps(scene.file.empty() ? scene.name : scene.file);
 
   for (std::uint32_t i = 0; i < count(); ++i) {
-    foresee_plane(i);
-    foresee_crossing(i);
+    predict_plane(i);
+    predict_crossing(i);
     grid_->for_neighbours(i, [&](std::uint32_t other) {
-      if (i < other) foresee_pair(i, other);
+      if (i < other) predict_pair(i, other);
     });
   }
 }
@@ -133,28 +133,28 @@ void HardSpheres::refuse_overlaps(const std::string& name) const {
 
 // ---- What is to come ----
 
-bool HardSpheres::is_past(const Event& event) const {
-  return memories_[event.body].collisions != event.count ||
-         (event.other < count() && memories_[event.other].collisions != event.other_count);
+bool HardSpheres::is_stale(const Event& event) const {
+  return histories_[event.body].collisions != event.collision_count ||
+         (event.other < count() && histories_[event.other].collisions != event.other_collision_count);
 }
 
-void HardSpheres::foresee_pair(std::uint32_t a, std::uint32_t b) {
+void HardSpheres::predict_pair(std::uint32_t a, std::uint32_t b) {
   if (b < a) std::swap(a, b);
   const double time = collision_time(flights_[a], flights_[b], gravity_);
-  if (time < never) queue_.add({time, a, b, memories_[a].collisions, memories_[b].collisions});
+  if (time < never) queue_.add({time, a, b, histories_[a].collisions, histories_[b].collisions});
 }
 
 HardSpheres::Start HardSpheres::start_above(std::uint32_t p, std::uint32_t body) const {
-  const Memory& memory = memories_[body];
-  if (memory.touching == p) return {0, memory.rebound};
+  const CollisionHistory& history = histories_[body];
+  if (history.touching == p) return {0, history.rebound};
   const Flight& flight = flights_[body];
   return {gap(flight.x, body, planes_[p]), planes_[p].normal.dot(flight.v)};
 }
 
-void HardSpheres::foresee_plane(std::uint32_t body) {
+void HardSpheres::predict_plane(std::uint32_t body) {
   const Flight& flight = flights_[body];
   const double noise = noise_of(flight.v);
-  Event next{never, body, 0, memories_[body].collisions, 0};
+  Event next{never, body, 0, histories_[body].collisions, 0};
   for (std::uint32_t p = 0; p < planes_.size(); ++p) {
     const Start start = start_above(p, body);
     const double time =
@@ -164,19 +164,19 @@ void HardSpheres::foresee_plane(std::uint32_t body) {
   if (next.time < never) queue_.add(next);
 }
 
-void HardSpheres::foresee_crossing(std::uint32_t body) {
+void HardSpheres::predict_crossing(std::uint32_t body) {
   const Flight& flight = flights_[body];
   const NeighbourGrid::Crossing next = grid_->next_crossing(body, flight.position(time_, gravity_),
                                                             flight.velocity(time_, gravity_), gravity_);
   if (next.after < never)
     queue_.add({time_ + next.after, body, first_edge() + static_cast<std::uint32_t>(next.edge),
-                memories_[body].collisions, 0});
+                histories_[body].collisions, 0});
 }
 
-void HardSpheres::foresee(std::uint32_t body) {
-  foresee_plane(body);
-  foresee_crossing(body);
-  grid_->for_neighbours(body, [&](std::uint32_t other) { foresee_pair(body, other); });
+void HardSpheres::predict(std::uint32_t body) {
+  predict_plane(body);
+  predict_crossing(body);
+  grid_->for_neighbours(body, [&](std::uint32_t other) { predict_pair(body, other); });
 }
 
 // ---- What happens ----
@@ -188,12 +188,12 @@ bool HardSpheres::advance_to(double time) {
   return !zeno_;
 }
 
-std::optional<SphereCollision> HardSpheres::next_collision(double until) {
+std::optional<CollisionEvent> HardSpheres::next_collision(double until) {
   while (!zeno_ && !queue_.empty() && queue_.next().time <= until) {
     const Event event = queue_.next();
     queue_.drop_next();
-    if (is_past(event)) {
-      ++counts_.past;
+    if (is_stale(event)) {
+      ++counts_.stale;
       continue;
     }
     time_ = std::max(time_, event.time);  // rounding may foresee what has just been
@@ -201,15 +201,15 @@ std::optional<SphereCollision> HardSpheres::next_collision(double until) {
       const int edge = static_cast<int>(event.other - first_edge());
       ++counts_.crossings;
       grid_->cross(event.body, edge);
-      foresee_crossing(event.body);
+      predict_crossing(event.body);
       grid_->for_new_neighbours(event.body, edge,
-                                [&](std::uint32_t other) { foresee_pair(event.body, other); });
+                                [&](std::uint32_t other) { predict_pair(event.body, other); });
       continue;
     }
-    const SphereCollision done =
+    const CollisionEvent done =
         event.other < count() ? collide(event.body, event.other) : bounce(event.body, event.other - count());
     if (queue_.size() > queue_limit_) {
-      queue_.drop_if([&](const Event& old) { return is_past(old); });
+      queue_.drop_if([&](const Event& old) { return is_stale(old); });
       queue_limit_ = std::max<std::size_t>(2 * queue_.size(), 1024);
     }
     return done;
@@ -221,27 +221,27 @@ std::optional<SphereCollision> HardSpheres::next_collision(double until) {
 /// Makes now the start of a body's flight.
 void HardSpheres::restart(std::uint32_t body) {
   Flight& flight = flights_[body];
-  Memory& memory = memories_[body];
+  CollisionHistory& history = histories_[body];
   if (flight.start < time_) {
     const Vector3d x = flight.position(time_, gravity_);
     flight.v = flight.velocity(time_, gravity_);
     flight.x = x;
     flight.start = time_;
-    memory.touching = no_plane;
+    history.touching = no_plane;
   }
-  ++memory.collisions;
+  ++history.collisions;
 }
 
 /// After a collision that was not elastic, `since` s after the one before.
-bool HardSpheres::crowded(std::uint32_t body, double since, double approach) {
+bool HardSpheres::detect_inelastic_collapse(std::uint32_t body, double since, double approach) {
   const double size = flights_[body].x.lpNorm<1>() + flights_[body].radius;
-  const bool told_apart = since > unresolved * time_ && since * approach > unresolved * size;
-  Memory& memory = memories_[body];
-  memory.crowd = told_apart ? 0 : memory.crowd + 1;
-  return memory.crowd >= crowd_size;
+  const bool distinguishable = since > unresolved * time_ && since * approach > unresolved * size;
+  CollisionHistory& history = histories_[body];
+  history.coincident_collisions = distinguishable ? 0 : history.coincident_collisions + 1;
+  return history.coincident_collisions >= collapse_count;
 }
 
-SphereCollision HardSpheres::collide(std::uint32_t a, std::uint32_t b) {
+CollisionEvent HardSpheres::collide(std::uint32_t a, std::uint32_t b) {
   ++counts_.pairs;
   Flight &left = flights_[a], &right = flights_[b];
   const double since_a = time_ - left.start, since_b = time_ - right.start;
@@ -249,58 +249,59 @@ SphereCollision HardSpheres::collide(std::uint32_t a, std::uint32_t b) {
   restart(b);
   const Vector3d d = left.x - right.x;
   const double distance = d.norm();
-  SphereCollision done{time_, a, b, no_plane, distance > 0 ? Vector3d(d / distance) : Vector3d(0, 0, -1), 0};
+  CollisionEvent done{time_, a, b, no_plane, distance > 0 ? Vector3d(d / distance) : Vector3d(0, 0, -1), 0};
   const double approach = done.normal.dot(right.v - left.v);
   if (approach > 0) {
     const double e = restitution().of_pair({a, b}, approach);
-    const double ease_a = 1 / initial_.mass[a], ease_b = 1 / initial_.mass[b];
-    done.impulse = (1 + e) * approach / (ease_a + ease_b);
-    left.v += done.impulse * ease_a * done.normal;
-    right.v -= done.impulse * ease_b * done.normal;
+    const double inverse_mass_a = 1 / initial_.mass[a], inverse_mass_b = 1 / initial_.mass[b];
+    done.impulse = (1 + e) * approach / (inverse_mass_a + inverse_mass_b);
+    left.v += done.impulse * inverse_mass_a * done.normal;
+    right.v -= done.impulse * inverse_mass_b * done.normal;
     for (const std::uint32_t body : {a, b})
-      if (Memory& memory = memories_[body]; memory.touching != no_plane)
-        memory.rebound = planes_[memory.touching].normal.dot(flights_[body].v);
+      if (CollisionHistory& history = histories_[body]; history.touching != no_plane)
+        history.rebound = planes_[history.touching].normal.dot(flights_[body].v);
     dissipated_ += done.impulse * (1 - e) * approach / 2;
     if (e < 1) {
-      const bool crowded_a = crowded(a, since_a, approach), crowded_b = crowded(b, since_b, approach);
-      if (crowded_a || crowded_b) zeno_ = done;
+      const bool collapse_a = detect_inelastic_collapse(a, since_a, approach),
+                 collapse_b = detect_inelastic_collapse(b, since_b, approach);
+      if (collapse_a || collapse_b) zeno_ = done;
     }
   }
-  foresee(a);
-  foresee(b);
+  predict(a);
+  predict(b);
   return done;
 }
 
 /// The speed of approach is that of the parabola at the plane, not at the time that the clock could tell:
 /// else the clock's rounding would give small bounces energy, and keep them from their end.
-SphereCollision HardSpheres::bounce(std::uint32_t body, std::uint32_t p) {
+CollisionEvent HardSpheres::bounce(std::uint32_t body, std::uint32_t p) {
   ++counts_.planes;
   Flight& flight = flights_[body];
-  Memory& memory = memories_[body];
+  CollisionHistory& history = histories_[body];
   const WallPlane<double>& plane = planes_[p];
   const Start start = start_above(p, body);
   const double pull = plane.normal.dot(gravity_), since = time_ - flight.start;
   const double square = start.speed * start.speed - 2 * pull * start.gap;
   const double approach = square > 0 ? std::sqrt(square) : 0;
   const double e = restitution().between(restitution().of_body(body), plane.restitution, approach);
-  const bool collapsed = e < 1 && memory.touching != p && crowded(body, since, approach);
+  const bool collapsed = e < 1 && history.touching != p && detect_inelastic_collapse(body, since, approach);
 
   restart(body);
   flight.x -= gap(flight.x, body, plane) * plane.normal;
   const double change = e * approach - plane.normal.dot(flight.v);
   flight.v += change * plane.normal;
-  memory.touching = p;
-  memory.rebound = e * approach;
+  history.touching = p;
+  history.rebound = e * approach;
   const double mass = initial_.mass[body];
-  const SphereCollision done{time_, body, no_body, p, plane.normal, mass * change};
+  const CollisionEvent done{time_, body, no_body, p, plane.normal, mass * change};
   WallLedger& ledger = ledgers_[body];
   ledger.impulse += done.impulse;
   for (int k = 0; k < 3; ++k) ledger.vector[k] += done.impulse * plane.normal[k];
   dissipated_ += mass * (1 - e * e) * approach * approach / 2;
 
-  const bool rests = time_ + time_to_plane(0, memory.rebound, pull, 0) == time_;
+  const bool rests = time_ + time_to_plane(0, history.rebound, pull, 0) == time_;
   if (collapsed || rests) zeno_ = done;
-  foresee(body);
+  predict(body);
   return done;
 }
 

@@ -57,7 +57,7 @@ struct Flight {
 double collision_time(const Flight& a, const Flight& b, const Vector3d& gravity);
 
 /// What happened: two spheres, or one and a plane.
-struct SphereCollision {
+struct CollisionEvent {
   double time;          ///< s
   std::uint32_t body;   ///< of two the smaller id
   std::uint32_t other;  ///< `no_body`: a plane
@@ -74,11 +74,11 @@ class HardSpheres {
   /// there then.
   bool advance_to(double time);
   /// To the next collision, and no further than `until`, where there is none before.
-  std::optional<SphereCollision> next_collision(double until);
+  std::optional<CollisionEvent> next_collision(double until);
 
   double time() const { return time_; }
   /// The collision at which time has stopped, if it has.
-  const std::optional<SphereCollision>& zeno_point() const { return zeno_; }
+  const std::optional<CollisionEvent>& zeno_point() const { return zeno_; }
   /// "Zeno point at 4.0386 s: body 0 comes to rest on the wall z = 0"; empty without one.
   std::string zeno_line() const;
 
@@ -91,23 +91,23 @@ class HardSpheres {
   struct Counts {
     std::int64_t pairs = 0, planes = 0;  ///< collisions
     std::int64_t crossings = 0;          ///< of cells, which nobody notices
-    std::int64_t past = 0;               ///< events that others had overtaken
+    std::int64_t stale = 0;              ///< events that others had overtaken
   };
   const Counts& counts() const { return counts_; }
   double dissipated() const { return dissipated_; }  ///< J, lost in collisions since the start
 
  private:
   static constexpr std::uint32_t no_plane = 0xffffffffu;
-  struct Memory {
-    std::uint32_t collisions = 0;       // so far; what was foreseen before the last is past
-    std::uint32_t crowd = 0;            // in a row, none elastic, that rounding cannot tell apart
-    std::uint32_t touching = no_plane;  // where the flight starts: on this plane, ...
-    double rebound = 0;                 // m/s, ... leaving it at this speed, whatever rounding made of both
+  struct CollisionHistory {
+    std::uint32_t collisions = 0;             // so far; what was foreseen before the last is past
+    std::uint32_t coincident_collisions = 0;  // in a row, none elastic, that rounding cannot tell apart
+    std::uint32_t touching = no_plane;        // where the flight starts: on this plane, ...
+    double rebound = 0;  // m/s, ... leaving it at this speed, whatever rounding made of both
   };
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(flights_.size()); }
   std::uint32_t first_edge() const { return count() + static_cast<std::uint32_t>(planes_.size()); }
-  bool is_past(const Event& event) const;
+  bool is_stale(const Event& event) const;
   void refuse_overlaps(const std::string& name) const;
   double gap(const Vector3d& x, std::uint32_t body, const WallPlane<double>& plane) const {
     return plane.normal.dot(x) - plane.offset - flights_[body].radius;
@@ -121,14 +121,14 @@ class HardSpheres {
     return {restitutions_.data(), initial_.material.empty() ? nullptr : initial_.material.data(), threshold_};
   }
 
-  void foresee_pair(std::uint32_t a, std::uint32_t b);
-  void foresee_plane(std::uint32_t body);
-  void foresee_crossing(std::uint32_t body);
-  void foresee(std::uint32_t body);
+  void predict_pair(std::uint32_t a, std::uint32_t b);
+  void predict_plane(std::uint32_t body);
+  void predict_crossing(std::uint32_t body);
+  void predict(std::uint32_t body);
   void restart(std::uint32_t body);
-  bool crowded(std::uint32_t body, double since, double approach);
-  SphereCollision collide(std::uint32_t a, std::uint32_t b);
-  SphereCollision bounce(std::uint32_t body, std::uint32_t plane);
+  bool detect_inelastic_collapse(std::uint32_t body, double since, double approach);
+  CollisionEvent collide(std::uint32_t a, std::uint32_t b);
+  CollisionEvent bounce(std::uint32_t body, std::uint32_t plane);
 
   InitialBodies initial_;
   Vector3d gravity_;  // m/s^2
@@ -136,13 +136,13 @@ class HardSpheres {
   std::vector<double> restitutions_;  // by material
   double threshold_;                  // m/s
   std::vector<Flight> flights_;
-  std::vector<Memory> memories_;
+  std::vector<CollisionHistory> histories_;
   std::vector<WallLedger> ledgers_;
   std::optional<NeighbourGrid> grid_;
   EventQueue queue_;
   std::size_t queue_limit_ = 0;  // events; beyond it, what is past is dropped
   double time_ = 0;
-  std::optional<SphereCollision> zeno_;
+  std::optional<CollisionEvent> zeno_;
   Counts counts_;
   double dissipated_ = 0;
 };

@@ -12,14 +12,14 @@ namespace collidoscope {
 namespace {
 
 /// Two spheres that meet: when, where, and what comes of it.
-struct Meeting {
+struct SphereImpact {
   double time;                  ///< s
   Vector3d at_a, at_b;          ///< m
   Vector3d normal;              ///< from a to b
   TwoVelocities before, after;  ///< m/s
   double share_a, share_b;      ///< of what is relative: the other's mass over both
 
-  explicit Meeting(const Scene& scene) {
+  explicit SphereImpact(const Scene& scene) {
     const Body &a = scene.bodies[0], &b = scene.bodies[1];
     const Vector3d d = b.position - a.position, u = b.velocity - a.velocity;
     const double reach = a.radius + b.radius, closing = d.dot(u);
@@ -55,23 +55,23 @@ void add_head_on(std::vector<AnalyticCase>& cases) {
   one.name = "head_on";
   one.scene = analytic_scene("head_on");
   one.compared = "velocities, m/s";
-  one.because = "Newton's law holds whenever they meet";
+  one.rationale = "Newton's law holds whenever they meet";
   one.horizon = 0.5;
   one.refinement = 3;
   one.scale = 5;
-  const Meeting meeting(one.scene);
+  const SphereImpact impact(one.scene);
   one.methods = by_euler({});
-  one.error = [=](World& world, int steps) { return meeting.velocity_error(world, steps); };
+  one.error = [=](World& world, int steps) { return impact.velocity_error(world, steps); };
   cases.push_back(one);
 
   // They touch h/2 into a step, at whose end they still touch: the bounce is h/2 late.
   one.name = "head_on_path";
   one.compared = "positions, m";
-  one.because = "the bounce comes at the step's end, h/2 late: the speed of parting times that";
-  const double parting = (meeting.after.b - meeting.after.a).norm();
-  one.methods = by_euler(leading_theory(1, meeting.both(parting / 2)));
+  one.rationale = "the bounce comes at the step's end, h/2 late: the speed of parting times that";
+  const double parting = (impact.after.b - impact.after.a).norm();
+  one.methods = by_euler(leading_theory(1, impact.both(parting / 2)));
   one.error = [=, horizon = one.horizon](World& world, int steps) {
-    return meeting.position_error(world, steps, horizon);
+    return impact.position_error(world, steps, horizon);
   };
   cases.push_back(one);
 }
@@ -85,17 +85,17 @@ void add_oblique(std::vector<AnalyticCase>& cases) {
   one.name = "oblique";
   one.scene = analytic_scene("oblique");
   one.compared = "velocities, m/s";
-  one.because = "the line of centres is read h/2 late: it turns by v_t / (r_a + r_b) h/2";
+  one.rationale = "the line of centres is read h/2 late: it turns by v_t / (r_a + r_b) h/2";
   one.horizon = 0.5;
   one.refinement = 3;
   one.scale = 5;
-  const Meeting meeting(one.scene);
-  const Vector3d relative = meeting.before.b - meeting.before.a;
-  const double across = (relative - relative.dot(meeting.normal) * meeting.normal).norm();
+  const SphereImpact impact(one.scene);
+  const Vector3d relative = impact.before.b - impact.before.a;
+  const double across = (relative - relative.dot(impact.normal) * impact.normal).norm();
   const double reach = one.scene.bodies[0].radius + one.scene.bodies[1].radius;
-  const double parting = (meeting.after.b - meeting.after.a).norm();
-  one.methods = by_euler(leading_theory(1, meeting.both(parting * across / (2 * reach))));
-  one.error = [=](World& world, int steps) { return meeting.velocity_error(world, steps); };
+  const double parting = (impact.after.b - impact.after.a).norm();
+  one.methods = by_euler(leading_theory(1, impact.both(parting * across / (2 * reach))));
+  one.error = [=](World& world, int steps) { return impact.velocity_error(world, steps); };
   cases.push_back(one);
 }
 
@@ -104,7 +104,7 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   one.name = name;
   one.scene = analytic_scene(name);
   one.compared = "velocity and spin times radius, m/s";
-  one.because = "Coulomb's law holds over the whole bounce";
+  one.rationale = "Coulomb's law holds over the whole bounce";
   one.horizon = 0.5;
   one.refinement = 3;
   one.scale = 20;
@@ -124,7 +124,7 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   // The floor is met h/2 into a step, which ends on it; until then nothing is changed across.
   one.name = path;
   one.compared = "position, m";
-  one.because = "bounce and friction come at the step's end, h/2 late";
+  one.rationale = "bounce and friction come at the step's end, h/2 late";
   const double time = (ball.position.z() - ball.radius) / -ball.velocity.z();
   const Vector3d missed = after.velocity - Vector3d(ball.velocity.x(), ball.velocity.y(), 0);
   one.methods = by_euler(leading_theory(1, missed.norm() / 2));
@@ -145,7 +145,7 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
   one.name = "cradle";
   one.scene = analytic_scene("cradle");
   one.compared = "velocities, m/s";
-  one.because = "equal spheres swap their velocities";
+  one.rationale = "equal spheres swap their velocities";
   one.horizon = 0.75;
   one.refinement = 3;
   one.scale = 5;
@@ -163,7 +163,7 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
 
   one.name = "cradle_path";
   one.compared = "position of the last, m";
-  one.because = "each of n collisions passes the motion on late: h/2 (n - 1 + 2^-n) in all";
+  one.rationale = "each of n collisions passes the motion on late: h/2 (n - 1 + 2^-n) in all";
   const auto n = static_cast<double>(balls.size() - 1);
   one.methods = by_euler(leading_theory(1, v.norm() / 2 * (n - 1 + std::exp2(-n))));
   one.error = [=, horizon = one.horizon](World& world, int steps) {

@@ -8,11 +8,11 @@ namespace collidoscope {
 namespace {
 
 /// The means a_n and the halved differences c_n, which fall quadratically: ten are more than double holds.
-struct Means {
+struct ArithmeticGeometricMean {
   std::array<double, 10> a{}, c{};
   int last = 0;
 
-  explicit Means(double m) {
+  explicit ArithmeticGeometricMean(double m) {
     double b = std::sqrt(1 - m);
     a[0] = 1;
     c[0] = std::sqrt(m);
@@ -29,12 +29,12 @@ struct Means {
 }  // namespace
 
 double complete_elliptic(double m) {
-  const Means means(m);
+  const ArithmeticGeometricMean means(m);
   return std::numbers::pi / 2 / means.a[static_cast<std::size_t>(means.last)];
 }
 
 JacobiElliptic jacobi_elliptic(double u, double m) {
-  const Means means(m);
+  const ArithmeticGeometricMean means(m);
   double phi = std::ldexp(means.a[static_cast<std::size_t>(means.last)] * u, means.last);
   for (auto n = static_cast<std::size_t>(means.last); n > 0; --n)
     phi = (phi + std::asin(means.c[n] / means.a[n] * std::sin(phi))) / 2;

@@ -52,12 +52,12 @@ struct Rod {
   }
 };
 
-AnalyticCase swing(const char* name, const char* because, double horizon) {
+AnalyticCase swing(const char* name, const char* rationale, double horizon) {
   AnalyticCase one;
   one.name = name;
   one.scene = analytic_scene(name);
   one.compared = "angle, rad";
-  one.because = because;
+  one.rationale = rationale;
   one.horizon = horizon;
   const Rod rod(one.scene);
   one.scale = std::abs(rod.amplitude) * rod.w * horizon;
@@ -78,7 +78,7 @@ AnalyticCase period() {
   one.name = "pendulum_period";
   one.scene = analytic_scene("pendulum_large");
   one.compared = "period, s";
-  one.because = "RATTLE's own error, and a swing wider by a h^2 / 8 for the half kick at the start";
+  one.rationale = "RATTLE's own error, and a swing wider by a h^2 / 8 for the half kick at the start";
   one.horizon = 12;
   const Rod rod(one.scene);
   const double exact = pendulum_period(rod.w, rod.amplitude), start = rod.acceleration(rod.amplitude);
@@ -114,7 +114,7 @@ AnalyticCase spring_joint() {
   one.name = "spring_joint";
   one.scene = analytic_scene("spring_joint");
   one.compared = "stretch, m";
-  one.because = "frequency and decay are exact; the first kick is half a step ahead";
+  one.rationale = "frequency and decay are exact; the first kick is half a step ahead";
   one.horizon = 1.2;
   one.scale = 2;
   const Joint joint = one.scene.joints[0];

@@ -48,7 +48,7 @@ void add_ballistic_flight(std::vector<AnalyticCase>& cases) {
   one.name = "ballistic_flight";
   one.scene = analytic_scene("ballistic_flight");
   one.compared = "position, m";
-  one.because = "Euler falls with the speed of the step's end: g h t/2; the others fly parabolas";
+  one.rationale = "Euler falls with the speed of the step's end: g h t/2; the others fly parabolas";
   one.horizon = 2;
   one.scale = 25;
   const Body ball = one.scene.bodies[0];
@@ -66,7 +66,7 @@ void add_ballistic_flight(std::vector<AnalyticCase>& cases) {
 
   one.name = "ballistic_bias";
   one.compared = "position less g h t/2, m";
-  one.because = "Euler's bias is that, and nothing more";
+  one.rationale = "Euler's bias is that, and nothing more";
   one.methods = by_euler({});
   one.error = [=](World& world, int steps) { return (off(world, steps) - t * t / steps / 2 * g).norm(); };
   cases.push_back(one);
@@ -77,7 +77,7 @@ AnalyticCase spring_force() {
   one.name = "spring_force";
   one.scene = analytic_scene(one.name);
   one.compared = "position and speed over w, m";
-  one.because = "Euler: half a kick ahead at the start, half a kick late at the end: A sin(w t) w h/2";
+  one.rationale = "Euler: half a kick ahead at the start, half a kick late at the end: A sin(w t) w h/2";
   one.horizon = 1.5;
   const Attractor pull = one.scene.physics.attractors[0];
   const double w = std::sqrt(pull.strength / std::pow(pull.softening, 3));
@@ -101,7 +101,7 @@ AnalyticCase orbit() {
   one.name = "orbit";
   one.scene = analytic_scene(one.name);
   one.compared = "position, m";
-  one.because = "Euler: the same, along Kepler's motion";
+  one.rationale = "Euler: the same, along Kepler's motion";
   one.horizon = 25000;
   const double mu = one.scene.physics.attractors[0].strength;
   const Body& moon = one.scene.bodies[0];
@@ -123,12 +123,12 @@ AnalyticCase orbit() {
   return one;
 }
 
-AnalyticCase slowed(const char* name, const char* because) {
+AnalyticCase slowed(const char* name, const char* rationale) {
   AnalyticCase one;
   one.name = name;
   one.scene = analytic_scene(one.name);
   one.compared = "velocity, m/s";
-  one.because = because;
+  one.rationale = rationale;
   one.horizon = 1;
   const Body ball = one.scene.bodies[0];
   const Drag& medium = one.scene.physics.drag;
@@ -214,7 +214,7 @@ AnalyticCase free_top() {
   one.name = "symmetric_top";
   one.scene = analytic_scene(one.name);
   one.compared = "orientation, rad";
-  one.because = "Euler turns it about where w was when the step began, while w goes round L";
+  one.rationale = "Euler turns it about where w was when the step began, while w goes round L";
   one.horizon = 1.5;
   const Body& top = one.scene.bodies[0];
   const Vector3d inertia = *top.inertia, spin = top.angular_velocity, momentum = inertia.cwiseProduct(spin);
@@ -247,7 +247,7 @@ AnalyticCase middle_axis() {
   one.name = "middle_axis";
   one.scene = analytic_scene(one.name);
   one.compared = "spin along the body's axes, rad/s";
-  one.because = "the same; near the middle axis what is off grows";
+  one.rationale = "the same; near the middle axis what is off grows";
   one.horizon = 3;
   const Body& body = one.scene.bodies[0];
   const Vector3d inertia = *body.inertia, spin = body.angular_velocity;

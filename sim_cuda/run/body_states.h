@@ -16,7 +16,7 @@ struct BodyStates {
 };
 
 /// What became of bodies: the new id of each, or `no_body`. Ascending.
-using BodyIds = std::vector<std::uint32_t>;
+using BodyIdMap = std::vector<std::uint32_t>;
 inline constexpr std::uint32_t no_body = 0xffffffffu;
 
 }  // namespace collidoscope

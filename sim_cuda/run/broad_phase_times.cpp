@@ -38,7 +38,8 @@ BroadPhaseTimes time_broad_phase(Executor& executor, Pipeline& pipeline, int rep
       for (const StageTime& stage : clock.step_in_progress()) {
         auto known = std::ranges::find(times.stages, stage.name, &BroadPhaseTimes::Stage::name);
         if (known == times.stages.end())
-          known = times.stages.insert(times.stages.end(), {stage.name, {}, stage.launches, stage.own_shape});
+          known =
+              times.stages.insert(times.stages.end(), {stage.name, {}, stage.launches, stage.library_launch});
         known->ms.push_back(static_cast<float>(stage.last_ms));
       }
     clock.discard_step();
@@ -46,9 +47,9 @@ BroadPhaseTimes time_broad_phase(Executor& executor, Pipeline& pipeline, int rep
   return times;
 }
 
-std::vector<float> time_tree_queries(Executor& executor, const TreeView& tree, TreeMeter& meter,
+std::vector<float> time_tree_queries(Executor& executor, const TreeView& tree, BvhStatistics& statistics,
                                      int repeats) {
-  return times_of(executor, repeats, [&] { meter.enqueue_queries(tree); });
+  return times_of(executor, repeats, [&] { statistics.enqueue_queries(tree); });
 }
 
 }  // namespace collidoscope

@@ -6,7 +6,7 @@ namespace collidoscope {
 
 void ContactRecords::record_impulses(bool on) {
   if (on == impulses_) return;
-  run_.runner().forget_recorded();
+  run_.runner().discard_graphs();
   run_.pipeline().record_impulses(on);
   impulses_ = on;
   impulses_new_ = false;
@@ -19,7 +19,7 @@ std::vector<ContactImpulse> ContactRecords::impulses() {
 
 void ContactRecords::record_residuals(bool on) {
   if (on == residuals_) return;
-  run_.runner().forget_recorded();
+  run_.runner().discard_graphs();
   run_.pipeline().record_residuals(on);
   residuals_ = on;
   residuals_known_ = false;

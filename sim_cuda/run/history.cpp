@@ -20,7 +20,7 @@ void History::add(HistoryStep step, const std::vector<StageTime>& stages) {
     const auto place = static_cast<std::size_t>(known - stages_.begin());
     if (known == stages_.end()) stages_.emplace_back().name = time.name;
     stages_[place].launches = time.launches;
-    stages_[place].own_shape = time.own_shape;
+    stages_[place].library_launch = time.library_launch;
     stages_[place].launch = time.launch;
     if (step.stage_ms.size() <= place) step.stage_ms.resize(place + 1, -1.0f);
     step.stage_ms[place] = static_cast<float>(time.last_ms);
@@ -127,7 +127,7 @@ std::string history_json(const History& history, std::size_t window) {
     const History::Stage& stage = history.stages()[k];
     Json entry = {{"name", stage.name},
                   {"launches", stage.launches},
-                  {"own_shape", stage.own_shape},
+                  {"own_shape", stage.library_launch},
                   {"launch", launch_json(stage.launch)}};
     entry.update(summary(history.summarize_stage(k, window)));
     document["stages"].push_back(entry);

@@ -44,12 +44,12 @@ class TypedPipeline final : public Pipeline {
       // colour, prepare, forces, solve, move, relax, bounce, friction, keep; or those of another solver
       solver_->advance(contacts_.view(), impulses_.data());
     };
-    guard_ ? guard_->watch(guarded(), stages) : stages();
+    validator_ ? validator_->run_validated(guarded(), stages) : stages();
     executor_.run("move", 1, Commit{control_.data()});
   }
   int runs_per_step() const override { return solver_->runs_per_step(); }
-  void before_writing(std::function<void(const StepControl&)> told) override {
-    before_writing_ = std::move(told);
+  void before_writing(std::function<void(const StepControl&)> callback) override {
+    before_writing_ = std::move(callback);
   }
 
   void detect() override { detect({}); }
@@ -116,21 +116,21 @@ class TypedPipeline final : public Pipeline {
   void record_residuals(bool on) override { solver_->record_residuals(on); }
   std::vector<Residual> residuals() override { return solver_->residuals(); }
 
-  std::optional<FirstFound> found() const override {
-    if (!guard_) return std::nullopt;
-    const FirstFound found = guard_->found();
-    return found.key == FirstFound::none ? std::nullopt : std::optional(found);
+  std::optional<FirstViolation> first_violation() const override {
+    if (!validator_) return std::nullopt;
+    const FirstViolation found = validator_->first_violation();
+    return found.key == FirstViolation::none ? std::nullopt : std::optional(found);
   }
-  void forget_found() override {
-    if (guard_) guard_->forget();
+  void clear_violation() override {
+    if (validator_) validator_->clear();
   }
-  Finding read_found(const FirstFound& found, int runs_before) override {
+  Finding describe_violation(const FirstViolation& found, int runs_before) override {
     for (int before = 0; before < runs_before; ++before) run();
-    guard_->read(found);
+    validator_->describe(found);
     run();
-    return guard_->finding();
+    return validator_->finding();
   }
-  void dismiss_guards() override { guard_.reset(); }
+  void disable_guards() override { validator_.reset(); }
 
   SolverMemory memory() override { return solver_->memory(); }
   void remember(const SolverMemory& memory) override { solver_->remember(memory); }
@@ -148,7 +148,7 @@ class TypedPipeline final : public Pipeline {
     now.split_committed = from.split_committed;
     executor_.copy_to_executor(control_.data(), &now, sizeof now);
   }
-  void visit_lasting(const ArrayVisit& visit) override {
+  void visit_persistent_arrays(const ArrayVisit& visit) override {
     visit(control_.data(), control_.bytes());
     const BodyBuffers<Real>& bodies = state_.bodies();
     visit(bodies.position.data(), bodies.position.bytes());
@@ -193,9 +193,9 @@ class TypedPipeline final : public Pipeline {
   }
 
  private:
-  Count contact_count() const { return Count(&control_.data()->contacts, contacts_.capacity()); }
+  ItemCount contact_count() const { return ItemCount(&control_.data()->contacts, contacts_.capacity()); }
   PartedPairs parted() const { return joints_ ? joints_->parted() : PartedPairs{}; }
-  GuardedView<Real> guarded() const {
+  ValidationSource<Real> guarded() const {
     return {state_.view(),    body_count_,          boxes_.data(),  state_.field(),
             contacts_.view(), contacts_.capacity(), control_.data()};
   }
@@ -213,7 +213,7 @@ class TypedPipeline final : public Pipeline {
   std::unique_ptr<ContactSolver<Real>> solver_;
   ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
-  std::unique_ptr<StageGuard<Real>> guard_;  // null where the effect is off
+  std::unique_ptr<StageValidator<Real>> validator_;  // null where the effect is off
   std::function<void(const StepControl&)> before_writing_;
   Measurer<Real> measurer_;
   Buffer<std::uint32_t> publish_counts_;
@@ -243,7 +243,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_
   solver_ = make_contact_solver<Real>(scene.physics.solver, executor,
                                       state_.solver_scene(scene, substeps, control_.data(), joints_.get()));
   if (effects.guards)
-    guard_ = std::make_unique<StageGuard<Real>>(executor, scene.physics.guards.value_or(Guards{}));
+    validator_ =
+        std::make_unique<StageValidator<Real>>(executor, scene.physics.guards.value_or(ValidationSettings{}));
 
   boxes_.resize_discarding(initial.size());
   if (const std::optional<Box>& box = state_.box())

@@ -14,7 +14,7 @@
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/guard/finding.h"
-#include "sim_cuda/guard/stage_guard.h"
+#include "sim_cuda/guard/stage_validator.h"
 #include "sim_cuda/measure/body_report.h"
 #include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/publish/publish.h"
@@ -44,7 +44,7 @@ class Pipeline {
   /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, and what the solver makes of them.
   virtual void run() = 0;
   /// On the CPU, what each run calls once contacts are known, before it writes anything that outlives it.
-  virtual void before_writing(std::function<void(const StepControl&)> told) = 0;
+  virtual void before_writing(std::function<void(const StepControl&)> callback) = 0;
   /// Enqueues bounds to contacts only: nothing moves.
   virtual void detect() = 0;
   /// Enqueues bounds to pairs only: from positions to the ordered list of pairs.
@@ -60,20 +60,20 @@ class Pipeline {
   virtual void record_residuals(bool on) = 0;
   virtual std::vector<Residual> residuals() = 0;
 
-  /// What guards have found since forget_found(); waits for the device. Nothing where nobody looks.
-  virtual std::optional<FirstFound> found() const = 0;
-  virtual void forget_found() = 0;
+  /// What guards have found since clear_violation(); waits for the device. Nothing where nobody looks.
+  virtual std::optional<FirstViolation> first_violation() const = 0;
+  virtual void clear_violation() = 0;
   /// Does the runs of a step up to the one in which this was found, `runs_before` of them, and that one, and
   /// reads it on its way. Waits for the device.
-  virtual Finding read_found(const FirstFound& found, int runs_before) = 0;
+  virtual Finding describe_violation(const FirstViolation& found, int runs_before) = 0;
   /// From here on nobody looks; what runs have recorded must be recorded again.
-  virtual void dismiss_guards() = 0;
+  virtual void disable_guards() = 0;
 
   virtual StepControl control() = 0;  ///< read from the device; waits for it
   virtual void clear_overflow() = 0;
   virtual void set_counts(const StepControl& control) = 0;  ///< of the last committed run, as they are there
   /// The arrays that runs write and that outlive them: the state, and what is remembered of it.
-  virtual void visit_lasting(const ArrayVisit& visit) = 0;
+  virtual void visit_persistent_arrays(const ArrayVisit& visit) = 0;
   virtual BroadPhase& broad_phase() = 0;
   virtual std::int64_t broad_phase_bytes() const = 0;  ///< that the method took when it was made
 

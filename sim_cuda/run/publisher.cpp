@@ -40,14 +40,15 @@ void Publisher::publish(const PublishTarget& target) {
                                                                   target.body_color == BodyColor::depth));
   TreeValues values;
   if (boxes && target.box_metric != NodeMetric::level && run_.tree.quality().nodes > 0)
-    values.of_node = run_.current_tree().meter().values(target.box_metric);
-  if (by_visits && run_.tree.quality().nodes > 0) values.of_body = run_.current_tree().meter().body_visits();
+    values.of_node = run_.bvh_cache().statistics().values(target.box_metric);
+  if (by_visits && run_.tree.quality().nodes > 0)
+    values.of_body = run_.bvh_cache().statistics().body_visits();
   if (by_tree) run_.detect();
   const bool by_error = target.body_color == BodyColor::error && errors_.size() == run_.initial.size();
   if (by_error && !drawn_errors_)
     drawn_errors_ = std::make_unique<Buffer<float>>(run_.executor, "errors of bodies to draw");
   if (by_error) drawn_errors_->upload(errors_);
-  run_.pipeline().publish(target, boxes || by_tree ? run_.arranged_tree() : TreeView{}, values,
+  run_.pipeline().publish(target, boxes || by_tree ? run_.level_ordered_tree() : TreeView{}, values,
                           by_error ? drawn_errors_->data() : nullptr);
   run_.executor.synchronize();
 }

@@ -7,7 +7,7 @@ namespace {
 
 /// One value for each body, or `blank` where it is new; empty stays empty.
 template <class Value>
-std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIds& ids, std::size_t count,
+std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIdMap& ids, std::size_t count,
                              const Value& blank, std::size_t first = 0) {
   std::vector<Value> moved(values.empty() ? 0 : count, blank);
   for (std::size_t body = 0; body < ids.size() && !values.empty(); ++body)
@@ -15,7 +15,7 @@ std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIds& id
   return moved;
 }
 
-SolverMemory renumbered(const SolverMemory& memory, const BodyIds& ids, std::size_t count) {
+SolverMemory remap_bodies(const SolverMemory& memory, const BodyIdMap& ids, std::size_t count) {
   SolverMemory moved;
   moved.slow = by_new_id(memory.slow, ids, count, 0u);
   const auto wake = [&](std::uint32_t id) {
@@ -59,18 +59,18 @@ SolverMemory renumbered(const SolverMemory& memory, const BodyIds& ids, std::siz
 
 }  // namespace
 
-RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh) {
+RunState remap_bodies(const RunState& state, const BodyIdMap& ids, BodyStates fresh) {
   const std::size_t known = state.bodies.position.size(), count = fresh.position.size();
   if (ids.empty()) {
-    BodyIds same(known);
+    BodyIdMap same(known);
     for (std::size_t body = 0; body < known; ++body)
       same[body] = body < count ? static_cast<std::uint32_t>(body) : no_body;
-    if (known > 0) return renumbered(state, same, std::move(fresh));
+    if (known > 0) return remap_bodies(state, same, std::move(fresh));
   }
   RunState moved{state.steps,
                  std::move(fresh),
                  by_new_id(state.ledgers, ids, count, WallLedger{}),
-                 renumbered(state.memory, ids, count),
+                 remap_bodies(state.memory, ids, count),
                  state.settings,
                  {},
                  state.time};

@@ -1,7 +1,7 @@
 #pragma once
 // Where a run stands: all that, beside its scene, decides how it goes on. On the host and in double, whatever
-// the run's precision; bit-exact. Taken by World::state(), given to another world by World::adopt(), kept in
-// files by snapshot.h.
+// the run's precision; bit-exact. Taken by World::state(), given to another world by World::restore(), kept
+// in files by snapshot.h.
 
 #include <cstdint>
 #include <vector>
@@ -24,9 +24,9 @@ struct RunState {
   double time = 0;
 };
 
-/// The same with other bodies: those of `ids` (see World::adopt) with what is known of them, all others as
+/// The same with other bodies: those of `ids` (see World::restore) with what is known of them, all others as
 /// they are in `fresh`, which holds all there are then. What was between a body that is gone and another goes
 /// with it, and the other has not been slow yet: it may have rested on what is gone.
-RunState renumbered(const RunState& state, const BodyIds& ids, BodyStates fresh);
+RunState remap_bodies(const RunState& state, const BodyIdMap& ids, BodyStates fresh);
 
 }  // namespace collidoscope

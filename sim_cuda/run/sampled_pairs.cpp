@@ -26,7 +26,7 @@ class Sample {
   }
 
   /// Of one body of the sample.
-  void look(std::int64_t sample) {
+  void test_sample(std::int64_t sample) {
     const std::size_t body = chosen(sample);
     Found& found = found_[static_cast<std::size_t>(sample)];
     std::array<std::uint8_t, block> hit;
@@ -59,11 +59,11 @@ class Sample {
     std::int64_t pairs = 0, contacts = 0;
   };
 
-  Vector3d way(std::size_t body) const {
+  Vector3d displacement(std::size_t body) const {
     return spheres_.velocity.empty() ? Vector3d(0, 0, 0) : Vector3d(spheres_.time * spheres_.velocity[body]);
   }
   void find_box(std::size_t body) {
-    const Vector3d there = way(body);
+    const Vector3d there = displacement(body);
     const double r = spheres_.radius[body] + spheres_.slack, reach = spheres_.anywhere ? there.norm() : 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = spheres_.position[body][axis];
@@ -99,9 +99,9 @@ class Sample {
   bool touch(std::size_t a, std::size_t b) const {
     double reach = spheres_.radius[a] + spheres_.radius[b];
     if (spheres_.time > 0) {
-      const Vector3d way_a = way(a), way_b = way(b);
-      reach += spheres_.anywhere ? way_a.norm() + way_b.norm() + 2 * spheres_.slack
-                                 : Vector3d(way_b - way_a).norm() + spheres_.slack;
+      const Vector3d displacement_a = displacement(a), displacement_b = displacement(b);
+      reach += spheres_.anywhere ? displacement_a.norm() + displacement_b.norm() + 2 * spheres_.slack
+                                 : Vector3d(displacement_b - displacement_a).norm() + spheres_.slack;
     }
     return (spheres_.position[b] - spheres_.position[a]).squaredNorm() <= reach * reach;
   }
@@ -119,7 +119,7 @@ SampledPairs sample_pairs(ThreadTeam& team, const MovingSpheres& spheres, std::i
   team.parallel_for(
       sample.size(), 1,
       [](void* context, std::int64_t begin, std::int64_t end) {
-        for (std::int64_t k = begin; k < end; ++k) static_cast<Sample*>(context)->look(k);
+        for (std::int64_t k = begin; k < end; ++k) static_cast<Sample*>(context)->test_sample(k);
       },
       &sample);
   return sample.result();

@@ -20,8 +20,8 @@ namespace {
 
 RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies, const RunState* start) {
   if (options.key_bits == 0)
-    options.key_bits = key_bits_called_for(
-        bodies, start != nullptr ? start->bodies.position : bodies.position, options.sort);
+    options.key_bits =
+        automatic_key_bits(bodies, start != nullptr ? start->bodies.position : bodies.position, options.sort);
   return options;
 }
 
@@ -36,7 +36,7 @@ Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) 
 /// Of all settings, but not of which bodies there are; 0 where nothing can sleep.
 std::uint64_t settings_hash(Scene scene) {
   if (!scene.physics.sleep) return 0;
-  leave_out_guards(scene.physics);  // they decide nothing
+  disable_guards(scene.physics);  // they decide nothing
   scene.bodies.clear();
   scene.added.clear();
   scene.joints.clear();
@@ -51,36 +51,36 @@ std::uint64_t settings_hash(Scene scene) {
 
 }  // namespace
 
-Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* start, const BodyIds& ids)
+Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* start, const BodyIdMap& ids)
     : scene(valid(s)),
       options(asked),
-      initial((expect_room_for_bodies(scene, options), initial_bodies(scene, options.cancellation))),
+      initial((require_memory_for_bodies(scene, options), initial_bodies(scene, options.cancellation))),
       executor(with_key_bits(asked, initial, start)),
-      effects(scene.physics.effects.value_or(effects_called_for(scene, initial))),
+      effects(scene.physics.effects.value_or(required_effects(scene, initial))),
       substeps(substeps_of(scene, initial)),
-      guards(*this, effects.guards),
+      validation(*this, effects.guards),
       undo_(executor),
-      current_tree_(executor, static_cast<std::int64_t>(initial.size())),
+      bvh_cache_(executor, static_cast<std::int64_t>(initial.size())),
       runner_(executor,
-              (expect_room_for_step(executor, {options.broad_phase, scene, initial, effects, substeps, start,
-                                               ids, first_capacity(options, initial)}),
+              (require_memory_for_step(executor, {options.broad_phase, scene, initial, effects, substeps,
+                                                  start, ids, first_capacity(options, initial)}),
                make()),
               first_capacity(options, initial)) {}
 
 // ---- pipeline ----
 
 std::unique_ptr<Pipeline> Simulation::make() {
-  const std::vector<std::uint32_t>& frozen = guards.frozen();
+  const std::vector<std::uint32_t>& frozen = validation.frozen();
   auto next = frozen.empty() ? make_pipeline(executor, options.broad_phase, scene, initial, effects, substeps)
                              : make_pipeline(executor, options.broad_phase, scene,
-                                             with_frozen(initial, frozen), effects, substeps);
+                                             with_static_bodies(initial, frozen), effects, substeps);
   next->before_writing([this](const StepControl& control) {
     undo_.before_writing(runner_.pipeline(), control,
-                         seconds_to_solve(executor, scene.physics, static_cast<double>(initial.size()),
-                                          control.contacts, substeps));
+                         estimate_solve_seconds(executor, scene.physics, static_cast<double>(initial.size()),
+                                                control.contacts, substeps));
   });
   records.set_up(*next);
-  guards.set_up(*next);
+  validation.set_up(*next);
   return next;
 }
 
@@ -98,46 +98,46 @@ void Simulation::replace_pipeline() {
 void Simulation::set_launch_shape(LaunchShape shape) {
   executor.set_shape(shape);
   options.shape = shape;
-  runner_.forget_recorded();  // a recorded step has the old shape in it
+  runner_.discard_graphs();  // a recorded step has the old shape in it
 }
 
 // ---- steps ----
 
 void Simulation::step(int count) {
-  for (int done = 0; done < count && !guards.paused();) {
+  for (int done = 0; done < count && !validation.paused();) {
     recover();
-    guards.before_step();
+    validation.before_step();
     const std::uint32_t first_run = runner_.committed();
-    if (const std::optional<FirstFound> found = advance())
-      guards.resolve(*found, first_run);
+    if (const std::optional<FirstViolation> found = advance())
+      validation.resolve(*found, first_run);
     else
       ++done;
   }
 }
 
-std::optional<FirstFound> Simulation::advance() {
+std::optional<FirstViolation> Simulation::advance() {
   const bool with_events = steps_ % 2 == 1;
   detected_ = false;
-  struct AtItsEnd {  // even where the clock then finds no memory to note its time in
+  struct CountStepOnExit {  // even where the clock then finds no memory to note its time in
     Simulation& run;
     std::uint32_t target;
     bool found = false;
-    ~AtItsEnd() {
+    ~CountStepOnExit() {
       if (found || run.runner_.committed() != target) return;
       ++run.steps_;
       run.stepped_ = true;
       run.records.step_made();
     }
-  } count_it{*this, runner_.next()};
+  } count_step{*this, runner_.next()};
   undo_.begin_step(runner_.pipeline().runs_per_step());
   try {
-    const std::optional<FirstFound> found =
-        while_doing("making a step", [&] { return runner_.step(with_events); });
-    count_it.found = found.has_value();
+    const std::optional<FirstViolation> found =
+        with_allocation_context("making a step", [&] { return runner_.step(with_events); });
+    count_step.found = found.has_value();
     undo_.end_step();
     return found;
   } catch (const Cancelled&) {
-    undo_.leave_step();
+    undo_.cancel_step();
     throw;
   } catch (...) {
     undo_.end_step();
@@ -153,21 +153,21 @@ void Simulation::recover() {
   undo_.undo();
   const StepControl counts = runner_.pipeline().control();
   const RunState before = state();
-  runner_.remake([this] { return make(); });
-  put(before);
+  runner_.recreate([this] { return make(); });
+  write_state(before);
   runner_.pipeline().set_counts(counts);
   records.recovered();
-  current_tree_.forget();
-  guards.recovered();
+  bvh_cache_.invalidate();
+  validation.recovered();
 }
 
 void Simulation::detect() {
   recover();
-  if (detected_) return runner_.expect_memory();
+  if (detected_) return runner_.require_memory();
   records.keep();
-  while_doing("finding pairs", [&] { runner_.detect(); });
+  with_allocation_context("finding pairs", [&] { runner_.detect(); });
   detected_ = true;
-  current_tree_.forget();
+  bvh_cache_.invalidate();
 }
 
 // ---- state ----
@@ -178,27 +178,27 @@ RunState Simulation::state() {
           pipeline().ledgers(),
           pipeline().memory(),
           settings_hash(scene),
-          guards.frozen(),
+          validation.frozen(),
           time()};
 }
 
-void Simulation::adopt(const RunState& other, const BodyIds& ids) {
+void Simulation::restore(const RunState& other, const BodyIdMap& ids) {
   recover();
   const Executor::Uninterrupted whole(executor);
-  RunState state = renumbered(other, ids, pipeline().bodies());
-  runner_.forget_recorded();  // what the solver remembers may move
-  guards.set_frozen(state.frozen);
+  RunState state = remap_bodies(other, ids, pipeline().bodies());
+  runner_.discard_graphs();  // what the solver remembers may move
+  validation.set_frozen(state.frozen);
   for (const std::uint32_t body : state.frozen) {
     state.bodies.velocity[body].setZero();
     state.bodies.angular_velocity[body].setZero();
   }
   if (other.settings != settings_hash(scene)) state.memory.slow.clear();
-  put(state);
+  write_state(state);
   stepped_ = false;
-  guards.adopted();
+  validation.restored();
 }
 
-void Simulation::put(const RunState& state) {
+void Simulation::write_state(const RunState& state) {
   runner_.pipeline().set_bodies(state.bodies, state.ledgers);
   runner_.pipeline().remember(state.memory);
   steps_ = state.steps;

@@ -7,13 +7,13 @@
 #include <optional>
 #include <vector>
 
-#include "sim_cuda/broad_phase/current_tree.h"
+#include "sim_cuda/broad_phase/bvh_cache.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/run/contact_records.h"
-#include "sim_cuda/run/guarding.h"
 #include "sim_cuda/run/pipeline.h"
 #include "sim_cuda/run/publisher.h"
 #include "sim_cuda/run/run_state.h"
+#include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/step_runner.h"
 #include "sim_cuda/run/step_undo.h"
 #include "sim_cuda/run/tree_probe.h"
@@ -25,15 +25,15 @@ namespace collidoscope {
 
 class Simulation {
  public:
-  /// `start`: the state that it will adopt, or null.
-  Simulation(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIds& ids);
+  /// `start`: the state that it starts from, or null.
+  Simulation(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIdMap& ids);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
   // As World has them.
   void step(int count);
   RunState state();
-  void adopt(const RunState& other, const BodyIds& ids = {});
+  void restore(const RunState& other, const BodyIdMap& ids = {});
   void detect();
   void set_launch_shape(LaunchShape shape);
   std::int64_t steps() const { return steps_; }
@@ -48,9 +48,9 @@ class Simulation {
   /// Makes the pipeline again, with the bodies that are frozen now. Where memory is lacking, nothing has
   /// changed.
   void replace_pipeline();
-  CurrentTree& current_tree() { return current_tree_; }
+  BvhCache& bvh_cache() { return bvh_cache_; }
   /// The tree over the boxes of the last step or detect(). Built at the first call after each.
-  const TreeView& arranged_tree() { return current_tree_.arranged(pipeline().broad_phase()); }
+  const TreeView& level_ordered_tree() { return bvh_cache_.level_ordered(pipeline().broad_phase()); }
   void keep_impulses() { records.keep(); }
 
   const Scene scene;
@@ -60,7 +60,7 @@ class Simulation {
   const Effects effects;
   const int substeps;  ///< as the pipeline takes them
   ContactRecords records{*this};
-  Guarding guards;
+  StateValidation validation;
   TreeProbe tree{*this};
   Publisher publisher{*this};
 
@@ -68,10 +68,10 @@ class Simulation {
   /// A pipeline that has reserved nothing yet.
   std::unique_ptr<Pipeline> make();
   /// Puts the pipeline into this state, of which it has the frozen bodies already.
-  void put(const RunState& state);
+  void write_state(const RunState& state);
   /// Does one step; or returns what guards found in it. Then the step is not counted, and the state is
   /// undefined.
-  std::optional<FirstFound> advance();
+  std::optional<FirstViolation> advance();
   /// After a cancelled step: restores the state before it.
   void recover();
 
@@ -81,7 +81,7 @@ class Simulation {
     std::int64_t step = 0;
     double time = 0;  // s
   } known_time_;      // of a state from which on all steps are of the same length
-  CurrentTree current_tree_;
+  BvhCache bvh_cache_;
   bool detected_ = false;  // pairs and contacts are those of the current state
   bool stepped_ = false;
   StepRunner runner_;

@@ -84,14 +84,14 @@ SimulationState<Real>::SimulationState(Executor& executor, const Scene& scene, c
       rolling_of_plane_(executor, "rolling resistance by plane"),
       planes_(executor, "walls"),
       box_surfaces_(executor, "box obstacles") {
-  executor.heed();
+  executor.throw_if_cancelled();
   upload_bodies(initial);
-  executor.heed();
+  executor.throw_if_cancelled();
   if (effects.rotation) upload_rotation(initial);
   upload_materials(scene, initial, substeps);
   if (effects.attractor) upload_attractors(scene);
   upload_surfaces(scene);
-  executor.heed();
+  executor.throw_if_cancelled();
 }
 
 template <class Real>

@@ -27,8 +27,8 @@ constexpr std::int64_t least_bytes_on_host = 60, least_bytes_in_buffers = 100;
 constexpr double ns_of_body = 500, ns_of_body_in_substep = 300, ns_of_pair = 130, ns_of_contact = 700,
                  ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130;
 
-MovingSpheres spheres_of(const Beginning& beginning) {
-  const auto& [broad_phase, scene, initial, effects, substeps, start, ids, capacity] = beginning;
+MovingSpheres spheres_of(const WorldSetup& setup) {
+  const auto& [broad_phase, scene, initial, effects, substeps, start, ids, capacity] = setup;
   MovingSpheres spheres{initial.position, initial.radius, initial.velocity};
   if (start != nullptr) {
     const BodyStates& states = start->bodies;
@@ -62,26 +62,26 @@ double ns_to_find(const std::string& broad_phase, double bodies, double pairs) {
 /// Pipeline runs in a step.
 int runs_of(const Physics& physics, int substeps) { return physics.solver == Solver::impulse ? substeps : 1; }
 
-double seconds_of(const Executor& executor, const Beginning& beginning, const StepEstimate& of) {
-  const Physics& physics = beginning.scene.physics;
-  const int substeps = beginning.substeps;
-  const double finding = 1e-9 * ns_to_find(beginning.broad_phase, static_cast<double>(of.bodies), of.pairs);
+double seconds_of(const Executor& executor, const WorldSetup& setup, const StepEstimate& of) {
+  const Physics& physics = setup.scene.physics;
+  const int substeps = setup.substeps;
+  const double finding = 1e-9 * ns_to_find(setup.broad_phase, static_cast<double>(of.bodies), of.pairs);
   return runs_of(physics, substeps) *
          (finding / executor.equal_cores() +
-          seconds_to_solve(executor, physics, static_cast<double>(of.bodies), of.contacts, substeps));
+          estimate_solve_seconds(executor, physics, static_cast<double>(of.bodies), of.contacts, substeps));
 }
 
 /// Of buffers that hold so many pairs and contacts.
-std::int64_t bytes_of(Executor& executor, const Beginning& beginning, const StepEstimate& of) {
+std::int64_t bytes_of(Executor& executor, const WorldSetup& setup, const StepEstimate& of) {
   const auto entries = [](double count, std::int64_t at_first) {
     return std::max(at_first,
                     static_cast<std::int64_t>(std::min(std::ceil(count), static_cast<double>(longest_list))));
   };
-  const std::int64_t listed = executor.imagine([&] {
-    const auto pipeline = make_pipeline(executor, beginning.broad_phase, beginning.scene, beginning.initial,
-                                        beginning.effects, beginning.substeps);
+  const std::int64_t listed = executor.dry_run_construction([&] {
+    const auto pipeline =
+        make_pipeline(executor, setup.broad_phase, setup.scene, setup.initial, setup.effects, setup.substeps);
     pipeline->reserve(
-        {entries(of.pairs, beginning.capacity.pairs), entries(of.contacts, beginning.capacity.contacts)});
+        {entries(of.pairs, setup.capacity.pairs), entries(of.contacts, setup.capacity.contacts)});
   });
   // What is beyond the longest list there may be takes as much as the rest of it.
   const double beyond = std::max(1.0, of.pairs / static_cast<double>(longest_list));
@@ -139,8 +139,8 @@ std::string short_bytes(double bytes) {
   return fmt::format("{:.1f} {}", bytes / (bytes < 1e9 ? 1e6 : 1e9), bytes < 1e9 ? "MB" : "GB");
 }
 
-double seconds_to_solve(const Executor& executor, const Physics& physics, double bodies, double contacts,
-                        int substeps) {
+double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies,
+                              double contacts, int substeps) {
   const int within = substeps / runs_of(physics, substeps);
   return 1e-9 / executor.equal_cores() *
          (bodies * ns_of_body_in_substep * within +
@@ -148,16 +148,16 @@ double seconds_to_solve(const Executor& executor, const Physics& physics, double
                       within * (ns_of_contact_in_substep + physics.iterations * ns_of_contact_in_sweep)));
 }
 
-StepEstimate estimate_step(Executor& executor, const Beginning& beginning, bool thorough) {
-  const MovingSpheres spheres = spheres_of(beginning);
-  const auto bodies = static_cast<std::int64_t>(beginning.initial.size());
+StepEstimate estimate_step(Executor& executor, const WorldSetup& setup, bool thorough) {
+  const MovingSpheres spheres = spheres_of(setup);
+  const auto bodies = static_cast<std::int64_t>(setup.initial.size());
   StepEstimate expected;
   expected.bodies = bodies;
   const auto sample = [&](std::int64_t samples) {
     const SampledPairs found = sample_pairs(executor.team(), spheres, samples);
     expected.pairs = found.pairs;
     expected.contacts = found.contacts;
-    expected.seconds = seconds_of(executor, beginning, expected);
+    expected.seconds = seconds_of(executor, setup, expected);
   };
   constexpr std::int64_t few_samples = 64, most_samples = 4000, most_tests = 400'000'000;
   sample(few_samples);
@@ -169,17 +169,17 @@ StepEstimate estimate_step(Executor& executor, const Beginning& beginning, bool 
       safe * expected.seconds < long_step && most_bytes < static_cast<double>(executor.room_bytes());
   if (harmless && !thorough) return expected;
   sample(std::clamp(most_tests / std::max<std::int64_t>(bodies, 1), few_samples, most_samples));
-  expected.bytes = bytes_of(executor, beginning, expected);
+  expected.bytes = bytes_of(executor, setup, expected);
   return expected;
 }
 
-void expect_room_for_step(Executor& executor, const Beginning& beginning) {
-  if (static_cast<std::int64_t>(beginning.initial.size()) <= few_bodies) return;
-  const StepEstimate expected = estimate_step(executor, beginning, false);
+void require_memory_for_step(Executor& executor, const WorldSetup& setup) {
+  if (static_cast<std::int64_t>(setup.initial.size()) <= few_bodies) return;
+  const StepEstimate expected = estimate_step(executor, setup, false);
   const std::int64_t room = executor.room_bytes();
   const ExecutorOptions& options = executor.options();
   if (expected.bytes > room && !options.allow_large)
-    refuse(beginning.scene,
+    refuse(setup.scene,
            fmt::format("{} bodies have about {} pairs and {} contacts at first, which take about",
                        in_groups(static_cast<double>(expected.bodies)), in_groups(rounded(expected.pairs)),
                        in_groups(rounded(expected.contacts))),
@@ -187,7 +187,7 @@ void expect_room_for_step(Executor& executor, const Beginning& beginning) {
   warn(executor, expected);
 }
 
-void expect_room_for_bodies(const Scene& scene, const RunOptions& options) {
+void require_memory_for_bodies(const Scene& scene, const RunOptions& options) {
   auto bodies = static_cast<std::int64_t>(scene.bodies.size() + scene.added.size());
   for (const BoxCollider& generator : scene.generators) bodies += generator.count;
   if (bodies <= few_bodies || options.allow_large) return;
@@ -203,8 +203,8 @@ void expect_room_for_bodies(const Scene& scene, const RunOptions& options) {
          static_cast<double>(each) * static_cast<double>(bodies), room, options);
 }
 
-void set_slow_step_news(std::function<void(const std::string& line)> told) {
-  slow_step_report() = std::move(told);
+void set_slow_step_callback(std::function<void(const std::string& line)> callback) {
+  slow_step_report() = std::move(callback);
 }
 
 }  // namespace collidoscope

@@ -25,32 +25,32 @@ struct StepEstimate {
 };
 
 /// Where and how a world is about to begin.
-struct Beginning {
+struct WorldSetup {
   const std::string& broad_phase;
   const Scene& scene;
   const InitialBodies& initial;
   Effects effects;
   int substeps;
   const RunState* start = nullptr;  ///< as World's constructor has it
-  const BodyIds& ids;
+  const BodyIdMap& ids;
   Capacity capacity;  ///< of its lists at first
 };
 
 /// Of a world's first step. `thorough`: a larger sample, and bytes in any case. Throws Cancelled.
-StepEstimate estimate_step(Executor& executor, const Beginning& beginning, bool thorough);
+StepEstimate estimate_step(Executor& executor, const WorldSetup& setup, bool thorough);
 
 /// Throws MachineError, with the figures, where the estimate is more than the executor has room for.
-void expect_room_for_step(Executor& executor, const Beginning& beginning);
+void require_memory_for_step(Executor& executor, const WorldSetup& setup);
 /// The same by the number of bodies alone, before there are any.
-void expect_room_for_bodies(const Scene& scene, const RunOptions& options);
+void require_memory_for_bodies(const Scene& scene, const RunOptions& options);
 
 /// s, about: what solving the contacts of one pipeline run takes.
-double seconds_to_solve(const Executor& executor, const Physics& physics, double bodies, double contacts,
-                        int substeps);
+double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies,
+                              double contacts, int substeps);
 
 /// Is told, in a line, of steps that are expected to take long. One for the program; set before worlds are
 /// made.
-void set_slow_step_news(std::function<void(const std::string& line)> told);
+void set_slow_step_callback(std::function<void(const std::string& line)> callback);
 
 /// "93.1 GB".
 std::string short_bytes(double bytes);

@@ -30,77 +30,77 @@ StepRunner::StepRunner(Executor& executor, std::unique_ptr<Pipeline> pipeline, C
   reserve({std::min(capacity.pairs, max_list_length), std::min(capacity.contacts, max_list_length)});
 }
 
-void StepRunner::forget_recorded() {
+void StepRunner::discard_graphs() {
   plain_.reset();
   timed_.reset();
   executor_.synchronize();
 }
 
 void StepRunner::replace(std::unique_ptr<Pipeline> pipeline) {
-  forget_recorded();
+  discard_graphs();
   pipeline_ = std::move(pipeline);
   committed_ = 0;
 }
 
-void StepRunner::remake(const std::function<std::unique_ptr<Pipeline>()>& make) {
-  forget_recorded();
+void StepRunner::recreate(const std::function<std::unique_ptr<Pipeline>()>& make) {
+  discard_graphs();
   const Capacity capacity = pipeline_->capacity();
-  lost_ = true;
+  is_unusable_ = true;
   pipeline_->reserve({0, 0});
   std::unique_ptr<Pipeline> next = make();
   next->reserve(capacity);
   replace(std::move(next));
-  lost_ = false;
+  is_unusable_ = false;
 }
 
-void StepRunner::forget_runs() {
+void StepRunner::discard_runs() {
   pipeline_->clear_overflow();
-  pipeline_->forget_found();
+  pipeline_->clear_violation();
   committed_ = pipeline_->control().committed;
 }
 
-std::optional<FirstFound> StepRunner::step(bool timed) {
-  expect_memory();
+std::optional<FirstViolation> StepRunner::step(bool timed) {
+  require_memory();
   const std::uint32_t target = next();
   for (bool done = false; !done;) {
     done = timed ? run_timed(target) : run_plain(target);
-    if (auto found = pipeline_->found()) return found;
+    if (auto found = pipeline_->first_violation()) return found;
     if (!done) grow();
   }
   return std::nullopt;
 }
 
 void StepRunner::detect() {
-  expect_memory();
+  require_memory();
   do pipeline_->detect();
   while (grow());
 }
 
 // ---- memory ----
 
-void StepRunner::expect_memory() const {
-  if (lost_)
+void StepRunner::require_memory() const {
+  if (is_unusable_)
     throw MachineError(
         "memory ran out in the middle of a step, and this run has no state to go on from; start it again");
 }
 
 void StepRunner::reserve(Capacity capacity) {
-  forget_recorded();
+  discard_graphs();
   const Capacity before = pipeline_->capacity();
   try {
     pipeline_->reserve(capacity);
   } catch (...) {
-    lost_ = true;
+    is_unusable_ = true;
     pipeline_->reserve(before);  // what was given back for more
-    lost_ = false;
+    is_unusable_ = false;
     throw;
   }
 }
 
 /// Bytes beyond those that are free; 0: there is room.
-std::int64_t StepRunner::lacking(Capacity capacity) {
-  const std::int64_t more = executor_.rehearse([&] { pipeline_->reserve(capacity); });
-  executor_.rehearse([&] { pipeline_->reserve(pipeline_->capacity()); });
+std::int64_t StepRunner::missing_bytes(Capacity capacity) {
+  const std::int64_t more = executor_.dry_run_allocation([&] { pipeline_->reserve(capacity); });
+  executor_.dry_run_allocation([&] { pipeline_->reserve(pipeline_->capacity()); });
   return std::max<std::int64_t>(more - executor_.room_bytes(), 0);
 }
 
@@ -108,15 +108,15 @@ std::int64_t StepRunner::lacking(Capacity capacity) {
 bool StepRunner::grow() {
   const StepControl control = pipeline_->control();
   if (!control.overflow) return false;
-  executor_.heed();
+  executor_.throw_if_cancelled();
   const Capacity now = pipeline_->capacity();
   Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
                   grown(control.contacts_needed, now.contacts, "contacts", 64)};
-  if (lacking(wanted) > 0) {
+  if (missing_bytes(wanted) > 0) {
     // Without room to spare, then. Where even that is too much, nothing has changed.
     wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
               std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
-    if (const std::int64_t bytes = lacking(wanted); bytes > 0) {
+    if (const std::int64_t bytes = missing_bytes(wanted); bytes > 0) {
       const ExecutorOptions& options = executor_.options();
       const std::int64_t given = executor_.allocated_bytes() + executor_.room_bytes();
       const bool by_rule = options.memory_limit == 0 && !options.allow_large;
@@ -143,15 +143,15 @@ bool StepRunner::grow() {
 
 /// What ends in the middle of it leaves no state; what is cancelled, World undoes.
 void StepRunner::launch(StepGraph& graph) {
-  lost_ = true;
+  is_unusable_ = true;
   try {
     graph.launch();
   } catch (const Cancelled&) {
-    lost_ = false;
+    is_unusable_ = false;
     executor_.clock().discard_step();
     throw;
   }
-  lost_ = false;
+  is_unusable_ = false;
 }
 
 StepGraph& StepRunner::graph(bool timed) {

@@ -21,12 +21,12 @@ class StepRunner {
   Pipeline& pipeline() { return *pipeline_; }
   const Pipeline& pipeline() const { return *pipeline_; }
   /// Whatever changes what a step does comes after this.
-  void forget_recorded();
+  void discard_graphs();
   /// Goes on with another, which has reserved what it needs.
   void replace(std::unique_ptr<Pipeline> pipeline);
   /// The same after a run was cancelled in its middle: with one that `make` makes, for which the lists of the
   /// old one, whose contents are lost, make room.
-  void remake(const std::function<std::unique_ptr<Pipeline>()>& make);
+  void recreate(const std::function<std::unique_ptr<Pipeline>()>& make);
 
   /// Pipeline runs whose result is in the state, modulo 2^32.
   std::uint32_t committed() const { return committed_; }
@@ -34,19 +34,20 @@ class StepRunner {
   std::uint32_t next() const { return committed_ + static_cast<std::uint32_t>(pipeline_->runs_per_step()); }
   /// Does one step, up to next() at the time of the call, `timed` or plain; or, with what guards found in it,
   /// a part of one. Throws MachineError where memory does not suffice: then nothing has changed, unless a run
-  /// ended in its middle, after which no step can be made. Throws Cancelled, after which remake() comes next.
-  std::optional<FirstFound> step(bool timed);
+  /// ended in its middle, after which no step can be made. Throws Cancelled, after which recreate() comes
+  /// next.
+  std::optional<FirstViolation> step(bool timed);
   /// Finds boxes, pairs and contacts, which grow as for a step.
   void detect();
   /// After runs that are not to be in the state.
-  void forget_runs();
+  void discard_runs();
 
   /// Throws MachineError where no step can be made.
-  void expect_memory() const;
+  void require_memory() const;
 
  private:
   void reserve(Capacity capacity);
-  std::int64_t lacking(Capacity capacity);
+  std::int64_t missing_bytes(Capacity capacity);
   bool grow();
   void launch(StepGraph& graph);
   StepGraph& graph(bool timed);
@@ -57,7 +58,7 @@ class StepRunner {
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<StepGraph> plain_, timed_;
   std::uint32_t committed_ = 0;
-  bool lost_ = false;  ///< no state to go on from, or no memory for what was already there
+  bool is_unusable_ = false;  ///< no state to go on from, or no memory for what was already there
 };
 
 }  // namespace collidoscope

@@ -24,10 +24,10 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
     to_the_end_.emplace(executor_);
     return;
   }
-  executor_.heed();
+  executor_.throw_if_cancelled();
   const Executor::Uninterrupted whole(executor_);
   try {
-    aside_.put(executor_.team(), [&](const ArrayVisit& visit) { pipeline.visit_lasting(visit); });
+    aside_.put(executor_.team(), [&](const ArrayVisit& visit) { pipeline.visit_persistent_arrays(visit); });
   } catch (const std::bad_alloc&) {  // no room for a copy
     aside_.forget();
     to_the_end_.emplace(executor_);
@@ -36,10 +36,10 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
 
 void StepUndo::end_step() {
   aside_.forget();
-  leave_step();
+  cancel_step();
 }
 
-void StepUndo::leave_step() {
+void StepUndo::cancel_step() {
   to_the_end_.reset();
   in_step_ = false;
 }

@@ -24,7 +24,7 @@ class StepUndo {
   /// The step is done, or has failed otherwise than by being cancelled.
   void end_step();
   /// The step was cancelled.
-  void leave_step();
+  void cancel_step();
   /// After that: the state is as it was before that step; all that does not outlive steps is lost.
   void undo();
 

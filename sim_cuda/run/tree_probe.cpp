@@ -14,7 +14,7 @@ std::int64_t TreeProbe::nodes() const { return run_.pipeline().broad_phase().tre
 
 TreeLevels TreeProbe::levels() {
   run_.detect();
-  const TreeView& tree = run_.arranged_tree();
+  const TreeView& tree = run_.level_ordered_tree();
   TreeLevels levels;
   for (int level = 0; level < tree.levels(); ++level) {
     static_assert(sizeof(TreeLevels::Box) == sizeof(Aabb));
@@ -27,7 +27,7 @@ TreeLevels TreeProbe::levels() {
 
 std::vector<std::int64_t> TreeProbe::level_sizes() {
   run_.detect();
-  const TreeView& tree = run_.arranged_tree();
+  const TreeView& tree = run_.level_ordered_tree();
   std::vector<std::int64_t> sizes;
   for (int level = 0; level < tree.levels(); ++level) sizes.push_back(tree.level_size(level));
   return sizes;
@@ -35,7 +35,7 @@ std::vector<std::int64_t> TreeProbe::level_sizes() {
 
 const std::vector<std::int64_t>& TreeProbe::leaves() {
   run_.detect();
-  return run_.current_tree().leaves(run_.pipeline().broad_phase());
+  return run_.bvh_cache().leaves(run_.pipeline().broad_phase());
 }
 
 // ---- measures ----
@@ -43,32 +43,32 @@ const std::vector<std::int64_t>& TreeProbe::leaves() {
 const TreeQuality& TreeProbe::quality() {
   run_.detect();
   Pipeline& pipeline = run_.pipeline();
-  return run_.current_tree().quality(pipeline.broad_phase(), pipeline.broad_phase_bytes());
+  return run_.bvh_cache().quality(pipeline.broad_phase(), pipeline.broad_phase_bytes());
 }
 
 double TreeProbe::own_visits() {
   run_.detect();
-  return run_.current_tree().own_visits(run_.pipeline().broad_phase()).mean;
+  return run_.bvh_cache().own_visits(run_.pipeline().broad_phase()).mean;
 }
 
 std::vector<NodeReport> TreeProbe::ranked(NodeMetric metric, std::int64_t first, std::int64_t count, int from,
                                           int to) {
   quality();
-  return run_.current_tree().meter().ranked(run_.arranged_tree(), metric, first, count, from, to);
+  return run_.bvh_cache().statistics().ranked(run_.level_ordered_tree(), metric, first, count, from, to);
 }
 
 std::vector<NodeReport> TreeProbe::nodes_at(const std::vector<std::uint32_t>& places) {
   quality();
   for (const std::uint32_t place : places)
     if (place >= nodes()) throw std::out_of_range("tree_node: there is no node " + std::to_string(place));
-  return run_.current_tree().meter().nodes(run_.arranged_tree(), places);
+  return run_.bvh_cache().statistics().nodes(run_.level_ordered_tree(), places);
 }
 
 NodeReport TreeProbe::node(std::uint32_t place) { return nodes_at({place}).front(); }
 
-NodeSpread TreeProbe::spread(NodeMetric metric, const NodeSelection& selection) {
+NodeHistogram TreeProbe::node_histogram(NodeMetric metric, const NodeSelection& selection) {
   quality();
-  return run_.current_tree().meter().spread(run_.arranged_tree(), metric, selection);
+  return run_.bvh_cache().statistics().histogram(run_.level_ordered_tree(), metric, selection);
 }
 
 // ---- queries ----
@@ -77,12 +77,12 @@ std::vector<std::uint32_t> TreeProbe::visited(std::uint32_t id, std::int64_t mos
   quality();
   if (id >= run_.initial.size())
     throw std::out_of_range("visited_nodes: there is no body " + std::to_string(id));
-  return run_.current_tree().meter().visited(run_.arranged_tree(), id, most);
+  return run_.bvh_cache().statistics().visited(run_.level_ordered_tree(), id, most);
 }
 
 std::int64_t TreeProbe::visits_of(std::uint32_t id) {
   if (id >= run_.initial.size()) throw std::out_of_range("visits_of: there is no body " + std::to_string(id));
-  return quality().nodes > 0 ? run_.current_tree().meter().visits_of(id) : 0;
+  return quality().nodes > 0 ? run_.bvh_cache().statistics().visits_of(id) : 0;
 }
 
 BroadPhaseTimes TreeProbe::time_broad_phase(int repeats) {
@@ -92,7 +92,7 @@ BroadPhaseTimes TreeProbe::time_broad_phase(int repeats) {
 
 std::vector<float> TreeProbe::time_queries(int repeats) {
   if (quality().nodes == 0) return {};
-  return time_tree_queries(run_.executor, run_.arranged_tree(), run_.current_tree().meter(), repeats);
+  return time_tree_queries(run_.executor, run_.level_ordered_tree(), run_.bvh_cache().statistics(), repeats);
 }
 
 }  // namespace collidoscope

@@ -40,7 +40,7 @@ class TreeProbe {
   /// At these places, each < nodes().
   std::vector<NodeReport> nodes_at(const std::vector<std::uint32_t>& places);
   /// Of the nodes in the selection's levels; `inside` counts those within its range, too.
-  NodeSpread spread(NodeMetric metric, const NodeSelection& selection);
+  NodeHistogram node_histogram(NodeMetric metric, const NodeSelection& selection);
 
   /// The places of the nodes that the query of a body tests, in its order; the first `most`.
   std::vector<std::uint32_t> visited(std::uint32_t id, std::int64_t most);

@@ -26,14 +26,14 @@ EffectReason of_materials(const Scene& scene, double Material::*value, const cha
 
 EffectReason of_friction(const Scene& scene) {
   EffectReason friction = of_materials(scene, &Material::friction, "friction");
-  if (friction.called_for) return friction;
-  if (of_materials(scene, &Material::rolling_resistance, "").called_for)
+  if (friction.required) return friction;
+  if (of_materials(scene, &Material::rolling_resistance, "").required)
     return because("rolling resistance needs it");
   return friction;
 }
 
 EffectReason of_rotation(const Scene& scene, const InitialBodies& bodies) {
-  if (of_friction(scene).called_for) return because("friction turns bodies");
+  if (of_friction(scene).required) return because("friction turns bodies");
   if (joints_turn_bodies(scene)) return because("a joint turns bodies");
   if (std::ranges::any_of(bodies.angular_velocity, [](const Vector3d& spin) { return !spin.isZero(0); }))
     return because("a body spins at the start");
@@ -66,7 +66,7 @@ EffectReason called(const Scene& scene, const InitialBodies& bodies, bool Effect
     return scene.joints.empty() ? not_since("no joints")
                                 : because(counted(scene.joints.size(), "joint", "joints"));
   if (flag == &Effects::continuous_collision)
-    return effects_called_for(scene, bodies).continuous_collision
+    return required_effects(scene, bodies).continuous_collision
                ? because("a body starts faster than a radius in a substep")
                : not_since("all start slowly");
   if (flag == &Effects::sleeping)

@@ -8,9 +8,9 @@
 namespace collidoscope {
 
 struct EffectReason {
-  bool called_for = false;  ///< as effects_called_for() has it
-  std::string why;          ///< "gravity is 9.81 m/s²", "no medium"
-  std::string cannot;       ///< why it cannot be on whatever calls for it, or empty
+  bool required = false;  ///< as required_effects() has it
+  std::string why;        ///< "gravity is 9.81 m/s²", "no medium"
+  std::string cannot;     ///< why it cannot be on whatever calls for it, or empty
 };
 
 /// `flag` is one of effect_names.

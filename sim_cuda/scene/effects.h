@@ -20,7 +20,7 @@ struct Effects {
   bool continuous_collision = false;
 
   bool sleeping = false;  ///< islands at rest are not solved; called for by `sleep`
-  bool guards = false;    ///< who looks at what stages write: guard/stage_guard.h; called for by `guards`
+  bool guards = false;    ///< who looks at what stages write: guard/stage_validator.h; called for by `guards`
 
   friend bool operator==(const Effects&, const Effects&) = default;
 };

@@ -243,7 +243,7 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
   return all;
 }
 
-Effects effects_called_for(const Scene& scene, const InitialBodies& bodies) {
+Effects required_effects(const Scene& scene, const InitialBodies& bodies) {
   Effects effects;
   const Drag& medium = scene.physics.drag;
   effects.gravity = !scene.physics.gravity.isZero(0);

@@ -51,6 +51,6 @@ struct InitialBodies {
 InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation = nullptr);
 
 /// The effects that `"auto"` stands for in this scene; scene/effects.h says what calls for each.
-Effects effects_called_for(const Scene& scene, const InitialBodies& bodies);
+Effects required_effects(const Scene& scene, const InitialBodies& bodies);
 
 }  // namespace collidoscope

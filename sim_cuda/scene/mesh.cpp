@@ -258,7 +258,7 @@ class ObjReader {
 Mesh parse_mesh(const std::string& text, const std::string& file, const std::string& name) {
   Mesh mesh;
   mesh.name = name;
-  while_doing("reading a mesh", [&] { ObjReader(text, file).read(mesh.vertices, mesh.faces); });
+  with_allocation_context("reading a mesh", [&] { ObjReader(text, file).read(mesh.vertices, mesh.faces); });
 
   const MassProperties solid = mass_properties(mesh.vertices, mesh.faces);
   if (solid.volume < 0) {

@@ -96,7 +96,7 @@ class SceneReader {
   }
 
   void read_guards(const JsonNode& node) {
-    Guards& guards = scene_.physics.guards.emplace();
+    ValidationSettings& guards = scene_.physics.guards.emplace();
     ObjectReader reader(reading_, node, "\"guards\"");
     reader.choice("on_failure", on_failure_names, guards.on_failure);
     reader.real("speed", guards.speed);
@@ -342,7 +342,7 @@ class SceneReader {
 namespace {
 
 Scene scene_of(std::string text, const std::string& name, const std::string& directory, bool with_meshes) {
-  return while_doing("reading a scene", [&] {
+  return with_allocation_context("reading a scene", [&] {
     Scene scene;
     scene.directory = directory;
     scene.file = name;

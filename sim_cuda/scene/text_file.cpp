@@ -48,7 +48,7 @@ std::string read_bounded(const std::string& file, std::size_t limit, const std::
 }  // namespace
 
 std::string read_text_file(const std::string& file, std::size_t limit, const std::string& wanted) {
-  return while_doing("reading a file", [&] { return read_bounded(file, limit, wanted); });
+  return with_allocation_context("reading a file", [&] { return read_bounded(file, limit, wanted); });
 }
 
 }  // namespace collidoscope

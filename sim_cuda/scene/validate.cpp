@@ -169,7 +169,7 @@ class Validator {
     if (physics.guards) check_guards(*physics.guards);
   }
 
-  void check_guards(const Guards& guards) {
+  void check_guards(const ValidationSettings& guards) {
     const Path path{"guards"};
     choice(path.at("on_failure"), on_failure_names, guards.on_failure);
     number(path.at("speed"), guards.speed, 0, limits::max_guarded, "m/s");

@@ -45,7 +45,7 @@ Scene falling(const Scene& scene) {
   Physics& physics = inner.physics;
   physics.sleep.reset();
   if (physics.effects) physics.effects->sleeping = false;
-  leave_out_guards(physics);
+  disable_guards(physics);
   if (physics.solver != Solver::impulse) return inner;
   physics.solver = Solver::soft_step;
   physics.substeps.reset();
@@ -59,7 +59,7 @@ std::uint64_t hash_of(const std::string& text, std::uint64_t hash = 0) {
 }
 
 /// What a small scene comes to under such physics: it changes with the program where steps do.
-std::uint64_t way_of_stepping(const Physics& physics) {
+std::uint64_t stepping_fingerprint(const Physics& physics) {
   Scene probe;
   probe.box = Box{{0, 0, 0}, {30, 30, 30}};
   probe.physics = physics;
@@ -82,7 +82,7 @@ std::filesystem::path cache_file(const Scene& inner) {
   std::filesystem::path folder = folder_of("XDG_CACHE_HOME");
   if (!folder.is_absolute()) folder = folder_of("HOME").is_absolute() ? folder_of("HOME") / ".cache" : "";
   if (folder.empty()) return folder;
-  std::uint64_t key = hash_of(write_scene(inner), way_of_stepping(inner.physics));
+  std::uint64_t key = hash_of(write_scene(inner), stepping_fingerprint(inner.physics));
   key = hash_of(
       fmt::format("{} {} {} {} {}", snapshot_version, stride, lift, longest_falls, slower_in_a_fall), key);
   return folder / "collidoscope" / "settled" / fmt::format("{:016x}.snapshot", key);
@@ -122,7 +122,7 @@ void slow_down(World& world, double share) {
   RunState state = world.state();
   for (Vector3d& v : state.bodies.velocity) v *= share;
   for (Vector3d& spin : state.bodies.angular_velocity) spin *= share;
-  world.adopt(state);
+  world.restore(state);
 }
 
 }  // namespace
@@ -190,7 +190,7 @@ bool Settling::done() const { return impl_->state.has_value(); }
 std::int64_t Settling::steps() const { return impl_->world ? impl_->world->steps() : impl_->most; }
 std::int64_t Settling::most() const { return impl_->most; }
 
-void Settling::go_on(double milliseconds) {
+void Settling::advance(double milliseconds) {
   const Deadline slice(milliseconds);
   while (!done()) {
     World& world = *impl_->world;
@@ -211,7 +211,7 @@ RunState Settling::take() {
 
 RunState settled_state(const Scene& scene, const RunOptions& options) {
   Settling settling(scene, options);
-  settling.go_on(std::numeric_limits<double>::infinity());
+  settling.advance(std::numeric_limits<double>::infinity());
   return settling.take();
 }
 

@@ -37,7 +37,7 @@ class Settling {
 
   bool done() const;
   /// Steps for about so many milliseconds, and one at least, until it is done. Throws as World does.
-  void go_on(double milliseconds);
+  void advance(double milliseconds);
   std::int64_t steps() const;  ///< so far
   std::int64_t most() const;   ///< steps after which it ends, at rest or not
   /// The state at rest, once it is done.

@@ -301,7 +301,7 @@ void write_snapshot(const Snapshot& snapshot, const std::function<void(std::stri
 }
 
 Snapshot read_snapshot(const std::string& file) {
-  return while_doing("reading a snapshot", [&] {
+  return with_allocation_context("reading a snapshot", [&] {
     Reader reader(file);
     Snapshot snapshot;
     std::string scene, directory;

@@ -41,7 +41,7 @@ void write_snapshot(const Snapshot& snapshot, const std::function<void(std::stri
 Snapshot read_snapshot(const std::string& file);
 
 /// The run goes on: in the snapshot's own scene, bit for bit, or in `scene`, one that was made of it by
-/// turning settings, as World::adopt() does it. Throws as World does, and InputError where the scene is the
+/// turning settings, as World::restore() does it. Throws as World does, and InputError where the scene is the
 /// same, but its bodies are not (a mesh file that has changed).
 World world_from(const Snapshot& snapshot, const Scene& scene, const RunOptions& options);
 

@@ -235,7 +235,7 @@ void Colouring::colour(const Pair* contacts, StepControl* control, const std::ui
                 ClearContacts{by_lots_ ? uncoloured : no_colour_free, control, colour_.data(),
                               contact_.data(), bids_.data()});
   if (asleep != nullptr)
-    executor_.run("colour", Count(&control->contacts, capacity),
+    executor_.run("colour", ItemCount(&control->contacts, capacity),
                   LeaveSleepersOut{contacts, asleep, colour_.data()});
   if (by_lots_) {
     executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});

@@ -59,7 +59,7 @@ void ContactDegrees::reserve(std::int64_t bodies, std::int64_t contact_capacity)
 void ContactDegrees::count(const char* stage, const ContactSet& set) {
   executor_.run(stage, 1, BeginCounts{set.count, static_cast<std::uint32_t>(bodies_), items_.data()});
   executor_.run(stage, bodies(), ClearCounts{count_.data()});
-  executor_.run(stage, Count(set.count, contact_capacity_), CountContactsOfBodies{set, count_.data()});
+  executor_.run(stage, ItemCount(set.count, contact_capacity_), CountContactsOfBodies{set, count_.data()});
   executor_.run(stage, bodies(), PlaceEntries{count_.data(), items_.data() + 1, begin_.data()});
 }
 

@@ -34,7 +34,7 @@ class ContactDegrees {
   void count(const char* stage, const ContactSet& set);
   DegreeView view() const { return {count_.data(), begin_.data()}; }
   /// All bodies, or none where the set is empty; the view means nothing then.
-  Count bodies() const { return Count(items_.data(), bodies_); }
+  ItemCount bodies() const { return ItemCount(items_.data(), bodies_); }
   const std::uint32_t* body_items() const { return items_.data(); }  ///< the same, on the device
 
  private:

@@ -54,7 +54,7 @@ void ContactImpulses<Real>::keep(const Pair* contacts, const StepControl* contro
   kept_contacts_.resize_discarding(impulse_.size());
   kept_impulse_.resize_discarding(impulse_.size());
   kept_count_.resize_discarding(1);
-  executor_.run("publish", Count(&control->contacts, capacity_),
+  executor_.run("publish", ItemCount(&control->contacts, capacity_),
                 KeepImpulses<Real>{contacts, impulse_.data(), kept_contacts_.data(), kept_impulse_.data()});
   executor_.run("publish", 1, KeepCount{control, kept_count_.data()});
 }

@@ -68,7 +68,7 @@ void ContactsByBody::reserve(std::int64_t bodies, std::int64_t contact_capacity)
 void ContactsByBody::list(const char* stage, const ContactSet& set, const ContactDegrees& degrees,
                           const std::uint32_t* place) {
   executor_.run(stage, degrees.bodies(), ClearFilled{filled_.data()});
-  executor_.run(stage, Count(set.count, contact_capacity_),
+  executor_.run(stage, ItemCount(set.count, contact_capacity_),
                 FillLists{set, degrees.view().begin, filled_.data(), entry_.data()});
   executor_.run(stage, degrees.bodies(), SortLists{degrees.view(), place, entry_.data()});
 }

@@ -181,7 +181,7 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   split_degrees_.count("solve", split);
   split_.list("solve", split, split_degrees_);
   if (impulses != nullptr)
-    executor_.run("solve", Count(&scene_.control->contacts, contact_capacity_),
+    executor_.run("solve", ItemCount(&scene_.control->contacts, contact_capacity_),
                   ClearImpulses<Real>{impulses});
   record_sweep(contacts, 0);
   for (int iteration = 0; iteration < scene_.iterations; ++iteration) {
@@ -214,7 +214,7 @@ void ImpulseSolver<Real>::sweep(const ContactView<Real>& contacts, const Impulse
   executor_.run_rounds(
       "solve", Colouring::colours, colour_capacity,
       ColourByColour<ResolveContact<Real>>{colours, {contacts, bodies, scene_.restitution, impulses, push}});
-  executor_.run("solve", Count(&scene_.control->split_contacts, contact_capacity_),
+  executor_.run("solve", ItemCount(&scene_.control->split_contacts, contact_capacity_),
                 ResolveSplit<Real>{contacts, bodies, scene_.restitution, colours.order,
                                    colours.begin + Colouring::colours, split.count, split_impulse_.data(),
                                    split_push_.data(), impulses, push});

@@ -52,7 +52,7 @@ struct RollingSource {
   const StoredContact<Real>* soft;
   const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
-  Count count;                 ///< of contacts
+  ItemCount count;             ///< of contacts
   const Real* wall_impulse;    ///< N s, plane by plane, all bodies of each
   const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
 };

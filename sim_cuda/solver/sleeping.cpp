@@ -191,7 +191,7 @@ void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_
   executor_.run("islands", body_count_, BeginIslands{parent_.data(), restless_.data(), asleep_.data()});
   const Islands<Real> islands{bodies_, parent_.data(),
                               asleep_.data()};  // asleep_ is scratch until FallAsleepOrWake
-  executor_.run("islands", Count(&control_->contacts, contact_capacity),
+  executor_.run("islands", ItemCount(&control_->contacts, contact_capacity),
                 JoinByContacts<Real>{contacts.bodies, islands});
   executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
   executor_.run("islands", body_count_,

@@ -85,7 +85,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <bool rubs>
   SweptContacts<Real, rubs> swept() const;
   RollingSource<Real> rolling_source() const;
-  Count contact_count() const { return Count(&scene_.control->contacts, contact_capacity_); }
+  ItemCount contact_count() const { return ItemCount(&scene_.control->contacts, contact_capacity_); }
 
   Executor& executor_;
   const SolverScene<Real> scene_;

@@ -79,7 +79,7 @@ struct Bounce {
   static constexpr bool rubs = false, sums = true;
   Restitution<Real> restitution;
   const std::uint32_t* bounces;  ///< 0: nothing will bounce
-  SIM_HD bool called_for() const { return read_only(bounces) != 0; }
+  SIM_HD bool required() const { return read_only(bounces) != 0; }
   SIM_HD Real press(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
     return contact.bounce(velocity.dot(contact.normal), mass, restitution.of_pair(bodies, contact.approach));
   }
@@ -90,7 +90,7 @@ template <class Real>
 struct Grip {
   static constexpr bool rubs = true, sums = false;
   const std::uint32_t* bounces;
-  SIM_HD bool called_for() const { return read_only(bounces) != 0; }
+  SIM_HD bool required() const { return read_only(bounces) != 0; }
   SIM_HD Real press(SoftContact<Real>&, Pair, const Vector3<Real>&, Real) const { return 0; }
   SIM_HD Vector3<Real> grip(const SoftContact<Real>& contact, SoftGrip<Real>& grip, const Vector3<Real>& slip,
                             Real mass) const {
@@ -188,8 +188,8 @@ struct Sweep {
   Act act;
 
   SIM_HD std::int64_t items(int round) const {
-    if constexpr (requires { act.called_for(); })
-      if (!act.called_for()) return 0;
+    if constexpr (requires { act.required(); })
+      if (!act.required()) return 0;
     return read_only(round <= Colouring::colours ? contacts.count + round : contacts.split_bodies);
   }
   /// What a round reads of a contact, which nothing else in the sweep writes.
@@ -256,8 +256,8 @@ struct Sweep {
   static constexpr bool chained_beyond_threads = !Act::rubs;
 
   SIM_HD std::int64_t chained_items() const {
-    if constexpr (requires { act.called_for(); })
-      if (!act.called_for()) return 0;
+    if constexpr (requires { act.required(); })
+      if (!act.required()) return 0;
     return read_only(contacts.begin + Colouring::colours);
   }
 #if defined(__CUDACC__)

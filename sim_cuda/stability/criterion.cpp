@@ -37,45 +37,46 @@ std::string text_of(Quantity quantity, double value) {
   return unit.empty() ? number : fmt::format("{} {}", number, unit);
 }
 
-std::string text_of(const Term& term) {
-  std::string text(name_of(quantity_names, term.quantity));
-  if (term.quantity == Quantity::finite) return "all finite";
-  if (term.quantity == Quantity::found) return "guards find what they must";
-  const bool along = term.quantity == Quantity::position || term.quantity == Quantity::velocity;
-  if (along) text += fmt::format(" {}", "xyz"[term.axis]);
-  if (term.body) text += fmt::format(" of body {}", *term.body);
-  if (term.since > 0) text += fmt::format(" since state {}", term.since);
-  if (!term.scene.empty()) text += " from " + term.scene.substr(0, term.scene.find(".json"));
-  const std::string_view unit = unit_of(term.quantity);
+std::string text_of(const Assertion& assertion) {
+  std::string text(name_of(quantity_names, assertion.quantity));
+  if (assertion.quantity == Quantity::finite) return "all finite";
+  if (assertion.quantity == Quantity::expected_finding) return "guards find what they must";
+  const bool along = assertion.quantity == Quantity::position || assertion.quantity == Quantity::velocity;
+  if (along) text += fmt::format(" {}", "xyz"[assertion.axis]);
+  if (assertion.body) text += fmt::format(" of body {}", *assertion.body);
+  if (assertion.since > 0) text += fmt::format(" since state {}", assertion.since);
+  if (!assertion.scene.empty()) text += " from " + assertion.scene.substr(0, assertion.scene.find(".json"));
+  const std::string_view unit = unit_of(assertion.quantity);
   const auto bound = [&](double value) {
     return fmt::format("{:g}{}{}", value, unit.empty() ? "" : " ", unit);
   };
-  if (term.at_most && term.at_least && *term.at_most == *term.at_least)
-    text += " " + bound(*term.at_most);
-  else if (term.at_most && term.at_least)
-    text += fmt::format(" {} to {}", bound(*term.at_least), bound(*term.at_most));
-  else if (term.at_most)
-    text += " at most " + bound(*term.at_most);
-  else if (term.at_least)
-    text += " at least " + bound(*term.at_least);
-  if (term.from && term.to && *term.from == *term.to)
-    text += fmt::format(" at state {}", *term.from);
-  else if (term.from && term.to)
-    text += fmt::format(", states {} to {}", *term.from, *term.to);
-  else if (term.from)
-    text += fmt::format(" from state {}", *term.from);
-  else if (term.to)
-    text += fmt::format(" up to state {}", *term.to);
+  if (assertion.at_most && assertion.at_least && *assertion.at_most == *assertion.at_least)
+    text += " " + bound(*assertion.at_most);
+  else if (assertion.at_most && assertion.at_least)
+    text += fmt::format(" {} to {}", bound(*assertion.at_least), bound(*assertion.at_most));
+  else if (assertion.at_most)
+    text += " at most " + bound(*assertion.at_most);
+  else if (assertion.at_least)
+    text += " at least " + bound(*assertion.at_least);
+  if (assertion.from && assertion.to && *assertion.from == *assertion.to)
+    text += fmt::format(" at state {}", *assertion.from);
+  else if (assertion.from && assertion.to)
+    text += fmt::format(", states {} to {}", *assertion.from, *assertion.to);
+  else if (assertion.from)
+    text += fmt::format(" from state {}", *assertion.from);
+  else if (assertion.to)
+    text += fmt::format(" up to state {}", *assertion.to);
   return text;
 }
 
-const DeclaredLimit* Criterion::limit_of(Solver solver, Precision precision, ExecutorKind executor) const {
-  const auto fits = [&](const DeclaredLimit& limit) {
+const ExpectedFailure* Criterion::expected_failure_of(Solver solver, Precision precision,
+                                                      ExecutorKind executor) const {
+  const auto fits = [&](const ExpectedFailure& limit) {
     return limit.solver.value_or(solver) == solver && limit.precision.value_or(precision) == precision &&
            limit.executor.value_or(executor) == executor;
   };
-  const auto first = std::ranges::find_if(limits, fits);
-  return first == limits.end() ? nullptr : &*first;
+  const auto first = std::ranges::find_if(expected_failures, fits);
+  return first == expected_failures.end() ? nullptr : &*first;
 }
 
 }  // namespace collidoscope

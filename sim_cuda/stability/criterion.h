@@ -45,7 +45,7 @@ enum class Quantity {
   difference,
   separation_speed,
   other_hash,
-  found
+  expected_finding
 };
 inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"finite", Quantity::finite},
@@ -73,12 +73,12 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"difference", Quantity::difference},
     {"separation_speed", Quantity::separation_speed},
     {"other_hash", Quantity::other_hash},
-    {"found", Quantity::found},
+    {"found", Quantity::expected_finding},
 });
 std::string_view unit_of(Quantity quantity);  ///< "m"; empty for a count or a share
 
 /// One thing that must hold at all states that are measured from `from` to `to`. NaN never holds.
-struct Term {
+struct Assertion {
   Quantity quantity = Quantity::finite;
   std::optional<double> at_most, at_least;  ///< in the quantity's unit; at least one of them
   std::optional<std::int64_t> from, to;     ///< states; unset: from the first, to the last
@@ -94,12 +94,12 @@ struct Term {
   bool at(std::int64_t state) const { return state >= from.value_or(0) && (!to || state <= *to); }
 };
 /// "penetration at most 0.01 m, states 60 to 300".
-std::string text_of(const Term& term);
+std::string text_of(const Assertion& assertion);
 /// `value` in the quantity's unit, three digits: "0.0123 m".
 std::string text_of(Quantity quantity, double value);
 
 /// Where the case is known not to hold; what is unset is any. At least one of the three is set.
-struct DeclaredLimit {
+struct ExpectedFailure {
   std::optional<Solver> solver;
   std::optional<Precision> precision;
   std::optional<ExecutorKind> executor;  ///< cpu or cuda
@@ -107,17 +107,17 @@ struct DeclaredLimit {
 };
 
 /// What a body is set to at a state, before it is measured there; unset: as it was. Anything goes, NaN too.
-struct PlantedState {
+struct InjectedState {
   std::int64_t step = 0;
   std::uint32_t body = 0;
   std::optional<Vector3d> position, velocity, angular_velocity;  ///< m, m/s, rad/s
   std::optional<Quaterniond> orientation;                        ///< as it is, of any length
 };
 
-/// What makes a term fail, as a proof that it can.
-struct CriterionFault {
-  std::size_t term = 0;  ///< its place in `holds`
-  std::optional<PlantedState> state;
+/// What makes an assertion fail, as a proof that it can.
+struct InjectedFault {
+  std::size_t assertion = 0;  ///< its place in `assertions`
+  std::optional<InjectedState> state;
   std::optional<Change> set;        ///< settings of the scene, from the start on
   std::optional<Vector3d> gravity;  ///< m/s^2, with `set`
   std::optional<double> friction;   ///< of the material "default", with `set`
@@ -125,7 +125,7 @@ struct CriterionFault {
 };
 
 /// What guards must find, and no other: in which step, after which stage, of which body.
-struct MustFind {
+struct ExpectedFinding {
   std::int64_t step = 0;
   std::string stage;
   std::uint32_t body = 0;
@@ -148,16 +148,16 @@ struct Criterion {
   std::vector<ExecutorKind> executors;  ///< it runs on these alone; empty: on all
   /// The first is always `finite`: no body that is not. Of a case whose guards must find something, that they
   /// do is the only one.
-  std::vector<Term> holds;
-  std::vector<DeclaredLimit> limits;
-  std::vector<CriterionFault> faults;
-  std::optional<MustFind> found;      ///< the scene runs with guards, which pause there
-  std::optional<PlantedState> plant;  ///< for them to find
+  std::vector<Assertion> assertions;
+  std::vector<ExpectedFailure> expected_failures;
+  std::vector<InjectedFault> injected_faults;
+  std::optional<ExpectedFinding> expected_finding;  ///< the scene runs with guards, which pause there
+  std::optional<InjectedState> injected_state;      ///< for them to find
   /// The scene must be refused with so many lines, each with these words. Not empty: nothing else is set but
   /// `what` and `group`.
   std::vector<std::string> refused;
 
-  const DeclaredLimit* limit_of(Solver solver, Precision precision, ExecutorKind executor) const;
+  const ExpectedFailure* expected_failure_of(Solver solver, Precision precision, ExecutorKind executor) const;
 };
 
 /// The headings under which cases are listed, in order.

@@ -83,14 +83,14 @@ class CriterionReader {
   void read_run(ObjectReader& root) {
     read_steps(root);
     if (root.text("changes", criterion_.changes)) check_file(*root.member("changes"));
-    if (const JsonNode* run = root.member("run")) read_way(*run);
+    if (const JsonNode* run = root.member("run")) read_run_settings(*run);
     const JsonNode* found = root.member("found");
     const JsonNode* plant = root.member("plant");
     if (found != nullptr)
-      read_found(*found, root);
+      read_expected_finding(*found, root);
     else
-      criterion_.holds.emplace_back().at_most = 0;  // finite
-    if (plant != nullptr) read_plant(*plant);
+      criterion_.assertions.emplace_back().at_most = 0;  // finite
+    if (plant != nullptr) read_injected_state(*plant);
     if (plant != nullptr && found == nullptr)
       reading_.fault_at_key(*plant, "\"plant\" is of cases with \"found\", whose guards must find it");
     for_each(root, "executors", [&](const JsonNode& node) {
@@ -101,9 +101,9 @@ class CriterionReader {
       else
         reading_.fault(node, "\"executors\" is a list of \"cpu\" and \"cuda\"");
     });
-    for_each(root, "holds", [&](const JsonNode& node) { read_term(node); });
-    for_each(root, "limits", [&](const JsonNode& node) { read_limit(node); });
-    for_each(root, "faults", [&](const JsonNode& node) { read_fault(node); });
+    for_each(root, "holds", [&](const JsonNode& node) { read_assertion(node); });
+    for_each(root, "limits", [&](const JsonNode& node) { read_expected_failure(node); });
+    for_each(root, "faults", [&](const JsonNode& node) { read_injected_fault(node); });
   }
 
   template <class Read>
@@ -134,13 +134,13 @@ class CriterionReader {
     return false;
   }
 
-  void read_way(const JsonNode& node) {
+  void read_run_settings(const JsonNode& node) {
     ObjectReader reader(reading_, node, "\"run\"");
-    Change way;
-    read_way_of_running(reading_, reader, way);
-    criterion_.broad_phase = way.broad_phase;
-    criterion_.blocks = way.blocks;
-    criterion_.threads = way.threads;
+    Change run_settings;
+    read_run_options(reading_, reader, run_settings);
+    criterion_.broad_phase = run_settings.broad_phase;
+    criterion_.blocks = run_settings.blocks;
+    criterion_.threads = run_settings.threads;
     std::int64_t pairs = 0;
     int bits = 0;
     if (reader.whole("pair_capacity", pairs) &&
@@ -178,64 +178,64 @@ class CriterionReader {
     if (reader.whole(key, number) && in_range(*reader.member(key), key, number, 0, most)) state = number;
   }
 
-  void read_term(const JsonNode& node) {
-    Term term;
+  void read_assertion(const JsonNode& node) {
+    Assertion assertion;
     ObjectReader reader(reading_, node, "a term");
     if (!reader.is_object()) return;
-    const bool named = reader.choice("quantity", quantity_names, term.quantity);
+    const bool named = reader.choice("quantity", quantity_names, assertion.quantity);
     if (!named && reader.member("quantity") == nullptr)
       reading_.fault(node, "a term has a \"quantity\", the name of what is measured");
-    if (named && term.quantity == Quantity::finite)
+    if (named && assertion.quantity == Quantity::finite)
       reading_.fault(node, "\"finite\" always holds by itself; remove this term");
-    if (named && term.quantity == Quantity::found)
+    if (named && assertion.quantity == Quantity::expected_finding)
       reading_.fault(node, "what guards must find is said by \"found\" beside \"holds\"; remove this term");
-    if (double bound = 0; reader.real("at_most", bound)) term.at_most = bound;
-    if (double bound = 0; reader.real("at_least", bound)) term.at_least = bound;
-    if (!term.at_most && !term.at_least && reader.member("at_most") == nullptr &&
+    if (double bound = 0; reader.real("at_most", bound)) assertion.at_most = bound;
+    if (double bound = 0; reader.real("at_least", bound)) assertion.at_least = bound;
+    if (!assertion.at_most && !assertion.at_least && reader.member("at_most") == nullptr &&
         reader.member("at_least") == nullptr)
       reading_.fault(node, "a term has a bound, \"at_most\" or \"at_least\" or both");
-    if (term.at_most && term.at_least && *term.at_least > *term.at_most)
+    if (assertion.at_most && assertion.at_least && *assertion.at_least > *assertion.at_most)
       reading_.fault(*reader.member("at_least"), "\"at_least\" is above \"at_most\": nothing can hold");
-    read_state(reader, "from", term.from);
-    read_state(reader, "to", term.to);
-    if (term.from && term.to && *term.from > *term.to)
+    read_state(reader, "from", assertion.from);
+    read_state(reader, "to", assertion.to);
+    if (assertion.from && assertion.to && *assertion.from > *assertion.to)
       reading_.fault(*reader.member("to"), "\"to\" is a state before \"from\": nothing is measured");
-    if (named) read_parameters(reader, node, term);
+    if (named) read_parameters(reader, node, assertion);
     reader.finish();
-    criterion_.holds.push_back(std::move(term));
+    criterion_.assertions.push_back(std::move(assertion));
   }
 
   /// What only some quantities take.
-  void read_parameters(ObjectReader& reader, const JsonNode& node, Term& term) {
-    const Quantity quantity = term.quantity;
+  void read_parameters(ObjectReader& reader, const JsonNode& node, Assertion& assertion) {
+    const Quantity quantity = assertion.quantity;
     if (is_of_a_body(quantity))
-      if (std::uint32_t id = 0; read_id(reader, id)) term.body = id;
+      if (std::uint32_t id = 0; read_id(reader, id)) assertion.body = id;
     if (quantity == Quantity::position || quantity == Quantity::velocity) {
-      if (!reader.choice("axis", axis_names, term.axis) && reader.member("axis") == nullptr)
+      if (!reader.choice("axis", axis_names, assertion.axis) && reader.member("axis") == nullptr)
         reading_.fault(node,
                        fmt::format("a {} has an \"axis\": x, y or z", name_of(quantity_names, quantity)));
     }
     if (quantity == Quantity::displacement) {
       std::optional<std::int64_t> since;
       read_state(reader, "since", since);
-      term.since = since.value_or(0);
+      assertion.since = since.value_or(0);
     }
     if (quantity == Quantity::difference) {
-      reader.vector("offset", term.offset);
-      if (reader.text("scene", term.scene))
+      reader.vector("offset", assertion.offset);
+      if (reader.text("scene", assertion.scene))
         check_file(*reader.member("scene"));
       else if (reader.member("scene") == nullptr)
         reading_.fault(node, "a difference has a \"scene\", the file of the one to compare with");
     }
     if (quantity == Quantity::other_hash) {
-      for_each(reader, "shapes", [&](const JsonNode& shape) { read_shape(shape, term); });
-      for_each(reader, "broad_phases", [&](const JsonNode& name) { read_broad_phase(name, term); });
+      for_each(reader, "shapes", [&](const JsonNode& shape) { read_shape(shape, assertion); });
+      for_each(reader, "broad_phases", [&](const JsonNode& name) { read_broad_phase(name, assertion); });
       if (reader.member("shapes") == nullptr && reader.member("broad_phases") == nullptr)
         reading_.fault(node, "other_hash has \"shapes\" [[B, T], ...] or \"broad_phases\" to compare with");
     }
   }
 
-  void read_shape(const JsonNode& node, Term& term) {
+  void read_shape(const JsonNode& node, Assertion& assertion) {
     const auto children = document_.children(node);
     int sides[2] = {0, 0};
     bool good = node.kind == JsonKind::array && children.size() == 2;
@@ -247,10 +247,10 @@ class CriterionReader {
       if (good) sides[k] = static_cast<int>(*number);
     }
     if (!good) return reading_.fault(node, "a shape is [B, T]: blocks, and 1 to 1024 threads");
-    term.shapes.push_back({sides[0], sides[1]});
+    assertion.shapes.push_back({sides[0], sides[1]});
   }
 
-  void read_broad_phase(const JsonNode& node, Term& term) {
+  void read_broad_phase(const JsonNode& node, Assertion& assertion) {
     std::vector<std::string> known = broad_phase_names();
     known.emplace_back("all");
     const std::string name(node.kind == JsonKind::text ? document_.text(node) : document_.token(node));
@@ -258,14 +258,14 @@ class CriterionReader {
       return reading_.fault(
           node, unknown_name("broad phase", name, std::vector<std::string_view>(known.begin(), known.end())));
     if (name == "all")
-      term.every_broad_phase = true;
+      assertion.every_broad_phase = true;
     else
-      term.broad_phases.push_back(name);
+      assertion.broad_phases.push_back(name);
   }
 
-  void read_found(const JsonNode& node, ObjectReader& root) {
+  void read_expected_finding(const JsonNode& node, ObjectReader& root) {
     ObjectReader reader(reading_, node, "\"found\"");
-    MustFind& found = criterion_.found.emplace();
+    ExpectedFinding& found = criterion_.expected_finding.emplace();
     std::optional<std::int64_t> step;
     read_state(reader, "step", step);
     found.step = step.value_or(0);
@@ -275,24 +275,24 @@ class CriterionReader {
       if (reader.is_object() && reader.member(key) == nullptr)
         reading_.fault(node, "\"found\" is a \"step\", a \"stage\" and a \"body\"");
     reader.finish();
-    Term& term = criterion_.holds.emplace_back();
-    term.quantity = Quantity::found;
-    term.at_least = 1;
+    Assertion& assertion = criterion_.assertions.emplace_back();
+    assertion.quantity = Quantity::expected_finding;
+    assertion.at_least = 1;
     if (const JsonNode* holds = root.member("holds"))
       reading_.fault_at_key(*holds,
                             "what guards must find is all that can hold; remove \"found\" or \"holds\"");
   }
 
-  void read_plant(const JsonNode& node) {
+  void read_injected_state(const JsonNode& node) {
     ObjectReader reader(reading_, node, "\"plant\"");
-    CriterionFault planted;
-    if (reader.is_object()) read_planted(reader, node, planted);
+    InjectedFault injected;
+    if (reader.is_object()) read_injected(reader, node, injected);
     reader.finish();
-    criterion_.plant = planted.state;
+    criterion_.injected_state = injected.state;
   }
 
-  void read_limit(const JsonNode& node) {
-    DeclaredLimit limit;
+  void read_expected_failure(const JsonNode& node) {
+    ExpectedFailure limit;
     ObjectReader reader(reading_, node, "a limit");
     const auto choice = [&](std::string_view key, const auto& table, auto& value) {
       typename std::remove_reference_t<decltype(value)>::value_type read{};
@@ -307,27 +307,27 @@ class CriterionReader {
         reader.member("executor") == nullptr)
       reading_.fault(node, "a limit says where: a \"solver\", a \"precision\" or an \"executor\"");
     reader.finish();
-    criterion_.limits.push_back(std::move(limit));
+    criterion_.expected_failures.push_back(std::move(limit));
   }
 
-  void read_fault(const JsonNode& node) {
-    CriterionFault fault;
+  void read_injected_fault(const JsonNode& node) {
+    InjectedFault fault;
     ObjectReader reader(reading_, node, "a fault");
     if (!reader.is_object()) return;
-    read_failing_term(reader, node, fault);
+    read_failing_assertion(reader, node, fault);
     const JsonNode* set = reader.member("set");
     if (set != nullptr) {
       read_set(*set, fault);
     } else if (reader.text("scene", fault.scene)) {
       check_file(*reader.member("scene"));
     } else if (reader.member("scene") == nullptr) {
-      read_planted(reader, node, fault);
+      read_injected(reader, node, fault);
     }
     reader.finish();
-    criterion_.faults.push_back(std::move(fault));
+    criterion_.injected_faults.push_back(std::move(fault));
   }
 
-  void read_failing_term(ObjectReader& reader, const JsonNode& node, CriterionFault& fault) {
+  void read_failing_assertion(ObjectReader& reader, const JsonNode& node, InjectedFault& fault) {
     Quantity quantity{};
     int number = 1;
     const bool numbered = reader.whole("term", number);
@@ -337,9 +337,9 @@ class CriterionReader {
       return;
     }
     int found = 0;
-    for (std::size_t k = 0; k < criterion_.holds.size(); ++k)
-      if (criterion_.holds[k].quantity == quantity && ++found == number) {
-        fault.term = k;
+    for (std::size_t k = 0; k < criterion_.assertions.size(); ++k)
+      if (criterion_.assertions[k].quantity == quantity && ++found == number) {
+        fault.assertion = k;
         return;
       }
     reading_.fault(
@@ -348,7 +348,7 @@ class CriterionReader {
                     name_of(quantity_names, quantity)));
   }
 
-  void read_set(const JsonNode& node, CriterionFault& fault) {
+  void read_set(const JsonNode& node, InjectedFault& fault) {
     ObjectReader reader(reading_, node, "\"set\"");
     fault.set.emplace();
     read_settings(reading_, reader, *fault.set);
@@ -361,12 +361,12 @@ class CriterionReader {
       reading_.fault(node, "bodies, radius_max, seed and variant are of scenes with one generator");
   }
 
-  void read_planted(ObjectReader& reader, const JsonNode& node, CriterionFault& fault) {
-    PlantedState& planted = fault.state.emplace();
+  void read_injected(ObjectReader& reader, const JsonNode& node, InjectedFault& fault) {
+    InjectedState& injected = fault.state.emplace();
     std::optional<std::int64_t> step;
     read_state(reader, "step", step);
-    planted.step = step.value_or(0);
-    if ((!read_id(reader, planted.body) && reader.member("body") == nullptr) ||
+    injected.step = step.value_or(0);
+    if ((!read_id(reader, injected.body) && reader.member("body") == nullptr) ||
         reader.member("step") == nullptr)
       reading_.fault(
           node,
@@ -377,10 +377,10 @@ class CriterionReader {
       double parts[3];
       if (read_parts(reader, key, parts, 3)) value = Vector3d(parts[0], parts[1], parts[2]);
     };
-    vector("position", planted.position);
-    vector("velocity", planted.velocity);
-    vector("angular_velocity", planted.angular_velocity);
-    if (read_parts(reader, "orientation", q, 4)) planted.orientation = Quaterniond(q[0], q[1], q[2], q[3]);
+    vector("position", injected.position);
+    vector("velocity", injected.velocity);
+    vector("angular_velocity", injected.angular_velocity);
+    if (read_parts(reader, "orientation", q, 4)) injected.orientation = Quaterniond(q[0], q[1], q[2], q[3]);
   }
 
   /// Numbers, null for what is none, "inf" and "-inf".

@@ -21,14 +21,14 @@ void append(std::vector<std::string>& lines, const InputError& error) {
   lines.insert(lines.end(), error.lines().begin(), error.lines().end());
 }
 
-void read_others(HardCase& one, std::vector<std::string>& faults) {
+void read_others(HardCase& hard_case, std::vector<std::string>& faults) {
   std::vector<std::string> names;
-  for (const Term& term : one.criterion.holds) names.push_back(term.scene);
-  for (const CriterionFault& fault : one.criterion.faults) names.push_back(fault.scene);
+  for (const Assertion& assertion : hard_case.criterion.assertions) names.push_back(assertion.scene);
+  for (const InjectedFault& fault : hard_case.criterion.injected_faults) names.push_back(fault.scene);
   for (const std::string& name : names) {
-    if (name.empty() || one.others.contains(name)) continue;
+    if (name.empty() || hard_case.others.contains(name)) continue;
     try {
-      one.others[name] = read_scene(one.beside(name));
+      hard_case.others[name] = read_scene(hard_case.sibling_path(name));
     } catch (const InputError& error) {
       append(faults, error);
     }
@@ -36,42 +36,42 @@ void read_others(HardCase& one, std::vector<std::string>& faults) {
 }
 
 /// What only shows when it is tried: settings of faults, changes.
-void try_out(const HardCase& one, std::vector<std::string>& faults) {
-  const Criterion& criterion = one.criterion;
-  for (std::size_t k = 0; k < criterion.faults.size(); ++k) {
-    if (!criterion.faults[k].set) continue;
-    for (const Fault& fault : validate(with_fault(one, criterion.faults[k])))
+void try_out(const HardCase& hard_case, std::vector<std::string>& faults) {
+  const Criterion& criterion = hard_case.criterion;
+  for (std::size_t k = 0; k < criterion.injected_faults.size(); ++k) {
+    if (!criterion.injected_faults[k].set) continue;
+    for (const Fault& fault : validate(with_injected_fault(hard_case, criterion.injected_faults[k])))
       faults.push_back(fmt::format("{}: faults[{}].set: {}", criterion.file, k, line_of(fault)));
   }
   if (criterion.changes.empty()) return;
   try {
-    read_changes(one.beside(criterion.changes), one.scene, RunOptions{}, 0);
+    read_changes(hard_case.sibling_path(criterion.changes), hard_case.scene, RunOptions{}, 0);
   } catch (const InputError& error) {
     append(faults, error);
   }
 }
 
 HardCase read_case(const std::string& folder, const std::string& name) {
-  HardCase one;
-  one.name = name;
-  one.file = (fs::path(folder) / (name + ".json")).string();
+  HardCase hard_case;
+  hard_case.name = name;
+  hard_case.file = (fs::path(folder) / (name + ".json")).string();
   const std::string criterion = (fs::path(folder) / (name + std::string(ending))).string();
   try {
-    one.scene = read_scene(one.file);
+    hard_case.scene = read_scene(hard_case.file);
   } catch (const InputError& error) {
-    one.refusal = error.lines();
+    hard_case.refusal = error.lines();
   }
   std::vector<std::string> faults;
   try {
-    one.criterion = read_criterion(criterion, one.refusal.empty() ? &one.scene : nullptr);
-    if (!one.refusal.empty() && one.criterion.refused.empty()) faults = one.refusal;
+    hard_case.criterion = read_criterion(criterion, hard_case.refusal.empty() ? &hard_case.scene : nullptr);
+    if (!hard_case.refusal.empty() && hard_case.criterion.refused.empty()) faults = hard_case.refusal;
   } catch (const InputError& error) {
     append(faults, error);
   }
-  if (faults.empty()) read_others(one, faults);
-  if (faults.empty() && one.refusal.empty()) try_out(one, faults);
+  if (faults.empty()) read_others(hard_case, faults);
+  if (faults.empty() && hard_case.refusal.empty()) try_out(hard_case, faults);
   if (!faults.empty()) throw InputError(faults);
-  return one;
+  return hard_case;
 }
 
 std::size_t place_of(const std::string& group) {
@@ -80,7 +80,7 @@ std::size_t place_of(const std::string& group) {
 
 }  // namespace
 
-std::string HardCase::beside(const std::string& other) const {
+std::string HardCase::sibling_path(const std::string& other) const {
   return (fs::path(file).parent_path() / other).string();
 }
 
@@ -125,11 +125,11 @@ std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vect
   return cases;
 }
 
-Scene with_fault(const HardCase& one, const CriterionFault& fault) {
-  if (!fault.scene.empty()) return one.others.at(fault.scene);
-  Scene scene = one.scene;
+Scene with_injected_fault(const HardCase& hard_case, const InjectedFault& fault) {
+  if (!fault.scene.empty()) return hard_case.others.at(fault.scene);
+  Scene scene = hard_case.scene;
   RunOptions unchanged;
-  if (fault.set) make_change(*fault.set, scene, unchanged);
+  if (fault.set) apply_change(*fault.set, scene, unchanged);
   if (fault.gravity) scene.physics.gravity = *fault.gravity;
   if (fault.friction) scene.materials.at(0).friction = *fault.friction;
   return scene;

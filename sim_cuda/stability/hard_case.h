@@ -19,7 +19,7 @@ struct HardCase {
   std::vector<std::string> refusal;  ///< lines in which the scene was refused, as its criterion says it must
   std::map<std::string, Scene> others;  ///< that the criterion names, by the names it has for them
 
-  std::string beside(const std::string& other) const;  ///< the path of a file in the same folder
+  std::string sibling_path(const std::string& other) const;  ///< the path of a file in the same folder
 };
 
 /// Names of the cases in a folder, sorted. Throws InputError where there is no such folder, or no case in it.
@@ -30,6 +30,6 @@ std::vector<std::string> hard_case_names(const std::string& folder);
 std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vector<std::string>& names = {});
 
 /// The scene with the settings of a fault.
-Scene with_fault(const HardCase& one, const CriterionFault& fault);
+Scene with_injected_fault(const HardCase& hard_case, const InjectedFault& fault);
 
 }  // namespace collidoscope

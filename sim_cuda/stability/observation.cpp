@@ -14,15 +14,15 @@ bool is_moved(const InitialBodies& bodies, std::size_t body) {
   return bodies.motion.empty() || bodies.motion[body] == Motion::dynamic;
 }
 
-Pairs parted_by_joints(const Scene& scene) {
-  Pairs parted;
+Pairs pairs_excluded_by_joints(const Scene& scene) {
+  Pairs excluded;
   for (const Joint& joint : scene.joints)
     if (joint.b && !joint.collide) {
       const auto a = static_cast<std::uint32_t>(joint.a), b = static_cast<std::uint32_t>(*joint.b);
-      parted.emplace_back(std::min(a, b), std::max(a, b));
+      excluded.emplace_back(std::min(a, b), std::max(a, b));
     }
-  std::ranges::sort(parted);
-  return parted;
+  std::ranges::sort(excluded);
+  return excluded;
 }
 
 BoxSurface<double> surface_of(const BoxObstacle& box) {
@@ -35,13 +35,13 @@ BoxSurface<double> surface_of(const BoxObstacle& box) {
 
 void pair_overlaps(World& world, const BodyStates& bodies, std::vector<Overlap>& found) {
   const InitialBodies& initial = world.initial();
-  const Pairs parted = parted_by_joints(world.scene());
+  const Pairs excluded = pairs_excluded_by_joints(world.scene());
   world.detect();
   for (const auto& [a, b] : world.pairs()) {
     if (!is_moved(initial, a) && !is_moved(initial, b)) continue;
     const double depth =
         initial.radius[a] + initial.radius[b] - (bodies.position[b] - bodies.position[a]).norm();
-    if (!(depth > 0) || std::ranges::binary_search(parted, std::pair(a, b))) continue;
+    if (!(depth > 0) || std::ranges::binary_search(excluded, std::pair(a, b))) continue;
     found.push_back({a, b, depth, std::min(initial.radius[a], initial.radius[b])});
   }
 }
@@ -73,29 +73,29 @@ std::vector<Overlap> overlaps(World& world, const BodyStates& bodies) {
   return found;
 }
 
-Observation::Observation(World& world, std::span<const Term> terms) : world_(&world) {
+Observation::Observation(World& world, std::span<const Assertion> assertions) : world_(&world) {
   const auto asked = [&](std::initializer_list<Quantity> quantities) {
-    return std::ranges::any_of(terms, [&](const Term& term) {
-      return std::ranges::find(quantities, term.quantity) != quantities.end();
+    return std::ranges::any_of(assertions, [&](const Assertion& assertion) {
+      return std::ranges::find(quantities, assertion.quantity) != quantities.end();
     });
   };
   energies_ = asked({Quantity::energy_gain, Quantity::energy_loss});
   momenta_ = asked({Quantity::momentum_change, Quantity::angular_momentum_change});
-  for (const Term& term : terms)
-    if (term.quantity == Quantity::displacement) since_[term.since];
+  for (const Assertion& assertion : assertions)
+    if (assertion.quantity == Quantity::displacement) since_[assertion.since];
   if (energies_ || momenta_) first_ = stats();
   if (asked({Quantity::separation_speed}))
     for (const Overlap& overlap : overlaps(world, bodies()))
       if (overlap.other) overlapping_.emplace_back(overlap.body, *overlap.other);
-  remember();
+  update_scales();
 }
 
-void Observation::look(World& world, double seconds) {
+void Observation::update(World& world, double seconds) {
   world_ = &world;
   seconds_ = seconds;
   stats_.reset();
   bodies_.reset();
-  remember();
+  update_scales();
 }
 
 const StepStats& Observation::stats() {
@@ -113,7 +113,7 @@ const BodyStates& Observation::bodies_since(std::int64_t state) {
   return known != since_.end() && known->second ? *known->second : bodies();
 }
 
-void Observation::remember() {
+void Observation::update_scales() {
   for (auto& [state, known] : since_)
     if (!known && world_->steps() >= state) known = bodies();
   if (energies_)
@@ -131,8 +131,8 @@ void Observation::remember() {
   }
   const double(&turning)[3] = stats().angular_momentum;
   momentum_scale_ = std::max(momentum_scale_, sum);
-  turning_scale_ =
-      std::max({turning_scale_, sum * reach, Vector3d(turning[0], turning[1], turning[2]).norm()});
+  angular_momentum_scale_ =
+      std::max({angular_momentum_scale_, sum * reach, Vector3d(turning[0], turning[1], turning[2]).norm()});
 }
 
 }  // namespace collidoscope

@@ -17,11 +17,11 @@ namespace collidoscope {
 
 class Observation {
  public:
-  /// At the first state of a run. `terms` say what is to be remembered on the way.
-  Observation(World& world, std::span<const Term> terms);
+  /// At the first state of a run. `assertions` say what is to be remembered on the way.
+  Observation(World& world, std::span<const Assertion> assertions);
 
   /// The run is at another state, `seconds` after its first; `world` lives until the next call.
-  void look(World& world, double seconds);
+  void update(World& world, double seconds);
 
   World& world() const { return *world_; }
   double seconds() const { return seconds_; }
@@ -31,15 +31,17 @@ class Observation {
   /// At the first state that was looked at from `state` on; that of now where there is none yet.
   const BodyStates& bodies_since(std::int64_t state);
 
-  // The largest so far, this state included; kept for terms that ask for them.
+  // The largest so far, this state included; kept for assertions that ask for them.
   double energy_scale() const { return energy_scale_; }      ///< J: kinetic + |change of the potential|
   double momentum_scale() const { return momentum_scale_; }  ///< kg m/s: sum of m |v|
-  double turning_scale() const { return turning_scale_; }    ///< kg m^2/s: |L|, or that times the reach
+  double angular_momentum_scale() const {
+    return angular_momentum_scale_;
+  }  ///< kg m^2/s: |L|, or that times the reach
   /// Bodies that overlapped at the first state; the same.
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& overlapping() const { return overlapping_; }
 
  private:
-  void remember();
+  void update_scales();
 
   World* world_;
   double seconds_ = 0;
@@ -47,7 +49,7 @@ class Observation {
   std::optional<BodyStates> bodies_;
   StepStats first_;
   bool energies_ = false, momenta_ = false;
-  double energy_scale_ = 0, momentum_scale_ = 0, turning_scale_ = 0;
+  double energy_scale_ = 0, momentum_scale_ = 0, angular_momentum_scale_ = 0;
   std::map<std::int64_t, std::optional<BodyStates>> since_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> overlapping_;
 };

@@ -7,24 +7,24 @@
 namespace collidoscope {
 namespace {
 
-Extremes one(double value) {
+Extremes single(double value) {
   Extremes extremes;
-  extremes.take(value);
+  extremes.add(value);
   return extremes;
 }
-Extremes one(std::int64_t count) { return one(static_cast<double>(count)); }
+Extremes single(std::int64_t count) { return single(static_cast<double>(count)); }
 
-/// `value` of each body, or of the only one that the term is about: NaN where there is no such body.
+/// `value` of each body, or of the only one that the assertion is about: NaN where there is no such body.
 template <class Value>
-Extremes of_bodies(const Term& term, std::size_t count, Value value) {
+Extremes of_bodies(const Assertion& assertion, std::size_t count, Value value) {
   Extremes extremes;
-  if (term.body) {
-    extremes.take(*term.body < count ? value(*term.body) : std::numeric_limits<double>::quiet_NaN(),
-                  term.body);
+  if (assertion.body) {
+    extremes.add(*assertion.body < count ? value(*assertion.body) : std::numeric_limits<double>::quiet_NaN(),
+                 assertion.body);
     return extremes;
   }
   for (std::size_t body = 0; body < count; ++body)
-    extremes.take(value(body), static_cast<std::uint32_t>(body));
+    extremes.add(value(body), static_cast<std::uint32_t>(body));
   return extremes;
 }
 
@@ -37,161 +37,163 @@ bool is_finite(const BodyStates& bodies, std::size_t body) {
 }
 
 /// Few bodies are read sooner than a state is measured.
-std::int64_t non_finite(Observation& seen) {
+std::int64_t non_finite(Observation& observation) {
   constexpr std::size_t few = 1 << 14;
-  if (seen.world().initial().size() > few) return seen.stats().non_finite;
-  const BodyStates& bodies = seen.bodies();
+  if (observation.world().initial().size() > few) return observation.stats().non_finite;
+  const BodyStates& bodies = observation.bodies();
   std::int64_t count = 0;
   for (std::size_t body = 0; body < bodies.position.size(); ++body) count += is_finite(bodies, body) ? 0 : 1;
   return count;
 }
 
-double energy_gain(Observation& seen) {
-  const StepStats &now = seen.stats(), &first = seen.first_stats();
-  return over(now.energy() - first.energy() - (now.push_work - first.push_work), seen.energy_scale());
+double energy_gain(Observation& observation) {
+  const StepStats &now = observation.stats(), &first = observation.first_stats();
+  return over(now.energy() - first.energy() - (now.push_work - first.push_work), observation.energy_scale());
 }
 
-Extremes displacement(const Term& term, Observation& seen) {
-  const BodyStates &now = seen.bodies(), &then = seen.bodies_since(term.since);
-  return of_bodies(term, std::min(now.position.size(), then.position.size()),
+Extremes displacement(const Assertion& assertion, Observation& observation) {
+  const BodyStates &now = observation.bodies(), &then = observation.bodies_since(assertion.since);
+  return of_bodies(assertion, std::min(now.position.size(), then.position.size()),
                    [&](std::size_t body) { return (now.position[body] - then.position[body]).norm(); });
 }
 
-double momentum_change(Observation& seen) {
-  const World& world = seen.world();
-  const StepStats &now = seen.stats(), &first = seen.first_stats();
+double momentum_change(Observation& observation) {
+  const World& world = observation.world();
+  const StepStats &now = observation.stats(), &first = observation.first_stats();
   const InitialBodies& initial = world.initial();
   double mass = 0;
   for (std::size_t body = 0; body < initial.size(); ++body)
     if (initial.motion.empty() || initial.motion[body] == Motion::dynamic) mass += initial.mass[body];
   Vector3d left = vector_of(now.momentum) - vector_of(first.momentum) - vector_of(now.wall_impulse_vector) +
                   vector_of(first.wall_impulse_vector);
-  if (world.effects().gravity) left -= mass * seen.seconds() * world.scene().physics.gravity;
-  return over(left.norm(), seen.momentum_scale());
+  if (world.effects().gravity) left -= mass * observation.seconds() * world.scene().physics.gravity;
+  return over(left.norm(), observation.momentum_scale());
 }
 
-double angular_momentum_change(Observation& seen) {
-  return over(
-      (vector_of(seen.stats().angular_momentum) - vector_of(seen.first_stats().angular_momentum)).norm(),
-      seen.turning_scale());
+double angular_momentum_change(Observation& observation) {
+  return over((vector_of(observation.stats().angular_momentum) -
+               vector_of(observation.first_stats().angular_momentum))
+                  .norm(),
+              observation.angular_momentum_scale());
 }
 
-Extremes penetration_over_radius(Observation& seen) {
+Extremes penetration_over_radius(Observation& observation) {
   Extremes extremes;
-  extremes.take(0);
-  for (const Overlap& overlap : overlaps(seen.world(), seen.bodies()))
-    extremes.take(overlap.depth / overlap.radius, overlap.body);
+  extremes.add(0);
+  for (const Overlap& overlap : overlaps(observation.world(), observation.bodies()))
+    extremes.add(overlap.depth / overlap.radius, overlap.body);
   return extremes;
 }
 
-Extremes separation_speed(Observation& seen) {
+Extremes separation_speed(Observation& observation) {
   Extremes extremes;
-  const BodyStates& bodies = seen.bodies();
-  for (const auto& [a, b] : seen.overlapping()) {
+  const BodyStates& bodies = observation.bodies();
+  for (const auto& [a, b] : observation.overlapping()) {
     if (std::max(a, b) >= bodies.position.size()) continue;  // removed since
     const Vector3d apart = bodies.position[b] - bodies.position[a];
     const double distance = apart.norm();
     const Vector3d normal = distance == 0 ? Vector3d(0, 0, 1) : Vector3d(apart / distance);
-    extremes.take(normal.dot(bodies.velocity[b] - bodies.velocity[a]), a);
+    extremes.add(normal.dot(bodies.velocity[b] - bodies.velocity[a]), a);
   }
   return extremes;
 }
 
 }  // namespace
 
-void Extremes::take(double value, std::optional<std::uint32_t> body) {
-  if (any && !(least <= most)) return;
-  if (!any || !(value >= least)) {
-    least = value;
-    least_body = body;
+void Extremes::add(double value, std::optional<std::uint32_t> body) {
+  if (any && !(min <= max)) return;
+  if (!any || !(value >= min)) {
+    min = value;
+    min_body = body;
   }
-  if (!any || !(value <= most)) {
-    most = value;
-    most_body = body;
+  if (!any || !(value <= max)) {
+    max = value;
+    max_body = body;
   }
   any = true;
 }
 
-Extremes measured(const Term& term, Observation& seen) {
+Extremes measured(const Assertion& assertion, Observation& observation) {
   const auto each = [&](auto value) {
-    const BodyStates& bodies = seen.bodies();
-    return of_bodies(term, bodies.position.size(),
+    const BodyStates& bodies = observation.bodies();
+    return of_bodies(assertion, bodies.position.size(),
                      [&](std::size_t body) { return static_cast<double>(value(bodies, body)); });
   };
-  switch (term.quantity) {
+  switch (assertion.quantity) {
     case Quantity::finite:
-      return one(non_finite(seen));
+      return single(non_finite(observation));
     case Quantity::penetration:
-      return one(seen.stats().max_penetration);
+      return single(observation.stats().max_penetration);
     case Quantity::penetration_over_radius:
-      return penetration_over_radius(seen);
+      return penetration_over_radius(observation);
     case Quantity::speed:
       return each([](const BodyStates& b, std::size_t body) { return b.velocity[body].norm(); });
     case Quantity::spin:
       return each([](const BodyStates& b, std::size_t body) { return b.angular_velocity[body].norm(); });
     case Quantity::energy_gain:
-      return one(energy_gain(seen));
+      return single(energy_gain(observation));
     case Quantity::energy_loss:
-      return one(-energy_gain(seen));
+      return single(-energy_gain(observation));
     case Quantity::kinetic_energy:
-      return one(seen.stats().kinetic_energy);
+      return single(observation.stats().kinetic_energy);
     case Quantity::escaped:
-      return one(seen.stats().escaped);
+      return single(observation.stats().escaped);
     case Quantity::displacement:
-      return displacement(term, seen);
+      return displacement(assertion, observation);
     case Quantity::position:
-      return each([&](const BodyStates& b, std::size_t body) { return b.position[body][term.axis]; });
+      return each([&](const BodyStates& b, std::size_t body) { return b.position[body][assertion.axis]; });
     case Quantity::velocity:
-      return each([&](const BodyStates& b, std::size_t body) { return b.velocity[body][term.axis]; });
+      return each([&](const BodyStates& b, std::size_t body) { return b.velocity[body][assertion.axis]; });
     case Quantity::momentum_change:
-      return one(momentum_change(seen));
+      return single(momentum_change(observation));
     case Quantity::angular_momentum_change:
-      return one(angular_momentum_change(seen));
+      return single(angular_momentum_change(observation));
     case Quantity::quaternion_norm:
       return each(
           [](const BodyStates& b, std::size_t body) { return std::abs(b.orientation[body].norm() - 1); });
     case Quantity::joint_error:
-      return one(seen.stats().max_joint_error);
+      return single(observation.stats().max_joint_error);
     case Quantity::joint_angle:
-      return one(seen.stats().max_joint_angle);
+      return single(observation.stats().max_joint_angle);
     case Quantity::pairs:
-      return one(seen.stats().pairs);
+      return single(observation.stats().pairs);
     case Quantity::touching:
-      return one(seen.stats().touching);
+      return single(observation.stats().touching);
     case Quantity::speculative:
-      return one(seen.stats().speculative);
+      return single(observation.stats().speculative);
     case Quantity::asleep:
-      return one(seen.stats().asleep);
+      return single(observation.stats().asleep);
     case Quantity::tree_depth:
-      return one(std::ssize(seen.world().tree().level_sizes()));
+      return single(std::ssize(observation.world().tree().level_sizes()));
     case Quantity::separation_speed:
-      return separation_speed(seen);
+      return separation_speed(observation);
     case Quantity::difference:
     case Quantity::other_hash:
-    case Quantity::found:
+    case Quantity::expected_finding:
       break;
   }
-  return one(std::numeric_limits<double>::quiet_NaN());
+  return single(std::numeric_limits<double>::quiet_NaN());
 }
 
-Extremes difference(const Term& term, const BodyStates& bodies, const BodyStates& other) {
-  if (bodies.position.size() != other.position.size()) return one(std::numeric_limits<double>::quiet_NaN());
-  return of_bodies(term, bodies.position.size(), [&](std::size_t body) {
-    return (bodies.position[body] - term.offset - other.position[body]).norm();
+Extremes difference(const Assertion& assertion, const BodyStates& bodies, const BodyStates& other) {
+  if (bodies.position.size() != other.position.size())
+    return single(std::numeric_limits<double>::quiet_NaN());
+  return of_bodies(assertion, bodies.position.size(), [&](std::size_t body) {
+    return (bodies.position[body] - assertion.offset - other.position[body]).norm();
   });
 }
 
-std::optional<std::uint32_t> culprit(const Term& term, Observation& seen) {
-  const BodyStates& bodies = seen.bodies();
-  if (term.quantity == Quantity::finite) {
+std::optional<std::uint32_t> offending_body(const Assertion& assertion, Observation& observation) {
+  const BodyStates& bodies = observation.bodies();
+  if (assertion.quantity == Quantity::finite) {
     for (std::size_t body = 0; body < bodies.position.size(); ++body)
       if (!is_finite(bodies, body)) return static_cast<std::uint32_t>(body);
-  } else if (term.quantity == Quantity::penetration) {
-    const std::vector<Overlap> all = overlaps(seen.world(), bodies);
+  } else if (assertion.quantity == Quantity::penetration) {
+    const std::vector<Overlap> all = overlaps(observation.world(), bodies);
     const auto deepest = std::ranges::max_element(all, {}, &Overlap::depth);
     if (deepest != all.end()) return deepest->body;
-  } else if (term.quantity == Quantity::escaped && seen.world().initial().box) {
-    const Box& box = *seen.world().initial().box;
+  } else if (assertion.quantity == Quantity::escaped && observation.world().initial().box) {
+    const Box& box = *observation.world().initial().box;
     for (std::size_t body = 0; body < bodies.position.size(); ++body)
       for (int k = 0; k < 3; ++k)
         if (!(bodies.position[body][k] >= box.min[k] && bodies.position[body][k] <= box.max[k]))

@@ -24,7 +24,7 @@
 //   separation_speed         m/s, at which two bodies part that overlapped at the first state; along z where
 //                            their centres coincide
 // `difference` and `other_hash` need other runs, `found` is 1 where guards found what they must and nothing
-// else, or 0: trial.h.
+// else, or 0: test_run.h.
 
 #include <cstdint>
 #include <optional>
@@ -36,19 +36,19 @@ namespace collidoscope {
 /// The least and the most of all bodies, and whose they are; the same where it is one number. A value that is
 /// NaN is both, from then on. Without values, both are 0.
 struct Extremes {
-  double least = 0, most = 0;
-  std::optional<std::uint32_t> least_body{}, most_body{};
+  double min = 0, max = 0;
+  std::optional<std::uint32_t> min_body{}, max_body{};
   bool any = false;
 
-  void take(double value, std::optional<std::uint32_t> body = std::nullopt);
+  void add(double value, std::optional<std::uint32_t> body = std::nullopt);
 };
 
-/// Of the state that is observed; the term is none of those three.
-Extremes measured(const Term& term, Observation& seen);
-/// How far each body is from where `other` has it, and the term's offset.
-Extremes difference(const Term& term, const BodyStates& bodies, const BodyStates& other);
+/// Of the state that is observed; the assertion is none of those three.
+Extremes measured(const Assertion& assertion, Observation& observation);
+/// How far each body is from where `other` has it, and the assertion's offset.
+Extremes difference(const Assertion& assertion, const BodyStates& bodies, const BodyStates& other);
 
 /// Whose fault it is, where measured() does not say: of penetrations, escapes and what is not finite.
-std::optional<std::uint32_t> culprit(const Term& term, Observation& seen);
+std::optional<std::uint32_t> offending_body(const Assertion& assertion, Observation& observation);
 
 }  // namespace collidoscope

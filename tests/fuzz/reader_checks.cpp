@@ -128,13 +128,13 @@ void check_changes(const std::string& text) {
 
 void check_criterion(const std::string& text) {
   static const Scene scene = parse_scene(changed_scene(), "the scene");
-  for (const Scene* beside : {&scene, static_cast<const Scene*>(nullptr)}) {
+  for (const Scene* sibling_path : {&scene, static_cast<const Scene*>(nullptr)}) {
     Criterion criterion;
-    if (!reads(file_name, [&] { criterion = parse_criterion(text, file_name, beside); })) continue;
+    if (!reads(file_name, [&] { criterion = parse_criterion(text, file_name, sibling_path); })) continue;
     if (!criterion.refused.empty()) continue;
-    expect(criterion.steps > 0 || !criterion.holds.empty(), "a criterion of nothing");
-    for (const CriterionFault& fault : criterion.faults)
-      expect(fault.term < criterion.holds.size(), "a fault of a term that there is not");
+    expect(criterion.steps > 0 || !criterion.assertions.empty(), "a criterion of nothing");
+    for (const InjectedFault& fault : criterion.injected_faults)
+      expect(fault.assertion < criterion.assertions.size(), "a fault of a term that there is not");
   }
 }
 

@@ -205,13 +205,13 @@ TEST(FailingAllocations, OfTheProgram) {
       const pid_t child = fork();  // where a library ends the program, it is this one
       ASSERT_GE(child, 0);
       if (child == 0) {
-        end_with_a_line_where_memory_ends();
+        install_out_of_memory_handler();
         if (std::freopen("/dev/null", "w", stdout) == nullptr ||
             std::freopen(errors.c_str(), "w", stderr) == nullptr)
           _exit(126);
         std::setvbuf(stderr, nullptr, _IONBF, 0);
         const RefusedNew refuse(granted, refusal);
-        const int status = exit_status_of([&] { return run_command(line); });
+        const int status = run_and_report_errors([&] { return run_command(line); });
         _exit(status == 0 && refuse.refused() ? 77 : status);
       }
       int ended = 0;
@@ -227,7 +227,7 @@ TEST(FailingAllocations, OfTheProgram) {
       if (status == 0) break;
       if (status == 77) continue;  // somebody could do without
       ++failures;
-      ASSERT_EQ(status, machine_lacks) << said;
+      ASSERT_EQ(status, missing_resource) << said;
       ASSERT_TRUE(said.ends_with('\n') && std::count(said.begin(), said.end(), '\n') == 1) << said;
       ASSERT_THAT(said, HasSubstr("out of memory")) << granted;
     }

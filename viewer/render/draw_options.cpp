@@ -6,17 +6,18 @@
 
 namespace collidoscope {
 
-DrawOptions still_options(const DrawWish& wish, int width, int height, int most_side) {
+DrawOptions still_options(const DrawRequest& request, int width, int height, int max_side) {
   // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
   constexpr std::int64_t most_pixels = 16'000'000;
   const bool fits =
-      std::int64_t{width} * height <= most_pixels && 2 * std::int64_t{std::max(width, height)} <= most_side;
-  return {wish.supersampling.value_or(fits ? 2 : 1), wish.light.value_or(Quality::full), wish.spheres};
+      std::int64_t{width} * height <= most_pixels && 2 * std::int64_t{std::max(width, height)} <= max_side;
+  return {request.supersampling.value_or(fits ? 2 : 1), request.light.value_or(Quality::full),
+          request.spheres};
 }
 
-DrawOptions live_options(const DrawWish& wish, bool software, std::int64_t bodies) {
-  return {wish.supersampling.value_or(software || bodies > most_supersampled ? 1 : 2),
-          wish.light.value_or(software ? Quality::quick : Quality::full), wish.spheres};
+DrawOptions live_options(const DrawRequest& request, bool software, std::int64_t bodies) {
+  return {request.supersampling.value_or(software || bodies > max_supersampled ? 1 : 2),
+          request.light.value_or(software ? Quality::quick : Quality::full), request.spheres};
 }
 
 const char* quality_name(Quality quality) { return quality == Quality::full ? "full" : "quick"; }

@@ -29,18 +29,18 @@ struct DrawOptions {
 };
 
 /// What somebody asks for; unset is "auto".
-struct DrawWish {
+struct DrawRequest {
   std::optional<int> supersampling;
   std::optional<Quality> light;
   SphereMethod spheres = SphereMethod::automatic;
 };
 
-/// For captures: the best quality. `most_side`: the largest texture side that OpenGL allows, in pixels.
-DrawOptions still_options(const DrawWish& wish, int width, int height, int most_side);
+/// For captures: the best quality. `max_side`: the largest texture side that OpenGL allows, in pixels.
+DrawOptions still_options(const DrawRequest& request, int width, int height, int max_side);
 /// Pictures that follow each other while somebody looks. Automatic is 2 x 2 samples in full light up to
-/// `most_supersampled` bodies on a GPU, 1 beyond; and 1 in quick light where the CPU draws.
-DrawOptions live_options(const DrawWish& wish, bool software, std::int64_t bodies);
-constexpr std::int64_t most_supersampled = 250'000;
+/// `max_supersampled` bodies on a GPU, 1 beyond; and 1 in quick light where the CPU draws.
+DrawOptions live_options(const DrawRequest& request, bool software, std::int64_t bodies);
+constexpr std::int64_t max_supersampled = 250'000;
 
 const char* quality_name(Quality quality);
 

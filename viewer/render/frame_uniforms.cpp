@@ -73,7 +73,7 @@ void set_light(FrameUniforms& camera, const FrameUniforms& light) {
 }
 
 void set_levels(FrameUniforms& uniforms, int first, int last) {
-  for (int level = 0; level < most_levels; ++level) {
+  for (int level = 0; level < max_levels; ++level) {
     const Rgb color = level_color(level, first, last);
     store(uniforms.level_colors[level], color.r, color.g, color.b, 1);
   }

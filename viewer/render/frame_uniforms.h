@@ -9,15 +9,15 @@
 namespace collidoscope {
 
 /// Of the hierarchy, told apart by colour; what lies deeper looks as the last.
-inline constexpr int most_levels = 64;
+inline constexpr int max_levels = 64;
 
 /// std140: every member is a multiple of 16 bytes.
 struct FrameUniforms {
   float view[16], projection[16], inverse_view[16], light_clip[16];
   float pixels[4], lens[4], key[4], values[4], scale[4];
-  float level_colors[most_levels][4], contact_colors[3][4], marks[box_marks][4];
+  float level_colors[max_levels][4], contact_colors[3][4], marks[box_marks][4];
 };
-static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + (most_levels + 3 + box_marks) * 16);
+static_assert(sizeof(FrameUniforms) == 4 * 64 + 5 * 16 + (max_levels + 3 + box_marks) * 16);
 
 /// What the colour map spans: of BodyInstance::value, and of the metric of boxes.
 struct ValueRange {

@@ -21,9 +21,10 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.min = range.min;
   legend.max = range.max;
   legend.logarithmic = range.logarithmic;
-  legend.goes_on = color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
+  legend.clamped_above =
+      color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
   for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
-  legend.goes_below = color == BodyColor::error;
+  legend.clamped_below = color == BodyColor::error;
   if (color == BodyColor::sleep) {
     legend.low_word = "asleep";
     legend.high_word = "moves";
@@ -40,7 +41,7 @@ Legend box_legend(NodeMetric metric, const ValueRange& range) {
   legend.min = range.box_min;
   legend.max = range.box_max;
   legend.logarithmic = is_logarithmic(metric);
-  legend.goes_below = range.boxes_below;
+  legend.clamped_below = range.boxes_below;
   for (const Rgb& one : heat_map()) legend.colors.push_back(packed(one));
   return legend;
 }
@@ -63,7 +64,7 @@ std::vector<std::uint32_t> mark_legend() {
 
 std::vector<std::uint32_t> level_legend(int first, int last) {
   std::vector<std::uint32_t> colors;
-  for (int level = 0; level < most_levels; ++level) colors.push_back(packed(level_color(level, first, last)));
+  for (int level = 0; level < max_levels; ++level) colors.push_back(packed(level_color(level, first, last)));
   return colors;
 }
 

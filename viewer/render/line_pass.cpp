@@ -55,7 +55,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
   const std::int64_t count = std::accumulate(sizes.begin(), sizes.end(), std::int64_t{0});
   std::int64_t broad = 0;
   for (std::int64_t size : sizes) {
-    if (broad + size > most_broad_boxes) break;
+    if (broad + size > max_broad_boxes) break;
     broad += size;
   }
   // What is hidden adds up to a fog where there are many, so each is the fainter then.
@@ -96,7 +96,7 @@ void LinePass::draw_walls(const gl::Buffer& boxes) const {
 void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) {
   const float hidden = std::min(0.3f, 70.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
   const Records records{contacts, sizeof(ContactInstance), 0, count};
-  if (hidden < least_visible && count > 0)
+  if (hidden < min_visible_opacity && count > 0)
     draw_listed(listed_contact_, LineCull::Kind::contacts, GL_TRIANGLES, 12, records, 1.0f);
   else
     draw_see_through(contact_, nothing_, GL_TRIANGLES, 12, records, 1.0f, hidden);

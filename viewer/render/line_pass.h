@@ -31,7 +31,7 @@ class LinePass {
   void look_at(const gl::Target& surfaces, bool cull);
   /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
   /// The records are those of levels first_level to last_level, in this order, `sizes[i]` of each. Upper
-  /// levels are broad as long as they have no more than `most_broad_boxes` together.
+  /// levels are broad as long as they have no more than `max_broad_boxes` together.
   /// The colour map of values is bound to texture unit 0. Of `highlighted_level` all others are faint.
   void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
                   int last_level, const BoxColors& colors = {}, int highlighted_level = -1);
@@ -44,7 +44,7 @@ class LinePass {
   /// nearest wins; of boxes whose value lies from `low` to `high`.
   void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low, double high) const;
 
-  static constexpr std::int64_t most_broad_boxes = 8192;
+  static constexpr std::int64_t max_broad_boxes = 8192;
 
  private:
   void draw_broad(const gl::Buffer& boxes, std::int64_t count, float shown, float hidden) const;

@@ -88,17 +88,17 @@ OrbitCamera frame_all(const Bounds& bounds, double aspect, OrbitCamera from, dou
   return from;
 }
 
-OrbitCamera scene_camera(const Camera& wish, const Bounds& bounds, double aspect) {
+OrbitCamera scene_camera(const Camera& request, const Bounds& bounds, double aspect) {
   OrbitCamera camera;
-  camera.up = wish.up.normalized();
-  camera.field_of_view = wish.vertical_field_of_view * std::numbers::pi / 180;
-  if (!wish.position) {
+  camera.up = request.up.normalized();
+  camera.field_of_view = request.vertical_field_of_view * std::numbers::pi / 180;
+  if (!request.position) {
     camera = frame_all(bounds, aspect, camera);
-    if (wish.target) camera.target = *wish.target;
+    if (request.target) camera.target = *request.target;
     return camera;
   }
-  camera.target = wish.target ? *wish.target : bounds.center();
-  const Vector3d back = *wish.position - camera.target;
+  camera.target = request.target ? *request.target : bounds.center();
+  const Vector3d back = *request.position - camera.target;
   camera.distance = std::max(back.norm(), 1e-9);
   Vector3d first, second;
   across(camera.up, first, second);

@@ -35,6 +35,6 @@ struct OrbitCamera {
 OrbitCamera frame_all(const Bounds& bounds, double aspect, OrbitCamera from = {}, double margin = 1.1);
 
 /// What the scene asks for; what it leaves open frames the bounds.
-OrbitCamera scene_camera(const Camera& wish, const Bounds& bounds, double aspect);
+OrbitCamera scene_camera(const Camera& request, const Bounds& bounds, double aspect);
 
 }  // namespace collidoscope

@@ -25,7 +25,7 @@ void draw_see_through(const gl::Program& program, const gl::VertexLayout& nothin
     });
   };
   // Depth is reversed: less is farther.
-  if (hidden >= least_visible) draw(GL_LESS, hidden);
+  if (hidden >= min_visible_opacity) draw(GL_LESS, hidden);
   draw(GL_GEQUAL, shown);
 }
 

@@ -32,7 +32,7 @@ struct Records {
 };
 
 /// Less of an opacity changes no colour of 8 bits.
-inline constexpr float least_visible = 0.5f / 255;
+inline constexpr float min_visible_opacity = 0.5f / 255;
 
 /// Makes the program and the state that see-through records are drawn with current.
 void begin_see_through(const gl::Program& program, const gl::VertexLayout& nothing);

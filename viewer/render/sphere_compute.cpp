@@ -14,11 +14,11 @@ SphereCompute::SphereCompute()
       nothing_{} {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  most_bytes_ = most;
+  max_bytes_ = most;
 }
 
 bool SphereCompute::fits(std::int64_t bodies) const {
-  return bodies * static_cast<std::int64_t>(sizeof(BodyInstance)) <= most_bytes_;
+  return bodies * static_cast<std::int64_t>(sizeof(BodyInstance)) <= max_bytes_;
 }
 
 void SphereCompute::dispatch(std::int64_t bodies, bool second_round) const {

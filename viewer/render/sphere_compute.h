@@ -34,7 +34,7 @@ class SphereCompute {
   gl::VertexLayout nothing_;
   gl::Buffer larges_{"large spheres"};
   Images surface_, shadow_;
-  std::int64_t most_bytes_ = 0;  ///< of a buffer that shaders read
+  std::int64_t max_bytes_ = 0;  ///< of a buffer that shaders read
 };
 
 }  // namespace collidoscope

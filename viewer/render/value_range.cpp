@@ -61,25 +61,25 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
 }
 
 // The edge of a bin that at most one node in fifty lies below.
-double low_end(const NodeSpread& spread) {
+double low_end(const NodeHistogram& histogram) {
   std::int64_t below = 0;
   std::size_t bin = 0;
-  for (; bin + 1 < NodeSpread::bins; ++bin) {
-    below += spread.nodes[bin];
-    if (50 * below > spread.count) break;
+  for (; bin + 1 < NodeHistogram::bins; ++bin) {
+    below += histogram.nodes[bin];
+    if (50 * below > histogram.count) break;
   }
-  return static_cast<double>(spread.edge[bin]);
+  return static_cast<double>(histogram.edge[bin]);
 }
 
 void add_boxes(World& world, const FrameLayers& layers, ValueRange& range) {
   if (!layers.boxes || layers.box_color == NodeMetric::level || world.tree().nodes() == 0) return;
-  const NodeSpread spread = world.tree().spread(
+  const NodeHistogram histogram = world.tree().node_histogram(
       layers.box_color, {layers.first_level, layers.last_level, layers.box_low, layers.box_high});
-  range.boxes = spread.inside;
-  range.box_max = static_cast<double>(std::min(layers.box_high, spread.greatest));
+  range.boxes = histogram.inside;
+  range.box_max = static_cast<double>(std::min(layers.box_high, histogram.greatest));
   // A few boxes of next to nothing must not leave one colour to all others.
-  const double least = static_cast<double>(std::max(layers.box_low, spread.least));
-  range.box_min = std::max(least, low_end(spread));
+  const double least = static_cast<double>(std::max(layers.box_low, histogram.least));
+  range.box_min = std::max(least, low_end(histogram));
   if (is_logarithmic(layers.box_color))  // from zero no step leads anywhere
     range.box_min = std::max(range.box_min, 1e-9 * range.box_max);
   range.box_min = std::min(range.box_min, range.box_max);

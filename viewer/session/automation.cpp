@@ -17,21 +17,21 @@ namespace {
 nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
   if (view.tree == nullptr) return nullptr;
-  const TreeFacts& facts = *view.tree;
-  const TreeWishes& wishes = workspace.tree;
-  Json tree = {{"step", facts.step},
-               {"nodes", facts.quality.nodes},
-               {"sah", facts.quality.sah},
-               {"took_ms", facts.took_ms},
-               {"sort", static_cast<int>(wishes.sort)},
-               {"first", facts.first},
-               {"ranked", facts.ranked},
+  const TreePanelView& panel = *view.tree;
+  const TreeRequests& requests = workspace.tree;
+  Json tree = {{"step", panel.step},
+               {"nodes", panel.quality.nodes},
+               {"sah", panel.quality.sah},
+               {"took_ms", panel.took_ms},
+               {"sort", static_cast<int>(requests.sort)},
+               {"first", panel.first},
+               {"ranked", panel.ranked},
                {"range", {workspace.layers.box_low, workspace.layers.box_high}},
-               {"inside", facts.spread.inside},
-               {"visit", static_cast<int>(wishes.visit)},
-               {"visits", facts.visits}};
-  tree["node"] = wishes.node ? Json(*wishes.node) : Json(nullptr);
-  for (const NodeReport& row : facts.rows)
+               {"inside", panel.histogram.inside},
+               {"visit", static_cast<int>(requests.visit)},
+               {"visits", panel.visits}};
+  tree["node"] = requests.node ? Json(*requests.node) : Json(nullptr);
+  for (const NodeReport& row : panel.rows)
     tree["rows"].push_back({{"node", row.node}, {"visits", row.visits}});
   return tree;
 }
@@ -39,14 +39,14 @@ nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView
 /// What the panel of effects says; null while it is folded.
 nlohmann::ordered_json effects_json(const WorkspaceView& view) {
   nlohmann::ordered_json effects;
-  for (const EffectFacts& effect : view.effect_facts) {
+  for (const EffectView& effect : view.effect_views) {
     auto& one = effects[effect.name];
-    one = {{"on", effect.on}, {"called_for", effect.called_for}};
+    one = {{"on", effect.on}, {"called_for", effect.required}};
     if (effect.cost)
       one["cost"] = {{"pairs", effect.cost->pairs},
                      {"ms", effect.cost->ms},
                      {"bytes", effect.cost->bytes},
-                     {"lack", effect.cost->lack}};
+                     {"lack", effect.cost->unavailable_reason}};
   }
   return effects;
 }
@@ -55,22 +55,22 @@ nlohmann::ordered_json effects_json(const WorkspaceView& view) {
 nlohmann::ordered_json accuracy_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
   if (view.accuracy == nullptr) return nullptr;
-  const AccuracyFacts& facts = *view.accuracy;
+  const AccuracyView& panel = *view.accuracy;
   Json accuracy = {{"tolerance", workspace.accuracy.tolerance},
                    {"running", workspace.accuracy.running},
-                   {"since", facts.since},
-                   {"done", facts.done},
-                   {"doing", facts.doing},
-                   {"lack", facts.lack},
-                   {"reference", facts.reference ? Json(facts.reference->description) : Json(nullptr)},
-                   {"cheapest", facts.cheapest ? Json(*facts.cheapest) : Json(nullptr)},
-                   {"no_choice", facts.no_choice},
+                   {"since", panel.start_state},
+                   {"done", panel.done},
+                   {"doing", panel.current_task},
+                   {"lack", panel.unavailable_reason},
+                   {"reference", panel.reference ? Json(panel.reference->description) : Json(nullptr)},
+                   {"cheapest", panel.cheapest ? Json(*panel.cheapest) : Json(nullptr)},
+                   {"no_choice", panel.no_recommendation_reason},
                    {"now", nullptr},
                    {"points", Json::array()}};
-  for (std::size_t k = 0; k < facts.points.size(); ++k) {
-    const AccuracyPoint& p = facts.points[k];
-    if (p.setting == facts.now) accuracy["now"] = k;
-    if (p.has_error() && p.has_price())
+  for (std::size_t k = 0; k < panel.points.size(); ++k) {
+    const AccuracyPoint& p = panel.points[k];
+    if (p.setting == panel.now) accuracy["now"] = k;
+    if (p.has_error() && p.has_cost())
       accuracy["points"].push_back({{"point", k}, {"error", p.error}, {"ms", p.ms.median}});
   }
   for (const AccuracyPlace& place : workspace.accuracy.places)
@@ -83,20 +83,20 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
 nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
   if (view.hard_cases == nullptr) return nullptr;
-  const HardCasesFacts& facts = *view.hard_cases;
-  Json cases = {{"lack", facts.lack},
-                {"doing", facts.doing},
-                {"opening", facts.opening ? Json(*facts.opening) : Json(nullptr)},
+  const HardCasesView& panel = *view.hard_cases;
+  Json cases = {{"lack", panel.unavailable_reason},
+                {"doing", panel.current_task},
+                {"opening", panel.opening ? Json(*panel.opening) : Json(nullptr)},
                 {"selected", workspace.hard_cases.selected},
-                {"before", facts.before},
-                {"shown", facts.shown ? Json(facts.cases[*facts.shown].name) : Json(nullptr)},
+                {"before", panel.scene_before},
+                {"shown", panel.shown ? Json(panel.cases[*panel.shown].name) : Json(nullptr)},
                 {"marks", Json::object()}};
-  for (const auto& [name, mark] : hard_mark_names) cases["counts"][std::string(name)] = facts.count(mark);
-  for (const HardCaseFacts& one : facts.cases)
-    for (const HardTrialFacts& trial : one.trials)
-      cases["marks"][one.name][fmt::format("{} {}", name_of(solver_names, trial.solver),
-                                           name_of(precision_names, trial.precision))] =
-          std::string(name_of(hard_mark_names, trial.mark));
+  for (const auto& [name, mark] : test_status_names) cases["counts"][std::string(name)] = panel.count(mark);
+  for (const HardCaseView& one : panel.cases)
+    for (const TestRunView& test_run : one.test_runs)
+      cases["marks"][one.name][fmt::format("{} {}", name_of(solver_names, test_run.solver),
+                                           name_of(precision_names, test_run.precision))] =
+          std::string(name_of(test_status_names, test_run.status));
   return cases;
 }
 
@@ -110,7 +110,7 @@ Automation::Automation(const std::string& file) : file_(file) {
 
 void Automation::write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
-  const Settings& s = view.in_effect;
+  const Settings& s = view.active_settings;
   Json line = {{"frame", frame.frame},
                {"scene", view.scene},
                {"window", {frame.width, frame.height}},
@@ -170,17 +170,17 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
   line["tree"] = tree_json(workspace, view);
   line["effects"] = effects_json(view);
-  line["reference"] = {{"name", view.reference.name},   {"lack", view.reference.lack},
-                       {"since", view.reference.since}, {"rms", view.reference.rms},
-                       {"max", view.reference.max},     {"doubt", view.reference.doubt}};
+  line["reference"] = {{"name", view.reference.name},         {"lack", view.reference.unavailable_reason},
+                       {"since", view.reference.start_state}, {"rms", view.reference.rms},
+                       {"max", view.reference.max},           {"doubt", view.reference.error_estimate}};
   line["accuracy"] = accuracy_json(workspace, view);
   line["hard_cases"] = hard_cases_json(workspace, view);
   line["stop"] = nullptr;
   if (view.stop)
     line["stop"] = {{"what", view.stop->what},
-                    {"found", view.stop->found},
+                    {"found", view.stop->is_violation},
                     {"body", view.stop->body ? Json(*view.stop->body) : Json(nullptr)},
-                    {"before", view.stop->before}};
+                    {"before", view.stop->state_before}};
   line["frozen"] = view.frozen;
   line["guards"] = s.guards ? Json(std::string(name_of(on_failure_names, *s.guards))) : Json(nullptr);
   line["measuring_effects"] = view.measuring_effects;

@@ -31,7 +31,7 @@ void EffectCosts::begin(const World& world) {
     reasons_.push_back(effect_reason(world.scene(), world.initial(), effect.flag));
 }
 
-void EffectCosts::take_stock(World& world) {
+void EffectCosts::capture_state(World& world) {
   begun_ = true;
   scene_ = world.scene();
   options_ = world.options();
@@ -41,22 +41,22 @@ void EffectCosts::take_stock(World& world) {
     const EffectName& effect = effect_names[k];
     const EffectReason& reason = reasons_[k];
     const bool on = now_.*effect.flag;
-    if (on || (reason.called_for && reason.cannot.empty()))
-      trials_.insert(trials_.begin(), {effect.flag, on, with_switched(now_, effect.flag, !on)});
+    if (on || (reason.required && reason.cannot.empty()))
+      pending_.insert(pending_.begin(), {effect.flag, on, with_switched(now_, effect.flag, !on)});
   }
 }
 
 bool EffectCosts::make_worlds() {
-  const Trial& trial = trials_.back();
+  const Measurement& measurement = pending_.back();
   EffectCost cost;
   cost.step = state_.steps;
   try {
     Scene other = scene_;
     scene_.physics.effects = now_;
-    other.physics.effects = trial.other;
+    other.physics.effects = measurement.other;
     for (const Fault& fault : validate(other)) throw std::runtime_error(line_of(fault));
-    with_ = std::make_unique<World>(trial.on ? scene_ : other, options_, &state_);
-    without_ = std::make_unique<World>(trial.on ? other : scene_, options_, &state_);
+    with_ = std::make_unique<World>(measurement.on ? scene_ : other, options_, &state_);
+    without_ = std::make_unique<World>(measurement.on ? other : scene_, options_, &state_);
     cost.bytes = with_->info().allocated_bytes - without_->info().allocated_bytes;
     // A plain step comes first in each pair.
     if (state_.steps % 2 == 1) {
@@ -68,9 +68,9 @@ bool EffectCosts::make_worlds() {
   } catch (const std::exception& error) {  // no memory for two more worlds, or such a scene cannot be
     with_.reset();
     without_.reset();
-    cost.lack = error.what();
+    cost.unavailable_reason = error.what();
   }
-  known_.emplace_back(trial.flag, std::move(cost));
+  measured_.emplace_back(measurement.flag, std::move(cost));
   return with_ != nullptr;
 }
 
@@ -88,23 +88,23 @@ void EffectCosts::finish() {
   without_.reset();
   differences_.clear();
   without_ms_.clear();
-  trials_.pop_back();
-  if (trials_.empty()) state_ = {};
+  pending_.pop_back();
+  if (pending_.empty()) state_ = {};
 }
 
-void EffectCosts::go_on(World& world, double milliseconds) {
-  if (!begun_) take_stock(world);
+void EffectCosts::advance(World& world, double milliseconds) {
+  if (!begun_) capture_state(world);
   const Deadline slice(milliseconds);
-  while (!trials_.empty()) {
+  while (!pending_.empty()) {
     if (with_ == nullptr && !make_worlds()) {
       finish();
       continue;
     }
-    EffectCost& cost = known_.back().second;
+    EffectCost& cost = measured_.back().second;
     try {
       step_pair();
     } catch (const std::exception& error) {  // no memory for what it grew to
-      cost.lack = error.what();
+      cost.unavailable_reason = error.what();
       finish();
       continue;
     }
@@ -113,26 +113,26 @@ void EffectCosts::go_on(World& world, double milliseconds) {
     cost.ms_low = quantile(differences_, 0.25);
     cost.ms_high = quantile(differences_, 0.75);
     cost.without_ms = quantile(without_ms_, 0.5);
-    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->guards().paused() &&
-                        !without_->guards().paused();
+    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->validation().paused() &&
+                        !without_->validation().paused();
     if (cost.pairs >= pairs || !moving) finish();
     if (slice.passed()) break;
   }
 }
 
-std::vector<EffectFacts> EffectCosts::facts(const World& world) const {
-  std::vector<EffectFacts> all;
+std::vector<EffectView> EffectCosts::views(const World& world) const {
+  std::vector<EffectView> all;
   for (std::size_t k = 0; k < reasons_.size(); ++k) {
     const EffectName& effect = effect_names[k];
-    EffectFacts& facts = all.emplace_back();
-    facts.name = effect.name;
-    facts.flag = effect.flag;
-    facts.on = world.effects().*effect.flag;
-    facts.called_for = reasons_[k].called_for;
-    facts.why = reasons_[k].why;
-    facts.cannot = reasons_[k].cannot;
-    for (const auto& [flag, cost] : known_)
-      if (flag == effect.flag) facts.cost = cost;
+    EffectView& view = all.emplace_back();
+    view.name = effect.name;
+    view.flag = effect.flag;
+    view.on = world.effects().*effect.flag;
+    view.required = reasons_[k].required;
+    view.why = reasons_[k].why;
+    view.cannot = reasons_[k].cannot;
+    for (const auto& [flag, cost] : measured_)
+      if (flag == effect.flag) view.cost = cost;
   }
   return all;
 }

@@ -10,7 +10,7 @@
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/world.h"
-#include "ui/effect_facts.h"
+#include "ui/effect_view.h"
 
 namespace collidoscope {
 
@@ -22,20 +22,20 @@ class EffectCosts {
   void begin(const World& world);
   /// Measures every effect that is on or called for, for about so many milliseconds of each call, at least
   /// one pair of steps, from the state that the world is in at the first; once all are known, nothing more.
-  void go_on(World& world, double milliseconds);
+  void advance(World& world, double milliseconds);
   bool begun() const { return begun_; }  ///< to measure
-  bool done() const { return begun_ && trials_.empty(); }
+  bool done() const { return begun_ && pending_.empty(); }
 
   /// All effects of the world that begin() was told of, with what is known of their costs.
-  std::vector<EffectFacts> facts(const World& world) const;
+  std::vector<EffectView> views(const World& world) const;
 
  private:
-  struct Trial {
+  struct Measurement {
     bool Effects::*flag;
     bool on;
     Effects other;  ///< with the switch turned
   };
-  void take_stock(World& world);
+  void capture_state(World& world);
   bool make_worlds();
   void step_pair();
   void finish();
@@ -46,11 +46,11 @@ class EffectCosts {
   RunOptions options_;
   RunState state_;
   Effects now_;
-  std::vector<Trial> trials_;  ///< the last is under way, or next
+  std::vector<Measurement> pending_;  ///< the last is under way, or next
   std::unique_ptr<World> with_, without_;
   std::vector<float> differences_, without_ms_;  ///< ms
   bool turn_ = false;
-  std::vector<std::pair<bool Effects::*, EffectCost>> known_;
+  std::vector<std::pair<bool Effects::*, EffectCost>> measured_;
 };
 
 }  // namespace collidoscope

@@ -9,7 +9,7 @@ namespace collidoscope {
 void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view) {
   view.scene = world.scene().name;
   view.generated = world.scene().generators.size() == 1;
-  view.in_effect = settings_of(world);
+  view.active_settings = settings_of(world);
   view.removed_bodies = view.other_bodies = 0;
   if (view.generated) {
     const BoxCollider& generator = world.scene().generators[0];
@@ -32,7 +32,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.tree_nodes = world.tree().nodes();
   view.history = &history;
   view.residuals = world.records().residuals();
-  view.frozen = world.guards().frozen();
+  view.frozen = world.validation().frozen();
 }
 
 }  // namespace collidoscope

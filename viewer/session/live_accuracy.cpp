@@ -13,86 +13,86 @@
 
 namespace collidoscope {
 
-void LiveAccuracy::follow(World& world, int generation, AccuracyWishes& wishes) {
-  const bool wished = std::exchange(wishes.restart, false);
-  if (generation == generation_ && !wished) return;
-  const std::string problem = generation == generation_ ? problem_ : problem_of(world);
+void LiveAccuracy::follow(World& world, int generation, AccuracyRequests& requests) {
+  const bool requested = std::exchange(requests.restart, false);
+  if (generation == generation_ && !requested) return;
+  const std::string problem = generation == generation_ ? problem_ : problem_fingerprint(world);
   generation_ = generation;
-  if (problem == problem_ && !wished) return;
+  if (problem == problem_ && !requested) return;
   problem_ = problem;
-  wishes.tolerance = 0;
-  wishes.running = true;
+  requests.tolerance = 0;
+  requests.running = true;
   begin(world);
 }
 
 void LiveAccuracy::begin(World& world) {
   study_.reset();
   finished_ = false;
-  facts_ = {};
-  facts_.since = world.steps();
-  if (static_cast<std::int64_t>(world.initial().size()) > most_bodies) {
-    facts_.lack = fmt::format("Here with at most {} bodies; `collidoscope-headless accuracy` takes its time.",
-                              most_bodies);
+  view_ = {};
+  view_.start_state = world.steps();
+  if (static_cast<std::int64_t>(world.initial().size()) > max_bodies) {
+    view_.unavailable_reason = fmt::format(
+        "Here with at most {} bodies; `collidoscope-headless accuracy` takes its time.", max_bodies);
     return;
   }
   try {
     const RunState state = world.state();
-    AccuracyRequest request;
+    AccuracyStudyOptions request;
     request.seconds = seconds;
     request.rounds = rounds;
     study_ = std::make_unique<AccuracyStudy>(world.scene(), world.options(), request, &state);
-    facts_.seconds = seconds;
-    facts_.executor = study_->subject().executor;
+    view_.seconds = seconds;
+    view_.executor = study_->problem().executor;
   } catch (const std::exception& error) {  // nothing moves, or no memory
-    facts_.lack = error.what();
+    view_.unavailable_reason = error.what();
   }
 }
 
-void LiveAccuracy::go_on(double milliseconds) {
+void LiveAccuracy::advance(double milliseconds) {
   if (done()) return;
   try {
     finished_ = !study_->advance(milliseconds);
   } catch (const std::exception& error) {
-    facts_.lack = error.what();
+    view_.unavailable_reason = error.what();
     study_.reset();
   }
 }
 
-const AccuracyFacts& LiveAccuracy::facts(const World& world, AccuracyWishes& wishes) {
+const AccuracyView& LiveAccuracy::view(const World& world, AccuracyRequests& requests) {
   if (study_) {
-    facts_.points = study_->points();
-    if (study_->reference() != nullptr) facts_.reference = *study_->reference();
-    facts_.doubts = study_->doubts();
+    view_.points = study_->points();
+    if (study_->reference() != nullptr) view_.reference = *study_->reference();
+    view_.warnings = study_->warnings();
     const AccuracyStudy::Progress progress = study_->progress();
-    facts_.done =
+    view_.done =
         static_cast<double>(progress.done) / static_cast<double>(std::max<std::int64_t>(progress.total, 1));
-    facts_.doing = finished_ ? "" : progress.doing;
+    view_.current_task = finished_ ? "" : progress.current_task;
   }
   const Physics& physics = world.scene().physics;
-  facts_.effects = world.effects();
-  facts_.now.time_step = physics.time_step;
-  facts_.now.substeps = world.substeps();
-  facts_.now.iterations = physics.iterations;
-  facts_.now.solver = physics.solver;
-  facts_.now.integrator = physics.integrator;
-  facts_.now.rotation_update = physics.rotation_update;
-  facts_.now.precision = physics.precision;
-  facts_.now.continuous_collision = facts_.effects.continuous_collision;
-  const double reference_error = facts_.reference ? facts_.reference->error : 0;
-  if (!(wishes.tolerance > 0)) {  // the middle of what there is, as a round number
+  view_.effects = world.effects();
+  view_.now.time_step = physics.time_step;
+  view_.now.substeps = world.substeps();
+  view_.now.iterations = physics.iterations;
+  view_.now.solver = physics.solver;
+  view_.now.integrator = physics.integrator;
+  view_.now.rotation_update = physics.rotation_update;
+  view_.now.precision = physics.precision;
+  view_.now.continuous_collision = view_.effects.continuous_collision;
+  const double reference_error = view_.reference ? view_.reference->error : 0;
+  if (!(requests.tolerance > 0)) {  // the middle of what there is, as a round number
     std::vector<float> errors;
-    for (const AccuracyPoint& point : facts_.points)
-      if (point.has_price() && point.error > reference_error && std::isfinite(point.error))
+    for (const AccuracyPoint& point : view_.points)
+      if (point.has_cost() && point.error > reference_error && std::isfinite(point.error))
         errors.push_back(static_cast<float>(point.error));
     if (!errors.empty())
-      wishes.tolerance = std::pow(10, std::round(std::log10(quantile(errors, 0.5))));
-    else if (all_below_reference(facts_.points, reference_error) && reference_error > 0)
-      wishes.tolerance = std::pow(10, std::ceil(std::log10(reference_error)));
+      requests.tolerance = std::pow(10, std::round(std::log10(quantile(errors, 0.5))));
+    else if (all_below_reference(view_.points, reference_error) && reference_error > 0)
+      requests.tolerance = std::pow(10, std::ceil(std::log10(reference_error)));
   }
-  Recommendation answer = recommended(facts_.points, reference_error, wishes.tolerance);
-  facts_.cheapest = answer.point;
-  facts_.no_choice = std::move(answer.lack);
-  return facts_;
+  Recommendation answer = recommended(view_.points, reference_error, requests.tolerance);
+  view_.cheapest = answer.point;
+  view_.no_recommendation_reason = std::move(answer.unavailable_reason);
+  return view_;
 }
 
 }  // namespace collidoscope

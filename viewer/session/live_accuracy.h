@@ -2,33 +2,33 @@
 // What accuracy costs in a running scene: a study (sim_cuda/accuracy/) of the scene as it is, from the bodies
 // as they are when it begins, in slices, so that the picture keeps moving. The run is read once, and never
 // touched. It stays the same study while nothing but numerical settings turns, and while the run goes on; it
-// begins anew where the run is asked something else, or where somebody wishes it. Owns the study.
+// begins anew where the run is asked something else, or where somebody requests it. Owns the study.
 
 #include <memory>
 #include <string>
 
 #include "sim_cuda/accuracy/study.h"
 #include "sim_cuda/world.h"
-#include "ui/accuracy_facts.h"
+#include "ui/accuracy_view.h"
 
 namespace collidoscope {
 
 class LiveAccuracy {
  public:
-  static constexpr std::int64_t most_bodies = 20'000;  ///< one step is the least slice
-  static constexpr double seconds = 1;                 ///< s of simulated time, about: somebody waits
-  static constexpr int rounds = 3;                     ///< runs that a price is the middle of
+  static constexpr std::int64_t max_bodies = 20'000;  ///< one step is the least slice
+  static constexpr double seconds = 1;                ///< s of simulated time, about: somebody waits
+  static constexpr int rounds = 3;                    ///< runs that a cost is the middle of
 
   /// Of the scene of `world`; `generation` changes whenever it is another World.
-  void follow(World& world, int generation, AccuracyWishes& wishes);
+  void follow(World& world, int generation, AccuracyRequests& requests);
   /// Measures for about so many milliseconds; nothing once all is done.
-  void go_on(double milliseconds);
+  void advance(double milliseconds);
   bool done() const { return study_ == nullptr || finished_; }
   /// Takes a study that was measured elsewhere, for pictures.
-  void show(AccuracyFacts facts) { facts_ = std::move(facts); }
+  void show(AccuracyView view) { view_ = std::move(view); }
 
-  /// Of the study so far, with the answer to what the wishes ask; sets a tolerance where there is none.
-  const AccuracyFacts& facts(const World& world, AccuracyWishes& wishes);
+  /// Of the study so far, with the answer to what the requests ask; sets a tolerance where there is none.
+  const AccuracyView& view(const World& world, AccuracyRequests& requests);
 
  private:
   void begin(World& world);
@@ -37,7 +37,7 @@ class LiveAccuracy {
   std::string problem_;
   std::unique_ptr<AccuracyStudy> study_;
   bool finished_ = false;
-  AccuracyFacts facts_;
+  AccuracyView view_;
 };
 
 }  // namespace collidoscope

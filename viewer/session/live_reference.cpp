@@ -48,7 +48,7 @@ double smooth_step(double low, double high, double x) {
 
 }  // namespace
 
-std::string problem_of(const World& world) {
+std::string problem_fingerprint(const World& world) {
   Effects effects = world.effects();
   effects.continuous_collision = false;
   Scene scene = with_setting(world.scene(), {}, effects);
@@ -57,23 +57,23 @@ std::string problem_of(const World& world) {
 }
 
 void LiveReference::forget() {
-  if (facts_.name.empty()) return;
+  if (view_.name.empty()) return;
   const int version = version_ + 1;
   *this = {};
   version_ = version;
 }
 
-std::string LiveReference::lack_of(std::int64_t bodies) {
-  return bodies > most_bodies ? fmt::format("no reference of more than {} bodies", most_bodies) : "";
+std::string LiveReference::unavailable_reason(std::int64_t bodies) {
+  return bodies > max_bodies ? fmt::format("no reference of more than {} bodies", max_bodies) : "";
 }
 
 void LiveReference::follow(World& world, int generation) {
   if (generation == generation_ && world.steps() == steps_) return;
   const bool another = generation != generation_;
-  const std::string problem = another ? problem_of(world) : problem_;
+  const std::string problem = another ? problem_fingerprint(world) : problem_;
   generation_ = generation;
   ++version_;
-  if (problem == problem_ && world.steps() == steps_ && !facts_.name.empty()) return;  // it was only turned
+  if (problem == problem_ && world.steps() == steps_ && !view_.name.empty()) return;  // it was only turned
   problem_ = problem;
   begin(world);
 }
@@ -83,32 +83,32 @@ void LiveReference::begin(World& world) {
   time_ = 0;
   exact_.reset();
   runs_.clear();
-  looked_ = false;
-  facts_ = {};
-  facts_.since = steps_;
-  facts_.name = "none";
-  facts_.lack = lack_of(static_cast<std::int64_t>(world.initial().size()));
-  if (!facts_.lack.empty()) return;
+  states_known_ = false;
+  view_ = {};
+  view_.start_state = steps_;
+  view_.name = "none";
+  view_.unavailable_reason = unavailable_reason(static_cast<std::int64_t>(world.initial().size()));
+  if (!view_.unavailable_reason.empty()) return;
   try {
     exact_ = std::make_unique<HardSpheres>(steps_ == 0 ? world.scene() : scene_of_now(world));
-    facts_.name = "hard spheres, event by event";
+    view_.name = "hard spheres, event by event";
     return;
   } catch (const InputError&) {  // not such a scene
   }
   Scene scene = world.scene();
   scene.physics.precision = Precision::f64;
   scene.physics.steps_per_second.reset();
-  leave_out_guards(scene.physics);
+  disable_guards(scene.physics);
   const RunState state = world.state();
   try {
     for (const int parts : {8, 4}) {
       scene.physics.time_step = world.scene().physics.time_step / parts;
       runs_.push_back({std::make_unique<World>(scene, world.options(), &state), parts});
     }
-    facts_.name = "the same in double, in steps of 1/8";
+    view_.name = "the same in double, in steps of 1/8";
   } catch (const std::exception& error) {  // most likely no memory for two more worlds
     runs_.clear();
-    facts_.lack = error.what();
+    view_.unavailable_reason = error.what();
   }
 }
 
@@ -120,13 +120,13 @@ void LiveReference::fit(Run& run, double dt) {
   Change change;
   change.step = run.world->steps();
   change.time_step = dt / run.parts;
-  run.world = changed_world(*run.world, change, run.world->options());
+  run.world = world_after_change(*run.world, change, run.world->options());
 }
 
-bool LiveReference::go_ahead(double dt, double milliseconds) {
-  if (!facts_.known()) return true;
+bool LiveReference::advance_to_next_step(double dt, double milliseconds) {
+  if (!view_.known()) return true;
   const Deadline slice(milliseconds);
-  if (!looked_) compare();
+  if (!states_known_) compare();
   if (exact_) {
     constexpr int parts = 16;
     const double target = time_ + dt;
@@ -147,27 +147,27 @@ bool LiveReference::go_ahead(double dt, double milliseconds) {
     }
   } catch (const std::exception& error) {  // no memory for what they grew to
     runs_.clear();
-    facts_.lack = error.what();
+    view_.unavailable_reason = error.what();
   }
   return true;
 }
 
 void LiveReference::stepped(double dt) {
-  if (facts_.name.empty()) return;
+  if (view_.name.empty()) return;
   ++steps_;
   time_ += dt;
   for (Run& run : runs_) run.done = 0;
-  looked_ = false;
+  states_known_ = false;
   ++version_;
 }
 
 /// Takes what the reference has of this state, before it goes on.
 void LiveReference::compare() {
-  looked_ = true;
-  if (exact_) truth_ = exact_->bodies();
+  states_known_ = true;
+  if (exact_) reference_state_ = exact_->bodies();
   if (!runs_.empty()) {
-    truth_ = runs_[0].world->bodies();
-    neighbour_ = runs_[1].world->bodies();
+    reference_state_ = runs_[0].world->bodies();
+    coarser_state_ = runs_[1].world->bodies();
   }
 }
 
@@ -175,48 +175,49 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   follow(world, generation);
   std::vector<GhostInstance> ghosts;
   std::vector<float> errors;
-  if (facts_.known() && !looked_) compare();
-  if (facts_.known() && exact_) {
+  if (view_.known() && !states_known_) compare();
+  if (view_.known() && exact_) {
     const double collisions = 2.0 * static_cast<double>(exact_->counts().pairs) /
                               static_cast<double>(std::max<std::size_t>(world.initial().size(), 1));
     if (exact_->zeno_point() && exact_->time() < time_)
-      facts_.lack = exact_->zeno_line();
+      view_.unavailable_reason = exact_->zeno_line();
     else if (collisions > 20)
-      facts_.lack = "after 20 collisions of each sphere rounding decides";
+      view_.unavailable_reason = "after 20 collisions of each sphere rounding decides";
   }
-  if (!facts_.known()) {
+  if (!view_.known()) {
     world.publisher().set_errors({});
     return ghosts;
   }
   const BodyStates now = world.bodies();
   const std::vector<double>& radius = world.initial().radius;
   const std::size_t count = radius.size();
-  double sum = 0, doubts = 0;
-  std::vector<float> doubt_in_radii;
-  facts_.max = 0;
+  double sum = 0, error_estimate_sum = 0;
+  std::vector<float> error_estimate_in_radii;
+  view_.max = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3d off = truth_.position[i] - now.position[i];
+    const Vector3d off = reference_state_.position[i] - now.position[i];
     double error = off.norm();
     if (!(error < 1e30)) error = 1e30;  // what is not finite is as wrong as can be
-    const double doubt = exact_ ? 0 : (truth_.position[i] - neighbour_.position[i]).norm();
+    const double error_estimate =
+        exact_ ? 0 : (reference_state_.position[i] - coarser_state_.position[i]).norm();
     GhostInstance ghost{};
     for (int k = 0; k < 3; ++k) {
       ghost.body[k] = static_cast<float>(now.position[i][k]);
       ghost.offset[k] = static_cast<float>(off[k]);
     }
     ghost.radius = static_cast<float>(radius[i]);
-    ghost.opacity = static_cast<float>(1 - smooth_step(0.25, 1, doubt / radius[i]));
+    ghost.opacity = static_cast<float>(1 - smooth_step(0.25, 1, error_estimate / radius[i]));
     ghosts.push_back(ghost);
     errors.push_back(static_cast<float>(error));
-    doubt_in_radii.push_back(static_cast<float>(doubt / radius[i]));
+    error_estimate_in_radii.push_back(static_cast<float>(error_estimate / radius[i]));
     sum += error * error;
-    doubts += doubt * doubt;
-    facts_.max = std::max(facts_.max, error);
+    error_estimate_sum += error_estimate * error_estimate;
+    view_.max = std::max(view_.max, error);
   }
-  facts_.rms = count ? std::sqrt(sum / static_cast<double>(count)) : 0;
-  facts_.doubt = count ? std::sqrt(doubts / static_cast<double>(count)) : 0;
-  if (quantile(doubt_in_radii, 0.5) > 1) {
-    facts_.lack = "its own error is beyond a radius, as that of any reference would be";
+  view_.rms = count ? std::sqrt(sum / static_cast<double>(count)) : 0;
+  view_.error_estimate = count ? std::sqrt(error_estimate_sum / static_cast<double>(count)) : 0;
+  if (quantile(error_estimate_in_radii, 0.5) > 1) {
+    view_.unavailable_reason = "its own error is beyond a radius, as that of any reference would be";
     world.publisher().set_errors({});
     return {};
   }

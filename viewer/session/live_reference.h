@@ -20,25 +20,25 @@
 #include "sim_cuda/publish/publish.h"
 #include "sim_cuda/reference/hard_spheres.h"
 #include "sim_cuda/world.h"
-#include "ui/reference_facts.h"
+#include "ui/reference_view.h"
 
 namespace collidoscope {
 
 /// What a run is asked, as text: all that decides the motion but the numerical settings.
-std::string problem_of(const World& world);
+std::string problem_fingerprint(const World& world);
 
 class LiveReference {
  public:
-  static constexpr std::int64_t most_bodies = 50'000;  ///< they are compared on the host
+  static constexpr std::int64_t max_bodies = 50'000;  ///< they are compared on the host
   /// Why a scene can have none, or empty.
-  static std::string lack_of(std::int64_t bodies);
+  static std::string unavailable_reason(std::int64_t bodies);
 
   /// Makes it speak of the state that `world` is in; `generation` changes whenever it is another World.
   void follow(World& world, int generation);
   /// Goes on, for about so many milliseconds and at least a step of its own, to where a step of `dt` leads
   /// the run. Returns whether it is there: the run waits for it. Where there is no reference, nothing needs
   /// to wait.
-  bool go_ahead(double dt, double milliseconds);
+  bool advance_to_next_step(double dt, double milliseconds);
   /// The run has made the step.
   void stepped(double dt);
   void forget();
@@ -47,7 +47,7 @@ class LiveReference {
   /// order of ids; none where the reference knows nothing. Gives the errors to the world
   /// (Publisher::set_errors).
   std::vector<GhostInstance> ghosts(World& world, int generation);
-  const ReferenceFacts& facts() const { return facts_; }
+  const ReferenceView& view() const { return view_; }
   /// Another one says that ghosts() are others for the same state, too.
   int version() const { return version_; }
 
@@ -66,10 +66,10 @@ class LiveReference {
   std::int64_t steps_ = 0;  // of the run
   double time_ = 0;         // s, since the beginning
   std::unique_ptr<HardSpheres> exact_;
-  std::vector<Run> runs_;         // the finer first
-  BodyStates truth_, neighbour_;  // of the state; neighbour: of the second run
-  bool looked_ = false;           // truth_ is of that state
-  ReferenceFacts facts_;
+  std::vector<Run> runs_;                       // the finer first
+  BodyStates reference_state_, coarser_state_;  // of the state; coarser: of the second run
+  bool states_known_ = false;                   // reference_state_ is of that state
+  ReferenceView view_;
   int version_ = 0;
 };
 

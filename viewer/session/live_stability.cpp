@@ -13,52 +13,53 @@
 namespace collidoscope {
 namespace {
 
-std::string name_of(const TrialSetting& setting) {
-  return fmt::format("{} {}", name_of(solver_names, setting.solver),
-                     name_of(precision_names, setting.precision));
+std::string name_of(const TestConfiguration& configuration) {
+  return fmt::format("{} {}", name_of(solver_names, configuration.solver),
+                     name_of(precision_names, configuration.precision));
 }
 
-HardMark mark_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::passed:
-      return HardMark::passed;
-    case Verdict::failed:
-      return HardMark::failed;
-    case Verdict::declared_limit:
-      return HardMark::declared_limit;
-    case Verdict::not_applicable:
+TestStatus status_of(TestOutcome outcome) {
+  switch (outcome) {
+    case TestOutcome::passed:
+      return TestStatus::passed;
+    case TestOutcome::failed:
+      return TestStatus::failed;
+    case TestOutcome::expected_failure:
+      return TestStatus::expected_failure;
+    case TestOutcome::not_applicable:
       break;
   }
-  return HardMark::not_applicable;
+  return TestStatus::not_applicable;
 }
 
-HardTrialFacts marked(const TrialSetting& setting, HardMark mark) {
-  HardTrialFacts facts;
-  facts.solver = setting.solver;
-  facts.precision = setting.precision;
-  facts.mark = mark;
-  return facts;
+TestRunView with_status(const TestConfiguration& configuration, TestStatus status) {
+  TestRunView view;
+  view.solver = configuration.solver;
+  view.precision = configuration.precision;
+  view.status = status;
+  return view;
 }
 
-HardTrialFacts facts_of(const HardCase& one, const TrialSetting& setting, const TrialResult& result) {
-  HardTrialFacts facts = marked(setting, mark_of(result.verdict));
-  facts.progress = 1;
-  facts.why = result.why;
-  facts.failure = result.failure;
-  facts.steps = result.steps;
-  facts.seconds = result.seconds;
-  for (std::size_t k = 0; k < result.terms.size(); ++k) {
-    const TermResult& known = result.terms[k];
-    const Term& term = one.criterion.holds[k];
+TestRunView view_of(const HardCase& hard_case, const TestConfiguration& configuration,
+                    const TestResult& result) {
+  TestRunView view = with_status(configuration, status_of(result.outcome));
+  view.progress = 1;
+  view.why = result.why;
+  view.failure = result.failure;
+  view.steps = result.steps;
+  view.seconds = result.seconds;
+  for (std::size_t k = 0; k < result.assertions.size(); ++k) {
+    const AssertionResult& known = result.assertions[k];
+    const Assertion& assertion = hard_case.criterion.assertions[k];
     if (known.measured)
-      facts.terms.push_back(
-          {text_of(term), text_of(term.quantity, known.value), known.held, known.state, known.body});
+      view.assertions.push_back({text_of(assertion), text_of(assertion.quantity, known.value), known.passed,
+                                 known.state, known.body});
   }
-  if (result.failed_term) {
-    facts.failed_state = result.terms[*result.failed_term].state;
-    facts.body = result.terms[*result.failed_term].body;
+  if (result.failed_assertion) {
+    view.failed_state = result.assertions[*result.failed_assertion].state;
+    view.body = result.assertions[*result.failed_assertion].body;
   }
-  return facts;
+  return view;
 }
 
 }  // namespace
@@ -68,91 +69,93 @@ void LiveStability::read() {
   try {
     cases_ = read_hard_cases(folder_.empty() ? asset("scenes/hard").string() : folder_);
   } catch (const InputError& error) {
-    facts_.lack = error.lines()[0];
+    view_.unavailable_reason = error.lines()[0];
   }
 }
 
 void LiveStability::begin_anew(ExecutorKind executor) {
   executor_ = executor;
   queue_.clear();
-  trial_.reset();
+  test_run_.reset();
   opening_.reset();
-  settings_.clear();
-  facts_.cases.clear();
-  facts_.executor = executor == ExecutorKind::cuda ? "CUDA" : "the CPU";
-  for (const HardCase& one : cases_) {
-    HardCaseFacts& facts = facts_.cases.emplace_back();
-    facts.name = one.name;
-    facts.what = one.criterion.what;
-    facts.group = one.criterion.group;
-    facts.refused = !one.criterion.refused.empty();
-    settings_.push_back(trials_of(one, executor));
-    for (const TrialSetting& setting : settings_.back())
-      facts.trials.push_back(marked(setting, HardMark::not_run));
+  configurations_.clear();
+  view_.cases.clear();
+  view_.executor = executor == ExecutorKind::cuda ? "CUDA" : "the CPU";
+  for (const HardCase& hard_case : cases_) {
+    HardCaseView& view = view_.cases.emplace_back();
+    view.name = hard_case.name;
+    view.what = hard_case.criterion.what;
+    view.group = hard_case.criterion.group;
+    view.refused = !hard_case.criterion.refused.empty();
+    configurations_.push_back(test_configurations(hard_case, executor));
+    for (const TestConfiguration& configuration : configurations_.back())
+      view.test_runs.push_back(with_status(configuration, TestStatus::not_run));
   }
 }
 
-void LiveStability::follow(const World& world, HardCasesWishes& wishes) {
+void LiveStability::follow(const World& world, HardCasesRequests& requests) {
   if (!read_) read();
   const ExecutorKind executor = world.info().on_gpu ? ExecutorKind::cuda : ExecutorKind::cpu;
   if (executor != executor_) begin_anew(executor);
-  if (std::exchange(wishes.stop, false)) stop();
-  if (std::exchange(wishes.run_all, false)) {
-    const bool again = std::ranges::all_of(
-        facts_.cases, [](const auto& one) { return std::ranges::all_of(one.trials, &HardTrialFacts::over); });
-    for (std::size_t one = 0; one < cases_.size(); ++one) enqueue(one, again);
+  if (std::exchange(requests.stop, false)) stop();
+  if (std::exchange(requests.run_all, false)) {
+    const bool again = std::ranges::all_of(view_.cases, [](const auto& hard_case) {
+      return std::ranges::all_of(hard_case.test_runs, &TestRunView::is_finished);
+    });
+    for (std::size_t hard_case = 0; hard_case < cases_.size(); ++hard_case) enqueue(hard_case, again);
   }
-  if (std::exchange(wishes.run_selected, false))
-    for (std::size_t one = 0; one < cases_.size(); ++one)
-      if (cases_[one].name == wishes.selected) enqueue(one, true);
-  if (const auto wish = std::exchange(wishes.open, std::nullopt)) open(*wish);
+  if (std::exchange(requests.run_selected, false))
+    for (std::size_t hard_case = 0; hard_case < cases_.size(); ++hard_case)
+      if (cases_[hard_case].name == requests.selected) enqueue(hard_case, true);
+  if (const auto request = std::exchange(requests.open, std::nullopt)) open(*request);
 }
 
-void LiveStability::enqueue(std::size_t one, bool again) {
-  for (std::size_t k = 0; k < settings_[one].size(); ++k) {
-    HardTrialFacts& facts = facts_at({one, k});
-    const bool under_way = facts.mark == HardMark::waiting || facts.mark == HardMark::running;
-    if (under_way || (facts.over() && !again)) continue;
-    facts = marked(settings_[one][k], HardMark::waiting);
-    queue_.push_back({one, k});
+void LiveStability::enqueue(std::size_t hard_case, bool again) {
+  for (std::size_t k = 0; k < configurations_[hard_case].size(); ++k) {
+    TestRunView& view = view_at({hard_case, k});
+    const bool in_progress = view.status == TestStatus::waiting || view.status == TestStatus::running;
+    if (in_progress || (view.is_finished() && !again)) continue;
+    view = with_status(configurations_[hard_case][k], TestStatus::waiting);
+    queue_.push_back({hard_case, k});
   }
 }
 
 void LiveStability::stop() {
   for (const Place& place : queue_) {
-    facts_at(place).mark = HardMark::not_run;
-    facts_at(place).progress = 0;
+    view_at(place).status = TestStatus::not_run;
+    view_at(place).progress = 0;
   }
   queue_.clear();
-  trial_.reset();
+  test_run_.reset();
   opening_.reset();
 }
 
-void LiveStability::open(const HardCasesWishes::Opening& wish) {
-  const HardCase& one = cases_.at(wish.which);
+void LiveStability::open(const HardCasesRequests::Opening& request) {
+  const HardCase& hard_case = cases_.at(request.which);
   opening_.reset();
-  if (!one.criterion.refused.empty()) return;
-  const std::vector<ExecutorKind>& executors = one.criterion.executors;
+  if (!hard_case.criterion.refused.empty()) return;
+  const std::vector<ExecutorKind>& executors = hard_case.criterion.executors;
   if (!executors.empty() && std::ranges::find(executors, executor_) == executors.end())
-    throw InputError(fmt::format("the hard case {} is not for {}", one.name, facts_.executor));
-  TrialSetting setting{one.scene.physics.solver, one.scene.physics.precision, executor_};
+    throw InputError(fmt::format("the hard case {} is not for {}", hard_case.name, view_.executor));
+  TestConfiguration configuration{hard_case.scene.physics.solver, hard_case.scene.physics.precision,
+                                  executor_};
   std::int64_t target = 0;
-  if (wish.trial) {
-    setting = settings_[wish.which].at(*wish.trial);
-    target = facts_at({wish.which, *wish.trial}).failed_state.value_or(0);
+  if (request.test_run) {
+    configuration = configurations_[request.which].at(*request.test_run);
+    target = view_at({request.which, *request.test_run}).failed_state.value_or(0);
   }
-  TrialStart start = start_of(one, setting, options_);
+  TestSetup start = make_test_setup(hard_case, configuration, options_);
   LiveWorld::Script script;
   if (!start.changes.empty()) script = {start.scene, start.options, start.changes};
   opening_.emplace(
-      Opening{{wish.which, wish.trial.value_or(0)},
-              wish.trial.has_value(),
-              HardRun(std::move(start.scene), std::move(start.options), std::move(start.changes)),
+      Opening{{request.which, request.test_run.value_or(0)},
+              request.test_run.has_value(),
+              HardCaseSimulation(std::move(start.scene), std::move(start.options), std::move(start.changes)),
               std::move(script),
               target});
 }
 
-void LiveStability::go_on(double milliseconds) {
+void LiveStability::advance(double milliseconds) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   const auto left = [&] {
@@ -166,19 +169,19 @@ void LiveStability::go_on(double milliseconds) {
     }
   while (!queue_.empty() && left() > 0) {
     const Place place = queue_.front();
-    const HardCase& one = cases_[place.one];
-    const TrialSetting& setting = settings_[place.one][place.trial];
-    if (!trial_) {
+    const HardCase& hard_case = cases_[place.hard_case];
+    const TestConfiguration& configuration = configurations_[place.hard_case][place.test_run];
+    if (!test_run_) {
       RunOptions options = options_;
       options.cpu_threads = 1;  // most cases are small
-      trial_.emplace(one, setting, options);
+      test_run_.emplace(hard_case, configuration, options);
     }
-    if (trial_->go_on(left())) {
-      facts_at(place).mark = HardMark::running;
-      facts_at(place).progress = trial_->progress();
+    if (test_run_->advance(left())) {
+      view_at(place).status = TestStatus::running;
+      view_at(place).progress = test_run_->progress();
     } else {
-      facts_at(place) = facts_of(one, setting, trial_->result());
-      trial_.reset();
+      view_at(place) = view_of(hard_case, configuration, test_run_->result());
+      test_run_.reset();
       queue_.pop_front();
     }
   }
@@ -188,38 +191,40 @@ std::optional<LiveStability::Opened> LiveStability::take_opened() {
   if (!opening_ || opening_->run.state() < opening_->target) return std::nullopt;
   Opening opening = std::move(*opening_);
   opening_.reset();
-  const HardCaseFacts& one = facts_.cases[opening.place.one];
-  Opened opened{std::move(opening.run.world()), std::move(opening.script), false, std::nullopt, one.name};
-  if (opening.any_trial) {
-    const HardTrialFacts& trial = facts_at(opening.place);
-    opened.failed = trial.failed_state.has_value();
-    opened.body = trial.body;
-    opened.notice += ", " + name_of(settings_[opening.place.one][opening.place.trial]);
-    if (!trial.failure.empty()) opened.notice += ": " + trial.failure;
+  const HardCaseView& hard_case = view_.cases[opening.place.hard_case];
+  Opened opened{std::move(opening.run.world()), std::move(opening.script), false, std::nullopt,
+                hard_case.name};
+  if (opening.of_test_run) {
+    const TestRunView& test_run = view_at(opening.place);
+    opened.failed = test_run.failed_state.has_value();
+    opened.body = test_run.body;
+    opened.notice += ", " + name_of(configurations_[opening.place.hard_case][opening.place.test_run]);
+    if (!test_run.failure.empty()) opened.notice += ": " + test_run.failure;
   }
-  facts_.shown = opening.place.one;
-  facts_.shown_trial = opening.any_trial ? std::optional(opening.place.trial) : std::nullopt;
+  view_.shown = opening.place.hard_case;
+  view_.shown_test_run = opening.of_test_run ? std::optional(opening.place.test_run) : std::nullopt;
   return opened;
 }
 
-void LiveStability::shows_case(const std::string& before) { facts_.before = before; }
+void LiveStability::case_shown(const std::string& before) { view_.scene_before = before; }
 
-void LiveStability::shows_none() {
-  facts_.before.clear();
-  facts_.shown.reset();
-  facts_.shown_trial.reset();
+void LiveStability::no_case_shown() {
+  view_.scene_before.clear();
+  view_.shown.reset();
+  view_.shown_test_run.reset();
 }
 
-const HardCasesFacts& LiveStability::facts() {
-  facts_.doing.clear();
+const HardCasesView& LiveStability::view() {
+  view_.current_task.clear();
   if (!queue_.empty()) {
     const Place& place = queue_.front();
-    facts_.doing = fmt::format("{}, {}", cases_[place.one].name, name_of(settings_[place.one][place.trial]));
+    view_.current_task = fmt::format("{}, {}", cases_[place.hard_case].name,
+                                     name_of(configurations_[place.hard_case][place.test_run]));
   }
-  facts_.opening.reset();
+  view_.opening.reset();
   if (opening_ && opening_->target > 0)
-    facts_.opening = static_cast<double>(opening_->run.state()) / static_cast<double>(opening_->target);
-  return facts_;
+    view_.opening = static_cast<double>(opening_->run.state()) / static_cast<double>(opening_->target);
+  return view_;
 }
 
 }  // namespace collidoscope

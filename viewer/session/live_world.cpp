@@ -9,15 +9,15 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
-#include "sim_cuda/stability/hard_run.h"
+#include "sim_cuda/stability/hard_case_simulation.h"
 
 namespace collidoscope {
 namespace {
 
 /// Guards decide no state, so they are no change of it.
-Settings without_guards(Settings wish) {
-  if (wish.effects) wish.effects->guards = wish.guards.has_value();
-  return wish;
+Settings without_guards(Settings request) {
+  if (request.effects) request.effects->guards = request.guards.has_value();
+  return request;
 }
 
 using Clock = std::chrono::steady_clock;
@@ -29,7 +29,7 @@ bool is_recorded(const Change& change) {
 
 /// What is to be said where the run begins again; `steps` were made of the one before.
 std::string restart_notice(const Change& change, const Scene& before, const World& next, std::int64_t steps) {
-  if (!begins_another_run(before, next.scene())) return "";
+  if (!requires_restart(before, next.scene())) return "";
   const bool new_bodies = change.radius_max || change.seed || change.variant;
   const std::optional<Box> old_box = box_in_effect(before), box = next.initial().box;
   if (!new_bodies && box && old_box && box->max != old_box->max)
@@ -61,34 +61,34 @@ Settings settings_of(const World& world) {
   s.substeps = scene.physics.substeps;
   s.iterations = scene.physics.iterations;
   s.effects = scene.physics.effects;
-  if (world.effects().guards) s.guards = scene.physics.guards.value_or(Guards{}).on_failure;
+  if (world.effects().guards) s.guards = scene.physics.guards.value_or(ValidationSettings{}).on_failure;
   s.executor = options.executor;
   s.shape = options.shape;
   s.broad_phase = options.broad_phase;
   return s;
 }
 
-Change change_between(const Settings& now, const Settings& wish) {
+Change change_between(const Settings& now, const Settings& request) {
   Change change;
   const auto set = [](auto& member, const auto& before, const auto& after) {
     if (before != after) member = after;
   };
-  set(change.bodies, now.bodies, wish.bodies);
-  set(change.radius_max, now.radius_max, wish.radius_max);
-  set(change.seed, now.seed, wish.seed);
-  set(change.variant, now.variant, wish.variant);
-  set(change.time_step, now.time_step, wish.time_step);
-  set(change.restitution, now.restitution, wish.restitution);
-  set(change.integrator, now.integrator, wish.integrator);
-  set(change.rotation_update, now.rotation_update, wish.rotation_update);
-  set(change.precision, now.precision, wish.precision);
-  set(change.solver, now.solver, wish.solver);
-  if (now.substeps != wish.substeps) change.substeps.emplace(wish.substeps);
-  set(change.iterations, now.iterations, wish.iterations);
-  if (now.effects != wish.effects) change.effects.emplace(wish.effects);
-  set(change.blocks, now.shape.blocks, wish.shape.blocks);
-  set(change.threads, now.shape.threads, wish.shape.threads);
-  set(change.broad_phase, now.broad_phase, wish.broad_phase);
+  set(change.bodies, now.bodies, request.bodies);
+  set(change.radius_max, now.radius_max, request.radius_max);
+  set(change.seed, now.seed, request.seed);
+  set(change.variant, now.variant, request.variant);
+  set(change.time_step, now.time_step, request.time_step);
+  set(change.restitution, now.restitution, request.restitution);
+  set(change.integrator, now.integrator, request.integrator);
+  set(change.rotation_update, now.rotation_update, request.rotation_update);
+  set(change.precision, now.precision, request.precision);
+  set(change.solver, now.solver, request.solver);
+  if (now.substeps != request.substeps) change.substeps.emplace(request.substeps);
+  set(change.iterations, now.iterations, request.iterations);
+  if (now.effects != request.effects) change.effects.emplace(request.effects);
+  set(change.blocks, now.shape.blocks, request.shape.blocks);
+  set(change.threads, now.shape.threads, request.shape.threads);
+  set(change.broad_phase, now.broad_phase, request.broad_phase);
   return change;
 }
 
@@ -123,7 +123,7 @@ void LiveWorld::begin_record() {
   changes_.clear();
   pending_.reset();
   history_.clear();
-  last_ids_.clear();
+  last_id_map_.clear();
   edited_ = false;
 }
 
@@ -134,18 +134,18 @@ void LiveWorld::replace(std::unique_ptr<World> world) {
   level_sizes_step_ = -1;
 }
 
-std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool goes_on) {
-  if (wish.guards != settings().guards) set_guards(wish.guards);
-  const Settings others = without_guards(wish), now = settings();
+std::string LiveWorld::apply(const Settings& request, const RunState* rest, bool extends_last) {
+  if (request.guards != settings().guards) set_guards(request.guards);
+  const Settings others = without_guards(request), now = settings();
   if (others == now) return "";
   const Clock::time_point start = Clock::now();
   const bool other_executor = others.executor != now.executor;
   Change change = change_between(now, others);
   change.step = world_->steps();
-  if (change.shape_alone() && !other_executor) {
-    changed_world(*world_, change, world_->options());
+  if (change.only_launch_shape() && !other_executor) {
+    world_after_change(*world_, change, world_->options());
     if (!pending_) {
-      record_change(changes_, change, goes_on);
+      record_change(changes_, change, extends_last);
       return "";
     }
     Change& last = changes_.back();
@@ -155,9 +155,9 @@ std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool go
   }
   Scene after = world_->scene();
   RunOptions unused;
-  BodyIds ids = make_change(change, after, unused);
+  BodyIdMap ids = apply_change(change, after, unused);
   const bool first = !pending_;
-  if (first) pending_.emplace(Pending{run_at(*world_), now, edited_});
+  if (first) pending_.emplace(Pending{save_run(*world_), now, edited_});
   if (!first) {
     change = change_between(pending_->settings, others);
     change.step = world_->steps();
@@ -166,12 +166,12 @@ std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool go
   options.executor = others.executor;
   std::unique_ptr<World> next;
   try {
-    next = changed_world(pending_->run, change, options, rest);
+    next = world_after_change(pending_->run, change, options, rest);
   } catch (...) {
     if (first) pending_.reset();
     throw;
   }
-  last_ids_ = std::move(ids);
+  last_id_map_ = std::move(ids);
   if (!first) {
     edited_ = pending_->edited;
     changes_.pop_back();
@@ -181,32 +181,32 @@ std::string LiveWorld::apply(const Settings& wish, const RunState* rest, bool go
     changes_.push_back(change);
   else
     pending_.reset();
-  const std::string said = restart_notice(change, before, *next, world_->steps());
+  const std::string notice = restart_notice(change, before, *next, world_->steps());
   made(change, before, std::move(next));
   change_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
-  return said;
+  return notice;
 }
 
-std::optional<Scene> LiveWorld::next_run(const Settings& wish) const {
+std::optional<Scene> LiveWorld::scene_after_restart(const Settings& request) const {
   Settings now = settings();
-  now.guards = wish.guards;
-  Change change = change_between(without_guards(now), without_guards(wish));
+  now.guards = request.guards;
+  Change change = change_between(without_guards(now), without_guards(request));
   change.step = world_->steps();
-  std::optional<Scene> next = collidoscope::next_run(*world_, change);
+  std::optional<Scene> next = collidoscope::scene_after_restart(*world_, change);
   return next ? std::optional(valid(*next)) : std::nullopt;
 }
 
 /// They decide no state, so they are no change.
-void LiveWorld::set_guards(std::optional<OnFailure> wish) {
+void LiveWorld::set_guards(std::optional<OnFailure> request) {
   Scene scene = world_->scene();
   Physics& physics = scene.physics;
   if (physics.guards) guards_ = *physics.guards;
-  if (wish) {
+  if (request) {
     physics.guards = guards_;
-    physics.guards->on_failure = *wish;
+    physics.guards->on_failure = *request;
     if (physics.effects) physics.effects->guards = true;
   } else {
-    leave_out_guards(physics);
+    disable_guards(physics);
   }
   const RunState state = world_->state();
   replace(std::make_unique<World>(scene, RunOptions(world_->options()), &state));
@@ -224,20 +224,20 @@ std::string LiveWorld::apply(Change change) {
   const Scene before = world_->scene();
   Scene after = before;
   RunOptions unused;
-  BodyIds ids = make_change(change, after, unused);
-  std::unique_ptr<World> next = changed_world(*world_, change, world_->options());
-  last_ids_ = std::move(ids);
+  BodyIdMap ids = apply_change(change, after, unused);
+  std::unique_ptr<World> next = world_after_change(*world_, change, world_->options());
+  last_id_map_ = std::move(ids);
   pending_.reset();
   if (is_recorded(change)) record_change(changes_, change);
   if (next == nullptr) return "";  // (B, T) alone
-  const std::string said = restart_notice(change, before, *next, world_->steps());
+  const std::string notice = restart_notice(change, before, *next, world_->steps());
   made(change, before, std::move(next));
-  return said;
+  return notice;
 }
 
 /// `next` is the run after `change`, which is recorded, of a run with the scene `before`.
 void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<World> next) {
-  if (begins_another_run(before, next->scene())) {
+  if (requires_restart(before, next->scene())) {
     history_.clear();
     edited_ = false;
     record_restart(changes_);
@@ -258,7 +258,7 @@ void LiveWorld::collapse() {
   first.guards = now.guards;
   Change change = change_between(without_guards(first), without_guards(now));
   if (!generated()) change.bodies.reset();  // it follows from the lists
-  std::optional<Change> one = one_change(first_scene_, world_->scene(), std::move(change));
+  std::optional<Change> one = merged_change(first_scene_, world_->scene(), std::move(change));
   if (!one) return;
   changes_.clear();
   // A change of state 0 begins anew where a snapshot was loaded.
@@ -295,7 +295,7 @@ void LiveWorld::play_script() {
 
 void LiveWorld::restart(const RunState* rest) {
   if (scripted()) {
-    HardRun again(script_.scene, script_.options, script_.changes);
+    HardCaseSimulation again(script_.scene, script_.options, script_.changes);
     return open(std::move(again.world()), Script(script_));
   }
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), rest));
@@ -304,17 +304,17 @@ void LiveWorld::restart(const RunState* rest) {
   if (began_ > 0 && changes_.empty()) changes_.emplace_back();
   collapse();
   history_.clear();
-  last_ids_.clear();
+  last_id_map_.clear();
   edited_ = false;
 }
 
 bool LiveWorld::step(bool measured) {
   const std::int64_t before = world_->steps();
-  const std::vector<std::uint32_t> frozen = world_->guards().frozen();
+  const std::vector<std::uint32_t> frozen = world_->validation().frozen();
   world_->step();
   stats_known_ = hash_known_ = false;
   pending_.reset();
-  if (world_->guards().frozen().size() > frozen.size()) record_frozen(frozen, before);
+  if (world_->validation().frozen().size() > frozen.size()) record_frozen(frozen, before);
   if (world_->steps() == before) return false;  // a guard has paused it
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
@@ -325,7 +325,7 @@ bool LiveWorld::step(bool measured) {
 void LiveWorld::record_frozen(const std::vector<std::uint32_t>& known, std::int64_t step) {
   Change change;
   change.step = step;
-  for (const std::uint32_t body : world_->guards().frozen())
+  for (const std::uint32_t body : world_->validation().frozen())
     if (!std::ranges::binary_search(known, body)) change.freeze.push_back(body);
   record_change(changes_, std::move(change));
   edited_ = true;

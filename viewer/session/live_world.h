@@ -41,19 +41,19 @@ class LiveWorld {
   /// Changes whenever world() is another one: whoever keeps what belongs to it asks this.
   int generation() const { return generation_; }
 
-  /// Brings settings() to `wish`. (B, T) change in place; what the result does not depend on, time step,
-  /// restitution, precision and N go to a new World that adopts this one; what changes the box, the radii or
-  /// the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
+  /// Brings settings() to `request`. (B, T) change in place; what the result does not depend on, time step,
+  /// restitution, precision and N go to a new World that takes over its state; what changes the box, the
+  /// radii or the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
   /// MachineError, and changes nothing then.
-  /// `rest`: the state that a scene which settles begins in, where next_run() says so. `goes_on`: with the
-  /// slider that the last change came from, which is still held.
-  std::string apply(const Settings& wish, const RunState* rest = nullptr, bool goes_on = false);
+  /// `rest`: the state that a scene which settles begins in, where scene_after_restart() says so.
+  /// `extends_last`: with the slider that the last change came from, which is still held.
+  std::string apply(const Settings& request, const RunState* rest = nullptr, bool extends_last = false);
   /// The scene that the same would begin anew with, if it does; valid. Throws InputError.
-  std::optional<Scene> next_run(const Settings& wish) const;
+  std::optional<Scene> scene_after_restart(const Settings& request) const;
   /// The same of any change; its step is the current one.
   std::string apply(Change change);
   /// What became of the bodies at the last change; empty: their ids are what they were.
-  const BodyIds& last_ids() const { return last_ids_; }
+  const BodyIdMap& last_id_map() const { return last_id_map_; }
   /// Another run in place of this one, at whatever state it is in, without history and with nothing changed.
   /// `script`: what it changes of itself on its way; it begins again with its first scene, not with the
   /// settings in effect.
@@ -97,7 +97,7 @@ class LiveWorld {
   /// The run before the last of `changes_`, which changed settings and nothing else. As long as no step was
   /// made, what changes more of them is made of that run: as if the last values were the only ones.
   struct Pending {
-    RunAt run;
+    SavedRun run;
     Settings settings;
     bool edited;
   };
@@ -107,7 +107,7 @@ class LiveWorld {
   void begin_record();
   void replace(std::unique_ptr<World> world);
   void play_script();
-  void set_guards(std::optional<OnFailure> wish);
+  void set_guards(std::optional<OnFailure> request);
 
   std::unique_ptr<World> world_;
   History history_;
@@ -117,8 +117,8 @@ class LiveWorld {
   Settings first_settings_;
   Script script_;
   std::size_t next_in_script_ = 0;
-  Guards guards_;  ///< limits of the scene that had some
-  BodyIds last_ids_;
+  ValidationSettings guards_;  ///< limits of the scene that had some
+  BodyIdMap last_id_map_;
   std::int64_t began_ = 0;  ///< the state that it was given, of a snapshot
   bool edited_ = false, stats_known_ = false, hash_known_ = false;
   StepStats stats_;
@@ -132,7 +132,7 @@ class LiveWorld {
 /// Adds the step that the World just made. `measured`: its stats at the state that it led to, or null.
 void record_step(World& world, const StepStats* measured, History& history);
 
-/// What leads from `now` to `wish`, but for the executor, which no run is told.
-Change change_between(const Settings& now, const Settings& wish);
+/// What leads from `now` to `request`, but for the executor, which no run is told.
+Change change_between(const Settings& now, const Settings& request);
 
 }  // namespace collidoscope

@@ -25,15 +25,31 @@ struct Switch {
   bool& value;
 };
 
-std::vector<Switch> switches(FrameLayers& layers, Folds& folds) {
-  return {{"spheres", layers.spheres},  {"boxes", layers.boxes},          {"contacts", layers.contacts},
-          {"grid", layers.grid},        {"walls", layers.walls},          {"joints", layers.joints},
-          {"ghosts", layers.ghosts},    {"errors", layers.errors},        {"left", folds.left},
-          {"right", folds.right},       {"bottom", folds.bottom},         {"run", folds.run},
-          {"settings", folds.settings}, {"layers", folds.layers},         {"camera", folds.camera},
-          {"tree", folds.tree},         {"effects", folds.effects},       {"timing", folds.timing},
-          {"numbers", folds.numbers},   {"inspector", folds.inspector},   {"convergence", folds.convergence},
-          {"accuracy", folds.accuracy}, {"hard_cases", folds.hard_cases}, {"breaks", folds.breaks}};
+std::vector<Switch> switches(FrameLayers& layers, PanelVisibility& visible_panels) {
+  return {{"spheres", layers.spheres},
+          {"boxes", layers.boxes},
+          {"contacts", layers.contacts},
+          {"grid", layers.grid},
+          {"walls", layers.walls},
+          {"joints", layers.joints},
+          {"ghosts", layers.ghosts},
+          {"errors", layers.errors},
+          {"left", visible_panels.left},
+          {"right", visible_panels.right},
+          {"bottom", visible_panels.bottom},
+          {"run", visible_panels.run},
+          {"settings", visible_panels.settings},
+          {"layers", visible_panels.layers},
+          {"camera", visible_panels.camera},
+          {"tree", visible_panels.tree},
+          {"effects", visible_panels.effects},
+          {"timing", visible_panels.timing},
+          {"numbers", visible_panels.numbers},
+          {"inspector", visible_panels.inspector},
+          {"convergence", visible_panels.convergence},
+          {"accuracy", visible_panels.accuracy},
+          {"hard_cases", visible_panels.hard_cases},
+          {"breaks", visible_panels.breaks}};
 }
 
 }  // namespace
@@ -47,7 +63,7 @@ std::string settings_path() {
 
 std::string settings_text(const Workspace& workspace) {
   FrameLayers layers = workspace.layers;
-  Folds folds = workspace.folds;
+  PanelVisibility visible_panels = workspace.visible_panels;
   Json document = {{"format", "collidoscope-settings"},
                    {"version", file_version},
                    {"theme", workspace.theme == Theme::light ? "light" : "dark"},
@@ -59,8 +75,8 @@ std::string settings_text(const Workspace& workspace) {
                    {"box_color", static_cast<int>(layers.box_color)},
                    {"levels_chosen", workspace.levels_chosen},
                    {"show_path", workspace.show_path}};
-  for (const Switch& one : switches(layers, folds)) document["shown"][one.name] = one.value;
-  for (const ConditionName& each : condition_names)
+  for (const Switch& one : switches(layers, visible_panels)) document["shown"][one.name] = one.value;
+  for (const BreakConditionName& each : break_condition_names)
     if (each.has_limit) document["break_limits"][each.name] = workspace.breaks.limit(each.condition);
   return document.dump(2) + '\n';
 }
@@ -97,10 +113,10 @@ std::string read_settings(const std::string& text, Workspace& workspace) {
     if (document.value(name, Json()).is_boolean()) value = document[name].get<bool>();
   const Json shown = document.value("shown", Json::object());
   if (shown.is_object())
-    for (const Switch& one : switches(workspace.layers, workspace.folds))
+    for (const Switch& one : switches(workspace.layers, workspace.visible_panels))
       if (shown.contains(one.name) && shown[one.name].is_boolean()) one.value = shown[one.name].get<bool>();
   const Json limits = document.value("break_limits", Json::object());
-  for (const ConditionName& each : condition_names) {
+  for (const BreakConditionName& each : break_condition_names) {
     if (!each.has_limit || !limits.contains(each.name)) continue;
     const Json& limit = limits[each.name];
     if (limit.is_number() && limit >= 0 && limit <= each.max_limit)

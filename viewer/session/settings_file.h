@@ -1,5 +1,5 @@
 #pragma once
-// What the viewer remembers from one time to the next: layers, folds, theme, size of text, speed. The run's
+// What the viewer remembers from one time to the next: layers, panels, theme, size of text, speed. The run's
 // own settings are the scene's and the command line's, and are not kept. Free functions.
 
 #include <string>

@@ -12,16 +12,16 @@ namespace collidoscope {
 
 class TreeInspector {
  public:
-  /// Brings facts() to the current state and to what the panel wishes for, where it is due, and meets those
-  /// wishes that select something; a leaf selects its body. `generation`: another one, another World.
+  /// Brings view() to the current state and to what the panel requests, where it is due, and meets those
+  /// requests that select something; a leaf selects its body. `generation`: another one, another World.
   void refresh(World& world, int generation, Workspace& workspace);
-  const TreeFacts* facts() const { return facts_ ? &*facts_ : nullptr; }
-  /// Changes whenever the facts do.
+  const TreePanelView* view() const { return view_ ? &*view_ : nullptr; }
+  /// Changes whenever the view does.
   int version() const { return version_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Of what the facts are; each part is asked for again when its key changes.
+  /// What the view shows; each part is asked for again when its key changes.
   struct State {
     int generation = -1;
     std::int64_t step = -1;
@@ -33,25 +33,25 @@ class TreeInspector {
     int first_level = 0, last_level = 0;
     friend bool operator==(const Table&, const Table&) = default;
   };
-  struct Spread {
+  struct HistogramKey {
     NodeMetric metric = NodeMetric::level;
     int first_level = -1, last_level = -1;
     float low = 0, high = 0;
-    friend bool operator==(const Spread&, const Spread&) = default;
+    friend bool operator==(const HistogramKey&, const HistogramKey&) = default;
   };
 
   bool due(const State& now, const Workspace& workspace) const;
   void measure(World& world, const State& now);
   void fill_table(World& world, Workspace& workspace);
-  void fill_spread(World& world, const FrameLayers& layers);
+  void fill_histogram(World& world, const FrameLayers& layers);
   void fill_node(World& world, Workspace& workspace);
   void fill_query(World& world, const Workspace& workspace);
 
-  std::optional<TreeFacts> facts_;
+  std::optional<TreePanelView> view_;
   int version_ = 0;
-  State state_, selected_in_;  ///< of the facts; of the selected node
+  State state_, selected_in_;  ///< of the view; of the selected node
   Table table_;
-  Spread spread_;
+  HistogramKey histogram_key_;
   Clock::time_point measured_at_;
 };
 

@@ -20,22 +20,22 @@ BoxInstance mark(const Box& box, std::size_t level, BoxMark kind) {
 }  // namespace
 
 std::vector<BoxInstance> tree_marks(const Workspace& workspace, const BodyReport* body,
-                                    const TreeFacts* facts) {
+                                    const TreePanelView* panel) {
   std::vector<BoxInstance> marks;
   const auto add = [&](const NodeReport& node, BoxMark kind) {
     marks.push_back(mark(node, static_cast<std::size_t>(node.level), kind));
   };
-  if (facts != nullptr && facts->node) {
-    for (std::size_t k = 0; k < facts->children.size(); ++k)
-      add(facts->children[k], k % 2 == 0 ? BoxMark::left : BoxMark::right);
-    add(*facts->node, BoxMark::node);  // broader than theirs, its lines show beside those that they share
+  if (panel != nullptr && panel->node) {
+    for (std::size_t k = 0; k < panel->children.size(); ++k)
+      add(panel->children[k], k % 2 == 0 ? BoxMark::left : BoxMark::right);
+    add(*panel->node, BoxMark::node);  // broader than theirs, its lines show beside those that they share
   }
   if (body == nullptr) return marks;
-  if (facts != nullptr && facts->queried == body->id) {
+  if (panel != nullptr && panel->queried == body->id) {
     const auto shown = std::clamp(static_cast<std::size_t>(std::max(workspace.tree.visit, 1.0)),
-                                  std::size_t{0}, facts->visited.size());
+                                  std::size_t{0}, panel->visited.size());
     for (std::size_t k = shown; k-- > 0;) {  // the last is on top
-      const auto& [node, met] = facts->visited[k];
+      const auto& [node, met] = panel->visited[k];
       add(node, met ? BoxMark::met : BoxMark::apart);
       if (k + 1 == shown) add(node, BoxMark::current);  // shines from under it
     }

@@ -10,8 +10,8 @@
 namespace collidoscope {
 
 /// Those that come first lie on top. Of a selected body its path to the root, or, where that is asked for,
-/// what its query has visited so far; of a selected node itself and its children. `body`, `facts`: or null.
+/// what its query has visited so far; of a selected node itself and its children. `body`, `panel`: or null.
 std::vector<BoxInstance> tree_marks(const Workspace& workspace, const BodyReport* body,
-                                    const TreeFacts* facts);
+                                    const TreePanelView* panel);
 
 }  // namespace collidoscope

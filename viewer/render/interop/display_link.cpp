@@ -7,20 +7,20 @@
 namespace collidoscope {
 namespace {
 
-DisplayPath best_path(const World& world, DisplayPath wish) {
+DisplayPath best_path(const World& world, DisplayPath request) {
   if (!world.info().on_gpu) return DisplayPath::upload;
-  return wish == DisplayPath::automatic ? DisplayPath::interop : wish;
+  return request == DisplayPath::automatic ? DisplayPath::interop : request;
 }
 
 }  // namespace
 
-DisplayLink::DisplayLink(const World& world, DisplayPath wish, Say say)
-    : path_(best_path(world, wish)), say_(std::move(say)) {
+DisplayLink::DisplayLink(const World& world, DisplayPath request, LogCallback log)
+    : path_(best_path(world, request)), log_(std::move(log)) {
   const WorldInfo info = world.info();
-  if (!info.on_gpu && (wish == DisplayPath::interop || wish == DisplayPath::copy))
+  if (!info.on_gpu && (request == DisplayPath::interop || request == DisplayPath::copy))
     step_down("the simulation runs on the CPU", DisplayPath::upload);
   // Plain memory is all that the CPU publishes into, and a GPU cannot write it.
-  if (info.on_gpu && wish == DisplayPath::upload)
+  if (info.on_gpu && request == DisplayPath::upload)
     step_down("the simulation runs on the GPU", DisplayPath::copy);
   if (path_ != DisplayPath::interop) return;
   try {
@@ -33,7 +33,7 @@ DisplayLink::DisplayLink(const World& world, DisplayPath wish, Say say)
 void DisplayLink::step_down(const std::string& why, DisplayPath to) {
   shared_.reset();
   path_ = to;
-  say_("display path: " + why + "; " + display_path_name(to) + " instead");
+  log_("display path: " + why + "; " + display_path_name(to) + " instead");
 }
 
 void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers) {

@@ -17,10 +17,10 @@ namespace collidoscope {
 /// Needs the GL context that was current when it was made. Keeps no reference to the World.
 class DisplayLink {
  public:
-  using Say = std::function<void(const std::string& line)>;
+  using LogCallback = std::function<void(const std::string& line)>;
 
-  /// A path that was wished for and fails is a step down like any other; `say` gets one line for each.
-  DisplayLink(const World& world, DisplayPath wish, Say say);
+  /// A path that was requested and fails is a step down like any other; `log` gets one line for each.
+  DisplayLink(const World& world, DisplayPath request, LogCallback log);
 
   DisplayPath path() const { return path_; }
   /// Publishes the current state's records of the layers that are on, and sets the buffers' counts.
@@ -32,7 +32,7 @@ class DisplayLink {
   void publish_uploaded(World& world, PublishTarget target, InstanceBuffers& buffers);
 
   DisplayPath path_;
-  Say say_;
+  LogCallback log_;
   std::unique_ptr<CudaGlBuffers> shared_;
   std::vector<std::byte> host_;  // what is uploaded
 };

@@ -7,7 +7,7 @@
 namespace collidoscope {
 
 enum class DisplayPath {
-  automatic,  ///< only as a wish: the first below that works
+  automatic,  ///< only as a request: the first below that works
   interop,    ///< CUDA writes into mapped GL buffers; nothing visits the host
   copy,       ///< CUDA writes into its own memory, which is copied to the host and uploaded
   upload      ///< the CPU writes plain memory, which is uploaded

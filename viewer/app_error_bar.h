@@ -1,0 +1,27 @@
+#pragma once
+// App::with_error_bar(), for the files that App is written in.
+
+#include <exception>
+
+#include "sim_cuda/core/cancellation.h"
+#include "viewer/app.h"
+#include "viewer/user_error_text.h"
+
+namespace collidoscope {
+
+template <class Action>
+bool App::with_error_bar(Action action, bool step) {
+  try {
+    action();
+    return true;
+  } catch (const Cancelled&) {
+    cancelled_ = true;
+  } catch (const std::exception& error) {
+    report_error(plain_text(error), step);
+  } catch (...) {
+    report_error("Internal error: no reason is known", step);
+  }
+  return false;
+}
+
+}  // namespace collidoscope

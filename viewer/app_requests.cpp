@@ -1,0 +1,216 @@
+// What panels and keys asked for since the last frame.
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "sim_cuda/core/whole_file.h"
+#include "sim_cuda/scene/box_collider.h"
+#include "sim_cuda/scene/scene_file.h"
+#include "viewer/app_error_bar.h"
+#include "viewer/render/image.h"
+#include "viewer/session/projectile.h"
+#include "viewer/unused_file_name.h"
+
+namespace collidoscope {
+
+void App::show_notice(const std::string& notice) {
+  workspace_.notice = notice;
+  notice_since_ = Clock::now();
+}
+
+void App::handle_requests(double seconds) {
+  if (!workspace_.notice.empty() && Clock::now() - notice_since_ > std::chrono::seconds(5))
+    workspace_.notice.clear();
+  if (std::exchange(workspace_.csv_requested, false)) with_error_bar([&] { export_history(true); });
+  if (std::exchange(workspace_.json_requested, false)) with_error_bar([&] { export_history(false); });
+  with_error_bar(
+      [&] { scene_.handle_request(std::exchange(workspace_.camera_request, CameraRequest::none), live_); });
+  with_error_bar([&] { apply_settings(seconds); });
+  if (std::exchange(workspace_.changes_file_requested, false)) with_error_bar([&] { export_changes(); });
+  if (std::exchange(workspace_.projectile_requested, false)) with_error_bar([&] { spawn_projectile(); });
+  if (std::exchange(workspace_.removal_requested, false)) with_error_bar([&] { remove_selected(); });
+  const bool pending = workspace_.settings != live_.settings();
+  if (workspace_.restart_requested && !pending) with_error_bar([&] { restart(seconds); });
+  if (!workspace_.restart_requested && !pending) settling_.reset();
+  if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
+    workspace_.selection.reset();
+  with_error_bar([&] { handle_stop_request(); });
+  with_error_bar([&] { follow_reference(); });
+  with_error_bar([&] { advance(seconds); }, true);
+  with_error_bar([&] { measure_effects(); });
+  with_error_bar([&] { measure_accuracy(seconds); });
+  with_error_bar([&] { follow_hard_cases(seconds); });
+}
+
+void App::measure_effects() {
+  const PanelVisibility& visible_panels = workspace_.visible_panels;
+  if (!visible_panels.right || !visible_panels.effects) return;
+  const bool another = costs_generation_ != live_.generation();
+  if (another || (costs_.begun() && !workspace_.measure_effects)) costs_.begin(live_.world());
+  costs_generation_ = live_.generation();
+  constexpr double slice = 10;  // ms of a frame
+  if (workspace_.measure_effects) costs_.advance(live_.world(), slice);
+}
+
+void App::measure_accuracy(double seconds) {
+  if (!shows_accuracy()) return;
+  accuracy_.follow(live_.world(), live_.generation(), workspace_.accuracy);
+  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  const double slice = std::clamp(500 * seconds, 12.0, 60.0);
+  if (workspace_.accuracy.running) accuracy_.advance(slice);
+}
+
+void App::follow_reference() {
+  const bool requested = std::exchange(workspace_.reference_requested, false);
+  if (!workspace_.layers.needs_reference() || requested) reference_.forget();
+  if (workspace_.layers.needs_reference()) reference_.follow(live_.world(), live_.generation());
+}
+
+/// Whether a run can begin with this scene, in `rest` if it is one that settles. Goes on with settling else:
+/// the run that there is stays until then.
+bool App::finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest) {
+  if (!settles(scene)) return true;
+  std::string text = write_scene(scene);
+  if (!settling_ || settling_scene_ != text) {
+    settling_.emplace(scene, live_.world().options());
+    settling_scene_ = std::move(text);
+  }
+  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  settling_->advance(std::clamp(500 * seconds, 30.0, 250.0));
+  if (!settling_->done()) {
+    show_notice(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
+                            settling_->steps(), settling_->most()));
+    return false;
+  }
+  rest = settling_->take();
+  settling_.reset();
+  workspace_.notice.clear();
+  return true;
+}
+
+void App::restart(double seconds) {
+  std::optional<RunState> rest;
+  try {
+    if (!live_.scripted() && !finish_presimulation(live_.world().scene(), seconds, rest)) return;
+    live_.restart(rest ? &*rest : nullptr);
+    workspace_.settings = live_.settings();  // a script begins again with its first ones
+  } catch (...) {
+    workspace_.restart_requested = false;
+    throw;
+  }
+  workspace_.restart_requested = false;
+  steps_due_ = 0;
+}
+
+void App::apply_settings(double seconds) {
+  const Settings now = live_.settings();
+  if (!workspace_.adjusting) extends_last_change_ = false;
+  if (workspace_.settings == now) return;
+  // Where a new World takes long, it waits until the slider is let go.
+  Settings only_launch_shape = now;
+  only_launch_shape.shape = workspace_.settings.shape;
+  constexpr double at_once = 0.05;
+  const bool cheap =
+      workspace_.settings == only_launch_shape ||
+      (live_.last_change_seconds() < at_once && workspace_.settings.variant != Variant::settled);
+  if (workspace_.adjusting && !cheap) return;
+  try {
+    std::optional<RunState> rest;
+    const std::optional<Scene> next = live_.scene_after_restart(workspace_.settings);
+    if (next && !finish_presimulation(*next, seconds, rest)) return;
+    const std::string notice =
+        live_.apply(workspace_.settings, rest ? &*rest : nullptr, extends_last_change_);
+    extends_last_change_ = workspace_.adjusting;
+    if (!notice.empty()) show_notice(notice);
+    follow_selection();
+  } catch (...) {
+    workspace_.settings = live_.settings();
+    throw;
+  }
+  workspace_.settings = live_.settings();
+}
+
+void App::advance(double seconds) {
+  const double time_step = live_.world().scene().physics.time_step;
+  const bool requested = workspace_.step_requests > 0;
+  if ((requested || workspace_.playing) && is_blocked_by_stop()) return;
+  // All values of a slider then act at one state, and are recorded as one change.
+  if (workspace_.adjusting_result && !requested) return;
+  if (!requested && workspace_.playing)
+    steps_due_ = workspace_.speed > 0 ? steps_due_ + seconds * workspace_.speed / time_step : 1;
+  if (!requested && !(workspace_.playing && steps_due_ >= 1)) return;
+  constexpr double slice = 12;  // ms of a frame
+  if (workspace_.layers.needs_reference() && !reference_.advance_to_next_step(time_step, slice)) return;
+  if (requested)
+    --workspace_.step_requests;
+  else  // what the machine cannot keep up with is not made up for later
+    steps_due_ = std::min(steps_due_ - 1, 1.0);
+  // Whoever looks at forces pays for them.
+  const PanelVisibility& visible_panels = workspace_.visible_panels;
+  live_.world().records().record_impulses(
+      workspace_.layers.contacts ||
+      (workspace_.selection && visible_panels.right && visible_panels.inspector));
+  live_.world().records().record_residuals(visible_panels.right && visible_panels.convergence);
+  step_once();
+  const auto& pause_at = options_.view.pause_at;
+  if (pause_at && live_.world().steps() == *pause_at) workspace_.playing = false;
+}
+
+void App::export_history(bool csv) {
+  const auto window = static_cast<std::size_t>(std::max(workspace_.window, 1));
+  const std::string file =
+      unused_file_name(fmt::format("history_{:06}", live_.world().steps()), csv ? "csv" : "json");
+  write_whole_file(file, csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
+  show_notice("wrote " + file);
+}
+
+void App::export_changes() {
+  const std::string file = unused_file_name(fmt::format("changes_{:06}", live_.world().steps()), "json");
+  write_whole_file(file, live_.changes_text());
+  show_notice("wrote " + file);
+}
+
+void App::spawn_projectile() {
+  const Vector3d eye = scene_.camera().eye();
+  World& world = live_.world();
+  const std::vector<Vector3d> position = world.bodies().position;
+  const ProjectileSpace room{world.initial().box, world.scene().obstacles, position, world.initial().radius};
+  const std::optional<Body> ball =
+      make_projectile(eye, scene_.camera().target - eye, scene_.scene_size(), room);
+  if (!ball) return show_notice("on this line of sight there is no room for a ball");
+  Change change;
+  change.add = {*ball};
+  live_.apply(std::move(change));
+  workspace_.settings = live_.settings();
+}
+
+void App::remove_selected() {
+  if (!workspace_.selection) return;
+  Change change;
+  change.remove = {*workspace_.selection};
+  live_.apply(std::move(change));
+  workspace_.settings = live_.settings();
+  follow_selection();
+}
+
+/// The selected body keeps its mark where its id has changed; one that is gone loses it.
+void App::follow_selection() {
+  const BodyIdMap& ids = live_.last_id_map();
+  if (!workspace_.selection || *workspace_.selection >= ids.size()) return;
+  const std::uint32_t now = ids[*workspace_.selection];
+  workspace_.selection = now == no_body ? std::nullopt : std::optional(now);
+  workspace_.follow = workspace_.follow && workspace_.selection;
+}
+
+void App::save_picture() {
+  const std::string file = unused_file_name(fmt::format("window_{:06}", live_.world().steps()), "png");
+  make_folder("captures");
+  write_png(picture_.read(), file);
+  picture_file_ = file;
+  show_notice("wrote " + file);
+}
+
+}  // namespace collidoscope
