@@ -9,6 +9,7 @@
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/percentiles.h"
 #include "sim_cuda/core/error.h"

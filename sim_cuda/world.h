@@ -24,6 +24,7 @@
 #include "sim_cuda/run/contact_records.h"
 #include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/publisher.h"
+#include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/tree_probe.h"
 #include "sim_cuda/run/world_info.h"
 #include "sim_cuda/scene/initial_bodies.h"

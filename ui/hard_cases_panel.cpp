@@ -10,6 +10,7 @@
 
 #include "ui/test_status.h"
 #include "ui/panels.h"
+#include "ui/test_status.h"
 #include "ui/widgets.h"
 
 namespace collidoscope {

@@ -15,6 +15,7 @@
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/result_files.h"
+#include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/accuracy/study.h"
 #include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/core/error.h"

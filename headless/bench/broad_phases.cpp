@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "headless/bench/cubql_baseline.h"
 #include "headless/bench/method_row.h"
 #include "headless/bench/cubql_baseline.h"
 #include "headless/cli/standard_output.h"

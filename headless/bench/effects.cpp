@@ -8,6 +8,8 @@
 
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/reporting/percentiles.h"
+#include "headless/reporting/percentiles_json.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
 #include "headless/reporting/percentiles.h"

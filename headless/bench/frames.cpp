@@ -14,6 +14,7 @@
 #include "headless/cli/standard_output.h"
 #include "headless/pictures/egl_context.h"
 #include "headless/pictures/panel_picture.h"
+#include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/percentiles.h"
 #include "viewer/render/interop/display_link.h"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sim_cuda/accuracy/point.h"
+#include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/accuracy/record.h"
 #include "sim_cuda/accuracy/reference.h"
 #include "sim_cuda/accuracy/problem.h"

@@ -14,6 +14,7 @@
 #include "sim_cuda/run/pipeline.h"
 #include "sim_cuda/run/publisher.h"
 #include "sim_cuda/run/run_state.h"
+#include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/step_runner.h"
 #include "sim_cuda/run/step_undo.h"
 #include "sim_cuda/run/tree_probe.h"
