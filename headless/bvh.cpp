@@ -11,7 +11,6 @@
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
-#include "headless/reporting/percentiles.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/world.h"

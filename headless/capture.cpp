@@ -180,9 +180,10 @@ int run_capture(const CaptureRequest& request, World& world) {
                       request.layers.box_color == NodeMetric::level ? drawn.boxes : values.boxes,
                       stats.touching));
     if (const ReferenceView& view = reference.view(); view.known())
-      print(fmt::format("{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n",
-                        "", file.size(), view.rms, view.max, view.name, view.start_state,
-                        view.error_estimate > 0 ? fmt::format("itself off by {:.2g} m", view.error_estimate) : "exact"));
+      print(fmt::format(
+          "{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n", "", file.size(),
+          view.rms, view.max, view.name, view.start_state,
+          view.error_estimate > 0 ? fmt::format("itself off by {:.2g} m", view.error_estimate) : "exact"));
     else if (asked)
       log(fmt::format("state {}: no reference: {}", state, reference.view().unavailable_reason));
     flush_stdout();

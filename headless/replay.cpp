@@ -22,7 +22,8 @@ std::int64_t Replay::steps_to_next(const World& world) const {
 bool Replay::make_due(World& world) {
   const std::size_t before = next_;
   for (; left() > 0 && list_.changes[next_].step == world.steps(); ++next_)
-    if (auto next = world_after_change(world, list_.changes[next_], world.options())) world = std::move(*next);
+    if (auto next = world_after_change(world, list_.changes[next_], world.options()))
+      world = std::move(*next);
   return next_ != before;
 }
 

@@ -17,7 +17,8 @@ namespace collidoscope {
 World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIdMap& ids) {
   with_allocation_context("making a world", [&] {
     std::optional<RunState> rest;
-    if (start == nullptr && needs_presimulation(valid(scene))) start = &rest.emplace(settled_state(scene, options));
+    if (start == nullptr && needs_presimulation(valid(scene)))
+      start = &rest.emplace(settled_state(scene, options));
     run_ = std::make_unique<Simulation>(scene, options, start, ids);
     if (start != nullptr) restore(*start, ids);
   });

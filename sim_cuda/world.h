@@ -22,7 +22,6 @@
 #include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/run/body_states.h"
 #include "sim_cuda/run/contact_records.h"
-#include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/publisher.h"
 #include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/tree_probe.h"
@@ -38,9 +37,9 @@ class Simulation;
 
 class World {
  public:
-  /// At state 0, or, as restore() does it, at `start`, whose bodies have the ids `ids` here. Throws InputError
-  /// where the scene is not valid or the options name nothing known, MachineError where the machine lacks
-  /// what was asked for (the line says what and how much), or where a step would take more than
+  /// At state 0, or, as restore() does it, at `start`, whose bodies have the ids `ids` here. Throws
+  /// InputError where the scene is not valid or the options name nothing known, MachineError where the
+  /// machine lacks what was asked for (the line says what and how much), or where a step would take more than
   /// step_estimate.h allows. Throws Cancelled.
   World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr,
         const BodyIdMap& ids = {});
@@ -63,8 +62,8 @@ class World {
   Publisher& publisher();
 
   /// Advances by `count` steps; returns when they are done (overflows grown and repeated). Stops before where
-  /// guards pause the run (state_validation.h). Odd-numbered steps run instrumented, even-numbered ones plain, so
-  /// that times() knows both.
+  /// guards pause the run (state_validation.h). Odd-numbered steps run instrumented, even-numbered ones
+  /// plain, so that times() knows both.
   ///
   /// Throws Cancelled where options().cancellation was requested, as detect() and everything that detects do;
   /// only whole steps are in the state then. On the CPU the world goes on from there once the request is

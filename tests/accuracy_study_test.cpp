@@ -48,7 +48,8 @@ void finish(AccuracyStudy& study) {
   }
 }
 
-const AccuracyPoint* find(const AccuracyStudy& study, const std::string& series_name, const std::string& name) {
+const AccuracyPoint* find(const AccuracyStudy& study, const std::string& series_name,
+                          const std::string& name) {
   for (const AccuracyPoint& point : study.points())
     if (point.series_name == series_name && point.name == name) return &point;
   return nullptr;
@@ -213,8 +214,9 @@ TEST(AccuracyStudy, TriesEveryFamilyThatTheSceneCanTake) {
   AccuracyStudy study(scene, {}, {.seconds = 0.2, .rounds = 1});
   finish(study);
   for (const char* series_name : {"soft_step f32", "soft_step f64", "impulse f32", "jacobi_split f64"})
-    EXPECT_TRUE(std::ranges::any_of(study.points(), [&](const auto& p) { return p.series_name == series_name; }))
-        << series_name;
+    EXPECT_TRUE(std::ranges::any_of(study.points(), [&](const auto& p) {
+      return p.series_name == series_name;
+    })) << series_name;
   for (const AccuracyPoint& p : study.points()) {
     EXPECT_TRUE(p.has_error() && p.has_cost()) << p.series_name << p.name;
     EXPECT_GT(p.error, 0);

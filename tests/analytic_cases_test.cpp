@@ -151,7 +151,8 @@ TEST(AnalyticJudge, SeesACoefficientThatIsOffByAHundredth) {
     for (std::size_t k = 0; k < weights.size(); ++k) {
       auto injected = weights;
       injected[k] = 1.01;
-      EXPECT_FALSE(passes(made(injected), book, order, spring, time)) << "order " << order << ", weight " << k;
+      EXPECT_FALSE(passes(made(injected), book, order, spring, time))
+          << "order " << order << ", weight " << k;
     }
   };
   expect_seen(euler, std::array<double, 2>{}, euler_step(spring_pull), 1);

@@ -66,7 +66,9 @@ TEST(BoxSurface, IsMetExactlyWhereTheWayMeetsTheGrownBox) {
     if (at <= 1) {
       ++met;
       ASSERT_FALSE(plane.is_none()) << k;
-      EXPECT_NEAR((plane.normal.dot(x + at * displacement) - plane.offset) / r, 1, 0.02 + displacement.norm() / 2000 / r) << k;
+      EXPECT_NEAR((plane.normal.dot(x + at * displacement) - plane.offset) / r, 1,
+                  0.02 + displacement.norm() / 2000 / r)
+          << k;
     } else if (least > 1e-3) {
       ++missed;
       EXPECT_TRUE(plane.is_none()) << k << ": it passes by " << least;

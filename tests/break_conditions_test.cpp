@@ -96,7 +96,8 @@ TEST(BreakConditions, AreMetAboveTheirLimitAlone) {
 
   stats.non_finite = 2;
   stats.escaped = 3;
-  EXPECT_EQ(looked("escaped,non-finite", stats)->condition, BreakCondition::non_finite) << "in their own order";
+  EXPECT_EQ(looked("escaped,non-finite", stats)->condition, BreakCondition::non_finite)
+      << "in their own order";
   EXPECT_EQ(describe(*looked("escaped", stats)), "escaped: after step 5 3 bodies");
   stats.max_speed = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(looked("speed=1e18", stats)) << "what is not a number is above every limit";

@@ -212,7 +212,8 @@ TEST_P(Changes, ABodyFarAwayDisturbsNobody) {
   World alone(scene, options()), first(scene, options());
   alone.step(40);
   first.step(15);
-  std::unique_ptr<World> both = world_after_change(first, addition(sphere(1, Vector3d(500, 0, 30))), options());
+  std::unique_ptr<World> both =
+      world_after_change(first, addition(sphere(1, Vector3d(500, 0, 30))), options());
   both->step(10);
   EXPECT_LT(both->bodies().position.back().z(), 30);
   both = world_after_change(*both, removal({62}), options());

@@ -14,7 +14,6 @@
 #include "sim_cuda/reference/jacobi_elliptic.h"
 #include "sim_cuda/reference/kepler.h"
 #include "sim_cuda/reference/oscillations.h"
-#include "sim_cuda/reference/drag_solution.h"
 
 namespace collidoscope {
 namespace {

@@ -90,7 +90,8 @@ int passed(World& world, const Scene& scene, int steps) {
   return count;
 }
 
-// A wall may push a body beyond its displacement limit: without a motion of its own it stays there, wherever that is.
+// A wall may push a body beyond its displacement limit: without a motion of its own it stays there, wherever
+// that is.
 TEST(ClampedMotion, OfWhoStandsStillIsNone) {
   const DisplacementLimit<float> limit{Vector3f(0, 0, 0), 1};
   const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);

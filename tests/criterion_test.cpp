@@ -81,7 +81,8 @@ TEST(Criterion, ReadsAllThatItMaySay) {
   EXPECT_EQ(text_of(c.assertions[4]), "difference from y at most 1 m");
   EXPECT_EQ(text_of(c.assertions[5]), "other_hash at most 0");
   EXPECT_EQ(text_of(c.assertions[6]), "position x at least 0 m");
-  EXPECT_TRUE(c.assertions[1].at(60) && c.assertions[1].at(300) && !c.assertions[1].at(59) && !c.assertions[1].at(301));
+  EXPECT_TRUE(c.assertions[1].at(60) && c.assertions[1].at(300) && !c.assertions[1].at(59) &&
+              !c.assertions[1].at(301));
   EXPECT_EQ(c.assertions[4].offset, Vector3d(1, 2, 3));
   ASSERT_EQ(c.assertions[5].shapes.size(), 2u);
   EXPECT_EQ(c.assertions[5].shapes[1].threads, 32);

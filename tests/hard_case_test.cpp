@@ -113,9 +113,11 @@ TEST(ProjectCases, EachQuantityThatMustHoldHasAFault) {
     EXPECT_GT(criterion.what.size(), 0u) << one.name;
     for (const Assertion& assertion : criterion.assertions) {
       if (assertion.quantity == Quantity::finite) continue;
-      EXPECT_TRUE(std::ranges::any_of(
-          criterion.injected_faults,
-          [&](const InjectedFault& fault) { return criterion.assertions[fault.assertion].quantity == assertion.quantity; }))
+      EXPECT_TRUE(std::ranges::any_of(criterion.injected_faults,
+                                      [&](const InjectedFault& fault) {
+                                        return criterion.assertions[fault.assertion].quantity ==
+                                               assertion.quantity;
+                                      }))
           << one.name << ": no fault shows that this can fail: " << text_of(assertion);
     }
   }

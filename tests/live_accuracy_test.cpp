@@ -50,8 +50,7 @@ TEST(LiveAccuracy, FindsTheCheapestBelowATolerance) {
   ASSERT_TRUE(view.reference);
   EXPECT_EQ(view.reference->kind, AccuracyReference::Kind::hard_spheres);
   ASSERT_FALSE(view.points.empty());
-  EXPECT_TRUE(
-      std::ranges::all_of(view.points, [](const auto& p) { return p.has_error() && p.has_cost(); }));
+  EXPECT_TRUE(std::ranges::all_of(view.points, [](const auto& p) { return p.has_error() && p.has_cost(); }));
   EXPECT_EQ(std::ranges::count(view.points, view.now, &AccuracyPoint::setting), 1)
       << "the run's own is among them";
   EXPECT_GT(ball.requests.tolerance, 0) << "one to begin with";

@@ -30,7 +30,8 @@ struct Listed {
   }
   std::vector<TestStatus> marks(const std::string& name) {
     std::vector<TestStatus> marks;
-    for (const TestRunView& test_run : cases.view().cases[place(name)].test_runs) marks.push_back(test_run.status);
+    for (const TestRunView& test_run : cases.view().cases[place(name)].test_runs)
+      marks.push_back(test_run.status);
     return marks;
   }
   LiveStability::Opened open(const std::string& name, std::optional<std::size_t> test_run) {

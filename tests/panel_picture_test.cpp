@@ -250,7 +250,8 @@ AccuracyView stored_study() {
   panel_view.done = 1;
   panel_view.seconds = record.reference.seconds;
   for (const AccuracyPoint& point : panel_view.points)
-    if (point.name == "1/30 s, 4 substeps" && point.series_name == "soft_step f32") panel_view.now = point.setting;
+    if (point.name == "1/30 s, 4 substeps" && point.series_name == "soft_step f32")
+      panel_view.now = point.setting;
   return panel_view;
 }
 
@@ -382,7 +383,7 @@ HardCasesView hard_cases() {
   panel_view.cases.back().refused = true;
   TestRunView& failing = panel_view.cases[0].test_runs[0];
   failing.assertions = {{"no body that is not finite", "0", true, 300, std::nullopt},
-                   {"penetration at most 0.01 m, states 60 to 300", "0.0123 m", false, 130, 1}};
+                        {"penetration at most 0.01 m, states 60 to 300", "0.0123 m", false, 130, 1}};
   failing.failed_state = 130;
   failing.body = 1;
   TestRunView& limit = panel_view.cases[0].test_runs[1];

@@ -30,7 +30,7 @@ class Settled : public OnEachExecutor {
     if (const char* was = std::getenv("XDG_CACHE_HOME")) before_ = was;
     setenv("XDG_CACHE_HOME", cache_.path().c_str(), 1);
     set_presimulation_callbacks({[this](std::int64_t, std::int64_t) { ++told_; },
-                     [this](const std::string& line) { lines_.push_back(line); }});
+                                 [this](const std::string& line) { lines_.push_back(line); }});
   }
   ~Settled() override {
     set_presimulation_callbacks({});

@@ -40,7 +40,12 @@ RunReport example() {
            .launches = 1,
            .launch = {.items = 1000, .blocks = 2, .threads = 2, .chunk = 512, .limit = LaunchLimit::threads},
            .samples = 10},
-          {.name = "sort", .median_ms = 0.75, .p95_ms = 1, .launches = 7, .library_launch = true, .samples = 10}}};
+          {.name = "sort",
+           .median_ms = 0.75,
+           .p95_ms = 1,
+           .launches = 7,
+           .library_launch = true,
+           .samples = 10}}};
   report.state_hash = 0xabc;
   report.wall_seconds = 0.5;
   return report;

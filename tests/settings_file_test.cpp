@@ -13,7 +13,6 @@
 
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/atomic_file.h"
 #include "tests/test_files.h"
 
 namespace collidoscope {

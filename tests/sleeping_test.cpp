@@ -21,7 +21,8 @@ ON_EACH_EXECUTOR(Sleepers);
 /// By body: whether it slept in the last step.
 std::vector<bool> sleepers(World& world) {
   std::vector<bool> asleep;
-  for (const std::uint32_t timer : world.state().warm_start.sleep_timer) asleep.push_back(timer == asleep_marker);
+  for (const std::uint32_t timer : world.state().warm_start.sleep_timer)
+    asleep.push_back(timer == asleep_marker);
   return asleep;
 }
 int count(World& world, std::size_t first = 0, std::size_t last = ~std::size_t{0}) {

@@ -94,7 +94,8 @@ TEST(StabilityPage, ListsAllCasesAndTheirLimits) {
     std::string what = one.criterion.what;
     for (std::size_t at = 0; (at = what.find('|', at)) != std::string::npos; at += 2) what.insert(at, "\\");
     cases.insert(one.name + "` | " + what);
-    for (const ExpectedFailure& limit : one.criterion.expected_failures) limits.insert(one.name + ": " + limit.why);
+    for (const ExpectedFailure& limit : one.criterion.expected_failures)
+      limits.insert(one.name + ": " + limit.why);
   }
   for (const std::string& line : lines_of_page("| `"))
     listed_cases.insert(line.substr(0, line.find(" |", line.find(" | ") + 3)));

@@ -42,10 +42,11 @@ TEST(StabilityReport, TellsEachTrial) {
   bad.criterion.refused = {"a"};
   stack.criterion.expected_failures = {{Solver::impulse, {}, {}, "as it must be"}};
   StabilityRun run{"a machine", ExecutorKind::cpu, false, 2.5, 5, {}};
-  run.rows = {{&stack, {Solver::impulse, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::expected_failure)},
-              {&stack, {Solver::soft_step, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::passed)},
-              {&stack, {Solver::soft_step, Precision::f64, ExecutorKind::cpu}, result(TestOutcome::failed)},
-              {&bad, {}, result(TestOutcome::passed)}};
+  run.rows = {
+      {&stack, {Solver::impulse, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::expected_failure)},
+      {&stack, {Solver::soft_step, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::passed)},
+      {&stack, {Solver::soft_step, Precision::f64, ExecutorKind::cpu}, result(TestOutcome::failed)},
+      {&bad, {}, result(TestOutcome::passed)}};
   const std::string text = stability_text(run);
   EXPECT_THAT(text, testing::ContainsRegex("\nstacks\n  stack  +limit  +ok  +FAIL  +1[.]50\n"));
   EXPECT_THAT(text, HasSubstr("    stack, soft_step f64: penetration: too deep\n"));
@@ -86,7 +87,7 @@ TEST(StabilityReport, TellsWhichFaultsShow) {
   HardCase stack = named("stack", "stacks");
   stack.criterion.injected_faults.resize(2);
   const std::vector<InjectedFaultRow> rows{{&stack, 0, true, result(TestOutcome::passed)},
-                                     {&stack, 1, false, result(TestOutcome::passed)}};
+                                           {&stack, 1, false, result(TestOutcome::passed)}};
   const std::string text = injected_faults_text(rows);
   EXPECT_THAT(text, testing::ContainsRegex("stack  +ok    penetration at most 0.5 m: 0.25 m at state 7\n"));
   EXPECT_THAT(text,

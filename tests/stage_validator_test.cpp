@@ -203,7 +203,8 @@ TEST_P(StageValidators, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
   };
   EXPECT_FALSE(finds(guards));
   const auto below = [](double x) { return std::nextafter(x, 0); };
-  for (double ValidationSettings::*limit : {&ValidationSettings::speed, &ValidationSettings::spin, &ValidationSettings::distance}) {
+  for (double ValidationSettings::*limit :
+       {&ValidationSettings::speed, &ValidationSettings::spin, &ValidationSettings::distance}) {
     ValidationSettings narrow = guards;
     narrow.*limit = limit == &ValidationSettings::distance ? 3.99 : below(guards.*limit);
     EXPECT_TRUE(finds(narrow)) << narrow.*limit;

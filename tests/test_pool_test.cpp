@@ -62,8 +62,9 @@ TEST(TestPool, RunsLargeTrialsOneAtATime) {
     int calls = 0;
     run_tests(
         test_runs, 3, [&](std::int64_t) { return ++calls < 5; }, large ? 99 : 100);
-    EXPECT_EQ(std::ranges::count_if(test_runs, [](const TestRun& test_run) { return test_run.progress() > 0; }),
-              large ? 1 : 3);
+    EXPECT_EQ(
+        std::ranges::count_if(test_runs, [](const TestRun& test_run) { return test_run.progress() > 0; }),
+        large ? 1 : 3);
   }
 }
 

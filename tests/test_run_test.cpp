@@ -34,8 +34,8 @@ class TestRuns : public OnEachExecutor {
                                     "c", &one.scene);
     return one;
   }
-  TestResult run(const HardCase& one, TestConfiguration configuration = {}, const InjectedFault* fault = nullptr,
-                  bool extended = false) {
+  TestResult run(const HardCase& one, TestConfiguration configuration = {},
+                 const InjectedFault* fault = nullptr, bool extended = false) {
     configuration.executor = GetParam();
     TestRun test_run(one, configuration, options(), extended, fault);
     while (test_run.advance(1000)) {

@@ -95,7 +95,8 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
     ASSERT_TRUE(wait([m = metric](const Json& t) { return t["sort"] == static_cast<int>(m); })) << column;
     window.click("tree.page.next");
     ASSERT_TRUE(wait([](const Json& t) { return t["first"] == TreePanelView::page; }));
-    EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, TreePanelView::page, TreePanelView::page)));
+    EXPECT_EQ(places(tree("rows")),
+              places(world.tree().ranked(metric, TreePanelView::page, TreePanelView::page)));
     window.click("tree.page.previous");
     ASSERT_TRUE(wait([](const Json& t) { return t["first"] == 0; }));
     EXPECT_EQ(places(tree("rows")), places(world.tree().ranked(metric, 0, TreePanelView::page)));

@@ -46,7 +46,8 @@ void WindowWalker::seek(const std::string& name, const Json& now) {
     return choose_body(widgets);
   if (!in_sight(part + ".") && pick(2)) {
     static constexpr const char* visible_panels[] = {"fold.left", "fold.right", "fold.bottom"};
-    const std::string fold = widgets.contains(panel) ? panel : visible_panels[pick(std::size(visible_panels))];
+    const std::string fold =
+        widgets.contains(panel) ? panel : visible_panels[pick(std::size(visible_panels))];
     if (widgets.contains(fold)) return act_on(fold, widgets[fold]);
   }
   auto nearest = widgets.end();

@@ -184,10 +184,11 @@ void draw_notes(const AccuracyView& panel) {
     const AccuracyReference& r = *panel.reference;
     wrapped_faint(r.description);
     wrapped_faint(fmt::format("From state {}. Positions are compared for {:.3g} s{}",
-                              grouped_number(panel.start_state), r.horizon, r.end.empty() ? "." : ": " + r.end));
+                              grouped_number(panel.start_state), r.horizon,
+                              r.end.empty() ? "." : ": " + r.end));
   } else {
-    wrapped_faint(
-        fmt::format("From state {}: the reference first, which takes a while.", grouped_number(panel.start_state)));
+    wrapped_faint(fmt::format("From state {}: the reference first, which takes a while.",
+                              grouped_number(panel.start_state)));
   }
   for (const std::string& warning : panel.warnings) wrapped_faint("! " + warning);
 }

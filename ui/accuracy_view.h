@@ -32,16 +32,16 @@ struct AccuracyView {
   std::vector<AccuracyPoint> points;           ///< coarse to fine, those that are not measured yet, too
   std::optional<AccuracyReference> reference;  ///< unset while it is being made
   std::optional<std::size_t> cheapest;         ///< of the points below the tolerance, if one is recommended
-  std::string no_recommendation_reason;                       ///< why none is; else empty
+  std::string no_recommendation_reason;        ///< why none is; else empty
   AccuracySetting now;                         ///< of the run
   Effects effects;                             ///< of the run
   std::string executor;                        ///< where costs are measured
-  std::int64_t start_state = 0;                      ///< the state that all runs start from
+  std::int64_t start_state = 0;                ///< the state that all runs start from
   double seconds = 0;                          ///< s, how long they are about
   double done = 0;                             ///< share of the work, 0 to 1
-  std::string current_task;                           ///< in a few words; empty: all is measured
-  std::string unavailable_reason;                            ///< why nothing can be measured, or empty
-  std::vector<std::string> warnings;             ///< of the results, a line each
+  std::string current_task;                    ///< in a few words; empty: all is measured
+  std::string unavailable_reason;              ///< why nothing can be measured, or empty
+  std::vector<std::string> warnings;           ///< of the results, a line each
 };
 
 }  // namespace collidoscope

@@ -42,7 +42,7 @@ void draw_stop(Workspace& workspace, const StopView& stop, const std::string& wh
   if (ImGui::Button("go on")) request = StopRequest::resume;
   track(workspace, (where + ".go_on").c_str());
   explain(stop.is_violation ? "Does the step as it is, with guards switched off"
-                     : "Stops again where the condition is met anew");
+                            : "Stops again where the condition is met anew");
   if (stop.body) {
     ImGui::SameLine();
     ImGui::BeginDisabled(!stop.can_freeze);
@@ -52,7 +52,8 @@ void draw_stop(Workspace& workspace, const StopView& stop, const std::string& wh
     explain("Fixes it where it is, at rest; all that it never touches goes on as if it had been well");
   }
   ImGui::SameLine();
-  if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.state_before)).c_str())) request = StopRequest::save;
+  if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.state_before)).c_str()))
+    request = StopRequest::save;
   track(workspace, (where + ".save").c_str());
   explain("A snapshot of the state before that step, from which a run comes to the same");
 }

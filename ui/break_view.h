@@ -18,7 +18,7 @@ enum class StopRequest { none, resume, freeze, save };
 struct BreakRequests {
   std::array<bool, break_condition_names.size()> on{};  ///< who is asked for
   std::array<double, break_condition_names.size()> limits{0,   5,  0.1,
-                                                    100, 20, 0};  ///< in their units, kept while off
+                                                          100, 20, 0};  ///< in their units, kept while off
   StopRequest stop = StopRequest::none;                                 ///< cleared by the owner
 
   double& limit(BreakCondition condition) { return limits[static_cast<std::size_t>(condition)]; }

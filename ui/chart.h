@@ -48,7 +48,7 @@ struct Chart {
   double floor = no_value;  ///< of y: what lies below is veiled, and why
   std::string floor_name;
   bool fits_error_bars = true;  ///< else axes are as points need, and spreads end at their ends
-  bool has_tooltip = true;         ///< what is under the pointer, in a tooltip
+  bool has_tooltip = true;      ///< what is under the pointer, in a tooltip
 };
 
 struct ChartHit {

@@ -108,7 +108,8 @@ void draw_key(bool light, bool relaxes) {
 }  // namespace
 
 void draw_convergence_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "convergence", "Convergence", workspace.visible_panels.convergence)) return end_panel();
+  if (!begin_panel(workspace, "convergence", "Convergence", workspace.visible_panels.convergence))
+    return end_panel();
   const bool light = workspace.theme == Theme::light;
   if (view.residuals.empty()) {
     faint_text("of the next step");

@@ -18,7 +18,7 @@ struct EffectCost {
   double without_ms = 0;                   ///< median of the steps without
   std::int64_t bytes = 0;                  ///< in the executor's memory space
   std::int64_t step = 0;                   ///< of the state that it was measured from
-  std::string unavailable_reason;                        ///< why it cannot be measured, or empty
+  std::string unavailable_reason;          ///< why it cannot be measured, or empty
 
   /// Whether it is more than the noise: the middle half of the differences lies on one side of 0.
   bool differs_from_zero() const { return pairs >= 4 && (ms_low > 0 || ms_high < 0); }

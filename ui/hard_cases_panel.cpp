@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/test_status.h"
 #include "ui/panels.h"
 #include "ui/test_status.h"
 #include "ui/widgets.h"
@@ -34,7 +33,8 @@ struct Columns {
 };
 
 std::string test_run_name(const TestRunView& test_run) {
-  return fmt::format("{} {}", name_of(solver_names, test_run.solver), name_of(precision_names, test_run.precision));
+  return fmt::format("{} {}", name_of(solver_names, test_run.solver),
+                     name_of(precision_names, test_run.precision));
 }
 
 /// As much of it as there is room for.
@@ -65,12 +65,15 @@ void with_status(TestStatus status, bool light, const std::string& text) {
   ImGui::TextUnformatted(text.c_str());
 }
 
-void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run, bool with_times, bool light) {
+void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run, bool with_times,
+                      bool light) {
   const float width = ImGui::GetFontSize() * 30;
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted((hard_case.refused ? hard_case.name : hard_case.name + " · " + test_run_name(test_run)).c_str());
+  ImGui::TextUnformatted(
+      (hard_case.refused ? hard_case.name : hard_case.name + " · " + test_run_name(test_run)).c_str());
   std::string line(name_of(test_status_names, test_run.status));
-  if (test_run.status == TestStatus::running) line += fmt::format(", {:.0f} %", std::floor(100 * test_run.progress));
+  if (test_run.status == TestStatus::running)
+    line += fmt::format(", {:.0f} %", std::floor(100 * test_run.progress));
   if (test_run.is_finished() && test_run.steps > 0) {
     line += fmt::format(", {} steps", grouped_number(test_run.steps));
     if (with_times) line += fmt::format(" in {:.3g} s", test_run.seconds);
@@ -82,11 +85,11 @@ void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run
   for (const AssertionView& assertion : test_run.assertions) {
     ImGui::TextUnformatted(assertion.assertion.c_str());
     ImGui::PushStyleColor(ImGuiCol_Text, assertion.passed ? ImGui::GetColorU32(ImGuiCol_TextDisabled)
-                                                   : test_status_color(TestStatus::failed, light));
-    ImGui::TextUnformatted(
-        fmt::format("    {} {} at state {}{}", assertion.passed ? "at worst" : "fails:", assertion.value,
-                    grouped_number(assertion.state), assertion.body ? fmt::format(", body {}", *assertion.body) : "")
-            .c_str());
+                                                          : test_status_color(TestStatus::failed, light));
+    ImGui::TextUnformatted(fmt::format("    {} {} at state {}{}", assertion.passed ? "at worst" : "fails:",
+                                       assertion.value, grouped_number(assertion.state),
+                                       assertion.body ? fmt::format(", body {}", *assertion.body) : "")
+                               .c_str());
     ImGui::PopStyleColor();
   }
   if (!hard_case.refused && test_run.status != TestStatus::not_applicable)
@@ -105,25 +108,29 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
     is_finished += std::ranges::count_if(hard_case.test_runs, &TestRunView::is_finished);
   }
   const bool running = !panel.current_task.empty() || panel.opening;
-  const double share = panel.opening
-                           ? *panel.opening
-                           : static_cast<double>(is_finished) / static_cast<double>(std::max<std::int64_t>(all, 1));
+  const double share =
+      panel.opening ? *panel.opening
+                    : static_cast<double>(is_finished) / static_cast<double>(std::max<std::int64_t>(all, 1));
   const std::string text = panel.opening ? fmt::format("on the way: {:.0f} %", std::floor(100 * share))
                                          : fmt::format("{} of {} trials", is_finished, all);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
   ImGui::ProgressBar(static_cast<float>(share), {ImGui::GetContentRegionAvail().x - 12.6f * size, 0},
                      text.c_str());
   ImGui::PopStyleColor();
-  explain(
-      fmt::format("{}; on {}", panel.current_task.empty() ? "nothing runs" : panel.current_task, panel.executor).c_str());
+  explain(fmt::format("{}; on {}", panel.current_task.empty() ? "nothing runs" : panel.current_task,
+                      panel.executor)
+              .c_str());
   ImGui::SameLine();
-  const char* const label = running ? "stop" : is_finished == 0 ? "run all" : is_finished < all ? "go on" : "run again";
+  const char* const label = running             ? "stop"
+                            : is_finished == 0  ? "run all"
+                            : is_finished < all ? "go on"
+                                                : "run again";
   if (ImGui::Button(label, {5.4f * size, 0})) (running ? requests.stop : requests.run_all) = true;
   track(workspace, "hard_cases.run_all");
   explain("All cases with each solver in each precision, in slices: the scene goes on meanwhile");
   ImGui::SameLine();
-  const bool any =
-      std::ranges::any_of(panel.cases, [&](const auto& hard_case) { return hard_case.name == requests.selected; });
+  const bool any = std::ranges::any_of(
+      panel.cases, [&](const auto& hard_case) { return hard_case.name == requests.selected; });
   ImGui::BeginDisabled(!any);
   if (ImGui::Button("run selected", {-1, 0})) requests.run_selected = true;
   ImGui::EndDisabled();
@@ -134,9 +141,9 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
 /// What has come of all, and with it what the marks mean.
 void draw_counts(const HardCasesView& panel, bool light) {
   constexpr std::pair<TestStatus, const char*> kinds[] = {{TestStatus::passed, "passed"},
-                                                        {TestStatus::expected_failure, "limit"},
-                                                        {TestStatus::failed, "failed"},
-                                                        {TestStatus::not_applicable, "n/a"}};
+                                                          {TestStatus::expected_failure, "limit"},
+                                                          {TestStatus::failed, "failed"},
+                                                          {TestStatus::not_applicable, "n/a"}};
   const float width = ImGui::GetContentRegionAvail().x / 4, left = ImGui::GetCursorPosX();
   for (int k = 0; k < 4; ++k) {
     if (k > 0) ImGui::SameLine(left + static_cast<float>(k) * width);
@@ -179,7 +186,7 @@ void draw_heads(const Columns& columns) {
 }
 
 void draw_test_run(Workspace& workspace, const HardCasesView& panel, std::size_t which, std::size_t k,
-                const Columns& columns, const WorkspaceView& view) {
+                   const Columns& columns, const WorkspaceView& view) {
   const HardCaseView& hard_case = panel.cases[which];
   const TestRunView& test_run = hard_case.test_runs[k];
   const bool light = workspace.theme == Theme::light;
@@ -207,7 +214,9 @@ void draw_test_run(Workspace& workspace, const HardCasesView& panel, std::size_t
     list->AddLine({middle.x + room, middle.y}, {to.x - 0.4f * columns.size, middle.y}, line);
   }
   draw_test_status(middle, columns.size, test_run.status, test_run.progress, light);
-  track(workspace, ("hard_cases.mark." + hard_case.name + (hard_case.refused ? "" : "." + test_run_name(test_run))).c_str());
+  track(workspace,
+        ("hard_cases.mark." + hard_case.name + (hard_case.refused ? "" : "." + test_run_name(test_run)))
+            .c_str());
   if (!clicked) return;
   workspace.hard_cases.selected = hard_case.name;
   if (!hard_case.refused && test_run.status != TestStatus::not_applicable)
@@ -227,7 +236,8 @@ void draw_case(Workspace& workspace, const HardCasesView& panel, std::size_t whi
                                               ImGui::GetColorU32(ImGuiCol_CheckMark));
   ImGui::SetCursorScreenPos({at.x + indent, at.y});
   const std::string shown = fitted(hard_case.name, width - indent);
-  if (ImGui::Selectable((shown + "###name").c_str(), requests.selected == hard_case.name, 0, {width - indent, 0})) {
+  if (ImGui::Selectable((shown + "###name").c_str(), requests.selected == hard_case.name, 0,
+                        {width - indent, 0})) {
     requests.selected = hard_case.name;
     if (!hard_case.refused) requests.open = HardCasesRequests::Opening{which, std::nullopt};
   }
@@ -235,7 +245,8 @@ void draw_case(Workspace& workspace, const HardCasesView& panel, std::size_t whi
   explain((hard_case.name + ": " + hard_case.what +
            (hard_case.refused ? ". It must be refused on reading" : ". A click opens it from state 0"))
               .c_str());
-  for (std::size_t k = 0; k < hard_case.test_runs.size(); ++k) draw_test_run(workspace, panel, which, k, columns, view);
+  for (std::size_t k = 0; k < hard_case.test_runs.size(); ++k)
+    draw_test_run(workspace, panel, which, k, columns, view);
   ImGui::PopID();
 }
 
@@ -262,7 +273,8 @@ void draw_list(Workspace& workspace, const HardCasesView& panel, const Workspace
 
 void draw_selected(Workspace& workspace, const HardCasesView& panel) {
   for (const HardCaseView& hard_case : panel.cases)
-    if (hard_case.name == workspace.hard_cases.selected) wrapped(hard_case.name + ": " + hard_case.what, true);
+    if (hard_case.name == workspace.hard_cases.selected)
+      wrapped(hard_case.name + ": " + hard_case.what, true);
   if (panel.scene_before.empty()) return;
   if (ImGui::Button(("back to " + panel.scene_before).c_str())) workspace.hard_cases.back = true;
   track(workspace, "hard_cases.back");
@@ -272,7 +284,8 @@ void draw_selected(Workspace& workspace, const HardCasesView& panel) {
 }  // namespace
 
 void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "hard_cases", "Hard cases", workspace.visible_panels.hard_cases)) return end_panel();
+  if (!begin_panel(workspace, "hard_cases", "Hard cases", workspace.visible_panels.hard_cases))
+    return end_panel();
   if (view.hard_cases == nullptr || !view.hard_cases->unavailable_reason.empty()) {
     wrapped(view.hard_cases == nullptr ? "of the next frame" : view.hard_cases->unavailable_reason, true);
     return end_panel();

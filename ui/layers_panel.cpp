@@ -74,8 +74,9 @@ void draw_reference(Workspace& workspace, const WorkspaceView& view, float colum
   if (reference.known()) {
     faint_text(fmt::format("off by {} rms, {} at most", with_prefix(reference.rms, "m"),
                            with_prefix(reference.max, "m")));
-    faint_text((reference.error_estimate > 0 ? "the reference itself by about " + with_prefix(reference.error_estimate, "m")
-                                    : "of " + reference.name));
+    faint_text((reference.error_estimate > 0
+                    ? "the reference itself by about " + with_prefix(reference.error_estimate, "m")
+                    : "of " + reference.name));
     explain(fmt::format("Reference: {}, from state {}", reference.name, reference.start_state).c_str());
   }
   if (ImGui::SmallButton("from here")) workspace.reference_requested = true;
@@ -124,7 +125,8 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     choose_box_color(workspace, "layers.box_color");
-    const bool in_histogram = workspace.visible_panels.right && workspace.visible_panels.tree;  // by the histogram there
+    const bool in_histogram =
+        workspace.visible_panels.right && workspace.visible_panels.tree;  // by the histogram there
     if (!in_histogram) draw_legend(view.box_colors);
   }
   static constexpr std::array<std::pair<BodyColor, const char*>, 9> colors{

@@ -92,7 +92,8 @@ void choice_row(Workspace& workspace, const Field<member>& setting, Choice& valu
     for (const Named<Choice>& one : setting.choices) {
       const bool is_unavailable = one.value == unavailable_reason.choice && !unavailable_reason.why.empty();
       ImGui::BeginDisabled(is_unavailable);
-      const std::string text(one.name), shown = is_unavailable ? fmt::format("{}: {}", text, unavailable_reason.why) : text;
+      const std::string text(one.name),
+          shown = is_unavailable ? fmt::format("{}: {}", text, unavailable_reason.why) : text;
       if (ImGui::Selectable(shown.c_str(), one.value == value)) value = one.value;
       if (!one.help.empty()) explain(std::string(one.help).c_str());
       ImGui::EndDisabled();

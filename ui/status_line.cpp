@@ -14,8 +14,8 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
     bool& open;
   };
   const PanelToggle visible_panels[] = {{"fold.left", "controls", workspace.visible_panels.left},
-                        {"fold.bottom", "graphs", workspace.visible_panels.bottom},
-                        {"fold.right", "details", workspace.visible_panels.right}};
+                                        {"fold.bottom", "graphs", workspace.visible_panels.bottom},
+                                        {"fold.right", "details", workspace.visible_panels.right}};
   for (const PanelToggle& toggle : visible_panels) {
     const bool on = toggle.open;
     if (!on) ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));

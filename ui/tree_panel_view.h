@@ -24,7 +24,7 @@ struct TreeRequests {
 
 /// Of one state. The tables are small, whatever N is: what is drawn of all nodes stays where it was measured.
 struct TreePanelView {
-  static constexpr std::int64_t page = 8;               ///< rows of the table
+  static constexpr std::int64_t page = 8;              ///< rows of the table
   static constexpr std::int64_t max_visited = 20'000;  ///< boxes of a query that are kept
 
   std::int64_t step = -1;

@@ -20,7 +20,9 @@ struct Layout {
 constexpr float left_ems = 21.5f, right_ems = 26;
 constexpr float panel_share = 0.6f;  // of the width, at most: the 3D view has the rest
 
-float column_ems(const PanelVisibility& visible_panels) { return (visible_panels.left ? left_ems : 0) + (visible_panels.right ? right_ems : 0); }
+float column_ems(const PanelVisibility& visible_panels) {
+  return (visible_panels.left ? left_ems : 0) + (visible_panels.right ? right_ems : 0);
+}
 
 /// Pixels of the font as the screen suggests it.
 float usual_font_size(int width, int height) {
@@ -110,7 +112,8 @@ float largest_font_scale(int width, int height, float content_scale, const Panel
   return std::clamp(fits / (usual_font_size(width, height) * content_scale), 1.0f, max_font_scale);
 }
 
-float workspace_font_size(int width, int height, float font_scale, float content_scale, const PanelVisibility& visible_panels) {
+float workspace_font_size(int width, int height, float font_scale, float content_scale,
+                          const PanelVisibility& visible_panels) {
   const float scale = std::min(font_scale, largest_font_scale(width, height, content_scale, visible_panels));
   return std::round(std::clamp(usual_font_size(width, height) * content_scale * scale, 8.0f, 64.0f));
 }
@@ -125,7 +128,8 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   workspace.scene_view = layout.scene;
   track(workspace, "scene", layout.scene);
   draw_on_scene(workspace, view);
-  const PanelVisibility visible_panels = workspace.visible_panels;  // what the status line changes acts from the next frame on
+  const PanelVisibility visible_panels =
+      workspace.visible_panels;  // what the status line changes acts from the next frame on
   if (visible_panels.left)
     window("controls", layout.left, true, [&] {
       draw_run_panel(workspace, view);
@@ -145,7 +149,8 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_numbers_panel(workspace, view);
       draw_inspector_panel(workspace, view);
     });
-  if (visible_panels.bottom) window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
+  if (visible_panels.bottom)
+    window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
   window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);

@@ -23,9 +23,9 @@
 #include "sim_cuda/solver/residual.h"
 #include "ui/accuracy_view.h"
 #include "ui/break_view.h"
-#include "ui/legend_text.h"
 #include "ui/effect_view.h"
 #include "ui/hard_cases_view.h"
+#include "ui/legend_text.h"
 #include "ui/reference_view.h"
 #include "ui/tree_panel_view.h"
 
@@ -73,8 +73,8 @@ struct ScreenRect {
 };
 
 struct Workspace {
-  Settings settings;       ///< as requested; the owner takes them over, or puts back what is in effect
-  bool adjusting = false;  ///< a slider of `settings` is held
+  Settings settings;              ///< as requested; the owner takes them over, or puts back what is in effect
+  bool adjusting = false;         ///< a slider of `settings` is held
   bool adjusting_result = false;  ///< one that changes the result: the run waits, so that it is one change
   /// What was typed last, where it was refused.
   struct InputFault {
@@ -90,11 +90,11 @@ struct Workspace {
   // Requests, cleared by the owner once they are met.
   int step_requests = 0;
   bool restart_requested = false, screenshot_requested = false, csv_requested = false, json_requested = false;
-  bool changes_file_requested = false;     ///< a file of what was changed since the start
-  bool projectile_requested = false;       ///< a new body, from the camera
-  bool removal_requested = false;      ///< of the selected body
-  bool measure_effects = false;  ///< what each costs, anew where something else is simulated
-  bool reference_requested = false;   ///< a reference of the run, from the bodies as they are
+  bool changes_file_requested = false;  ///< a file of what was changed since the start
+  bool projectile_requested = false;    ///< a new body, from the camera
+  bool removal_requested = false;       ///< of the selected body
+  bool measure_effects = false;         ///< what each costs, anew where something else is simulated
+  bool reference_requested = false;     ///< a reference of the run, from the bodies as they are
   CameraRequest camera_request = CameraRequest::none;
 
   std::optional<std::uint32_t> selection;  ///< id of a body
@@ -162,11 +162,11 @@ struct WorkspaceView {
   std::string renderer, display_path;     ///< what draws, and how the data get there
   bool software = false;                  ///< the renderer draws on the CPU
   double view_scale = 1;                  ///< of the 3D view: pixels drawn for each one seen, along an axis
-  std::string cuda_unavailable_reason;                  ///< why CUDA cannot be chosen; empty: it can
+  std::string cuda_unavailable_reason;    ///< why CUDA cannot be chosen; empty: it can
   std::vector<std::string> broad_phases;  ///< names, the default first
   std::vector<std::string> effects;       ///< that are on
   int substeps = 1;                       ///< of a step, also where they are "auto"
-  std::vector<EffectView> effect_views;  ///< of all; empty while their panel is folded
+  std::vector<EffectView> effect_views;   ///< of all; empty while their panel is folded
   bool measuring_effects = false;
   int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
 
@@ -187,16 +187,16 @@ struct WorkspaceView {
   double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
 
   ReferenceView reference;  ///< that ghosts and errors are of
-  double error_scale = 1;    ///< of the lines that show errors, in effect
+  double error_scale = 1;   ///< of the lines that show errors, in effect
 
-  std::optional<StopView> stop;      ///< what the run has stopped at
+  std::optional<StopView> stop;       ///< what the run has stopped at
   std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed
 
   const BodyReport* selected = nullptr;
-  const TreePanelView* tree = nullptr;             ///< null: nobody asked
+  const TreePanelView* tree = nullptr;        ///< null: nobody asked
   const AccuracyView* accuracy = nullptr;     ///< so here
   const HardCasesView* hard_cases = nullptr;  ///< and here
-  std::vector<std::uint32_t> mark_colors;      ///< by BoxMark
+  std::vector<std::uint32_t> mark_colors;     ///< by BoxMark
   /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
   std::vector<std::pair<float, float>> outline;
   std::vector<std::vector<std::pair<float, float>>> frozen_outlines;  ///< so too, of the first of `frozen`

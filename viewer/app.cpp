@@ -9,7 +9,6 @@
 
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "ui/colored_levels.h"
 #include "ui/widgets.h"
@@ -70,7 +69,8 @@ App::App(const Start& start, const Options& options)
       software_(gl::is_software_renderer()) {
   cuda_available(&cuda_unavailable_reason_);
   workspace_.settings = live_.settings();
-  if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres for now");
+  if (!live_.world().initial().meshes.empty())
+    show_notice("mesh bodies collide as their bounding spheres for now");
 }
 
 /// The world, which may take long to make; the window says so, and can be closed.
@@ -131,7 +131,8 @@ void App::frame(double seconds) {
     const float content_scale = window_.content_scale();
     const PanelVisibility& visible_panels = workspace_.visible_panels;
     workspace_.largest_font_scale = largest_font_scale(width, height, content_scale, visible_panels);
-    gui_.set_font_size(workspace_font_size(width, height, workspace_.font_scale, content_scale, visible_panels));
+    gui_.set_font_size(
+        workspace_font_size(width, height, workspace_.font_scale, content_scale, visible_panels));
   });
   std::vector<InputEvent> events;
   with_error_bar([&] { events = input_.feed(); });
@@ -180,7 +181,8 @@ void App::fill(WorkspaceView& view) {
   if (shows_accuracy()) view.accuracy = &accuracy_.view(live_.world(), workspace_.accuracy);
   if (shows_hard_cases()) view.hard_cases = &stability_.view();
   view.reference = reference_.view();
-  if (view.reference.name.empty()) view.reference.unavailable_reason = LiveReference::unavailable_reason(view.stats.bodies);
+  if (view.reference.name.empty())
+    view.reference.unavailable_reason = LiveReference::unavailable_reason(view.stats.bodies);
   view.error_scale = scene_.range().error_scale;
   view.renderer = renderer_name_;
   view.software = software_;

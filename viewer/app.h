@@ -68,7 +68,9 @@ class App {
   void follow_selection();
   void measure_effects();
   void follow_reference();
-  bool shows_accuracy() const { return workspace_.visible_panels.right && workspace_.visible_panels.accuracy; }
+  bool shows_accuracy() const {
+    return workspace_.visible_panels.right && workspace_.visible_panels.accuracy;
+  }
   void measure_accuracy(double seconds);
   void save_picture();
 
@@ -78,7 +80,9 @@ class App {
   bool is_blocked_by_stop();
 
   // Hard cases (app_hard_cases.cpp).
-  bool shows_hard_cases() const { return workspace_.visible_panels.right && workspace_.visible_panels.hard_cases; }
+  bool shows_hard_cases() const {
+    return workspace_.visible_panels.right && workspace_.visible_panels.hard_cases;
+  }
   void follow_hard_cases(double seconds);
   void show_case(LiveStability::Opened opened);
   void restore_scene_before();
@@ -107,8 +111,8 @@ class App {
     LiveWorld::Record record;
   };
   std::optional<ReplacedRun> run_before_cases_;  ///< the run that a hard case took the place of
-  std::optional<Presimulation> presimulation_;  ///< what is to begin next
-  std::string settling_scene_;        ///< its scene, as text
+  std::optional<Presimulation> presimulation_;   ///< what is to begin next
+  std::string settling_scene_;                   ///< its scene, as text
   EffectCosts costs_;
   int costs_generation_ = -1;   ///< of the World that costs_ speaks of
   bool keeps_settings_ = true;  ///< written at the end; set with workspace_
@@ -118,7 +122,7 @@ class App {
   bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
-  double steps_due_ = 0;               ///< steps that the speed asks for
+  double steps_due_ = 0;              ///< steps that the speed asks for
   bool extends_last_change_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {

@@ -35,7 +35,8 @@ void App::handle_stop_request() {
     case StopRequest::save: {
       std::string bytes;
       write_snapshot(breaks_.snapshot_before(live_), [&](std::string_view more) { bytes += more; });
-      const std::string file = unused_file_name(fmt::format("before_{:06}", stop->state_before + 1), "snapshot");
+      const std::string file =
+          unused_file_name(fmt::format("before_{:06}", stop->state_before + 1), "snapshot");
       write_file_atomically(file, bytes);
       show_notice(fmt::format("wrote {}, a snapshot of state {}", file, stop->state_before));
       break;

@@ -19,8 +19,8 @@ void App::follow_hard_cases(double seconds) {
 
 void App::show_case(LiveStability::Opened opened) {
   if (!run_before_cases_)
-    run_before_cases_ = ReplacedRun{Start{live_.world().scene(), snapshot_of(live_.world())}, live_.world().options(),
-                         live_.record()};
+    run_before_cases_ = ReplacedRun{Start{live_.world().scene(), snapshot_of(live_.world())},
+                                    live_.world().options(), live_.record()};
   live_.open(std::move(opened.world), std::move(opened.script));
   stability_.case_shown(run_before_cases_->start.scene.name);
   show_another_scene();
@@ -31,7 +31,8 @@ void App::show_case(LiveStability::Opened opened) {
 
 void App::restore_scene_before() {
   if (!run_before_cases_) return;
-  live_.open(run_before_cases_->start.world(run_before_cases_->options), std::move(run_before_cases_->record));
+  live_.open(run_before_cases_->start.world(run_before_cases_->options),
+             std::move(run_before_cases_->record));
   run_before_cases_.reset();
   stability_.no_case_shown();
   show_another_scene();

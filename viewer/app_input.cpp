@@ -124,7 +124,9 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_TAB: {
       PanelVisibility& visible_panels = workspace_.visible_panels;
-      if (!again) visible_panels.left = visible_panels.right = visible_panels.bottom = !(visible_panels.left || visible_panels.right || visible_panels.bottom);
+      if (!again)
+        visible_panels.left = visible_panels.right = visible_panels.bottom =
+            !(visible_panels.left || visible_panels.right || visible_panels.bottom);
       break;
     }
     default:
@@ -151,7 +153,7 @@ void App::handle_button(const InputEvent& event) {
   workspace_.tree.node.reset();
   if (!picked.body) workspace_.follow = false;
   if (!picked.box || tree_.view() == nullptr) return;  // only its panel tells what a node is
-  workspace_.playing = false;                           // the next state has another tree
+  workspace_.playing = false;                          // the next state has another tree
   const std::vector<std::int64_t>& sizes = live_.level_sizes(true);
   std::int64_t place = *picked.box;
   for (int level = 0; level < std::min(workspace_.layers.first_level, static_cast<int>(sizes.size()));

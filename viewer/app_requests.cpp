@@ -10,9 +10,9 @@
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "viewer/app_error_bar.h"
-#include "viewer/unused_file_name.h"
 #include "viewer/render/image.h"
 #include "viewer/session/projectile.h"
+#include "viewer/unused_file_name.h"
 
 namespace collidoscope {
 
@@ -26,7 +26,8 @@ void App::handle_requests(double seconds) {
     workspace_.notice.clear();
   if (std::exchange(workspace_.csv_requested, false)) with_error_bar([&] { export_history(true); });
   if (std::exchange(workspace_.json_requested, false)) with_error_bar([&] { export_history(false); });
-  with_error_bar([&] { scene_.handle_request(std::exchange(workspace_.camera_request, CameraRequest::none), live_); });
+  with_error_bar(
+      [&] { scene_.handle_request(std::exchange(workspace_.camera_request, CameraRequest::none), live_); });
   with_error_bar([&] { apply_settings(seconds); });
   if (std::exchange(workspace_.changes_file_requested, false)) with_error_bar([&] { export_changes(); });
   if (std::exchange(workspace_.projectile_requested, false)) with_error_bar([&] { spawn_projectile(); });
@@ -81,7 +82,7 @@ bool App::finish_presimulation(const Scene& scene, double seconds, std::optional
   presimulation_->advance(std::clamp(500 * seconds, 30.0, 250.0));
   if (!presimulation_->done()) {
     show_notice(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
-                    presimulation_->steps(), presimulation_->max_steps()));
+                            presimulation_->steps(), presimulation_->max_steps()));
     return false;
   }
   rest = presimulation_->take();
@@ -120,7 +121,8 @@ void App::apply_settings(double seconds) {
     std::optional<RunState> rest;
     const std::optional<Scene> next = live_.scene_after_restart(workspace_.settings);
     if (next && !finish_presimulation(*next, seconds, rest)) return;
-    const std::string notice = live_.apply(workspace_.settings, rest ? &*rest : nullptr, extends_last_change_);
+    const std::string notice =
+        live_.apply(workspace_.settings, rest ? &*rest : nullptr, extends_last_change_);
     extends_last_change_ = workspace_.adjusting;
     if (!notice.empty()) show_notice(notice);
     follow_selection();
@@ -148,8 +150,9 @@ void App::advance(double seconds) {
     steps_due_ = std::min(steps_due_ - 1, 1.0);
   // Whoever looks at forces pays for them.
   const PanelVisibility& visible_panels = workspace_.visible_panels;
-  live_.world().records().record_impulses(workspace_.layers.contacts ||
-                                          (workspace_.selection && visible_panels.right && visible_panels.inspector));
+  live_.world().records().record_impulses(
+      workspace_.layers.contacts ||
+      (workspace_.selection && visible_panels.right && visible_panels.inspector));
   live_.world().records().record_residuals(visible_panels.right && visible_panels.convergence);
   step_once();
   const auto& pause_at = options_.view.pause_at;
@@ -160,7 +163,8 @@ void App::export_history(bool csv) {
   const auto window = static_cast<std::size_t>(std::max(workspace_.window, 1));
   const std::string file =
       unused_file_name(fmt::format("history_{:06}", live_.world().steps()), csv ? "csv" : "json");
-  write_file_atomically(file, csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
+  write_file_atomically(file,
+                        csv ? history_csv(live_.history(), window) : history_json(live_.history(), window));
   show_notice("wrote " + file);
 }
 
@@ -175,7 +179,8 @@ void App::spawn_projectile() {
   World& world = live_.world();
   const std::vector<Vector3d> position = world.bodies().position;
   const ProjectileSpace room{world.initial().box, world.scene().obstacles, position, world.initial().radius};
-  const std::optional<Body> ball = make_projectile(eye, scene_.camera().target - eye, scene_.scene_size(), room);
+  const std::optional<Body> ball =
+      make_projectile(eye, scene_.camera().target - eye, scene_.scene_size(), room);
   if (!ball) return show_notice("on this line of sight there is no room for a ball");
   Change change;
   change.add = {*ball};

@@ -17,7 +17,6 @@
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/accuracy/study.h"
-#include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/text_file.h"
 
@@ -61,7 +60,8 @@ void advance(const std::string& file, AccuracyStudy& study) {
 }
 
 /// Works to the end, or to Ctrl-C, which also cancels the step in progress. Files are as of the last second.
-void work(AccuracyStudy& study, const InterruptHandler& interrupt_handler, const std::function<void()>& save) {
+void work(AccuracyStudy& study, const InterruptHandler& interrupt_handler,
+          const std::function<void()>& save) {
   using Clock = std::chrono::steady_clock;
   std::optional<Progress> bar;
   std::int64_t total = -1;

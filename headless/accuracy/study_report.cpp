@@ -79,7 +79,8 @@ double order_of(const AccuracyRecord& record, const std::string& series_name) {
 std::vector<std::string> series_of(const AccuracyRecord& record) {
   std::vector<std::string> series_names;
   for (const AccuracyPoint& p : record.points)
-    if (std::ranges::find(series_names, p.series_name) == series_names.end()) series_names.push_back(p.series_name);
+    if (std::ranges::find(series_names, p.series_name) == series_names.end())
+      series_names.push_back(p.series_name);
   std::ranges::sort(series_names);
   return series_names;
 }
@@ -146,7 +147,8 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
                       "energy", "momentum", joints ? "joint, m" : "depth, m");
   for (const std::string& series_name : series_of(record)) {
     const double order = order_of(record, series_name);
-    text += series_name + (std::isfinite(order) ? fmt::format(", order {:.2f} in its step", order) : "") + "\n";
+    text +=
+        series_name + (std::isfinite(order) ? fmt::format(", order {:.2f} in its step", order) : "") + "\n";
     for (const AccuracyPoint& p : record.points)
       if (p.series_name == series_name) text += row_text(p);
   }

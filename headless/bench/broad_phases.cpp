@@ -7,7 +7,6 @@
 
 #include "headless/bench/cubql_baseline.h"
 #include "headless/bench/method_row.h"
-#include "headless/bench/cubql_baseline.h"
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"

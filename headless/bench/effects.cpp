@@ -12,8 +12,6 @@
 #include "headless/reporting/percentiles_json.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
-#include "headless/reporting/percentiles.h"
-#include "headless/reporting/percentiles_json.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/names.h"
 
@@ -173,8 +171,14 @@ EffectRow measure_effect(const EffectCase& effect_case, const Scene& base, const
     off_ratios.push_back(second.ms[k] / first.ms[k]);
     on_ratios.push_back(with.ms[k] / first.ms[k]);
   }
-  return {std::string(effect_case.effect), first.footprint(),     second.footprint(),   with.footprint(),
-          percentiles_of(first.ms),       percentiles_of(off_ratios), percentiles_of(on_ratios), effect_case.decides};
+  return {std::string(effect_case.effect),
+          first.footprint(),
+          second.footprint(),
+          with.footprint(),
+          percentiles_of(first.ms),
+          percentiles_of(off_ratios),
+          percentiles_of(on_ratios),
+          effect_case.decides};
 }
 
 Json footprint_json(const Footprint& print) {
@@ -294,7 +298,8 @@ int bench_effects(const CommandLine& line) {
     Progress progress("turns", turns * static_cast<std::int64_t>(std::size(effect_cases)));
     std::int64_t done = 0;
     for (const EffectCase& effect_case : effect_cases) {
-      rows.push_back(measure_effect(effect_case, base, line.options.run, turns, [&] { progress.update(++done); }));
+      rows.push_back(
+          measure_effect(effect_case, base, line.options.run, turns, [&] { progress.update(++done); }));
       files.write(effects_json(setting, rows), effects_csv(rows), effects_markdown(rows));
     }
   }

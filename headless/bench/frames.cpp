@@ -16,7 +16,6 @@
 #include "headless/pictures/panel_picture.h"
 #include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
-#include "headless/reporting/percentiles.h"
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/value_range.h"
 #include "viewer/session/live_world.h"

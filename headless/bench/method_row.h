@@ -21,7 +21,7 @@ struct MethodRow {
   int launches = 0, repeats = 0;
   int key_bits = 0;   ///< of Morton keys; 0: it has none
   double visits = 0;  ///< nodes that a query of the method's own reads, on average; 0: it has no tree
-  Percentiles whole;       ///< us, from positions to the ordered list of pairs
+  Percentiles whole;  ///< us, from positions to the ordered list of pairs
   struct Stage {
     std::string name;
     double median_us;

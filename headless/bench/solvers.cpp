@@ -15,8 +15,6 @@
 #include "headless/reporting/percentiles_json.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
-#include "headless/reporting/percentiles.h"
-#include "headless/reporting/percentiles_json.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
@@ -134,8 +132,12 @@ std::vector<SolverRow> solver_rows(std::vector<Contestant>& all, const Scene& sc
   for (Contestant& c : all) {
     std::vector<float> ratios;
     for (std::size_t k = 0; k < c.ms.size(); ++k) ratios.push_back(c.ms[k] / all[0].ms[k]);
-    SolverRow& row = rows.emplace_back(SolverRow{
-        c.name, c.settings, percentiles_of(c.ms), percentiles_of(ratios), residual(scene, options, c.bodies()), {}});
+    SolverRow& row = rows.emplace_back(SolverRow{c.name,
+                                                 c.settings,
+                                                 percentiles_of(c.ms),
+                                                 percentiles_of(ratios),
+                                                 residual(scene, options, c.bodies()),
+                                                 {}});
     if (mass > 0) row.speed = std::sqrt(2 * row.left.stats.kinetic_energy / mass);
   }
   return rows;

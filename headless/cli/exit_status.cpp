@@ -13,7 +13,6 @@
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
-#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 namespace {

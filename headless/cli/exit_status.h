@@ -12,8 +12,8 @@ enum ExitStatus { done = 0, bad_input = 2, missing_resource = 3 };
 int run_and_report_errors(const std::function<int()>& work) noexcept;
 
 /// Libraries may let no error out of a function that they declared noexcept. From now on the program ends for
-/// want of memory there as well with a line and missing_resource, though at once; files that were being written
-/// stay as they were.
+/// want of memory there as well with a line and missing_resource, though at once; files that were being
+/// written stay as they were.
 void install_out_of_memory_handler();
 
 }  // namespace collidoscope

@@ -15,8 +15,8 @@ namespace collidoscope {
 std::string progress_line(std::string_view what, std::int64_t done, std::int64_t total, double seconds,
                           int width);
 
-/// For the rest of the program: a bar for worlds that settle (sim_cuda/snapshot/presimulation.h), and lines on
-/// stderr about them and about steps that will take long (sim_cuda/run/step_estimate.h).
+/// For the rest of the program: a bar for worlds that settle (sim_cuda/snapshot/presimulation.h), and lines
+/// on stderr about them and about steps that will take long (sim_cuda/run/step_estimate.h).
 void announce_long_work();
 
 class Progress {

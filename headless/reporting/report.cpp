@@ -62,8 +62,8 @@ std::string stage_table(const RunTimes& times) {
   std::string text = fmt::format(row, "stage", "median ms", "p95 ms", "share", "launches");
   int launches = 0;
   for (const StageTime& stage : times.stages) {
-    text += fmt::format(row, stage.name + (stage.library_launch ? " *" : ""), ms(stage.median_ms, stage.samples),
-                        ms(stage.p95_ms, stage.samples),
+    text += fmt::format(row, stage.name + (stage.library_launch ? " *" : ""),
+                        ms(stage.median_ms, stage.samples), ms(stage.p95_ms, stage.samples),
                         sum > 0 ? fmt::format("{:.1f} %", 100 * stage.median_ms / sum) : "-", stage.launches);
     launches += stage.launches;
   }

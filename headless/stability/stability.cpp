@@ -20,7 +20,6 @@
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 namespace {
@@ -58,7 +57,8 @@ RunOptions on_one_thread(RunOptions options, ExecutorKind executor) {
 }
 
 /// To the end, or to Ctrl-C; seconds that it took.
-double run_all(std::vector<TestRun>& test_runs, int jobs, const char* what, const InterruptHandler& interrupt_handler) {
+double run_all(std::vector<TestRun>& test_runs, int jobs, const char* what,
+               const InterruptHandler& interrupt_handler) {
   const auto start = std::chrono::steady_clock::now();
   Progress progress(what, std::ssize(test_runs));
   if (jobs == 0) jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -107,8 +107,9 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
   for (const HardCase& hard_case : cases)
     for (const TestConfiguration& configuration : test_configurations(hard_case, options.executor)) {
       const bool every = !hard_case.criterion.refused.empty();  // of whatever solver
-      if (!every && (chosen.get<&Physics::solver>().value_or(configuration.solver) != configuration.solver ||
-                     chosen.get<&Physics::precision>().value_or(configuration.precision) != configuration.precision))
+      if (!every &&
+          (chosen.get<&Physics::solver>().value_or(configuration.solver) != configuration.solver ||
+           chosen.get<&Physics::precision>().value_or(configuration.precision) != configuration.precision))
         continue;
       test_runs.emplace_back(hard_case, configuration, options, asked.extended);
       of.push_back(&hard_case);
@@ -135,14 +136,15 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
   return run.count(TestOutcome::failed) == 0 ? 0 : 1;
 }
 
-int run_injected_faults(const CommandLine& line, const std::vector<HardCase>& cases, const RunOptions& options) {
+int run_injected_faults(const CommandLine& line, const std::vector<HardCase>& cases,
+                        const RunOptions& options) {
   std::vector<TestRun> test_runs;
   std::vector<InjectedFaultRow> rows;
   for (const HardCase& hard_case : cases)
     for (std::size_t k = 0; k < hard_case.criterion.injected_faults.size(); ++k) {
       const InjectedFault& fault = hard_case.criterion.injected_faults[k];
       test_runs.emplace_back(hard_case, configuration_of(hard_case, fault, options.executor), options,
-                          line.options.stability.extended, &fault);
+                             line.options.stability.extended, &fault);
       rows.push_back({&hard_case, k, false, {}});
     }
   const InterruptHandler interrupt_handler;

@@ -37,11 +37,13 @@ Json json_of(const TestRow& row) {
   Json assertions = Json::array();
   for (std::size_t k = 0; k < result.assertions.size() && !refused; ++k)
     assertions.push_back(json_of(row.hard_case->criterion.assertions[k], result.assertions[k]));
-  const AssertionResult* failed = result.failed_assertion ? &result.assertions[*result.failed_assertion] : nullptr;
+  const AssertionResult* failed =
+      result.failed_assertion ? &result.assertions[*result.failed_assertion] : nullptr;
   return {
       {"case", row.hard_case->name},
       {"group", row.hard_case->criterion.group},
-      {"solver", refused ? Json(nullptr) : Json(collidoscope::name_of(solver_names, row.configuration.solver))},
+      {"solver",
+       refused ? Json(nullptr) : Json(collidoscope::name_of(solver_names, row.configuration.solver))},
       {"precision",
        refused ? Json(nullptr) : Json(collidoscope::name_of(precision_names, row.configuration.precision))},
       {"executor", name_of(row.configuration.executor)},
@@ -179,8 +181,8 @@ std::string stability_text(const StabilityRun& run) {
   if (run.count(TestOutcome::expected_failure) > 0) text += "\ndeclared limits\n";
   for (const TestRow& row : run.rows)
     if (row.result.outcome == TestOutcome::expected_failure)
-      text +=
-          fmt::format("  {}: {} ({})\n", name_of(*row.hard_case, row.configuration), row.result.why, row.result.failure);
+      text += fmt::format("  {}: {} ({})\n", name_of(*row.hard_case, row.configuration), row.result.why,
+                          row.result.failure);
   return text + "\n" + counts_text(run);
 }
 
@@ -189,11 +191,12 @@ std::string injected_faults_json(const std::vector<InjectedFaultRow>& rows) {
   for (const InjectedFaultRow& row : rows) {
     const Criterion& criterion = row.hard_case->criterion;
     const std::size_t assertion = criterion.injected_faults[row.fault].assertion;
-    json["planted"].push_back({{"case", row.hard_case->name},
-                               {"fault", row.fault},
-                               {"shows", row.shows},
-                               {"failure", row.result.failure},
-                               {"term", json_of(criterion.assertions[assertion], row.result.assertions[assertion])}});
+    json["planted"].push_back(
+        {{"case", row.hard_case->name},
+         {"fault", row.fault},
+         {"shows", row.shows},
+         {"failure", row.result.failure},
+         {"term", json_of(criterion.assertions[assertion], row.result.assertions[assertion])}});
   }
   return json_text(json);
 }
@@ -206,7 +209,8 @@ std::string injected_faults_text(const std::vector<InjectedFaultRow>& rows) {
     const Assertion& assertion = criterion.assertions[criterion.injected_faults[row.fault].assertion];
     const AssertionResult& result = row.result.assertions[criterion.injected_faults[row.fault].assertion];
     hidden += row.shows ? 0 : 1;
-    text += fmt::format("  {:<32}  {:<4}  {}", row.hard_case->name, row.shows ? "ok" : "FAIL", text_of(assertion));
+    text += fmt::format("  {:<32}  {:<4}  {}", row.hard_case->name, row.shows ? "ok" : "FAIL",
+                        text_of(assertion));
     if (row.shows)
       text += fmt::format(": {} at state {}\n", text_of(assertion.quantity, result.value), result.state);
     else if (!row.result.failure.empty())

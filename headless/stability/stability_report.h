@@ -21,7 +21,7 @@ struct StabilityRun {
   bool extended = false;                      ///< the long variants
   double seconds = 0;                         ///< of the clock
   std::int64_t asked = 0;                     ///< test runs; more than there are rows: it was stopped
-  std::vector<TestRow> rows;                 ///< of one case beside each other, by group
+  std::vector<TestRow> rows;                  ///< of one case beside each other, by group
 
   std::int64_t count(TestOutcome outcome) const;
 };

@@ -10,8 +10,8 @@
 
 namespace collidoscope {
 
-void run_tests(std::span<TestRun> test_runs, int jobs, const std::function<bool(std::int64_t done)>& on_progress,
-                std::int64_t max_parallel_bodies) {
+void run_tests(std::span<TestRun> test_runs, int jobs,
+               const std::function<bool(std::int64_t done)>& on_progress, std::int64_t max_parallel_bodies) {
   std::atomic<std::size_t> next{0};
   std::atomic<std::int64_t> done{0};
   std::atomic<bool> stop{false};

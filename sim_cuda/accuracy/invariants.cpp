@@ -130,8 +130,8 @@ void InvariantCollector::cones(const RunState& state) {
   }
   const std::size_t planes = scene.obstacles.size() + (problem_.initial.box ? 6 : 0);
   const std::size_t bodies = problem_.initial.size();
-  for (std::size_t p = 0; p < std::min(planes, warm_start.wall_friction.size() / std::max<std::size_t>(bodies, 1));
-       ++p) {
+  for (std::size_t p = 0;
+       p < std::min(planes, warm_start.wall_friction.size() / std::max<std::size_t>(bodies, 1)); ++p) {
     const int of_wall = p < scene.obstacles.size() ? scene.obstacles[p].material : 0;
     for (std::uint32_t body = 0; body < bodies; ++body)
       compare(friction(body) * scene.materials[static_cast<std::size_t>(of_wall)].friction,

@@ -71,13 +71,13 @@ struct AccuracyDistributions {
 
 struct AccuracyPoint {
   std::string series_name;  ///< "soft_step f32": the points of one line
-  std::string name;    ///< "1/60 s, 4 substeps, 1 iteration": which of them
+  std::string name;         ///< "1/60 s, 4 substeps, 1 iteration": which of them
   AccuracySetting setting;
   /// m, root mean square over all bodies and samples of how far a body's matter is from where it should be,
   /// turns included; and a standard error below and above, by how groups of bodies differ.
   double error = not_known, error_low = not_known, error_high = not_known;
   double error_worst = not_known;  ///< m, of any body at any sample
-  AccuracyCost ms;                ///< for a simulated second
+  AccuracyCost ms;                 ///< for a simulated second
   std::vector<double> ms_runs;     ///< each run's, of which `ms` is the middle
   AccuracyInvariants invariants;
   AccuracyDistributions distributions;
@@ -91,12 +91,12 @@ struct AccuracyPoint {
 struct AccuracyReference {
   enum class Kind { hard_spheres, converged_run };
   Kind kind = Kind::converged_run;
-  std::string description;         ///< a line
-  double seconds = 0;              ///< s, for which it goes on
-  double horizon = 0;              ///< s, up to which positions are compared; at most `seconds`
-  std::string end;                 ///< a line: why no further, or empty
-  double error = 0;                ///< m, its own, r.m.s. as a point's; what is below it means nothing
-  double order = not_known;        ///< observed, of a converged run
+  std::string description;           ///< a line
+  double seconds = 0;                ///< s, for which it goes on
+  double horizon = 0;                ///< s, up to which positions are compared; at most `seconds`
+  std::string end;                   ///< a line: why no further, or empty
+  double error = 0;                  ///< m, its own, r.m.s. as a point's; what is below it means nothing
+  double order = not_known;          ///< observed, of a converged run
   double lyapunov_rate = not_known;  ///< 1/s, at which a tiny displacement grows exponentially
 };
 
@@ -109,7 +109,7 @@ std::optional<std::size_t> cheapest_below(std::span<const AccuracyPoint> points,
 /// The setting to recommend, or why there is none.
 struct Recommendation {
   std::optional<std::size_t> point;  ///< the cheapest below the tolerance
-  std::string unavailable_reason;                  ///< a line; empty where there is a point
+  std::string unavailable_reason;    ///< a line; empty where there is a point
 };
 /// `reference_error`, m: what lies below it cannot be told from it. So none is recommended where all errors,
 /// or the tolerance, lie below.

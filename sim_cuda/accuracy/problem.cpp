@@ -25,7 +25,7 @@ double coarsest_step(double time_step) {
 }
 
 AccuracyProblem make_accuracy_problem(const Scene& given, const RunOptions& options, double seconds,
-                                 const RunState* start) {
+                                      const RunState* start) {
   constexpr int most_samples = 32;
   Scene scene = given;
   disable_guards(scene.physics);

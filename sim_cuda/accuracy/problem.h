@@ -36,7 +36,7 @@ double coarsest_step(double time_step);
 /// `seconds`: how long at most, but for one coarsest step; 0: 60 of the scene's own steps, and at least 2 s;
 /// `start`: unset, state 0. Throws as World does.
 AccuracyProblem make_accuracy_problem(const Scene& scene, const RunOptions& options, double seconds,
-                                 const RunState* start = nullptr);
+                                      const RunState* start = nullptr);
 
 /// A world that goes from sample to sample; `problem` outlives it. Throws as World does.
 class SampledRun {

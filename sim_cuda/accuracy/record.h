@@ -13,7 +13,7 @@ namespace collidoscope {
 
 struct AccuracyRecord {
   std::string scene, executor;  ///< names
-  std::string problem_hash;          ///< 16 hexadecimal digits: of all that decides points and costs
+  std::string problem_hash;     ///< 16 hexadecimal digits: of all that decides points and costs
   std::int64_t bodies = 0;
   int rounds = 0;         ///< runs that each cost is the middle of, in the end
   bool complete = false;  ///< nothing is left to measure

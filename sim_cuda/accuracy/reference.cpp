@@ -139,7 +139,7 @@ void ReferenceRun::finish_spheres() {
   }
   result_.kind = AccuracyReference::Kind::hard_spheres;
   result_.description = fmt::format("event-driven hard spheres, {} collisions",
-                                   exact_->counts().pairs + exact_->counts().planes);
+                                    exact_->counts().pairs + exact_->counts().planes);
   result_.end = exact_->zeno_line();
   result_.seconds = problem_.time(reached);
   horizon_ = reached;
@@ -218,7 +218,7 @@ void ReferenceRun::finish_runs() {
     if (!(d2.back() < 0.71 * d1.back()) && !(d2.back() < rounding)) {
       horizon_ = k - 1;
       result_.end = fmt::format("runs at {:.3g} s and half of it part at {:.3g} s", setting_.time_step / 2,
-                               problem_.time(k));
+                                problem_.time(k));
       break;
     }
   }
@@ -235,8 +235,8 @@ void ReferenceRun::finish_runs() {
   const double order = std::isfinite(result_.order) ? std::clamp(result_.order, 0.5, 4.0) : 1;
   result_.error = std::max(std::sqrt(fine) / (std::exp2(order) - 1), rounding);
   result_.description = fmt::format("converged run in double, {} s in {} substeps ({})",
-                                   fmt::format("{:.3g}", setting_.time_step / 4), setting_.substeps,
-                                   why.empty() ? "no event-driven answer" : "not event-driven: " + why);
+                                    fmt::format("{:.3g}", setting_.time_step / 4), setting_.substeps,
+                                    why.empty() ? "no event-driven answer" : "not event-driven: " + why);
   first_.clear();
   second_.clear();
   third_.clear();

@@ -56,9 +56,9 @@ class ReferenceRun {
   AccuracyReference result_;
   std::string current_task_;
   std::unique_ptr<HardSpheres> exact_, perturbed_;  // while there is an event-driven answer
-  std::unique_ptr<SampledRun> run_;              // of the converged runs, that which goes on
-  AccuracySetting setting_;                      // of the first of them
-  int runs_done_ = 0;                            // h, perturbed, h/2, h/4
+  std::unique_ptr<SampledRun> run_;                 // of the converged runs, that which goes on
+  AccuracySetting setting_;                         // of the first of them
+  int runs_done_ = 0;                               // h, perturbed, h/2, h/4
   RunState perturbed_start_;
   std::vector<ReferenceSample> samples_;
   std::vector<BodyStates> first_, second_, third_;  // of runs h, perturbed, h/2

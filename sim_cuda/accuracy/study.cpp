@@ -29,9 +29,10 @@ std::vector<double> speeds_of(const BodyStates& states) {
   return speeds;
 }
 
-/// Of the finest two settings of each refinement series in double: what they converge to should be the answer.
+/// Of the finest two settings of each refinement series in double: what they converge to should be the
+/// answer.
 std::map<std::string, std::vector<std::size_t>> finest_of_series(const std::vector<AccuracyPoint>& points,
-                                                                  const AccuracyProblem& problem) {
+                                                                 const AccuracyProblem& problem) {
   std::map<std::string, std::vector<std::size_t>> all_series;
   for (std::size_t k = 0; k < points.size(); ++k)
     if (points[k].setting.precision == Precision::f64 && in_refinement_series(points[k], problem))
@@ -59,7 +60,8 @@ AccuracyStudy::AccuracyStudy(const Scene& scene, const RunOptions& options, Accu
       (!motion.empty() && std::ranges::none_of(motion, [](Motion m) { return m == Motion::dynamic; })))
     throw InputError((scene.file.empty() ? scene.name : scene.file) +
                      ": no body that forces move, so there is nothing whose error could be measured");
-  if (request_.reference_scene) reference_problem_ = make_accuracy_problem(*request_.reference_scene, options, request_.seconds, start);
+  if (request_.reference_scene)
+    reference_problem_ = make_accuracy_problem(*request_.reference_scene, options, request_.seconds, start);
   reference_run_ = std::make_unique<ReferenceRun>(reference_problem_ ? *reference_problem_ : problem_);
 }
 AccuracyStudy::~AccuracyStudy() = default;
@@ -79,12 +81,14 @@ bool AccuracyStudy::advance(double milliseconds) {
 }
 
 AccuracyStudy::Progress AccuracyStudy::progress() const {
-  if (reference_run_) return {static_cast<std::int64_t>(1000 * reference_run_->progress()), 1000, reference_run_->current_task()};
+  if (reference_run_)
+    return {static_cast<std::int64_t>(1000 * reference_run_->progress()), 1000,
+            reference_run_->current_task()};
   Progress progress{static_cast<std::int64_t>(next_), static_cast<std::int64_t>(jobs_.size()), "done"};
   if (next_ < jobs_.size()) {
     const AccuracyPoint& point = points_[jobs_[next_].point];
-    progress.current_task =
-        fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price", point.series_name, point.name);
+    progress.current_task = fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price",
+                                        point.series_name, point.name);
   }
   return progress;
 }
@@ -129,7 +133,8 @@ void AccuracyStudy::plan() {
   scales_ = InvariantScales(samples_, problem_.initial);
   for (AccuracyPoint& point : points_)
     for (AccuracyPoint& known : recorded_points_)
-      if (known.series_name == point.series_name && known.name == point.name && known.setting == point.setting)
+      if (known.series_name == point.series_name && known.name == point.name &&
+          known.setting == point.setting)
         point = known;
   recorded_points_.clear();
   mark_front(points_);

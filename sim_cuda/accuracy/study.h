@@ -15,7 +15,6 @@
 #include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/accuracy/record.h"
 #include "sim_cuda/accuracy/reference.h"
-#include "sim_cuda/accuracy/problem.h"
 
 namespace collidoscope {
 
@@ -91,7 +90,7 @@ class AccuracyStudy {
   std::map<std::size_t, BodyStates> at_horizon_;  // by point, of the two finest of each ladder in double
 
   struct ErrorRun;
-  std::unique_ptr<ErrorRun> error_run_;    // of the job at hand
+  std::unique_ptr<ErrorRun> error_run_;   // of the job at hand
   std::unique_ptr<SampledRun> cost_run_;  // of the job at hand
   std::vector<double> costs_;             // of its runs so far
   int cost_steps_ = 0;                    // plain ones, of these

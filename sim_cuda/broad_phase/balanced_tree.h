@@ -112,7 +112,8 @@ struct ChildOverlap {
 };
 
 /// One body's query, from the root with a stack. Only leaves to the right of its own are looked for, so that
-/// each pair is found once. Node: `SplitPosition split`, `ChildOverlap overlapping_children(const BalancedLeaf&) const`.
+/// each pair is found once. Node: `SplitPosition split`, `ChildOverlap overlapping_children(const
+/// BalancedLeaf&) const`.
 template <class Node, class Sink>
 struct TraverseBalanced {
   const Node* nodes;

@@ -20,7 +20,6 @@
 
 #include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/sort.h"
 
@@ -31,8 +30,8 @@ namespace {
 struct alignas(16) BspNode {
   float normal[3];
   SplitPosition split;
-  /// Ends of intervals as ordered_bits, so that the lowest value wins: of the left child ~high, of the right one
-  /// low. All ones where it has nothing but empty boxes, which reads as NaN.
+  /// Ends of intervals as ordered_bits, so that the lowest value wins: of the left child ~high, of the right
+  /// one low. All ones where it has nothing but empty boxes, which reads as NaN.
   std::uint32_t left_max, right_min;
   float middle;  ///< the mean of the centres, projected
   std::uint32_t unused;

@@ -122,7 +122,8 @@ class BulletDbvt final : public BroadPhase {
   }
 
   /// btDbvt::collideTT of the tree with itself, which does not tell what it tests: the same pairs of nodes in
-  /// the same order. on_overlap(a, b) for leaves whose volumes overlap; at the end count(tests of two volumes).
+  /// the same order. on_overlap(a, b) for leaves whose volumes overlap; at the end count(tests of two
+  /// volumes).
   template <class Count, class OnOverlap>
   void collide(const Count& count, const OnOverlap& on_overlap) const {
     using Two = std::pair<const btDbvtNode*, const btDbvtNode*>;

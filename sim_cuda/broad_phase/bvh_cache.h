@@ -12,7 +12,8 @@ namespace collidoscope {
 
 class BvhCache {
  public:
-  BvhCache(Executor& executor, std::int64_t bodies) : bodies_(bodies), tree_(executor), statistics_(executor) {}
+  BvhCache(Executor& executor, std::int64_t bodies)
+      : bodies_(bodies), tree_(executor), statistics_(executor) {}
 
   /// The boxes are others.
   void invalidate() { level_ordered_ = measured_ = leaves_known_ = false; }

@@ -19,8 +19,13 @@ SIM_HD inline NodeSums combine(const NodeSums& a, const NodeSums& b) {
 }
 
 SIM_HD inline QuerySums combine(const QuerySums& a, const QuerySums& b) {
-  return {a.q1 + b.q1,   a.q2 + b.q2,         a.q3 + b.q3,  a.area + b.area,
-          a.epo + b.epo, a.visits + b.visits, a.overlaps + b.overlaps};
+  return {a.q1 + b.q1,
+          a.q2 + b.q2,
+          a.q3 + b.q3,
+          a.area + b.area,
+          a.epo + b.epo,
+          a.visits + b.visits,
+          a.overlaps + b.overlaps};
 }
 
 namespace {
@@ -299,12 +304,12 @@ TreeQuality BvhStatistics::measure(const TreeView& tree, std::int64_t bodies) {
       &over_nodes, reduce<NodeSums>(executor_, "quality", tree.nodes, MeasureNode{tree}, node_sums_.data()),
       sizeof over_nodes);
   QuerySums over_queries;
-  executor_.copy_to_host(
-      &over_queries,
-      reduce<QuerySums>(executor_, "quality", bodies,
-                        LoadQuery{tree, leaf_node_.data(), leaf_visits_.data(), overlaps_.data(), epo_.data()},
-                        query_sums_.data()),
-      sizeof over_queries);
+  executor_.copy_to_host(&over_queries,
+                         reduce<QuerySums>(executor_, "quality", bodies,
+                                           LoadQuery{tree, leaf_node_.data(), leaf_visits_.data(),
+                                                     overlaps_.data(), epo_.data()},
+                                           query_sums_.data()),
+                         sizeof over_queries);
   executor_.run("quality", tree.nodes,
                 StoreNode{MeasureNode{tree}, over_nodes.area, node_visits_.data(), sah_share_.data(),
                           overlap_.data(), empty_.data(), visited_.data()});
@@ -384,7 +389,8 @@ std::int64_t BvhStatistics::visits_of(std::uint32_t body) const {
   return visits;
 }
 
-std::vector<std::uint32_t> BvhStatistics::visited(const TreeView& tree, std::uint32_t body, std::int64_t limit) {
+std::vector<std::uint32_t> BvhStatistics::visited(const TreeView& tree, std::uint32_t body,
+                                                  std::int64_t limit) {
   Buffer<std::uint32_t> list(executor_, "visited nodes");
   list.resize_discarding(static_cast<std::size_t>(limit) + 1);
   executor_.run("quality", 1,

@@ -63,7 +63,7 @@ class BvhStatistics {
   Buffer<float> level_, sah_share_, overlap_, empty_, visited_;  ///< by node
   Buffer<std::uint32_t> node_visits_;                            ///< by node
   Buffer<std::uint32_t> body_visits_;                            ///< by id
-  Buffer<std::uint32_t> leaf_visits_, overlaps_, leaf_node_;          ///< by place in the tree's order
+  Buffer<std::uint32_t> leaf_visits_, overlaps_, leaf_node_;     ///< by place in the tree's order
   Buffer<std::uint32_t> place_;                                  ///< by id
   Buffer<std::uint32_t> own_visits_;                             ///< by the items of the method's stage
   Buffer<std::uint64_t> shared_visits_;

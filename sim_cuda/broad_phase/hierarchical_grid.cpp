@@ -102,7 +102,8 @@ class HierarchicalGrid final : public BroadPhase {
     const std::int64_t lanes = min_of(bodies_, histogram_lanes);
     executor_.begin_stage("keys");
     histogram_.fill_zero();
-    executor_.run("keys", lanes, BuildSizeHistogram{boxes, extent, bodies_, lanes, every_, histogram_.data()});
+    executor_.run("keys", lanes,
+                  BuildSizeHistogram{boxes, extent, bodies_, lanes, every_, histogram_.data()});
     executor_.run("keys", classes,
                   LayOutLevel{extent, histogram_.data(), static_cast<std::uint32_t>(every_), cells_.grid()});
     cells_.sort(boxes);

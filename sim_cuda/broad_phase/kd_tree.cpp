@@ -14,7 +14,6 @@
 
 #include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/broad_phase/balanced_tree.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/scan.h"
 #include "sim_cuda/core/sort.h"

@@ -32,7 +32,7 @@ bool pile_exceeds_cells(const InitialBodies& bodies, const Box& box) {
 /// How bodies share the cells that the leading bits of their keys number.
 struct CellOccupancy {
   double mean_others = 0;  ///< in the cell of a body, on average
-  double max_bodies = 0;    ///< bodies in the fullest cell
+  double max_bodies = 0;   ///< bodies in the fullest cell
 };
 
 /// The 63-bit keys of every k-th body, sorted; all of them where there are few.

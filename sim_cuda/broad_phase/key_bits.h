@@ -19,7 +19,7 @@ namespace collidoscope {
 ///   tenth to a half of all) would form one if they gathered, at the density of random close packing. And 63
 ///   where there is no box, since one body that flies away stretches the cells of all others.
 int automatic_key_bits(const InitialBodies& bodies, const std::vector<Vector3d>& position,
-                        SortMethod sort = SortMethod::automatic);
+                       SortMethod sort = SortMethod::automatic);
 inline int automatic_key_bits(const InitialBodies& bodies) {
   return automatic_key_bits(bodies, bodies.position);
 }

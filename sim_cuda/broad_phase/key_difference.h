@@ -1,9 +1,9 @@
 #pragma once
-// The highest bit in which the keys of two neighbouring leaves differ (delta of Karras 2012): the higher it is,
-// the nearer to the root the tree splits there. Equal keys differ by their places.
+// The highest bit in which the keys of two neighbouring leaves differ (delta of Karras 2012): the higher it
+// is, the nearer to the root the tree splits there. Equal keys differ by their places.
 //
-// At both ends of a subtree the split bits differ: between two splits at one bit, where sorted numbers turn it
-// on twice, stands one where they turned it off again, which takes a higher bit.
+// At both ends of a subtree the split bits differ: between two splits at one bit, where sorted numbers turn
+// it on twice, stands one where they turned it off again, which takes a higher bit.
 
 #include <bit>
 #include <cstdint>

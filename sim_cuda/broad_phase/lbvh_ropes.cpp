@@ -8,7 +8,6 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/morton_order.h"
-#include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/rope_walk.h"
 #include "sim_cuda/core/vector_load.h"
 
@@ -71,7 +70,8 @@ struct Climb {
     while (!own.is_root()) {
       const bool is_left = own.is_left();
       const std::uint32_t split = is_left ? own.last : own.first - 1;
-      const FirstArrival range = is_left ? FirstArrival{own.first, own.left} : FirstArrival{own.last, own.right};
+      const FirstArrival range =
+          is_left ? FirstArrival{own.first, own.left} : FirstArrival{own.last, own.right};
       const std::uint64_t previous = atomic_exchange(&arrivals[split], range.packed());
       if (previous == FirstArrival::none) return;
       arrivals[split] = FirstArrival::none;  // both were here
@@ -125,7 +125,8 @@ __global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
     for (;;) {
       const bool is_left = own.is_left();
       const std::uint32_t active_lanes = __ballot_sync(all, active), lefts = __ballot_sync(all, is_left);
-      const std::uint32_t before = active_lanes & ((1u << lane) - 1), after = active_lanes & ~((2u << lane) - 1);
+      const std::uint32_t before = active_lanes & ((1u << lane) - 1),
+                          after = active_lanes & ~((2u << lane) - 1);
       const int previous = 31 - __clz(static_cast<int>(before)), next = __ffs(static_cast<int>(after)) - 1;
       const bool joins = active && is_left && after != 0 && !(lefts >> next & 1);
       if (__ballot_sync(all, joins) == 0) break;

@@ -227,10 +227,11 @@ class LbvhTopDown final : public BroadPhase {
     levels_.fill_zero();
     executor_.run("build", 1, PutRoot{n_, levels, first_.data(), parent_.data(), nodes_.data()});
     const SplitNodes<Key> split{order_.keys(),  order_.bodies(), levels,       first_.data(),
-                                parent_.data(), arrival_.data(),     leaf_.data(), nodes_.data()};
+                                parent_.data(), arrival_.data(), leaf_.data(), nodes_.data()};
     if (executor_.on_device() && n_ > max_in_rounds) {
       for (int level = 0; level < levels_needed(); ++level)
-        executor_.run("build", ItemCount(levels.size + level, max_level_size(level)), SplitLevel<Key>{split, level});
+        executor_.run("build", ItemCount(levels.size + level, max_level_size(level)),
+                      SplitLevel<Key>{split, level});
     } else {
       executor_.run_rounds("build", levels_needed(), n_, split);
     }

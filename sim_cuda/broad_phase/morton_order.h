@@ -7,8 +7,8 @@
 //
 // Up to 2^21 bodies with 24- or 30-bit keys it is a counting sort: as many cells as bodies, one counter each,
 // and within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
-// place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LargeItems). Beyond,
-// and for 63-bit keys, the library sorts; ExecutorOptions::sort may say otherwise.
+// place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LargeItems).
+// Beyond, and for 63-bit keys, the library sorts; ExecutorOptions::sort may say otherwise.
 
 #include <cstdint>
 #include <type_traits>
@@ -222,8 +222,8 @@ class MortonOrder {
                   ScatterToCells<Key>{keys_.data(), shift, begin_.data(), ids_.data(), order_.data()});
     // Ranks have done their work: their memory takes the bodies of large cells.
     executor_.run("sort", items,
-                  SortWithinCells<Emit>{keys_.data(), shift, begin_.data(), order_.data(), sorted_keys_.data(),
-                                    ids_.data(), emit});
+                  SortWithinCells<Emit>{keys_.data(), shift, begin_.data(), order_.data(),
+                                        sorted_keys_.data(), ids_.data(), emit});
   }
 #endif
   std::uint32_t* bodies_by_place() { return cell_bits_ > 0 ? ids_.data() : order_.data(); }

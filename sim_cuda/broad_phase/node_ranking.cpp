@@ -100,7 +100,7 @@ const float* BvhStatistics::values(NodeMetric metric) const {
 }
 
 std::vector<NodeReport> BvhStatistics::ranked(const TreeView& tree, NodeMetric metric, std::int64_t first,
-                                          std::int64_t count, int from, int to) {
+                                              std::int64_t count, int from, int to) {
   from = std::max(from, 0);
   to = std::min(to, tree.levels() - 1);
   if (from > to) return {};
@@ -151,7 +151,8 @@ std::vector<NodeReport> BvhStatistics::nodes(const TreeView& tree, const std::ve
   return reports;
 }
 
-NodeHistogram BvhStatistics::histogram(const TreeView& tree, NodeMetric metric, const NodeSelection& selection) {
+NodeHistogram BvhStatistics::histogram(const TreeView& tree, NodeMetric metric,
+                                       const NodeSelection& selection) {
   NodeHistogram result;
   const int from = std::max(selection.first_level, 0), to = std::min(selection.last_level, tree.levels() - 1);
   if (from > to) return result;

@@ -87,7 +87,8 @@ void PairList::find(BroadPhase& method, StepControl* control) {
   const std::uint32_t rounds = placing_rounds(second_.bytes());
   const auto part = [&](std::uint32_t round) { return static_cast<std::uint32_t>(bodies_ * round / rounds); };
   for (std::uint32_t round = 0; round < rounds; ++round)
-    executor_.run("pairs", ItemCount(count_.data(), capacity()),  // the total's lower half: all of it, if it fits
+    executor_.run("pairs",
+                  ItemCount(count_.data(), capacity()),  // the total's lower half: all of it, if it fits
                   PlacePairs{found_.data(), part(round), part(round + 1), offset_.data(), second_.data(),
                              second_.size()});
   executor_.run(

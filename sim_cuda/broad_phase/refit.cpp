@@ -12,7 +12,6 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/morton_order.h"
-#include "sim_cuda/broad_phase/key_difference.h"
 #include "sim_cuda/broad_phase/rope_tree.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/core/vector_load.h"

@@ -1,6 +1,7 @@
 #pragma once
-// Ropes (escape indices, rope_walk.h) for trees that are not built from left to right. Whoever builds one gives each pair of
-// siblings its links; the ropes follow from these in one launch, and so does what write_tree() asks for.
+// Ropes (escape indices, rope_walk.h) for trees that are not built from left to right. Whoever builds one
+// gives each pair of siblings its links; the ropes follow from these in one launch, and so does what
+// write_tree() asks for.
 
 #include <cstdint>
 

@@ -38,7 +38,7 @@ struct WalkRopes {
 // more: one thread a query.
 
 constexpr std::uint32_t warp_size = 32;
-constexpr std::int64_t lanes_per_query = 4;        // no more: dividing costs time too
+constexpr std::int64_t lanes_per_query = 4;      // no more: dividing costs time too
 constexpr std::uint32_t idle_lanes_to_wait = 4;  // before work is handed out
 constexpr std::uint32_t max_shared =
     200'000;  // queries: on an H200, which runs 8,448 warps at once, both are as fast

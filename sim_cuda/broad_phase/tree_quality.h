@@ -82,7 +82,8 @@ struct TreeQuality {
   double expected_visits =
       0;  ///< mean over queries of the sum over nodes of prod(extent + 2 query) / root's volume
   std::int64_t pairs = 0;
-  double tests_per_pair = 0;  ///< box tests of all queries over twice the pairs: both queries of a pair find it
+  double tests_per_pair =
+      0;  ///< box tests of all queries over twice the pairs: both queries of a pair find it
   OwnVisits own;
 };
 

@@ -63,13 +63,13 @@ std::optional<Scene> scene_after_restart(const World& world, const Change& chang
 
 /// The run after a change: another World, or null where `world` itself could change, its launch shape.
 /// `options` are world's own, or such with another executor. `rest`: where it begins at state 0, the state to
-/// begin in, of a scene that settles (presimulation.h); else it is made here. Throws as World does, and changes
-/// nothing then.
+/// begin in, of a scene that settles (presimulation.h); else it is made here. Throws as World does, and
+/// changes nothing then.
 std::unique_ptr<World> world_after_change(World& world, const Change& change, RunOptions options,
-                                     const RunState* rest = nullptr);
+                                          const RunState* rest = nullptr);
 /// The same from a state that was kept; never null.
 std::unique_ptr<World> world_after_change(const SavedRun& run, const Change& change, RunOptions options,
-                                     const RunState* rest = nullptr);
+                                          const RunState* rest = nullptr);
 
 /// Adds a change to those that a run has been through. A change of how it runs takes the place of one of the
 /// same state, or, with `extends_last`, of the one that it goes on from (a slider that is still held).

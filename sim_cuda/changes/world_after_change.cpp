@@ -40,11 +40,11 @@ std::optional<Scene> scene_after_restart(const World& world, const Change& chang
   RunOptions options = world.options();
   apply_change(change, scene, options);
   return leads_to_restart(world.steps(), world.scene(), change, scene) ? std::optional(std::move(scene))
-                                                                  : std::nullopt;
+                                                                       : std::nullopt;
 }
 
 std::unique_ptr<World> world_after_change(World& world, const Change& change, RunOptions options,
-                                     const RunState* rest) {
+                                          const RunState* rest) {
   if (change.only_launch_shape() && options.executor == world.options().executor) {
     LaunchShape& shape = options.shape;
     shape.blocks = change.settings.get<&LaunchShape::blocks>().value_or(shape.blocks);
@@ -56,7 +56,7 @@ std::unique_ptr<World> world_after_change(World& world, const Change& change, Ru
 }
 
 std::unique_ptr<World> world_after_change(const SavedRun& run, const Change& change, RunOptions options,
-                                     const RunState* rest) {
+                                          const RunState* rest) {
   Scene scene = run.scene;
   const BodyIdMap ids = apply_change(change, scene, options);
   if (leads_to_restart(run.state.steps, run.scene, change, scene)) {

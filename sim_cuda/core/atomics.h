@@ -82,7 +82,7 @@ SIM_HD T atomic_exchange(T* target, std::type_identity_t<T> value) {
 
 /// Puts `value` if `expected` stands there. Returns what stood there.
 SIM_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t* target, std::uint32_t expected,
-                                           std::uint32_t value) {
+                                                    std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
   return atomicCAS(target, expected, value);
 #else

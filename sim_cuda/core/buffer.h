@@ -34,7 +34,7 @@ class Buffer {
     if (size == size_) return;
     if (executor_->is_dry_run()) {
       executor_->count_dry_run_bytes(static_cast<std::int64_t>(size * sizeof(T)) -
-                                 static_cast<std::int64_t>(bytes()));
+                                     static_cast<std::int64_t>(bytes()));
       if (executor_->is_construction_dry_run()) size_ = size;
       return;
     }

@@ -64,8 +64,12 @@ class Executor {
   std::map<std::string, std::int64_t> bytes_by_name() const { return memory_.bytes_by_name(); }
   std::int64_t available_bytes() const { return memory_.available_bytes(); }
   std::int64_t room_bytes() const { return memory_.room_bytes(); }
-  std::int64_t dry_run_allocation(const std::function<void()>& reserve) { return memory_.dry_run_allocation(reserve); }
-  std::int64_t dry_run_construction(const std::function<void()>& make) { return memory_.dry_run_construction(make); }
+  std::int64_t dry_run_allocation(const std::function<void()>& reserve) {
+    return memory_.dry_run_allocation(reserve);
+  }
+  std::int64_t dry_run_construction(const std::function<void()>& make) {
+    return memory_.dry_run_construction(make);
+  }
   bool is_construction_dry_run() const { return memory_.is_construction_dry_run(); }
   bool is_dry_run() const { return memory_.is_dry_run(); }
   void count_dry_run_bytes(std::int64_t bytes) { memory_.count_dry_run_bytes(bytes); }
@@ -103,8 +107,8 @@ class Executor {
   /// within a step.
   void reserve_call_stack(std::size_t bytes);
 
-  /// What is enqueued from now on belongs to this stage. `library_launch`: (B, T) does not apply to it, because a
-  /// library launches its kernels.
+  /// What is enqueued from now on belongs to this stage. `library_launch`: (B, T) does not apply to it,
+  /// because a library launches its kernels.
   void begin_stage(const char* name, bool library_launch = false);
   /// On the CPU: the stage ran so many parallel loops. On a GPU the nodes of the graph are counted instead.
   void count_launches(int launches);

@@ -10,10 +10,11 @@ namespace collidoscope {
 /// How many items a stage has: known to the host, or the value of a counter in the executor's memory. The
 /// stage reads the counter when it starts, so that the host need not wait for it.
 struct ItemCount {
-  std::int64_t max = 0;                  ///< the number of items, or an upper bound of it
+  std::int64_t max = 0;                         ///< the number of items, or an upper bound of it
   const std::uint32_t* device_count = nullptr;  ///< where the number stands; null: it is `max`
 
-  ItemCount(std::int64_t items) : max(items) {}  // NOLINT(google-explicit-constructor): a number is an ItemCount
+  ItemCount(std::int64_t items)
+      : max(items) {}  // NOLINT(google-explicit-constructor): a number is an ItemCount
   ItemCount(const std::uint32_t* where, std::int64_t at_most) : max(at_most), device_count(where) {}
   SIM_HD std::int64_t value() const {
     if (device_count == nullptr) return max;

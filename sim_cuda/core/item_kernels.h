@@ -33,7 +33,8 @@ __device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t s
 }
 template <LargeItems Stage>
 __device__ void run_items(std::int64_t first, std::int64_t items, std::int64_t stride, const Stage& stage) {
-  constexpr std::uint32_t capacity = 64;  // large items of a block; one thread alone executes any further ones
+  constexpr std::uint32_t capacity =
+      64;  // large items of a block; one thread alone executes any further ones
   __shared__ int queued[capacity];
   __shared__ std::uint32_t queued_count;
   if (threadIdx.x == 0) queued_count = 0;

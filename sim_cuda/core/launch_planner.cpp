@@ -23,7 +23,8 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
   const auto shared_bytes = [&](int block) { return shared != nullptr ? shared(block) : 0; };
   constexpr std::size_t granted = 48 << 10;  // bytes; a kernel that needs more must declare it
   if (const std::size_t max_shared = shared_bytes(device_.max_threads); max_shared > granted)
-    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(max_shared)),
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                               static_cast<int>(max_shared)),
           doing);
   const auto resident = [&](int block) {
     int blocks = 0;
@@ -60,7 +61,7 @@ LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, st
 }
 
 LaunchShape LaunchPlanner::choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
-                                                int blocks_per_multiprocessor) {
+                                                    int blocks_per_multiprocessor) {
   // At least one block to a multiprocessor, so that all of them move data. No more than one or two, because
   // the time of a grid-wide wait grows with the number of blocks.
   const std::int64_t blocks = std::int64_t{device_.multiprocessors} * blocks_per_multiprocessor,

@@ -30,8 +30,10 @@ class LaunchPlanner {
   LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
                            SharedBytes shared);
   /// (B, T) for a kernel whose threads wait for each other, so that all must run at once. Where "auto", about
-  /// `blocks_per_multiprocessor` blocks to a multiprocessor. B = 0: the (B, T) asked for would be more than run at once.
-  LaunchShape choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items, int blocks_per_multiprocessor);
+  /// `blocks_per_multiprocessor` blocks to a multiprocessor. B = 0: the (B, T) asked for would be more than
+  /// run at once.
+  LaunchShape choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
+                                       int blocks_per_multiprocessor);
 
   /// How many threads run at once if each needs 64 registers.
   std::int64_t threads_at_once() const { return std::int64_t{1024} * device_.multiprocessors; }

@@ -2,8 +2,8 @@
 // A vector as it lies in memory that is read and written at random places: padded to four numbers, so that a
 // GPU moves it at one go (core/vector_load.h). To compute with it, make a Vector3 of it.
 //
-// In float, the padding may hold a tag, by which threads of one launch wait for each other: a thread that reads the tag
-// reads the vector that was stored with it, as both go in one access of 128 bits.
+// In float, the padding may hold a tag, by which threads of one launch wait for each other: a thread that
+// reads the tag reads the vector that was stored with it, as both go in one access of 128 bits.
 
 #include <cstdint>
 

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int digit_bits = 4;
 constexpr std::uint32_t digits = 1u << digit_bits;
-constexpr std::int64_t min_records_per_lane = 16;  // records: with as many counters a thread, the table is no longer
-                                            // than the keys
+constexpr std::int64_t min_records_per_lane = 16;  // records: with as many counters a thread, the table is no
+                                                   // longer than the keys
 constexpr std::int64_t one_record_lanes = 65'536;  // threads: up to here each that B x T has takes its share
 
 /// The records of a lane: neighbours, so that the order of equal keys is that of lanes.
@@ -86,7 +86,7 @@ struct ScanGroup {
 
 /// `values` become the sums of what is before each; `sums` has room for those of all levels.
 void exclusive_scan_in_place(Executor& executor, const char* stage, std::uint32_t* values, std::int64_t count,
-                  std::uint32_t* sums) {
+                             std::uint32_t* sums) {
   const std::int64_t groups = groups_of(count);
   if (groups > 1) {
     executor.run(stage, groups, SumGroup{values, count, sums});
@@ -95,7 +95,9 @@ void exclusive_scan_in_place(Executor& executor, const char* stage, std::uint32_
   executor.run(stage, groups, ScanGroup{values, count, groups > 1 ? sums : nullptr});
 }
 
-std::int64_t default_lanes(std::int64_t count) { return (count + min_records_per_lane - 1) / min_records_per_lane; }
+std::int64_t default_lanes(std::int64_t count) {
+  return (count + min_records_per_lane - 1) / min_records_per_lane;
+}
 std::int64_t max_lanes(std::int64_t count) {
   return std::max(default_lanes(count), std::min(count, one_record_lanes));
 }
@@ -117,7 +119,8 @@ void radix_sort(Executor& executor, const char* stage, std::int64_t count, int k
   if (count == 0) return;
   const LaunchShape shape = executor.options().shape;
   const std::int64_t requested = std::int64_t{shape.blocks} * shape.threads;
-  const LaneRanges ranges{count, requested > 0 ? std::min(requested, max_lanes(count)) : default_lanes(count)};
+  const LaneRanges ranges{count,
+                          requested > 0 ? std::min(requested, max_lanes(count)) : default_lanes(count)};
   auto* table = static_cast<std::uint32_t*>(temporary);
   const std::int64_t entries = digits * ranges.lanes;
   // An even number of passes ends where it began.

@@ -26,8 +26,8 @@ namespace collidoscope {
 
 /// What every stage of several rounds has:
 ///
-///   SIM_HD std::int64_t items(int round) const;  // called when the rounds before are done, unless static_item_counts
-///   SIM_HD void operator()(int round, int item) const;
+///   SIM_HD std::int64_t items(int round) const;  // called when the rounds before are done, unless
+///   static_item_counts SIM_HD void operator()(int round, int item) const;
 ///
 /// The items of one round must not depend on each other.
 template <class Rounds>
@@ -48,20 +48,20 @@ concept StaticRounds = ItemRounds<Rounds> && requires {
 /// The first rounds are split into reading and doing, so that an item is read before its turn:
 ///
 ///   static constexpr int prefetched_rounds;  // the number of these rounds
-///   SIM_HD Operands fetch(int round, int item) const;  // reads what no item but this one writes in any round
-///   SIM_HD void operator()(Operands) const;
+///   SIM_HD Operands fetch(int round, int item) const;  // reads what no item but this one writes in any
+///   round SIM_HD void operator()(Operands) const;
 template <class Rounds>
 concept PrefetchingRounds = StaticRounds<Rounds> && requires {
   typename Rounds::Operands;
 };
 
-/// On a GPU the first rounds are executed without synchronisation: an item starts as soon as the items that it needs are
-/// done, without a wait for whole rounds. try_process() is needed only where nvcc compiles.
+/// On a GPU the first rounds are executed without synchronisation: an item starts as soon as the items that
+/// it needs are done, without a wait for whole rounds. try_process() is needed only where nvcc compiles.
 ///
 ///   static constexpr int sync_free_rounds;  // the number of these rounds; 0: none
-///   static constexpr bool sync_free_beyond_threads;  // also where `max_items` items are more than threads at once
-///   SIM_HD std::int64_t sync_free_items() const;  // of all these rounds, numbered in the order of the rounds
-///   SIM_HD Operands fetch(std::uint32_t item) const;
+///   static constexpr bool sync_free_beyond_threads;  // also where `max_items` items are more than threads
+///   at once SIM_HD std::int64_t sync_free_items() const;  // of all these rounds, numbered in the order of
+///   the rounds SIM_HD Operands fetch(std::uint32_t item) const;
 ///   __device__ bool try_process(Operands&) const;  // true: did the item, since all that it needs are done
 template <class Rounds>
 concept SyncFreeRounds = PrefetchingRounds<Rounds> &&(Rounds::sync_free_rounds > 0);
@@ -115,7 +115,7 @@ __device__ void run_items_of(const Rounds& stage, int round, std::int64_t first,
 /// The first block alone executes each round of so few items that this takes less time than a grid-wide wait.
 template <class Rounds>
 requires StaticRounds<Rounds> __device__ void run_rounds_in(const cooperative_groups::grid_group& grid,
-                                                             const int rounds, const Rounds& stage) {
+                                                            const int rounds, const Rounds& stage) {
   const auto rank = static_cast<std::int64_t>(grid.thread_rank());
   const auto lanes = static_cast<std::int64_t>(grid.size());
   bool first = true, was_alone = false;
@@ -137,9 +137,9 @@ __global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, cons
   run_rounds_in(cooperative_groups::this_grid(), rounds, stage);
 }
 
-/// Executes rounds [0, sync_free_rounds) in the order of dependencies, then the others. There is no deadlock: all threads run at once,
-/// and each takes its items in increasing order. Of the items that are not done, the first therefore needs
-/// none of the others, and its thread has reached it.
+/// Executes rounds [0, sync_free_rounds) in the order of dependencies, then the others. There is no deadlock:
+/// all threads run at once, and each takes its items in increasing order. Of the items that are not done, the
+/// first therefore needs none of the others, and its thread has reached it.
 template <SyncFreeRounds Rounds>
 __global__ void __launch_bounds__(1024, 1) run_dependency_ordered(const int rounds, const Rounds stage) {
   const cooperative_groups::grid_group grid = cooperative_groups::this_grid();
@@ -172,7 +172,8 @@ void launch_rounds(LaunchPlanner& planner, cudaStream_t stream, const char* name
                    std::int64_t max_items, const Rounds& stage) {
   const auto launch_cooperative = [&](void (*kernel)(int, Rounds), int blocks_per_multiprocessor) {
     const auto all = reinterpret_cast<const void*>(kernel);
-    const LaunchShape shape = planner.choose_cooperative_shape(all, name, max_items, blocks_per_multiprocessor);
+    const LaunchShape shape =
+        planner.choose_cooperative_shape(all, name, max_items, blocks_per_multiprocessor);
     if (shape.blocks == 0) return false;
     const void* arguments[] = {&rounds, &stage};
     check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),

@@ -22,8 +22,8 @@ class StageRecorder {
 
   StageClock& clock() { return clock_; }
 
-  /// Ends the stage in progress and begins `name`, unless that is the stage in progress. `library_launch`: (B, T)
-  /// does not apply to the stage.
+  /// Ends the stage in progress and begins `name`, unless that is the stage in progress. `library_launch`:
+  /// (B, T) does not apply to the stage.
   void begin(const char* name, bool library_launch);
   void end();
   /// Stages that begin from now on belong to this substep (from 0).
@@ -64,13 +64,13 @@ class StageRecorder {
   std::size_t stage_entry_ = 0;
   int substep_ = 0, stage_substep_ = 0;
   const StageCallback* stage_callback_ = nullptr;  ///< null: no watch, or its function is running
-  bool timing_ = false;                ///< CPU: read the clock at every change of stage
-  bool counting_ = false;              ///< count launches per stage
+  bool timing_ = false;                            ///< CPU: read the clock at every change of stage
+  bool counting_ = false;                          ///< count launches per stage
   std::chrono::steady_clock::time_point stage_start_;
 #if SIM_CUDA
   bool capturing_ = false;
   cudaStream_t stream_ = nullptr;  ///< while capturing
-  StageBeginCallback began_;               ///< while capturing; may be null
+  StageBeginCallback began_;       ///< while capturing; may be null
   std::size_t stage_nodes_ = 0;    ///< nodes of the graph at the start of the stage
   std::size_t nodes_in_capture() const;
 #endif

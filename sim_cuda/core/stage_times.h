@@ -12,10 +12,10 @@ namespace collidoscope {
 struct StageTime {
   std::string name;  ///< the same in profiler, NVTX, graphs and exports
   double median_ms = 0, p95_ms = 0, last_ms = 0;
-  int launches = 0;        ///< kernels per step (CPU: parallel loops)
+  int launches = 0;             ///< kernels per step (CPU: parallel loops)
   bool library_launch = false;  ///< part of it runs in a library that ignores (B, T)
-  StageLaunch launch{};    ///< what the rest of it was launched as
-  int samples = 0;         ///< steps that were timed; 0: the times are not known
+  StageLaunch launch{};         ///< what the rest of it was launched as
+  int samples = 0;              ///< steps that were timed; 0: the times are not known
 };
 
 /// Times of the whole step come from plain steps, times of stages from instrumented ones; they are never

@@ -1,8 +1,8 @@
 #pragma once
-// Vectorised loads and stores of records, in 16-byte words. Left to itself, a compiler loads each member where it
-// is used, and a walk from record to record then waits several times at each; and it stores each by itself,
-// which at random places costs the second-level cache as much as storing a record. A record is of plain
-// numbers, Eigen's vectors among them.
+// Vectorised loads and stores of records, in 16-byte words. Left to itself, a compiler loads each member
+// where it is used, and a walk from record to record then waits several times at each; and it stores each by
+// itself, which at random places costs the second-level cache as much as storing a record. A record is of
+// plain numbers, Eigen's vectors among them.
 
 #include <cstddef>
 #include <cstring>
@@ -43,8 +43,8 @@ SIM_HD T load_readonly(const T* source) {
 #endif
 }
 
-/// A record that another thread wrote before an atomic_exchange() that this thread has seen: past the GPU's first
-/// cache, which may hold what stood there before.
+/// A record that another thread wrote before an atomic_exchange() that this thread has seen: past the GPU's
+/// first cache, which may hold what stood there before.
 template <class T>
 SIM_HD T load_l2(const T* source) {
 #if defined(__CUDA_ARCH__)

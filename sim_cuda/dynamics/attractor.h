@@ -5,8 +5,9 @@
 //   a = -mu d / (|d|^2 + eps^2)^(3/2),  potential -mu / sqrt(|d|^2 + eps^2) J/kg, 0 far away
 //
 // d from the point to the body, mu in m^3/s^2, eps > 0 in m; ranges in limits.h. Called for by a list of
-// attractors. The speculative margin of a step uses the largest acceleration, 2 mu / (3 sqrt(3) eps^2), at |d| = eps /
-// sqrt(2): an eps far below all distances that matter makes for many contacts that never come to be.
+// attractors. The speculative margin of a step uses the largest acceleration, 2 mu / (3 sqrt(3) eps^2), at
+// |d| = eps / sqrt(2): an eps far below all distances that matter makes for many contacts that never come to
+// be.
 
 #include <cmath>
 #include <vector>

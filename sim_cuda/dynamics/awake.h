@@ -22,7 +22,9 @@ struct OfAwakeBodies {
     return is_awake(body) && stage.is_large(body);
   }
 #if defined(__CUDACC__)
-  __device__ void process_by_block(int body) const requires LargeItems<Stage> { stage.process_by_block(body); }
+  __device__ void process_by_block(int body) const requires LargeItems<Stage> {
+    stage.process_by_block(body);
+  }
 #endif
 };
 

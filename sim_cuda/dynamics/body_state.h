@@ -57,8 +57,8 @@ struct BodyBuffers {
   Buffer<PackedVector3<Real>> angular_velocity;
   Buffer<Real> radius, mass, inverse_mass;
   Buffer<Vector3<Real>> inertia;
-  Buffer<std::uint16_t> material;  ///< empty where all are of material 0
-  Buffer<StaticImpulse> static_impulses;       ///< empty where there are no walls
+  Buffer<std::uint16_t> material;         ///< empty where all are of material 0
+  Buffer<StaticImpulse> static_impulses;  ///< empty where there are no walls
 };
 
 }  // namespace collidoscope

@@ -34,14 +34,14 @@ struct BodyBounds {
 };
 
 /// The box of all that the body will pass through in `time` while it moves smoothly: along its velocity, and
-/// aside by what an acceleration of at most `acceleration_margin` / time^2 makes of it. `anywhere`: of all that it can come
-/// to at the speed that it has, whatever turns it.
+/// aside by what an acceleration of at most `acceleration_margin` / time^2 makes of it. `anywhere`: of all
+/// that it can come to at the speed that it has, whatever turns it.
 template <class Real>
 struct SweptBounds {
   const Vector3<Real>* position;
   const PackedVector3<Real>* velocity;
   const Real* radius;
-  Real time;   ///< s
+  Real time;                 ///< s
   Real acceleration_margin;  ///< m
   Aabb* boxes;
   bool anywhere = false;

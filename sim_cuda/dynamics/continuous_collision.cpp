@@ -38,14 +38,16 @@ struct ClampToImpact {
   SIM_HD void clamp(int round, Pair pair) const {
     const std::uint32_t* now = fraction + (round % 2 == 1 ? 0 : body_count);
     std::uint32_t* next = fraction + (round % 2 == 1 ? body_count : 0);
-    const float fraction_a = std::bit_cast<float>(now[pair.a]), fraction_b = std::bit_cast<float>(now[pair.b]);
+    const float fraction_a = std::bit_cast<float>(now[pair.a]),
+                fraction_b = std::bit_cast<float>(now[pair.b]);
     const auto scaled_displacement = [&](std::uint32_t body, float scale) -> Vector3<Real> {
       return static_cast<Real>(scale) *
              motion.displacement(static_cast<int>(body), bodies.position[body], bodies.velocity[body], h);
     };
     const Vector3<Real> d = bodies.position[pair.b] - bodies.position[pair.a];
     const auto s = static_cast<float>(fraction_outside_core<Real>(
-        d, scaled_displacement(pair.b, fraction_b) - scaled_displacement(pair.a, fraction_a), bodies.radius[pair.a] + bodies.radius[pair.b]));
+        d, scaled_displacement(pair.b, fraction_b) - scaled_displacement(pair.a, fraction_a),
+        bodies.radius[pair.a] + bodies.radius[pair.b]));
     if (s < 1) atomic_store(entered + round, std::uint32_t{1});
     lower(next, pair.a, fraction_a * s);
     lower(next, pair.b, fraction_b * s);
@@ -68,7 +70,8 @@ struct BeginDisplacementLimit {
     if (control->overflow) return;
     const Vector3<Real> v = bodies.velocity[body];
     using std::sqrt;
-    limit[body] = {bodies.position[body], time * sqrt(v.dot(v)) + acceleration_margin + bodies.radius[body] / 2};
+    limit[body] = {bodies.position[body],
+                   time * sqrt(v.dot(v)) + acceleration_margin + bodies.radius[body] / 2};
   }
 };
 
@@ -94,15 +97,17 @@ void ContinuousCollision<Real>::enable(const BodyView<Real>& bodies, std::int64_
 
 template <class Real>
 void ContinuousCollision<Real>::begin(Real time, Real acceleration_margin) {
-  executor_.run("continuous", body_count_, BeginDisplacementLimit<Real>{bodies_, time, acceleration_margin, control_, displacement_limit_.data()});
+  executor_.run(
+      "continuous", body_count_,
+      BeginDisplacementLimit<Real>{bodies_, time, acceleration_margin, control_, displacement_limit_.data()});
 }
 
 template <class Real>
-void ContinuousCollision<Real>::clamp_motion(const BodyView<Real>& moving, const Pair* contacts, std::int64_t capacity,
-                                     Real h) {
-  executor_.run_rounds(
-      "continuous", rounds + 1, std::max(capacity, body_count_),
-      ClampToImpact<Real>{contacts, moving, body_count_, control_, motion(), fraction_.data(), entered_.data(), h});
+void ContinuousCollision<Real>::clamp_motion(const BodyView<Real>& moving, const Pair* contacts,
+                                             std::int64_t capacity, Real h) {
+  executor_.run_rounds("continuous", rounds + 1, std::max(capacity, body_count_),
+                       ClampToImpact<Real>{contacts, moving, body_count_, control_, motion(),
+                                           fraction_.data(), entered_.data(), h});
 }
 
 template class ContinuousCollision<float>;

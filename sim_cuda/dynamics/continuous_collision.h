@@ -6,9 +6,11 @@
 // Two spheres pass through each other where their centres come nearer than half the sum of their radii: the
 // *core* of the pair. It stays free by three measures:
 //
-//   1. Boxes and contacts cover any direction at the speed that a body has (MotionBound::any_direction): whoever may meet in
+//   1. Boxes and contacts cover any direction at the speed that a body has (MotionBound::any_direction):
+//   whoever may meet in
 //      the step is a contact.
-//   2. The displacement limit: no body moves farther in a step than that, and half its radius. So those whose contact was
+//   2. The displacement limit: no body moves farther in a step than that, and half its radius. So those whose
+//   contact was
 //      not predicted, since something hit them in the step, keep clear of their core.
 //   3. Before each move, of all contacts: straight ways that would enter the core are cut short, both by the
 //      same share, at the place where the two touch. Who is cut short may now stand in the way of a third, so
@@ -61,7 +63,8 @@ struct ClampedMotion {
   const std::uint32_t* fraction =
       nullptr;  ///< bits of a float from 0 to 1, which are in the order of the numbers
 
-  /// m: what the body goes in `h` s unless a contact clamps it: along its velocity, up to the displacement limit.
+  /// m: what the body goes in `h` s unless a contact clamps it: along its velocity, up to the displacement
+  /// limit.
   SIM_HD Vector3<Real> displacement(int body, const Vector3<Real>& x, const Vector3<Real>& v, Real h) const {
     const Vector3<Real> path = h * v, off = x - limit[body].start, end = off + path;
     const Real square = limit[body].length * limit[body].length;
@@ -75,7 +78,8 @@ struct ClampedMotion {
     const Real s = along > 0 ? left / (along + root) : (root - along) / all;
     return min_of(s, Real(1)) * path;
   }
-  SIM_HD Vector3<Real> clamped_displacement(int body, const Vector3<Real>& x, const Vector3<Real>& v, Real h) const {
+  SIM_HD Vector3<Real> clamped_displacement(int body, const Vector3<Real>& x, const Vector3<Real>& v,
+                                            Real h) const {
     return static_cast<Real>(std::bit_cast<float>(fraction[body])) * displacement(body, x, v, h);
   }
 };
@@ -91,7 +95,8 @@ class ContinuousCollision {
   explicit ContinuousCollision(Executor& executor);
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, const StepControl* control);
 
-  /// At the start of a step of `time` s, in which bodies go aside by at most `acceleration_margin` m, as in SpeculativeMargin.
+  /// At the start of a step of `time` s, in which bodies go aside by at most `acceleration_margin` m, as in
+  /// SpeculativeMargin.
   void begin(Real time, Real acceleration_margin);
   /// Before a move of `h` s along the velocities of `moving`; `contacts` are those of the step, at most
   /// `capacity`.
@@ -103,9 +108,9 @@ class ContinuousCollision {
   BodyView<Real> bodies_{};
   std::int64_t body_count_ = 0;
   const StepControl* control_ = nullptr;
-  Buffer<DisplacementLimit<Real>> displacement_limit_;      // by body
-  Buffer<std::uint32_t> fraction_;    // two of each body
-  Buffer<std::uint32_t> entered_;  // by round: 1 where something would enter a core
+  Buffer<DisplacementLimit<Real>> displacement_limit_;  // by body
+  Buffer<std::uint32_t> fraction_;                      // two of each body
+  Buffer<std::uint32_t> entered_;                       // by round: 1 where something would enter a core
 };
 
 }  // namespace collidoscope

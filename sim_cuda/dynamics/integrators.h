@@ -22,7 +22,7 @@ template <class Real>
 struct SmoothForces {
   AttractorView<Real> attractors;  ///< none where the effect is off
   DragLaw<Real> drag;
-  bool with_drag;               ///< the effect drag is on
+  bool with_drag;             ///< the effect drag is on
   Vector3<Real> gravity;      ///< m/s^2
   Real radius, inverse_mass;  ///< m, 1/kg: of the body
 
@@ -66,7 +66,7 @@ struct SmoothForces {
 template <class Real>
 struct FreeStep {
   Vector3<Real> drift_velocity;  ///< its mean velocity, over the step
-  Vector3<Real> velocity;  ///< its velocity then
+  Vector3<Real> velocity;        ///< its velocity then
 };
 
 struct VelocityVerlet {
@@ -76,7 +76,7 @@ struct VelocityVerlet {
 /// From x and v, where the field is `a`, for h s.
 template <class Kicks = VelocityVerlet, class Real, class Forces>
 SIM_HD FreeStep<Real> verlet_step(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
-                                      const Vector3<Real>& a, Real h) {
+                                  const Vector3<Real>& a, Real h) {
   const Vector3<Real> half = forces.kick(v, a, Real(Kicks::first) * h);
   return {half, forces.kick(half, forces.field(x + h * half), Real(Kicks::second) * h)};
 }
@@ -90,7 +90,7 @@ struct RungeKutta4 {
 /// The same. Each stage lies along the speed and the force of the one before it.
 template <class Tableau = RungeKutta4, class Real, class Forces>
 SIM_HD FreeStep<Real> rk4_step(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
-                                   const Vector3<Real>& a, Real h) {
+                               const Vector3<Real>& a, Real h) {
   using std::sqrt;
   const Real max_speed = sqrt(v.dot(v)) + h * sqrt(a.dot(a));
   if (!(forces.drag_decay(max_speed, h) <= 1)) return verlet_step<VelocityVerlet>(forces, x, v, a, h);

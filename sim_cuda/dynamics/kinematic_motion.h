@@ -1,6 +1,6 @@
 #pragma once
-// Kinematic and static bodies, which no force moves: kinematic ones go on at the velocity and spin that the scene gives them,
-// static ones stay. Called for by a body whose `motion` is not "dynamic".
+// Kinematic and static bodies, which no force moves: kinematic ones go on at the velocity and spin that the
+// scene gives them, static ones stay. Called for by a body whose `motion` is not "dynamic".
 //
 // For solvers they are bodies of inverse mass and inverse inertia 0: they push and rub others, and nothing
 // comes back; two of them have no contact. Contacts with them are coloured like all others. Stages over all
@@ -61,7 +61,7 @@ template <class Real>
 class KinematicMotion {
  public:
   KinematicMotion(Executor& executor, const BodyView<Real>& bodies, const KinematicView& kinematic,
-                   const StepControl* control)
+                  const StepControl* control)
       : executor_(executor),
         bodies_(bodies),
         kinematic_(kinematic),
@@ -82,9 +82,9 @@ class KinematicMotion {
   /// After stages that may have moved them; `time` in s, after those that move all.
   void restore(Real time = 0) {
     if (kinematic_.count > 0)
-      executor_.run(
-          "prescribe", kinematic_.count,
-          RestoreKinematic<Real>{kinematic_.body, bodies_, position_.data(), velocity_.data(), time, control_});
+      executor_.run("prescribe", kinematic_.count,
+                    RestoreKinematic<Real>{kinematic_.body, bodies_, position_.data(), velocity_.data(), time,
+                                           control_});
   }
 #endif
 

@@ -11,9 +11,10 @@ void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t 
   const Vector3<Real> low = box ? box->min.cast<Real>() : Vector3<Real>(0, 0, 0);
   const Vector3<Real> high = box ? box->max.cast<Real>() : Vector3<Real>(0, 0, 0);
   const bool with_ccd = effects.continuous_collision;
-  run_awake_bodies(executor, "move", body_count, asleep,
-                   MoveBodies<Real>{bodies, gravity, low, high, h, with_ccd ? motion : ClampedMotion<Real>{},
-                                    effects.gravity && !with_ccd, box.has_value(), effects.rotation, control});
+  run_awake_bodies(
+      executor, "move", body_count, asleep,
+      MoveBodies<Real>{bodies, gravity, low, high, h, with_ccd ? motion : ClampedMotion<Real>{},
+                       effects.gravity && !with_ccd, box.has_value(), effects.rotation, control});
 }
 
 template void move_bodies(Executor&, const BodyView<float>&, std::int64_t, Effects, const Vector3<float>&,

@@ -48,10 +48,10 @@ struct MoveBodies {
   Vector3<Real> acceleration;  ///< m/s^2
   Vector3<Real> low, high;     ///< m, the box
   Real h;                      ///< s
-  ClampedMotion<Real> motion;     ///< without continuous collision: no limit
-  bool with_acceleration;                 ///< adds the acceleration
-  bool with_container;                  ///< the box has walls
-  bool with_rotation;                  ///< bodies rotate here
+  ClampedMotion<Real> motion;  ///< without continuous collision: no limit
+  bool with_acceleration;      ///< adds the acceleration
+  bool with_container;         ///< the box has walls
+  bool with_rotation;          ///< bodies rotate here
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {

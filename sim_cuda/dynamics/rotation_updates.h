@@ -12,8 +12,8 @@
 // 1999) would take four evaluations in place of 25 turns; but it drifts in energy, and bodies that tumble are
 // off 20 times as far with it at the same h, fast tops 1.2 times.
 //
-// A turn by an angle is a Cayley map of fourth order in the angle (cayley.h). Slender bodies rotate as slender_body.h has
-// it. Pure functions of SI units.
+// A turn by an angle is a Cayley map of fourth order in the angle (cayley.h). Slender bodies rotate as
+// slender_body.h has it. Pure functions of SI units.
 
 #include "sim_cuda/dynamics/cayley.h"
 #include "sim_cuda/dynamics/slender_body.h"

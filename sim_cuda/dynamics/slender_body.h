@@ -1,8 +1,9 @@
 #pragma once
-// Slender bodies: those with one moment of inertia that is a small part of the other two, which then differ by no
-// more than it (no body has a moment above the sum of the others). An update that only keeps the angular
-// momentum L puts an error of the order of (h w)^2 L along its axis, whose moment there makes a large spin of
-// it; from h w = root(I/I_across) on that error grows from step to step, up to I_across/I times the energy.
+// Slender bodies: those with one moment of inertia that is a small part of the other two, which then differ
+// by no more than it (no body has a moment above the sum of the others). An update that only keeps the
+// angular momentum L puts an error of the order of (h w)^2 L along its axis, whose moment there makes a large
+// spin of it; from h w = root(I/I_across) on that error grows from step to step, up to I_across/I times the
+// energy.
 //
 // So the kinetic energy goes in two parts, each followed as it is (Strang 1968; Fasso 2003, of any body): a
 // body whose moments across are equal turns about its own axis, and that about L, both at constant rates
@@ -14,8 +15,8 @@
 
 namespace collidoscope {
 
-/// The principal axis of a slender body; -1: it is none. Below the factor every h that follows a turn at all is
-/// small enough for the other updates.
+/// The principal axis of a slender body; -1: it is none. Below the factor every h that follows a turn at all
+/// is small enough for the other updates.
 template <class Real>
 SIM_HD int slender_axis(const Vector3<Real>& inertia) {
   constexpr int ratio = 16;
@@ -24,10 +25,11 @@ SIM_HD int slender_axis(const Vector3<Real>& inertia) {
   return -1;
 }
 
-/// q, from principal axes to the world's, and w, rad/s in the world's, of the slender body along `axis` after h s.
+/// q, from principal axes to the world's, and w, rad/s in the world's, of the slender body along `axis` after
+/// h s.
 template <class Real>
 SIM_HD void rotate_slender(int axis, Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia,
-                        Real h) {
+                           Real h) {
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
   const Vector3<Real> w_body = q.conjugate() * w;
   // In the body's axes throughout: in the world's, its own share of L would be a rounding error.

@@ -44,10 +44,10 @@ std::string_view unit_of(FindingQuantity quantity) {
 
 std::string describe(const Finding& finding) {
   const std::string_view unit = unit_of(finding.quantity);
-  return fmt::format("stage {} of step {}, substep {}: body {} has the {} {:.6g}{}{}{}", finding.stage,
-                     finding.step, finding.substep, finding.body, name_of(finding.quantity), finding.value,
-                     unit.empty() ? "" : " ", unit,
-                     finding.invalid_before ? fmt::format("; it was bad in state {} already", finding.step - 1) : "");
+  return fmt::format(
+      "stage {} of step {}, substep {}: body {} has the {} {:.6g}{}{}{}", finding.stage, finding.step,
+      finding.substep, finding.body, name_of(finding.quantity), finding.value, unit.empty() ? "" : " ", unit,
+      finding.invalid_before ? fmt::format("; it was bad in state {} already", finding.step - 1) : "");
 }
 
 }  // namespace collidoscope

@@ -64,7 +64,8 @@ struct CheckField {
   ViolationReport report;
   const Vector3<Real>* field;
   SIM_HD void operator()(int body) const {
-    if (!report.is_final() && !ValidationLimits<Real>::finite(field[body])) report.submit(static_cast<std::uint32_t>(body));
+    if (!report.is_final() && !ValidationLimits<Real>::finite(field[body]))
+      report.submit(static_cast<std::uint32_t>(body));
   }
 };
 
@@ -143,9 +144,11 @@ void StageValidator<Real>::clear() {
 }
 
 template <class Real>
-void StageValidator<Real>::run_validated(const ValidationSource<Real>& view, const std::function<void()>& work) {
+void StageValidator<Real>::run_validated(const ValidationSource<Real>& view,
+                                         const std::function<void()>& work) {
   stages_ = 0;
-  executor_.run_with_stage_callback([&](const char* stage, int substep) { check(view, stage, substep); }, work);
+  executor_.run_with_stage_callback([&](const char* stage, int substep) { check(view, stage, substep); },
+                                    work);
   executor_.run("guard", 1, FinishRun{first_violation_.data(), view.control});
 }
 

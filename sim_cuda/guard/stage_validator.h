@@ -3,10 +3,10 @@
 // first value that is not finite, or beyond what the scene's `guards` allow, is kept: first in the order of
 // the stages of a step, and among those of one stage of the lowest body. Called for by a scene's `guards`.
 //
-// No stage and no solver knows of it: the executor tells of each stage that ends (Executor::run_with_stage_callback), so
-// that stages to come are looked at, too. A look is a launch of its own, of the stage "guard". It reads, and
-// bids by an integer atomic: the minimum of (number of the stage within the run, body), which is the same
-// whatever runs it. It never changes the state.
+// No stage and no solver knows of it: the executor tells of each stage that ends
+// (Executor::run_with_stage_callback), so that stages to come are looked at, too. A look is a launch of its
+// own, of the stage "guard". It reads, and bids by an integer atomic: the minimum of (number of the stage
+// within the run, body), which is the same whatever runs it. It never changes the state.
 //
 //   bounds               the box of each body: a body that is not finite has an empty one
 //   contacts             the normals
@@ -47,8 +47,8 @@ struct ValidationSource {
 /// What was found first, as the device keeps it.
 struct FirstViolation {
   static constexpr std::uint64_t none = ~std::uint64_t{0};
-  std::uint64_t key = none;   ///< number of the stage in the run << 32 | body
-  std::uint32_t run = 0;      ///< StepControl::committed when that run began
+  std::uint64_t key = none;    ///< number of the stage in the run << 32 | body
+  std::uint32_t run = 0;       ///< StepControl::committed when that run began
   std::uint32_t is_final = 0;  ///< 1: of a run that has ended; those behind it look no more
 
   std::uint32_t stage() const { return static_cast<std::uint32_t>(key >> 32); }

@@ -67,7 +67,8 @@ struct MeasureBody {
     s.wall_vector = Vector3d(0, 0, 0);
     if (static_impulses != nullptr) {
       s.wall_impulse = static_impulses[body].impulse;
-      s.wall_vector = Vector3d(static_impulses[body].vector[0], static_impulses[body].vector[1], static_impulses[body].vector[2]);
+      s.wall_vector = Vector3d(static_impulses[body].vector[0], static_impulses[body].vector[1],
+                               static_impulses[body].vector[2]);
       s.push_work = static_impulses[body].push_work;
     }
     s.max_speed_squared = v.dot(v);

@@ -15,11 +15,11 @@ struct StepStats {
   /// Before the first step: as touching. With the solver impulse: of the last substep, without a margin.
   std::int64_t speculative = 0;
   std::int64_t uncoloured_contacts = 0;  ///< contacts that the colours left over, solved by mass splitting
-  double kinetic_energy = 0;        ///< J, translation and rotation
-  double potential_energy = 0;      ///< J, zero at z = box.min.z (or z = 0 without a box)
-  double push_work = 0;             ///< J, potential energy added by the positional push since the start
-  double momentum[3] = {};          ///< kg m/s
-  double angular_momentum[3] = {};  ///< kg m^2/s about the origin
+  double kinetic_energy = 0;             ///< J, translation and rotation
+  double potential_energy = 0;           ///< J, zero at z = box.min.z (or z = 0 without a box)
+  double push_work = 0;                  ///< J, potential energy added by the positional push since the start
+  double momentum[3] = {};               ///< kg m/s
+  double angular_momentum[3] = {};       ///< kg m^2/s about the origin
   double wall_impulse = 0;  ///< N s, sum of normal impulses given to walls and obstacles since the start
   double wall_impulse_vector[3] = {};  ///< N s, what walls and obstacles gave to the bodies, as a vector
   double max_penetration = 0;          ///< m, deepest overlap of two bodies or body and wall at this state

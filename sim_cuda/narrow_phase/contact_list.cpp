@@ -7,9 +7,9 @@ namespace collidoscope {
 
 namespace {
 
-/// Whether a body touches others, or may soon. `with_margin`: any bound but MotionBound::none. It is a template
-/// parameter: as a run-time branch it costs 1 % of a step of the solver `impulse` (50,000 bodies of the
-/// paper, H200).
+/// Whether a body touches others, or may soon. `with_margin`: any bound but MotionBound::none. It is a
+/// template parameter: as a run-time branch it costs 1 % of a step of the solver `impulse` (50,000 bodies of
+/// the paper, H200).
 template <class Real, bool with_margin>
 struct TouchTest {
   SphereView<Real> spheres;
@@ -48,7 +48,9 @@ struct TestedPairs {
     const std::uint32_t other = pairs.second[k];
     return touch.with(other) && !(excluding && excluded(static_cast<std::uint32_t>(body), other));
   }
-  SIM_HD bool is_large(int body) const { return !control->overflow && end(body) - begin(body) > large_list_size; }
+  SIM_HD bool is_large(int body) const {
+    return !control->overflow && end(body) - begin(body) > large_list_size;
+  }
 
  private:
   /// Two bodies that no force moves, or that a joint holds, have no contact.
@@ -174,7 +176,7 @@ void ContactList<Real>::find(const PairView& pairs, const SphereView<Real>& sphe
     executor_.run("contacts", 1, AcceptContacts{offset_.data() + bodies_, bodies_of_.size(), control});
     executor_.run("contacts", bodies_,
                   WriteContacts<Real, with_margin, excluding>{tested, offset_.data(), bodies_of_.data(),
-                                                             normal_.data()});
+                                                              normal_.data()});
   };
   const bool with_margin = margin.bound != MotionBound::none;
   if (excluded_pairs.count > 0 || spheres.inverse_mass != nullptr)

@@ -17,10 +17,10 @@ SIM_HD bool spheres_touch(const Vector3<Real>& a, Real radius_a, const Vector3<R
 
 /// What a body may do within the predicted time, beside what gravity and attractors do to it.
 enum class MotionBound {
-  none,      ///< stay where it is: nothing is predicted
-  linear,  ///< go on
-  linear_with_drag,   ///< lose any part of its way to a medium
-  any_direction,       ///< turn anywhere, at the speed it has: continuous collision
+  none,              ///< stay where it is: nothing is predicted
+  linear,            ///< go on
+  linear_with_drag,  ///< lose any part of its way to a medium
+  any_direction,     ///< turn anywhere, at the speed it has: continuous collision
 };
 
 /// How far contacts look ahead, beside what touches now.
@@ -29,7 +29,7 @@ struct SpeculativeMargin {
   MotionBound bound = MotionBound::none;
   const PackedVector3<Real>* velocity = nullptr;  ///< m/s, by id
   Real time = 0;                                  ///< s
-  Real acceleration_margin = 0;                                 ///< m: |acceleration| time^2 of gravity and attractors
+  Real acceleration_margin = 0;                   ///< m: |acceleration| time^2 of gravity and attractors
 };
 
 /// Whether two spheres may touch within the predicted time while they move smoothly: while each is
@@ -46,7 +46,8 @@ SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vect
   using std::sqrt;
   if (margin.bound == MotionBound::any_direction) {
     const Real speeds = sqrt(velocity_a.dot(velocity_a)) + sqrt(velocity_b.dot(velocity_b));
-    return spheres_touch<Real>(a, radius_a, b, radius_b + (margin.time * speeds + 2 * margin.acceleration_margin));
+    return spheres_touch<Real>(a, radius_a, b,
+                               radius_b + (margin.time * speeds + 2 * margin.acceleration_margin));
   }
   const Vector3<Real> relative_velocity = velocity_b - velocity_a;
   Real squared = relative_velocity.dot(relative_velocity);

@@ -153,7 +153,8 @@ struct PackJoints {
       put(record.from, ends.a.center);
       put(record.to, world ? anchor : ends.b.center);
       put(record.at, anchor);
-      if (with_rotation && joint.kind == JointKind::hinge) put(record.aside, size * (ends.a.axes * joint.axis_a));
+      if (with_rotation && joint.kind == JointKind::hinge)
+        put(record.aside, size * (ends.a.axes * joint.axis_a));
     } else {
       put(record.from, anchor);
       put(record.to, anchor + ends.separation);

@@ -41,12 +41,12 @@ std::string name_of(const AnalyticMethod& method);
 std::vector<AnalyticMethod> by_euler(Theory theory);
 
 struct AnalyticCase {
-  std::string name;      ///< words_with_underscores
-  Scene scene;           ///< at the largest step
-  std::string compared;  ///< "height, m"
-  std::string rationale;   ///< why the error of Euler's method is what theory says, in a line
-  double horizon = 1;    ///< s, a whole number of the largest steps
-  int refinement = 2;    ///< each level's step over the next one's
+  std::string name;       ///< words_with_underscores
+  Scene scene;            ///< at the largest step
+  std::string compared;   ///< "height, m"
+  std::string rationale;  ///< why the error of Euler's method is what theory says, in a line
+  double horizon = 1;     ///< s, a whole number of the largest steps
+  int refinement = 2;     ///< each level's step over the next one's
   /// The largest number that rounding acts on, in the unit compared: what half a unit in its last place comes
   /// to, at each step.
   double scale = 1;

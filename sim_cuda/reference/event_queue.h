@@ -11,8 +11,8 @@
 namespace collidoscope {
 
 struct Event {
-  double time;                       ///< s
-  std::uint32_t body, other;         ///< what `other` stands for is the owner's matter
+  double time;                                           ///< s
+  std::uint32_t body, other;                             ///< what `other` stands for is the owner's matter
   std::uint32_t collision_count, other_collision_count;  ///< collisions that each had had
 
   /// Later, or as late and of larger ids: the order is that of time and ids, however events came in.

@@ -262,7 +262,8 @@ CollisionEvent HardSpheres::collide(std::uint32_t a, std::uint32_t b) {
         history.rebound = planes_[history.touching].normal.dot(flights_[body].v);
     dissipated_ += done.impulse * (1 - e) * approach / 2;
     if (e < 1) {
-      const bool collapse_a = detect_inelastic_collapse(a, since_a, approach), collapse_b = detect_inelastic_collapse(b, since_b, approach);
+      const bool collapse_a = detect_inelastic_collapse(a, since_a, approach),
+                 collapse_b = detect_inelastic_collapse(b, since_b, approach);
       if (collapse_a || collapse_b) zeno_ = done;
     }
   }

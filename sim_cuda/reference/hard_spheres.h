@@ -91,7 +91,7 @@ class HardSpheres {
   struct Counts {
     std::int64_t pairs = 0, planes = 0;  ///< collisions
     std::int64_t crossings = 0;          ///< of cells, which nobody notices
-    std::int64_t stale = 0;               ///< events that others had overtaken
+    std::int64_t stale = 0;              ///< events that others had overtaken
   };
   const Counts& counts() const { return counts_; }
   double dissipated() const { return dissipated_; }  ///< J, lost in collisions since the start
@@ -99,10 +99,10 @@ class HardSpheres {
  private:
   static constexpr std::uint32_t no_plane = 0xffffffffu;
   struct CollisionHistory {
-    std::uint32_t collisions = 0;       // so far; what was foreseen before the last is past
-    std::uint32_t coincident_collisions = 0;            // in a row, none elastic, that rounding cannot tell apart
-    std::uint32_t touching = no_plane;  // where the flight starts: on this plane, ...
-    double rebound = 0;                 // m/s, ... leaving it at this speed, whatever rounding made of both
+    std::uint32_t collisions = 0;             // so far; what was foreseen before the last is past
+    std::uint32_t coincident_collisions = 0;  // in a row, none elastic, that rounding cannot tell apart
+    std::uint32_t touching = no_plane;        // where the flight starts: on this plane, ...
+    double rebound = 0;  // m/s, ... leaving it at this speed, whatever rounding made of both
   };
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(flights_.size()); }

@@ -76,7 +76,7 @@ struct SlideToRoll {
   double speed, deceleration;  ///< m/s, and mu g in m/s^2
 
   double rolling_at() const { return 2 * speed / (7 * deceleration); }  ///< s
-  double distance(double t) const {                                          ///< m
+  double distance(double t) const {                                     ///< m
     const double s = std::min(t, rolling_at());
     return speed * s - deceleration * s * s / 2 + 5.0 / 7 * speed * (t - s);
   }

@@ -1,6 +1,6 @@
 // Joints. A rod is solved where it will be when the step has moved it, and relaxed there
-// (solver/joint_constraint.h): along the circle that is w' = w + h a, theta' = theta + asin(h w'), a = -g/l sin
-// theta, which is RATTLE (Andersen 1983) with both half kicks in front. So angles at a given time are of
+// (solver/joint_constraint.h): along the circle that is w' = w + h a, theta' = theta + asin(h w'), a = -g/l
+// sin theta, which is RATTLE (Andersen 1983) with both half kicks in front. So angles at a given time are of
 // first order, as with semi-implicit Euler, and periods, which do not ask where in the swing the clock was
 // started, of second.
 
@@ -107,8 +107,8 @@ AnalyticCase period() {
 }
 
 /// The joint's impulse is such that stretches obey the closed form's own recurrence, whatever h
-/// (solver/joint_constraint.h); only its first step is off, by A w^2 h^2 / 2, for the kick comes before the drift.
-/// That is a speed of A w^2 h/2 too much at the start, which swings and decays with the rest.
+/// (solver/joint_constraint.h); only its first step is off, by A w^2 h^2 / 2, for the kick comes before the
+/// drift. That is a speed of A w^2 h/2 too much at the start, which swings and decays with the rest.
 AnalyticCase spring_joint() {
   AnalyticCase one;
   one.name = "spring_joint";

@@ -13,7 +13,6 @@
 #include "sim_cuda/reference/kepler.h"
 #include "sim_cuda/reference/leading_error.h"
 #include "sim_cuda/reference/oscillations.h"
-#include "sim_cuda/reference/drag_solution.h"
 
 namespace collidoscope {
 namespace {
@@ -135,7 +134,7 @@ AnalyticCase slowed(const char* name, const char* rationale) {
   const Drag& medium = one.scene.physics.drag;
   const double r = ball.radius, m = *ball.mass, v0 = ball.velocity.norm(), t = one.horizon;
   const DragSolution law{6 * std::numbers::pi * medium.viscosity * r / m,                          // Stokes
-                    medium.density * medium.coefficient * std::numbers::pi * r * r / 2 / m};  // Newton
+                         medium.density * medium.coefficient * std::numbers::pi * r * r / 2 / m};  // Newton
   one.scale = v0;
   const SmoothProblem problem{[=](const SmoothState& v) { return SmoothState::Constant(1, law.rate(v[0])); },
                               [=](double s) { return SmoothState::Constant(1, law.speed(v0, s)); },

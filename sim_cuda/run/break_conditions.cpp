@@ -25,7 +25,8 @@ std::string all_shapes() {
 /// What is wrong with one part of a list; empty: nothing.
 std::string read_condition(std::string_view part, BreakConditions& conditions) {
   const std::size_t equals = part.find('=');
-  const auto* known = std::ranges::find(break_condition_names, part.substr(0, equals), &BreakConditionName::name);
+  const auto* known =
+      std::ranges::find(break_condition_names, part.substr(0, equals), &BreakConditionName::name);
   if (known == break_condition_names.end())
     return fmt::format("'{}' is no condition; it is a list of {}", part, all_shapes());
   std::optional<double>& limit = conditions.limit(known->condition);
@@ -68,8 +69,8 @@ BreakConditions parse_break_conditions(const std::string& list) {
 BreakpointMonitor::BreakpointMonitor(const StepStats& start)
     : energy_(energy_of(start)), potential_(start.potential_energy), scale_(start.kinetic_energy) {}
 
-std::optional<BreakpointHit> BreakpointMonitor::check(const BreakConditions& conditions, const StepStats& stats,
-                                       const RunTimes& times) {
+std::optional<BreakpointHit> BreakpointMonitor::check(const BreakConditions& conditions,
+                                                      const StepStats& stats, const RunTimes& times) {
   scale_ = std::max(scale_, stats.kinetic_energy + std::abs(stats.potential_energy - potential_));
   const double rise = energy_of(stats) - energy_;
   const StageTime* stage = slowest(times);
@@ -95,8 +96,9 @@ std::optional<BreakpointHit> BreakpointMonitor::check(const BreakConditions& con
     if (!limit) continue;
     const double value = value_of(name.condition);
     if (value <= *limit) continue;
-    return BreakpointHit{name.condition, stats.step, name.condition == BreakCondition::stage_ms ? stage->name : "",
-                  value,          *limit,     {}};
+    return BreakpointHit{
+        name.condition, stats.step, name.condition == BreakCondition::stage_ms ? stage->name : "",
+        value,          *limit,     {}};
   }
   return std::nullopt;
 }
@@ -109,15 +111,15 @@ void BreakpointMonitor::change(const StepStats& before, const StepStats& after) 
 std::string describe(const BreakpointHit& hit) {
   const BreakConditionName& name = name_of(hit.condition);
   if (!hit.stage.empty())
-    return fmt::format("{}: stage {} of step {} took {:.4g} ms, over {:g} ms", name.name, hit.stage,
-                       hit.step, hit.value, hit.limit);
+    return fmt::format("{}: stage {} of step {} took {:.4g} ms, over {:g} ms", name.name, hit.stage, hit.step,
+                       hit.value, hit.limit);
   const std::string when = hit.step > 0 ? fmt::format("after step {}", hit.step) : "at state 0";
   const std::string who = hit.body ? fmt::format(", body {}", *hit.body) : "";
   if (!name.has_limit)
     return fmt::format("{}: {} {:.0f} {}{}", name.name, when, hit.value, name.unit,
                        hit.body ? fmt::format(", the first is body {}", *hit.body) : "");
-  return fmt::format("{}: {} {:.6g} {}, over {:g} {}{}", name.name, when, hit.value, name.unit,
-                     hit.limit, name.unit, who);
+  return fmt::format("{}: {} {:.6g} {}, over {:g} {}{}", name.name, when, hit.value, name.unit, hit.limit,
+                     name.unit, who);
 }
 
 }  // namespace collidoscope

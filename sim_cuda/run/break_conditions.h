@@ -30,7 +30,8 @@ inline constexpr auto break_condition_names = std::to_array<BreakConditionName>(
      "there is more energy than at the start, by more"},
     {BreakCondition::penetration, "penetration", "m", true, 1e9, "the deepest overlap is deeper"},
     {BreakCondition::speed, "speed", "m/s", true, 1e18, "the fastest body is faster"},
-    {BreakCondition::stage_ms, "stage-ms", "ms", true, 1e9, "a stage took longer (odd-numbered steps time them)"},
+    {BreakCondition::stage_ms, "stage-ms", "ms", true, 1e9,
+     "a stage took longer (odd-numbered steps time them)"},
     {BreakCondition::escaped, "escaped", "bodies", false, 0, "a centre is outside the box"},
 });
 constexpr const BreakConditionName& name_of(BreakCondition condition) {
@@ -40,7 +41,9 @@ constexpr const BreakConditionName& name_of(BreakCondition condition) {
 /// The limit of each condition; unset: nobody asks.
 struct BreakConditions {
   std::array<std::optional<double>, break_condition_names.size()> limits{};
-  std::optional<double>& limit(BreakCondition condition) { return limits[static_cast<std::size_t>(condition)]; }
+  std::optional<double>& limit(BreakCondition condition) {
+    return limits[static_cast<std::size_t>(condition)];
+  }
   bool any() const {
     for (const std::optional<double>& limit : limits)
       if (limit) return true;
@@ -69,7 +72,7 @@ class BreakpointMonitor {
   /// table: a value above its limit, or not a number. Energy is what it is without the work of pushes; its
   /// rise is over the largest kinetic energy and change of the potential one, together, of all states so far.
   std::optional<BreakpointHit> check(const BreakConditions& conditions, const StepStats& stats,
-                             const RunTimes& times);
+                                     const RunTimes& times);
   /// The run was changed at a state, measured before and after: energy that the change added is no rise.
   void change(const StepStats& before, const StepStats& after);
 

@@ -38,7 +38,8 @@ BroadPhaseTimes time_broad_phase(Executor& executor, Pipeline& pipeline, int rep
       for (const StageTime& stage : clock.step_in_progress()) {
         auto known = std::ranges::find(times.stages, stage.name, &BroadPhaseTimes::Stage::name);
         if (known == times.stages.end())
-          known = times.stages.insert(times.stages.end(), {stage.name, {}, stage.launches, stage.library_launch});
+          known =
+              times.stages.insert(times.stages.end(), {stage.name, {}, stage.launches, stage.library_launch});
         known->ms.push_back(static_cast<float>(stage.last_ms));
       }
     clock.discard_step();

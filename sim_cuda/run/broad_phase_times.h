@@ -14,6 +14,7 @@ namespace collidoscope {
 BroadPhaseTimes time_broad_phase(Executor& executor, Pipeline& pipeline, int repeats);
 
 /// One and the same query for whatever method's tree, of every body; `repeats` times, in ms.
-std::vector<float> time_tree_queries(Executor& executor, const TreeView& tree, BvhStatistics& statistics, int repeats);
+std::vector<float> time_tree_queries(Executor& executor, const TreeView& tree, BvhStatistics& statistics,
+                                     int repeats);
 
 }  // namespace collidoscope

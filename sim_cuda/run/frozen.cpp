@@ -20,7 +20,8 @@ bool is_valid_state(const BodyStates& bodies, std::uint32_t body, const Validati
          limits.within(bodies.angular_velocity[body], limits.spin);
 }
 
-void freeze(RunState& state, std::uint32_t body, const InitialBodies& initial, const ValidationSettings& guards) {
+void freeze(RunState& state, std::uint32_t body, const InitialBodies& initial,
+            const ValidationSettings& guards) {
   state.frozen.insert(std::ranges::upper_bound(state.frozen, body), body);
   if (has_valid_pose(state.bodies, body, guards)) return;
   state.bodies.position[body] = initial.position[body];

@@ -14,7 +14,8 @@ bool is_valid_state(const BodyStates& bodies, std::uint32_t body, const Validati
 
 /// Adds a body to those of `state` that are frozen, at rest where it is; or where it started, if it is
 /// nowhere that makes sense.
-void freeze(RunState& state, std::uint32_t body, const InitialBodies& initial, const ValidationSettings& guards);
+void freeze(RunState& state, std::uint32_t body, const InitialBodies& initial,
+            const ValidationSettings& guards);
 
 /// The bodies with those of `frozen` (ids) as what no force moves.
 InitialBodies with_static_bodies(InitialBodies initial, const std::vector<std::uint32_t>& frozen);

@@ -40,9 +40,9 @@ class History {
  public:
   struct Stage {
     std::string name;
-    int launches = 0;        ///< per step
+    int launches = 0;             ///< per step
     bool library_launch = false;  ///< part of it ignores (B, T)
-    StageLaunch launch{};    ///< of the newest step that was timed stage by stage
+    StageLaunch launch{};         ///< of the newest step that was timed stage by stage
   };
 
   explicit History(std::size_t capacity = 3600) : capacity_(capacity > 0 ? capacity : 1) {}

@@ -91,8 +91,8 @@ class TypedPipeline final : public Pipeline {
     const Real time = solver_->prediction_time();
     if (!(time > 0)) return {};
     const MotionBound bound = effects_.continuous_collision ? MotionBound::any_direction
-                          : effects_.drag               ? MotionBound::linear_with_drag
-                                                        : MotionBound::linear;
+                              : effects_.drag               ? MotionBound::linear_with_drag
+                                                            : MotionBound::linear;
     return {bound, state_.bodies().velocity.data(), time, state_.acceleration_margin_in(time)};
   }
 
@@ -163,9 +163,9 @@ class TypedPipeline final : public Pipeline {
 
   void measure(StepStats& stats) override {
     measurer_.measure(
-        {state_.view(), body_count_, state_.bodies().static_impulses.data(), state_.planes(), state_.plane_count(),
-         state_.boxes(), state_.gravity().template cast<double>(), state_.attractors(), state_.box(),
-         contacts_.view(), control_.data(), contacts_.capacity(), impulses_.view()},
+        {state_.view(), body_count_, state_.bodies().static_impulses.data(), state_.planes(),
+         state_.plane_count(), state_.boxes(), state_.gravity().template cast<double>(), state_.attractors(),
+         state_.box(), contacts_.view(), control_.data(), contacts_.capacity(), impulses_.view()},
         stats);
     if (joints_) add(joints_->measure(), joints_->count(), stats);
     if (const Sleeping<Real>* sleeping = solver_->sleeping()) add(sleeping->measure(), stats);
@@ -243,7 +243,8 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_
   solver_ = make_contact_solver<Real>(scene.physics.solver, executor,
                                       state_.solver_scene(scene, substeps, control_.data(), joints_.get()));
   if (effects.guards)
-    validator_ = std::make_unique<StageValidator<Real>>(executor, scene.physics.guards.value_or(ValidationSettings{}));
+    validator_ =
+        std::make_unique<StageValidator<Real>>(executor, scene.physics.guards.value_or(ValidationSettings{}));
 
   boxes_.resize_discarding(initial.size());
   if (const std::optional<Box>& box = state_.box())

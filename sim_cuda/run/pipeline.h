@@ -9,7 +9,6 @@
 #include <string>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
@@ -88,7 +87,7 @@ class Pipeline {
   virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
                        const float* errors) = 0;
 
-  virtual std::int64_t joints() const = 0;        ///< that are simulated
+  virtual std::int64_t joints() const = 0;                   ///< that are simulated
   virtual std::vector<StaticImpulse> static_impulses() = 0;  ///< empty where there are no walls
   /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
   /// worlds have walls.

@@ -41,7 +41,8 @@ void Publisher::publish(const PublishTarget& target) {
   TreeValues values;
   if (boxes && target.box_metric != NodeMetric::level && run_.tree.quality().nodes > 0)
     values.of_node = run_.bvh_cache().statistics().values(target.box_metric);
-  if (by_visits && run_.tree.quality().nodes > 0) values.of_body = run_.bvh_cache().statistics().body_visits();
+  if (by_visits && run_.tree.quality().nodes > 0)
+    values.of_body = run_.bvh_cache().statistics().body_visits();
   if (by_tree) run_.detect();
   const bool by_error = target.body_color == BodyColor::error && errors_.size() == run_.initial.size();
   if (by_error && !drawn_errors_)

@@ -1,7 +1,7 @@
 #pragma once
 // Where a run stands: all that, beside its scene, decides how it goes on. On the host and in double, whatever
-// the run's precision; bit-exact. Taken by World::state(), given to another world by World::restore(), kept in
-// files by snapshot.h.
+// the run's precision; bit-exact. Taken by World::state(), given to another world by World::restore(), kept
+// in files by snapshot.h.
 
 #include <cstdint>
 #include <vector>

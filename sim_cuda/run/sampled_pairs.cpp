@@ -64,7 +64,8 @@ class Sample {
   }
   void find_box(std::size_t body) {
     const Vector3d there = displacement(body);
-    const double r = spheres_.radius[body] + spheres_.acceleration_margin, reach = spheres_.anywhere ? there.norm() : 0;
+    const double r = spheres_.radius[body] + spheres_.acceleration_margin,
+                 reach = spheres_.anywhere ? there.norm() : 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = spheres_.position[body][axis];
       const double back = spheres_.anywhere ? -reach : std::min(there[axis], 0.0);
@@ -100,8 +101,9 @@ class Sample {
     double reach = spheres_.radius[a] + spheres_.radius[b];
     if (spheres_.time > 0) {
       const Vector3d displacement_a = displacement(a), displacement_b = displacement(b);
-      reach += spheres_.anywhere ? displacement_a.norm() + displacement_b.norm() + 2 * spheres_.acceleration_margin
-                                 : Vector3d(displacement_b - displacement_a).norm() + spheres_.acceleration_margin;
+      reach += spheres_.anywhere
+                   ? displacement_a.norm() + displacement_b.norm() + 2 * spheres_.acceleration_margin
+                   : Vector3d(displacement_b - displacement_a).norm() + spheres_.acceleration_margin;
     }
     return (spheres_.position[b] - spheres_.position[a]).squaredNorm() <= reach * reach;
   }

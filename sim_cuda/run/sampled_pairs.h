@@ -16,7 +16,7 @@ struct MovingSpheres {
   std::vector<double> radius;      ///< m
   std::vector<Vector3d> velocity;  ///< m/s, or empty: all at rest
   double time = 0;                 ///< s; 0: nothing is foreseen
-  double acceleration_margin = 0;                ///< m
+  double acceleration_margin = 0;  ///< m
   bool anywhere = false;           ///< they may turn: continuous collision
 };
 

@@ -20,8 +20,8 @@ namespace {
 
 RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies, const RunState* start) {
   if (options.key_bits == 0)
-    options.key_bits = automatic_key_bits(
-        bodies, start != nullptr ? start->bodies.position : bodies.position, options.sort);
+    options.key_bits =
+        automatic_key_bits(bodies, start != nullptr ? start->bodies.position : bodies.position, options.sort);
   return options;
 }
 
@@ -46,8 +46,8 @@ Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* 
       undo_(executor),
       bvh_cache_(executor, static_cast<std::int64_t>(initial.size())),
       runner_(executor,
-              (require_memory_for_step(executor, {options.broad_phase, scene, initial, effects, substeps, start,
-                                               ids, first_capacity(options, initial)}),
+              (require_memory_for_step(executor, {options.broad_phase, scene, initial, effects, substeps,
+                                                  start, ids, first_capacity(options, initial)}),
                make()),
               first_capacity(options, initial)) {}
 
@@ -61,7 +61,7 @@ std::unique_ptr<Pipeline> Simulation::make() {
   next->before_writing([this](const StepControl& control) {
     undo_.before_writing(runner_.pipeline(), control,
                          estimate_solve_seconds(executor, scene.physics, static_cast<double>(initial.size()),
-                                          control.contacts, substeps));
+                                                control.contacts, substeps));
   });
   records.set_up(*next);
   validation.set_up(*next);

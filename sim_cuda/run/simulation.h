@@ -10,7 +10,6 @@
 #include "sim_cuda/broad_phase/bvh_cache.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/run/contact_records.h"
-#include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/pipeline.h"
 #include "sim_cuda/run/publisher.h"
 #include "sim_cuda/run/run_state.h"

@@ -252,7 +252,8 @@ BodyStates SimulationState<Real>::download() const {
 }
 
 template <class Real>
-void SimulationState<Real>::upload(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses) {
+void SimulationState<Real>::upload(const BodyStates& states,
+                                   const std::vector<StaticImpulse>& static_impulses) {
   const std::size_t n = states.position.size();
   const auto write = [&](const auto& buffer, const auto& values) {
     executor_.copy_to_executor(buffer.data(), values.data(), n * sizeof values[0]);
@@ -265,7 +266,8 @@ void SimulationState<Real>::upload(const BodyStates& states, const std::vector<S
     write(bodies_.orientation, orientation);
     write(bodies_.angular_velocity, stored<Real>(states.angular_velocity));
   }
-  if (bodies_.static_impulses.size() > 0 && static_impulses.size() >= n) write(bodies_.static_impulses, static_impulses);
+  if (bodies_.static_impulses.size() > 0 && static_impulses.size() >= n)
+    write(bodies_.static_impulses, static_impulses);
 }
 
 template class SimulationState<float>;

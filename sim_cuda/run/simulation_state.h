@@ -34,7 +34,9 @@ class SimulationState {
   const WallPlane<Real>* planes() const { return planes_.data(); }
   int plane_count() const { return static_cast<int>(planes_.size()); }
   BoxView<Real> boxes() const { return {box_surfaces_.data(), static_cast<int>(box_surfaces_.size())}; }
-  AttractorView<Real> attractors() const { return {attractors_.data(), static_cast<int>(attractors_.size())}; }
+  AttractorView<Real> attractors() const {
+    return {attractors_.data(), static_cast<int>(attractors_.size())};
+  }
   SphereView<Real> spheres() const {
     return {bodies_.position.data(), bodies_.radius.data(),
             kinematic_.size() > 0 ? bodies_.inverse_mass.data() : nullptr};
@@ -61,13 +63,13 @@ class SimulationState {
   const std::int64_t body_count_;
   const Effects effects_;
   const std::optional<Box> box_;
-  const Vector3<Real> gravity_;            // m/s^2, zero where the effect is off
+  const Vector3<Real> gravity_;              // m/s^2, zero where the effect is off
   Buffer<PointAttractor<Real>> attractors_;  // empty where the effect is off, as is
-  Buffer<Vector3<Real>> field_;            // their pull on each body, m/s^2
-  Real max_field_ = 0;                  // m/s^2, of all attractors together
+  Buffer<Vector3<Real>> field_;              // their pull on each body, m/s^2
+  Real max_field_ = 0;                       // m/s^2, of all attractors together
   BodyBuffers<Real> bodies_;
   Buffer<std::uint32_t> kinematic_;  // ids of static and kinematic bodies
-  Buffer<std::uint32_t> mesh_;        // by body, 0: a sphere; empty where all are
+  Buffer<std::uint32_t> mesh_;       // by body, 0: a sphere; empty where all are
   Buffer<Real> restitution_of_material_;
   Buffer<Real> friction_of_material_;                    // empty where the effect is off
   Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well

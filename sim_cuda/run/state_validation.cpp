@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "sim_cuda/core/cancellation.h"
-#include "sim_cuda/run/frozen.h"
 #include "sim_cuda/run/checkpoint.h"
+#include "sim_cuda/run/frozen.h"
 #include "sim_cuda/run/simulation.h"
 
 namespace collidoscope {

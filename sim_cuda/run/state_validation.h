@@ -1,9 +1,9 @@
 #pragma once
 // What a run does about what guards find (scene/effects.h). The step in which they find something is never in
 // the state. The run pauses: it stands at the state before, bit for bit, and makes no more steps until
-// resume_without_guards() or World::restore(). Or the body is frozen: it is fixed where it was in the state before, and the
-// step is made again; everything that it never touches goes on as if there had been no finding. A body that
-// no force moves cannot be frozen, and the run pauses.
+// resume_without_guards() or World::restore(). Or the body is frozen: it is fixed where it was in the state
+// before, and the step is made again; everything that it never touches goes on as if there had been no
+// finding. A body that no force moves cannot be frozen, and the run pauses.
 
 #include <cstdint>
 #include <memory>

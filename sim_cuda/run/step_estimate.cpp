@@ -78,8 +78,8 @@ std::int64_t bytes_of(Executor& executor, const WorldSetup& setup, const StepEst
                     static_cast<std::int64_t>(std::min(std::ceil(count), static_cast<double>(longest_list))));
   };
   const std::int64_t listed = executor.dry_run_construction([&] {
-    const auto pipeline = make_pipeline(executor, setup.broad_phase, setup.scene, setup.initial,
-                                        setup.effects, setup.substeps);
+    const auto pipeline =
+        make_pipeline(executor, setup.broad_phase, setup.scene, setup.initial, setup.effects, setup.substeps);
     pipeline->reserve(
         {entries(of.pairs, setup.capacity.pairs), entries(of.contacts, setup.capacity.contacts)});
   });
@@ -139,8 +139,8 @@ std::string short_bytes(double bytes) {
   return fmt::format("{:.1f} {}", bytes / (bytes < 1e9 ? 1e6 : 1e9), bytes < 1e9 ? "MB" : "GB");
 }
 
-double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies, double contacts,
-                        int substeps) {
+double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies,
+                              double contacts, int substeps) {
   const int within = substeps / runs_of(physics, substeps);
   return 1e-9 / executor.equal_cores() *
          (bodies * ns_of_body_in_substep * within +

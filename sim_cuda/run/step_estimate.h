@@ -45,8 +45,8 @@ void require_memory_for_step(Executor& executor, const WorldSetup& setup);
 void require_memory_for_bodies(const Scene& scene, const RunOptions& options);
 
 /// s, about: what solving the contacts of one pipeline run takes.
-double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies, double contacts,
-                        int substeps);
+double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies,
+                              double contacts, int substeps);
 
 /// Is told, in a line, of steps that are expected to take long. One for the program; set before worlds are
 /// made.

@@ -34,7 +34,8 @@ class StepRunner {
   std::uint32_t next() const { return committed_ + static_cast<std::uint32_t>(pipeline_->runs_per_step()); }
   /// Does one step, up to next() at the time of the call, `timed` or plain; or, with what guards found in it,
   /// a part of one. Throws MachineError where memory does not suffice: then nothing has changed, unless a run
-  /// ended in its middle, after which no step can be made. Throws Cancelled, after which recreate() comes next.
+  /// ended in its middle, after which no step can be made. Throws Cancelled, after which recreate() comes
+  /// next.
   std::optional<FirstViolation> step(bool timed);
   /// Finds boxes, pairs and contacts, which grow as for a step.
   void detect();

@@ -27,7 +27,8 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
   executor_.throw_if_cancelled();
   const Executor::Uninterrupted whole(executor_);
   try {
-    backup_.save(executor_.team(), [&](const ArrayVisitor& visit) { pipeline.visit_persistent_arrays(visit); });
+    backup_.save(executor_.team(),
+                 [&](const ArrayVisitor& visit) { pipeline.visit_persistent_arrays(visit); });
   } catch (const std::bad_alloc&) {  // no room for a copy
     backup_.clear();
     to_the_end_.emplace(executor_);

@@ -5,7 +5,6 @@
 
 #include <optional>
 
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/host_backup.h"

@@ -9,8 +9,8 @@ namespace collidoscope {
 
 struct EffectReason {
   bool required = false;  ///< as required_effects() has it
-  std::string why;          ///< "gravity is 9.81 m/s²", "no medium"
-  std::string cannot;       ///< why it cannot be on whatever calls for it, or empty
+  std::string why;        ///< "gravity is 9.81 m/s²", "no medium"
+  std::string cannot;     ///< why it cannot be on whatever calls for it, or empty
 };
 
 /// `flag` is one of effect_names.

@@ -150,8 +150,8 @@ struct Sleep {
   double time = 0.5;    ///< s, >= 0
 };
 
-/// What becomes of a step in which a guard finds something (guard/stage_validator.h): the run waits before it, or
-/// it is done again with the body fixed where it was.
+/// What becomes of a step in which a guard finds something (guard/stage_validator.h): the run waits before
+/// it, or it is done again with the body fixed where it was.
 enum class OnFailure { pause, freeze };
 /// What guards take for absurd, beside what is not finite: ten times and more what a scene may start with.
 struct ValidationSettings {
@@ -176,7 +176,7 @@ struct Physics {
   std::optional<Effects> effects;               ///< unset: "auto", what the scene calls for
   std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h
   std::optional<Sleep> sleep;                   ///< unset: nothing falls asleep
-  std::optional<ValidationSettings> guards;                 ///< unset: nobody looks; decides no state but a frozen one
+  std::optional<ValidationSettings> guards;     ///< unset: nobody looks; decides no state but a frozen one
 };
 
 /// For who compares or times runs, and could make nothing of a pause.

@@ -54,13 +54,16 @@ inline constexpr auto sleep_fields = std::tuple{
 };
 
 inline constexpr auto guards_fields = std::tuple{
-    Field<&ValidationSettings::on_failure>{.key = "on_failure",
-                               .help = "pause the run before the step, or repeat it with the body fixed",
-                               .choices = on_failure_names},
-    detail::number<&ValidationSettings::speed>("speed", "maximum speed of a body", "m/s", 0, limits::max_guarded),
-    detail::number<&ValidationSettings::distance>("distance", "maximum distance of a centre from the origin", "m", 0,
-                                      limits::max_guarded),
-    detail::number<&ValidationSettings::spin>("spin", "maximum angular speed of a body", "rad/s", 0, limits::max_guarded),
+    Field<&ValidationSettings::on_failure>{
+        .key = "on_failure",
+        .help = "pause the run before the step, or repeat it with the body fixed",
+        .choices = on_failure_names},
+    detail::number<&ValidationSettings::speed>("speed", "maximum speed of a body", "m/s", 0,
+                                               limits::max_guarded),
+    detail::number<&ValidationSettings::distance>("distance", "maximum distance of a centre from the origin",
+                                                  "m", 0, limits::max_guarded),
+    detail::number<&ValidationSettings::spin>("spin", "maximum angular speed of a body", "rad/s", 0,
+                                              limits::max_guarded),
 };
 
 inline constexpr auto body_fields = std::tuple{

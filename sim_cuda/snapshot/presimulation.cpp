@@ -14,7 +14,6 @@
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
-#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/run/settled_state.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
@@ -162,8 +161,8 @@ struct Presimulation::Impl {
     }
     if (!rests)
       log_presimulation(fmt::format(
-          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest", max_steps,
-          energy, at_rest));
+          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest",
+          max_steps, energy, at_rest));
     if (presimulation_callbacks().progress) presimulation_callbacks().progress(max_steps, max_steps);
     Snapshot snapshot = snapshot_of(*world);
     keep(file, snapshot);

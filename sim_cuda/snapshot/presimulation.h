@@ -38,8 +38,8 @@ class Presimulation {
   bool done() const;
   /// Steps for about so many milliseconds, and one at least, until it is done. Throws as World does.
   void advance(double milliseconds);
-  std::int64_t steps() const;  ///< so far
-  std::int64_t max_steps() const;   ///< steps after which it ends, at rest or not
+  std::int64_t steps() const;      ///< so far
+  std::int64_t max_steps() const;  ///< steps after which it ends, at rest or not
   /// The state at rest, once it is done.
   RunState take();
 
@@ -53,7 +53,8 @@ double energy_at_rest(double mass, double g, double radius);
 
 /// Who is told while a world settles, since that takes long. One for the program; set before worlds are made.
 struct PresimulationCallbacks {
-  std::function<void(std::int64_t steps, std::int64_t max_steps)> progress;  ///< `steps` = `max_steps` at the end
+  std::function<void(std::int64_t steps, std::int64_t max_steps)>
+      progress;  ///< `steps` = `max_steps` at the end
   std::function<void(const std::string& line)> log;
 };
 void set_presimulation_callbacks(PresimulationCallbacks callbacks);

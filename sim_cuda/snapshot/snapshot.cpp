@@ -254,10 +254,12 @@ bool fits(const RunState& state) {
   const auto per = [](std::size_t size, std::size_t items) { return size == 0 || size == items; };
   bool good = state.steps >= 0 && state.bodies.velocity.size() == n &&
               state.bodies.angular_velocity.size() == n && state.bodies.orientation.size() == n &&
-              per(state.static_impulses.size(), n) && per(warm_start.friction.size(), warm_start.contacts.size()) &&
+              per(state.static_impulses.size(), n) &&
+              per(warm_start.friction.size(), warm_start.contacts.size()) &&
               per(warm_start.wall_friction.size(), warm_start.walls.size() * n) &&
               per(warm_start.rolling.size(), warm_start.contacts.size()) &&
-              per(warm_start.wall_rolling.size(), warm_start.walls.size() * n) && per(warm_start.sleep_timer.size(), n);
+              per(warm_start.wall_rolling.size(), warm_start.walls.size() * n) &&
+              per(warm_start.sleep_timer.size(), n);
   for (const std::vector<double>& wall : warm_start.walls) good = good && wall.size() == n;
   std::uint64_t before = 0;
   for (const ContactImpulse& contact : warm_start.contacts) {

@@ -1,9 +1,10 @@
 #pragma once
 // Box obstacles against spheres. To one sphere and for one substep, a box is the half-space beyond its
 // supporting plane where they touch, or would: whatever else happens to the sphere, it cannot pass a box
-// whose plane it does not pass. Which plane that is, `contact_plane_at` says of a sphere that touches (the nearest
-// point; inside, the nearest face), and `first_plane_on_path` of one under way: it goes from supporting plane to
-// supporting plane, each of which the way is free to, until it is at the box grown by the radius, or past it.
+// whose plane it does not pass. Which plane that is, `contact_plane_at` says of a sphere that touches (the
+// nearest point; inside, the nearest face), and `first_plane_on_path` of one under way: it goes from
+// supporting plane to supporting plane, each of which the way is free to, until it is at the box grown by the
+// radius, or past it.
 //
 // Called for by a list of boxes among the obstacles. Every body looks at every box: meant for dozens.
 
@@ -71,11 +72,15 @@ struct BoxSurface {
   SIM_HD Real gap(const Vector3<Real>& x, Real radius) const {
     return nearest(own(x - center)).distance - radius;
   }
-  SIM_HD ContactPlane<Real> contact_plane_at(const Vector3<Real>& x) const { return plane_of(nearest(own(x - center))); }
+  SIM_HD ContactPlane<Real> contact_plane_at(const Vector3<Real>& x) const {
+    return plane_of(nearest(own(x - center)));
+  }
 
   /// Of a sphere at x that will go by `displacement`, m.
-  SIM_HD ContactPlane<Real> first_plane_on_path(const Vector3<Real>& x, const Vector3<Real>& displacement, Real radius) const {
-    constexpr int max_iterations = 16;  // two or three are usual; where that is not enough, the plane is near enough
+  SIM_HD ContactPlane<Real> first_plane_on_path(const Vector3<Real>& x, const Vector3<Real>& displacement,
+                                                Real radius) const {
+    constexpr int max_iterations =
+        16;  // two or three are usual; where that is not enough, the plane is near enough
     const Vector3<Real> from = own(x - center), along = own(displacement);
     const Real touching = Real(1e-5) * radius;
     Real t = 0;
@@ -101,8 +106,8 @@ struct BoxView {
 template <class Real>
 struct BoxContacts {
   BoxView<Real> view;
-  ContactPlane<Real>* plane;        ///< of this substep
-  Vector3<Real>* normal;  ///< unit, along which it touched last in this step
+  ContactPlane<Real>* plane;  ///< of this substep
+  Vector3<Real>* normal;      ///< unit, along which it touched last in this step
 };
 
 }  // namespace collidoscope

@@ -44,7 +44,8 @@ struct BeginBodies {
 
 /// Where contacts propose a colour at a body: it has twice as many places as contacts, and no more than
 /// colours.
-SIM_HD inline std::uint64_t* proposal_slot(std::uint64_t* proposals, const ColouredBody& body, std::uint8_t colour) {
+SIM_HD inline std::uint64_t* proposal_slot(std::uint64_t* proposals, const ColouredBody& body,
+                                           std::uint8_t colour) {
   const std::uint32_t places = min_of(2 * body.degree, static_cast<std::uint32_t>(Colouring::colours));
   return proposals + body.proposals + colour % places;
 }
@@ -240,10 +241,14 @@ void Colouring::colour(const Pair* contacts, StepControl* control, const std::ui
   if (enabled_) {
     executor_.run("colour", degrees_.bodies(), BeginBodies{degrees_.view(), coloured_.data()});
     executor_.run("colour", rounds + 1, ClearRounds{control, {pending_.data()}});
-    executor_.run_rounds(
-        "colour", 2 * rounds, capacity,
-        ProposeInRounds{
-            contacts, control, capacity, coloured_.data(), proposals_.data(), colour_.data(), {pending_.data()}});
+    executor_.run_rounds("colour", 2 * rounds, capacity,
+                         ProposeInRounds{contacts,
+                                         control,
+                                         capacity,
+                                         coloured_.data(),
+                                         proposals_.data(),
+                                         colour_.data(),
+                                         {pending_.data()}});
   }
   sort_by_key(executor_, "colour", capacity, key_bits, colour_.data(), sorted_colour_.data(), contact_.data(),
               order_.data(), temporary_.data(), temporary_.bytes());

@@ -5,8 +5,8 @@
 //
 // In each round, an uncoloured contact proposes a colour that is free at both its bodies: by its hash and the
 // round, one of the lowest half as many as the busier body has uncoloured contacts. It gets the colour where
-// no other proposal has a higher priority at either body (Luby 1986, for each body and colour); the highest of
-// all always does. So a body hands out many colours at once, where a matching a colour (Jones & Plassmann
+// no other proposal has a higher priority at either body (Luby 1986, for each body and colour); the highest
+// of all always does. So a body hands out many colours at once, where a matching a colour (Jones & Plassmann
 // 1993, on the line graph) would take as many rounds as the busiest body has contacts: a pile of 50,000 needs
 // 7 rounds instead of 33, for as many colours. What is left after `rounds` rounds, or finds no
 // free colour, is the mass-split set, solved last.
@@ -22,9 +22,9 @@ namespace collidoscope {
 
 /// A body while its contacts are coloured.
 struct alignas(16) ColouredBody {
-  std::uint32_t used;    ///< bit c is set where colour c is taken
-  std::uint32_t degree;  ///< contacts that it takes part in
-  std::uint32_t proposals;    ///< where those of its contacts start
+  std::uint32_t used;       ///< bit c is set where colour c is taken
+  std::uint32_t degree;     ///< contacts that it takes part in
+  std::uint32_t proposals;  ///< where those of its contacts start
 };
 
 struct ColourView {
@@ -55,8 +55,8 @@ class Colouring {
   /// `enabled` false: nothing is coloured, and all contacts are the mass-split set.
   explicit Colouring(Executor& executor, bool enabled = true);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Colours control->contacts contacts; sets control->uncoloured_contacts. Those of bodies that are `asleep` (by
-  /// body, or null) get no colour and stand behind all others in `order`.
+  /// Colours control->contacts contacts; sets control->uncoloured_contacts. Those of bodies that are `asleep`
+  /// (by body, or null) get no colour and stand behind all others in `order`.
   void colour(const Pair* contacts, StepControl* control, const std::uint8_t* asleep = nullptr);
   /// Of all contacts.
   const ContactDegrees& degrees() const { return degrees_; }

@@ -5,14 +5,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/core/vector_load.h"
-#include "sim_cuda/solver/previous_contacts.h"
 #include "sim_cuda/solver/contact_storage.h"
+#include "sim_cuda/solver/previous_contacts.h"
 #include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
@@ -25,7 +24,7 @@ struct KeepContacts {
   const PackedContact<Real>* soft;
   const ContactSums<Real>* sums;
   Vector3<Real>* previous_friction;  ///< null without friction
-  Real* total;                ///< N s, of the step; null: not recorded
+  Real* total;                       ///< N s, of the step; null: not recorded
   Pair* previous_contacts;
   std::uint32_t* previous_first;
   Real* previous_impulse;
@@ -38,7 +37,8 @@ struct KeepContacts {
     const PackedContact<Real> kept = load_readonly(&soft[place]);
     previous_impulse[contact] = kept.impulse;
     if (previous_friction != nullptr)
-      previous_friction[contact] = kept.impulse > 0 ? kept.friction_impulse : Vector3<Real>(Vector3<Real>::Zero());
+      previous_friction[contact] =
+          kept.impulse > 0 ? kept.friction_impulse : Vector3<Real>(Vector3<Real>::Zero());
     if (total != nullptr) total[contact] = sums[place].total;
   }
 };
@@ -62,8 +62,10 @@ class ContactCache {
   /// In contacts; at least what load() was given.
   std::size_t capacity() const { return previous_contacts_.size(); }
 
-  PreviousContacts view() const { return {previous_contacts_.data(), previous_count_.data(), previous_first_.data()}; }
-  const Real* impulse() const { return previous_impulse_.data(); }         ///< N s, along the normal
+  PreviousContacts view() const {
+    return {previous_contacts_.data(), previous_count_.data(), previous_first_.data()};
+  }
+  const Real* impulse() const { return previous_impulse_.data(); }             ///< N s, along the normal
   const Vector3<Real>* friction() const { return previous_friction_.data(); }  ///< N s; null without friction
   /// The stage that fills it. `total`: as KeepContacts::total.
   KeepContacts<Real> keeping(const Pair* contacts, const std::uint32_t* place_of,
@@ -80,12 +82,12 @@ class ContactCache {
   const std::int64_t body_count_;
   const bool with_friction_;
   std::int64_t contact_capacity_ = 0;
-  std::size_t loaded_ = 0;             ///< contacts that load() was given
-  Buffer<Pair> previous_contacts_;        ///< ordered by (a, b)
-  Buffer<std::uint32_t> previous_first_;  ///< of each body a, the first
-  Buffer<Real> previous_impulse_;         ///< N s
-  Buffer<Vector3<Real>> previous_friction_;   ///< N s; empty without friction
-  Buffer<std::uint32_t> previous_count_;  ///< one
+  std::size_t loaded_ = 0;                   ///< contacts that load() was given
+  Buffer<Pair> previous_contacts_;           ///< ordered by (a, b)
+  Buffer<std::uint32_t> previous_first_;     ///< of each body a, the first
+  Buffer<Real> previous_impulse_;            ///< N s
+  Buffer<Vector3<Real>> previous_friction_;  ///< N s; empty without friction
+  Buffer<std::uint32_t> previous_count_;     ///< one
 };
 
 }  // namespace collidoscope

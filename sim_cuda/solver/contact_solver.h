@@ -21,7 +21,6 @@
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/rolling_resistance.h"
 #include "sim_cuda/solver/sleeping.h"
-#include "sim_cuda/solver/warm_start.h"
 #include "sim_cuda/solver/walls.h"
 #include "sim_cuda/solver/warm_start.h"
 
@@ -40,17 +39,17 @@ struct SolverScene {
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
-  StaticImpulse* static_impulses;     ///< null where there are no planes or boxes
-  Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
-  DragLaw<Real> drag;     ///< of no meaning where the effect is off
+  StaticImpulse* static_impulses;  ///< null where there are no planes or boxes
+  Vector3<Real> gravity;           ///< m/s^2, zero where the effect is off
+  DragLaw<Real> drag;              ///< of no meaning where the effect is off
   AttractorView<Real> attractors;
   Vector3<Real>* field;  ///< m/s^2, of the attractors, by body; null where the effect is off
   Effects effects;
   std::optional<Box> box;
-  Real time_step;  ///< s
-  Real acceleration_margin;      ///< m, by which a body goes aside in a step at most, for gravity and attractors
-  int substeps;    ///< >= 1
-  int iterations;  ///< sweeps over all contacts, >= 1
+  Real time_step;            ///< s
+  Real acceleration_margin;  ///< m, by which a body goes aside in a step at most, for gravity and attractors
+  int substeps;              ///< >= 1
+  int iterations;            ///< sweeps over all contacts, >= 1
   Integrator integrator;
   RotationUpdate rotation_update;  ///< of no meaning where the effect rotation is off
   Sleep sleep;                     ///< of no meaning where the effect is off

@@ -21,13 +21,16 @@ struct alignas(4 * sizeof(Real)) PackedContact {
   Vector3<Real> normal;  ///< as SoftContact's
   Real gap;
   Real impulse;
-  Vector3<Real> friction_impulse;  ///< FrictionImpulse's impulse; without friction it is neither written nor read
+  Vector3<Real>
+      friction_impulse;  ///< FrictionImpulse's impulse; without friction it is neither written nor read
 
   SIM_HD static void store_geometry(PackedContact* target, const Separation<Real>& now) {
     store_vec4(static_cast<void*>(target), now.normal.x(), now.normal.y(), now.normal.z(), now.gap);
   }
-  SIM_HD static void store_impulses(PackedContact* target, Real impulse, const Vector3<Real>& friction_impulse) {
-    store_vec4(static_cast<void*>(&target->impulse), impulse, friction_impulse.x(), friction_impulse.y(), friction_impulse.z());
+  SIM_HD static void store_impulses(PackedContact* target, Real impulse,
+                                    const Vector3<Real>& friction_impulse) {
+    store_vec4(static_cast<void*>(&target->impulse), impulse, friction_impulse.x(), friction_impulse.y(),
+               friction_impulse.z());
   }
 };
 static_assert(sizeof(PackedContact<float>) == 32 && sizeof(PackedContact<double>) == 64);
@@ -74,13 +77,15 @@ static_assert(sizeof(StepBody<float>) == 32 && sizeof(StepBody<double>) == 64);
 /// The same, as friction asks for it.
 template <class Real>
 struct alignas(2 * sizeof(Real)) BodyFriction {
-  Real inverse_inertia;         ///< 1/(kg m^2), as AngularState::inverse_inertia_max(); < 0: minus that of a body that is no ball
-  Real coefficient;  ///< of friction
+  Real inverse_inertia;  ///< 1/(kg m^2), as AngularState::inverse_inertia_max(); < 0: minus that of a body
+                         ///< that is no ball
+  Real coefficient;      ///< of friction
 
   SIM_HD static BodyFriction of(const BodyView<Real>& bodies, const Friction<Real>& friction,
-                               std::uint32_t body) {
+                                std::uint32_t body) {
     const AngularState<Real> angular = AngularState<Real>::of(bodies, body);
-    return {angular.is_isotropic() ? angular.inverse_inertia_max() : -angular.inverse_inertia_max(), friction.of_body(body)};
+    return {angular.is_isotropic() ? angular.inverse_inertia_max() : -angular.inverse_inertia_max(),
+            friction.of_body(body)};
   }
 };
 

@@ -32,7 +32,8 @@ struct SmoothField {
     return start_field != nullptr ? Vector3<Real>(gravity + start_field[body]) : gravity;
   }
   /// What the stages "drag" and "forces" make of v; or "drag" and "move".
-  SIM_HD Vector3<Real> predicted_velocity(const BodyView<Real>& bodies, int body, Vector3<Real> v, Real h) const {
+  SIM_HD Vector3<Real> predicted_velocity(const BodyView<Real>& bodies, int body, Vector3<Real> v,
+                                          Real h) const {
     if (with_drag) v = DragBodies<Real>{bodies, drag, gravity, start_field, h, nullptr}.after_drag(body, v);
     return v + h * acceleration(body);
   }
@@ -68,15 +69,15 @@ struct IntegrateFree {
 
   template <class Forces>
   SIM_HD FreeStep<Real> free_step(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
-                              const Vector3<Real>& a) const {
+                                  const Vector3<Real>& a) const {
     if constexpr (integrator == Integrator::rk4)
       return rk4_step(forces, x, v, a, h);
     else
       return verlet_step(forces, x, v, a, h);
   }
 
-  SIM_HD bool penetrates_plane(const Vector3<Real>& x, const Vector3<Real>& velocity, const Vector3<Real>& euler,
-                             Real radius) const {
+  SIM_HD bool penetrates_plane(const Vector3<Real>& x, const Vector3<Real>& velocity,
+                               const Vector3<Real>& euler, Real radius) const {
     for (int p = 0; p < plane_count; ++p) {
       const Vector3<Real> normal = planes[p].normal;
       const Real gap = normal.dot(x) - planes[p].offset - radius, speed = normal.dot(velocity);
@@ -135,21 +136,23 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied) {
                                   effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
                                   scene_.gravity};
     executor_.run("integrate", scene_.body_count,
-                  IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(), drift_velocity_.data(),
-                                              scene_.planes, scene_.plane_count, h, forces_applied, scene_.control});
+                  IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
+                                                  drift_velocity_.data(), scene_.planes, scene_.plane_count,
+                                                  h, forces_applied, scene_.control});
   };
   scene_.integrator == Integrator::rk4 ? with.template operator()<Integrator::rk4>()
                                        : with.template operator()<Integrator::velocity_verlet>();
 }
 
 template <class Real>
-void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t* asleep, const ClampedMotion<Real>& clamped) {
+void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t* asleep,
+                                const ClampedMotion<Real>& clamped) {
   const bool lie_group = scene_.effects.rotation && scene_.rotation_update == RotationUpdate::lie_group;
   Effects move_effects = scene_.effects;
   if (forces_applied || uses_higher_order()) move_effects.gravity = false;  // it is in the velocities
   if (lie_group) move_effects.rotation = false;
-  move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity, scene_.box, h,
-                    scene_.control, asleep, clamped);
+  move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
+                    scene_.box, h, scene_.control, asleep, clamped);
   const auto rotate = [&]<class Parts>() {
     run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
                      RotateBodies<Real, Parts>{scene_.bodies, h, scene_.control});

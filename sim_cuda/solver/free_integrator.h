@@ -36,16 +36,18 @@ class FreeIntegrator {
   void integrate(Real h, bool forces_applied);
   /// The bodies, along whose velocities they now go.
   BodyView<Real> bodies_with_drift_velocity() const;
-  /// Moves and turns who is awake for `h` s: along bodies_with_drift_velocity(), as far as `clamped` lets them. `forces_applied` as before.
-  void move(Real h, bool forces_applied, const std::uint8_t* asleep = nullptr, const ClampedMotion<Real>& clamped = {});
+  /// Moves and turns who is awake for `h` s: along bodies_with_drift_velocity(), as far as `clamped` lets
+  /// them. `forces_applied` as before.
+  void move(Real h, bool forces_applied, const std::uint8_t* asleep = nullptr,
+            const ClampedMotion<Real>& clamped = {});
 
  private:
   bool uses_higher_order() const { return scene_.integrator != Integrator::semi_implicit_euler; }
 
   Executor& executor_;
   const SolverScene<Real> scene_;
-  Buffer<PackedVector3<Real>> before_;  ///< m/s, when the substep began
-  Buffer<PackedVector3<Real>> drift_velocity_;   ///< m/s, what bodies_with_drift_velocity() has
+  Buffer<PackedVector3<Real>> before_;          ///< m/s, when the substep began
+  Buffer<PackedVector3<Real>> drift_velocity_;  ///< m/s, what bodies_with_drift_velocity() has
 };
 
 }  // namespace collidoscope

@@ -35,10 +35,11 @@ SIM_HD Vector3<Real> clamp_length(const Vector3<Real>& impulse, Real limit) {
   return (limit / sqrt(squared)) * impulse;
 }
 
-/// Works against a slip of `slip` m/s with `mass` kg; `accumulated` in N s is what was given so far, and at most
-/// `limit` long afterwards. Returns what is new.
+/// Works against a slip of `slip` m/s with `mass` kg; `accumulated` in N s is what was given so far, and at
+/// most `limit` long afterwards. Returns what is new.
 template <class Real>
-SIM_HD Vector3<Real> solve_friction(const Vector3<Real>& slip, Real mass, Real limit, Vector3<Real>& accumulated) {
+SIM_HD Vector3<Real> solve_friction(const Vector3<Real>& slip, Real mass, Real limit,
+                                    Vector3<Real>& accumulated) {
   const Vector3<Real> next = clamp_length<Real>(accumulated - mass * slip, limit);
   const Vector3<Real> change = next - accumulated;
   accumulated = next;
@@ -54,9 +55,9 @@ SIM_HD Vector3<Real> tangential_part(const Vector3<Real>& vector, const Vector3<
 /// How a body turns, and what an angular impulse makes of it.
 template <class Real>
 struct AngularState {
-  Vector3<Real> velocity;     ///< rad/s
-  Vector3<Real> inertia;  ///< kg m^2, principal
-  Quaternion<Real> axes;  ///< principal axes to world; not read for a ball
+  Vector3<Real> velocity;  ///< rad/s
+  Vector3<Real> inertia;   ///< kg m^2, principal
+  Quaternion<Real> axes;   ///< principal axes to world; not read for a ball
 
   SIM_HD static AngularState of(const BodyView<Real>& bodies, std::uint32_t body) {
     return {bodies.angular_velocity[body], bodies.inertia[body], bodies.orientation[body]};

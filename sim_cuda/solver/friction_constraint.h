@@ -4,9 +4,9 @@
 // impulse of the whole step, for a bounce presses harder than the substep in which it began.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/soft_contact.h"
-#include "sim_cuda/solver/contact_storage.h"
 
 namespace collidoscope {
 
@@ -24,12 +24,12 @@ template <class Real>
 struct FrictionConstraint {
   Vector3<Real> angular_velocity_a, angular_velocity_b;  ///< rad/s
   Vector3<Real> normal;
-  Real arm_a, arm_b;    ///< m
+  Real arm_a, arm_b;                          ///< m
   Real inverse_inertia_a, inverse_inertia_b;  ///< as in ContactInertia
 
   SIM_HD FrictionConstraint(const Vector3<Real>& initial_a, const Vector3<Real>& initial_b,
-                    const SoftContact<Real>& contact, const ContactBodies<Real>& pair,
-                    const ContactInertia<Real>& inertia)
+                            const SoftContact<Real>& contact, const ContactBodies<Real>& pair,
+                            const ContactInertia<Real>& inertia)
       : angular_velocity_a(initial_a),
         angular_velocity_b(initial_b),
         normal(contact.normal),
@@ -40,21 +40,29 @@ struct FrictionConstraint {
 
   /// m/s, of b's surface on a's; `velocity` of b's centre relative to a's.
   SIM_HD Vector3<Real> slip(const Vector3<Real>& velocity) const {
-    return tangential_part<Real>(velocity - (arm_a * angular_velocity_a + arm_b * angular_velocity_b).cross(normal), normal);
+    return tangential_part<Real>(
+        velocity - (arm_a * angular_velocity_a + arm_b * angular_velocity_b).cross(normal), normal);
   }
   /// 1/kg, that a slip has to move beside the inverse masses of a and b.
-  SIM_HD Real angular_inverse_mass_a() const { return arm_a * arm_a * (inverse_inertia_a < 0 ? -inverse_inertia_a : inverse_inertia_a); }
-  SIM_HD Real angular_inverse_mass_b() const { return arm_b * arm_b * (inverse_inertia_b < 0 ? -inverse_inertia_b : inverse_inertia_b); }
+  SIM_HD Real angular_inverse_mass_a() const {
+    return arm_a * arm_a * (inverse_inertia_a < 0 ? -inverse_inertia_a : inverse_inertia_a);
+  }
+  SIM_HD Real angular_inverse_mass_b() const {
+    return arm_b * arm_b * (inverse_inertia_b < 0 ? -inverse_inertia_b : inverse_inertia_b);
+  }
   /// What an impulse at the contact, N s, makes of the spins.
   SIM_HD void apply_impulse(const BodyView<Real>& bodies, Pair ids, const Vector3<Real>& impulse) {
     const Vector3<Real> moment = normal.cross(impulse);
-    angular_velocity_a = angular_velocity_after(bodies, ids.a, angular_velocity_a, inverse_inertia_a, -arm_a * moment);
-    angular_velocity_b = angular_velocity_after(bodies, ids.b, angular_velocity_b, inverse_inertia_b, -arm_b * moment);
+    angular_velocity_a =
+        angular_velocity_after(bodies, ids.a, angular_velocity_a, inverse_inertia_a, -arm_a * moment);
+    angular_velocity_b =
+        angular_velocity_after(bodies, ids.b, angular_velocity_b, inverse_inertia_b, -arm_b * moment);
   }
 
  private:
   SIM_HD static Vector3<Real> angular_velocity_after(const BodyView<Real>& bodies, std::uint32_t body,
-                                     const Vector3<Real>& angular_velocity, Real inverse_inertia, const Vector3<Real>& moment) {
+                                                     const Vector3<Real>& angular_velocity,
+                                                     Real inverse_inertia, const Vector3<Real>& moment) {
     if (inverse_inertia >= 0) return angular_velocity + inverse_inertia * moment;
     AngularState<Real> angular = AngularState<Real>::of(bodies, body);
     angular.velocity = angular_velocity;

@@ -114,8 +114,8 @@ struct ApplyUncoloured {
       const Real sign = end.sign<Real>();
       const Vector3<Real> normal = contacts.normal[end.contact];
       vectors[0] = sign * impulse[end.contact] * normal;
-      vectors[1] =
-          correct_positions ? Vector3<Real>(sign * shift[end.contact] * normal) : Vector3<Real>(Vector3<Real>::Zero());
+      vectors[1] = correct_positions ? Vector3<Real>(sign * shift[end.contact] * normal)
+                                     : Vector3<Real>(Vector3<Real>::Zero());
     };
   }
   SIM_HD void apply(int body, const ImpulseSums& impulses) const {
@@ -177,7 +177,7 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   colouring_.colour(contacts.bodies, scene_.control);
   const ColourView colours = colouring_.view();
   const ContactSet uncoloured{contacts.bodies, colours.order, colours.begin + Colouring::colours,
-                         &scene_.control->uncoloured_contacts};
+                              &scene_.control->uncoloured_contacts};
   uncoloured_degrees_.count("solve", uncoloured);
   uncoloured_.list("solve", uncoloured, uncoloured_degrees_);
   if (impulses != nullptr)
@@ -204,22 +204,24 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
 
 template <class Real>
 void ImpulseSolver<Real>::iterate(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses,
-                                bool correct_positions) {
+                                  bool correct_positions) {
   const ColourView colours = colouring_.view();
   const ContactsByBodyView uncoloured = uncoloured_.view(uncoloured_degrees_);
   const BodyView<Real>& bodies = scene_.bodies;
   // Contacts of one colour share no body, so there are at most half as many as bodies.
   const std::int64_t colour_capacity =
       contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
-  executor_.run_rounds(
-      "solve", Colouring::colours, colour_capacity,
-      ColourByColour<ResolveContact<Real>>{colours, {contacts, bodies, scene_.restitution, impulses, correct_positions}});
+  executor_.run_rounds("solve", Colouring::colours, colour_capacity,
+                       ColourByColour<ResolveContact<Real>>{
+                           colours, {contacts, bodies, scene_.restitution, impulses, correct_positions}});
   executor_.run("solve", ItemCount(&scene_.control->uncoloured_contacts, contact_capacity_),
                 ResolveUncoloured<Real>{contacts, bodies, scene_.restitution, colours.order,
-                                   colours.begin + Colouring::colours, uncoloured.count, uncoloured_impulse_.data(),
-                                   uncoloured_correction_.data(), impulses, correct_positions});
+                                        colours.begin + Colouring::colours, uncoloured.count,
+                                        uncoloured_impulse_.data(), uncoloured_correction_.data(), impulses,
+                                        correct_positions});
   executor_.run("solve", uncoloured_degrees_.bodies(),
-                ApplyUncoloured<Real>{contacts, bodies, uncoloured, uncoloured_impulse_.data(), uncoloured_correction_.data(), correct_positions});
+                ApplyUncoloured<Real>{contacts, bodies, uncoloured, uncoloured_impulse_.data(),
+                                      uncoloured_correction_.data(), correct_positions});
 }
 
 template <class Real>

@@ -60,8 +60,8 @@ class ImpulseSolver final : public ContactSolver<Real> {
   Colouring colouring_;
   ContactDegrees uncoloured_degrees_;  ///< of the mass-split set
   ContactsByBody uncoloured_;
-  Buffer<Real> uncoloured_impulse_;  ///< per contact, N s
-  Buffer<Real> uncoloured_correction_;     ///< per contact, kg m
+  Buffer<Real> uncoloured_impulse_;     ///< per contact, N s
+  Buffer<Real> uncoloured_correction_;  ///< per contact, kg m
   KinematicMotion<Real> kinematic_;
   FreeIntegrator<Real> free_integrator_;
   Residuals residuals_;

@@ -13,10 +13,11 @@
 //
 // A spring is solved once a substep, by an impulse that depends on stretch and speed just so that a pair by
 // itself swings as the closed form does, whatever h: x'' = -w^2 x - 2 z w x', sampled every h, has the roots
-// p = exp(h w (-z +- sqrt(z^2 - 1))), and so has the substep v' = v - mass_scale v - bias_rate x, x' = x + h v' with
-// mass_scale = 1 - p1 p2 and bias_rate = (1 - p1) (1 - p2) / h. (v is without what the spring gives, so impulse_scale = 1 -
-// mass_scale.) Stretch acts explicitly. For nets of springs to be stable, h w counts as no more than 1 / sqrt(n):
-// then none of a net's frequencies is above sqrt(2) / h (Gershgorin), and 2 / h is the limit.
+// p = exp(h w (-z +- sqrt(z^2 - 1))), and so has the substep v' = v - mass_scale v - bias_rate x, x' = x + h
+// v' with mass_scale = 1 - p1 p2 and bias_rate = (1 - p1) (1 - p2) / h. (v is without what the spring gives,
+// so impulse_scale = 1 - mass_scale.) Stretch acts explicitly. For nets of springs to be stable, h w counts
+// as no more than 1 / sqrt(n): then none of a net's frequencies is above sqrt(2) / h (Gershgorin), and 2 / h
+// is the limit.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/solver/friction.h"
@@ -31,8 +32,8 @@ struct JointConstraint {
   JointEnds<Real, with_rotation>& ends;
   Real h;  ///< s, of a substep
 
-  SIM_HD JointConstraint(const JointRow<Real>& row, JointImpulse<Real>& impulse, JointEnds<Real, with_rotation>& both,
-                   Real substep)
+  SIM_HD JointConstraint(const JointRow<Real>& row, JointImpulse<Real>& impulse,
+                         JointEnds<Real, with_rotation>& both, Real substep)
       : joint(row), accumulated(impulse), ends(both), h(substep) {}
 
   SIM_HD void warm_start() {
@@ -51,8 +52,9 @@ struct JointConstraint {
           const Hinge hinge(*this);
           accumulated.perpendicular[0] *= warm_start_factor;
           accumulated.perpendicular[1] *= warm_start_factor;
-          apply_angular_impulse(accumulated.perpendicular[0] * hinge.side + accumulated.perpendicular[1] * hinge.other +
-               (accumulated.lower - accumulated.upper) * hinge.axis);
+          apply_angular_impulse(accumulated.perpendicular[0] * hinge.side +
+                                accumulated.perpendicular[1] * hinge.other +
+                                (accumulated.lower - accumulated.upper) * hinge.axis);
         }
     } else {
       const Real length = length_of(ends.separation);
@@ -94,20 +96,24 @@ struct JointConstraint {
     ends.a.apply_angular_impulse(-impulse);
   }
 
-  SIM_HD Real clamp_speed(Real speed) const { return clamp_to(speed, -joint.max_correction_speed, joint.max_correction_speed); }
+  SIM_HD Real clamp_speed(Real speed) const {
+    return clamp_to(speed, -joint.max_correction_speed, joint.max_correction_speed);
+  }
   /// What is held from both sides: the new part of `impulse`.
   template <JointPhase phase>
   SIM_HD Real bilateral_impulse(Real error, Real speed, Real mass, Real impulse) const {
     const JointStiffness<Real>& s = joint.stiffness;
     if (phase == JointPhase::relax) return -mass * speed;
-    const Real bias = joint.kind == JointKind::spring ? s.bias_rate * error : clamp_speed(s.bias_rate * error);
+    const Real bias =
+        joint.kind == JointKind::spring ? s.bias_rate * error : clamp_speed(s.bias_rate * error);
     return -mass * (s.mass_scale * speed + bias) - s.impulse_scale * impulse;
   }
   /// What is held from one side, by a gap that `speed` opens; < 0: too far. May close, and not more.
   template <JointPhase phase>
   SIM_HD Real unilateral_impulse(Real gap, Real speed, Real mass, Real& impulse) const {
     if (phase == JointPhase::relax && gap > 0 && !(impulse > 0)) return 0;
-    const Real change = gap > 0 ? -mass * (speed + gap / h) : bilateral_impulse<phase>(gap, speed, mass, impulse);
+    const Real change =
+        gap > 0 ? -mass * (speed + gap / h) : bilateral_impulse<phase>(gap, speed, mass, impulse);
     const Real next = max_of(impulse + change, Real(0)), applied = next - impulse;
     impulse = next;
     return applied;
@@ -121,11 +127,13 @@ struct JointConstraint {
     if (phase == JointPhase::relax && spring) return;
     const Real length = length_of(ends.separation);
     const Vector3<Real> normal = direction(length);
-    const Real inverse_mass = ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
+    const Real inverse_mass =
+        ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
     const Real mass = inverse(inverse_mass);
     Real speed = (ends.b.velocity_at(ends.b.arm) - ends.a.velocity_at(ends.a.arm)).dot(normal);
     if constexpr (phase == JointPhase::solve) {
-      const Vector3<Real> mean = ends.b.mean_velocity_at(ends.b.arm, h) - ends.a.mean_velocity_at(ends.a.arm, h);
+      const Vector3<Real> mean =
+          ends.b.mean_velocity_at(ends.b.arm, h) - ends.a.mean_velocity_at(ends.a.arm, h);
       const Vector3<Real> then = ends.separation + h * mean;
       if (ends.separation.dot(then) > 0)  // else it passes through 0, which is no curve
         speed += clamp_speed(mean.dot(ends.separation + then) / (length + length_of(then)) - speed);
@@ -135,9 +143,11 @@ struct JointConstraint {
       change = bilateral_impulse<phase>(length - joint.low, speed, mass, accumulated.linear.x());
       accumulated.linear.x() += change;
     } else {
-      if (joint.low > 0) change += unilateral_impulse<phase>(length - joint.low, speed, mass, accumulated.lower);
+      if (joint.low > 0)
+        change += unilateral_impulse<phase>(length - joint.low, speed, mass, accumulated.lower);
       if (finite(joint.high))
-        change -= unilateral_impulse<phase>(joint.high - length, -(speed + change * inverse_mass), mass, accumulated.upper);
+        change -= unilateral_impulse<phase>(joint.high - length, -(speed + change * inverse_mass), mass,
+                                            accumulated.upper);
     }
     apply_impulse_along(normal, change);
   }
@@ -162,8 +172,10 @@ struct JointConstraint {
     ends.b.add_inverse_mass_matrix(arm_b(), inverse_mass);
     Vector3<Real> velocity_error = ends.b.velocity_at(arm_b()) - ends.a.velocity_at(arm_a());
     if constexpr (phase == JointPhase::solve) {
-      const Vector3<Real> mean = ends.b.mean_velocity_at(ends.b.arm, h) - ends.a.mean_velocity_at(ends.a.arm, h);
-      velocity_error += clamp_length<Real>(mean - velocity_error + joint.stiffness.bias_rate * ends.separation, joint.max_correction_speed);
+      const Vector3<Real> mean =
+          ends.b.mean_velocity_at(ends.b.arm, h) - ends.a.mean_velocity_at(ends.a.arm, h);
+      velocity_error += clamp_length<Real>(
+          mean - velocity_error + joint.stiffness.bias_rate * ends.separation, joint.max_correction_speed);
     }
     const Vector3<Real> change = -inverse_mass.solve(velocity_error);
     accumulated.linear += change;
@@ -185,23 +197,30 @@ struct JointConstraint {
   SIM_HD void solve_hinge() {
     const Hinge frame(*this);
     if (joint.limited) {
-      const Real mass = inverse(frame.axis.dot(ends.a.apply_inverse_inertia(frame.axis) + ends.b.apply_inverse_inertia(frame.axis)));
+      const Real mass = inverse(frame.axis.dot(ends.a.apply_inverse_inertia(frame.axis) +
+                                               ends.b.apply_inverse_inertia(frame.axis)));
       const HingeLimitGap<Real> gap(joint, ends.a.axes, ends.b.axes);
       const auto rate = [&] { return (ends.b.angular_velocity - ends.a.angular_velocity).dot(frame.axis); };
-      apply_angular_impulse(unilateral_impulse<phase>(gap.above, rate(), mass, accumulated.lower) * frame.axis);
-      apply_angular_impulse(-unilateral_impulse<phase>(gap.below, -rate(), mass, accumulated.upper) * frame.axis);
+      apply_angular_impulse(unilateral_impulse<phase>(gap.above, rate(), mass, accumulated.lower) *
+                            frame.axis);
+      apply_angular_impulse(-unilateral_impulse<phase>(gap.below, -rate(), mass, accumulated.upper) *
+                            frame.axis);
     }
-    const Vector3<Real> angular_side = ends.a.apply_inverse_inertia(frame.side) + ends.b.apply_inverse_inertia(frame.side);
-    const Vector3<Real> angular_other = ends.a.apply_inverse_inertia(frame.other) + ends.b.apply_inverse_inertia(frame.other);
+    const Vector3<Real> angular_side =
+        ends.a.apply_inverse_inertia(frame.side) + ends.b.apply_inverse_inertia(frame.side);
+    const Vector3<Real> angular_other =
+        ends.a.apply_inverse_inertia(frame.other) + ends.b.apply_inverse_inertia(frame.other);
     const Real k00 = frame.side.dot(angular_side), k01 = frame.side.dot(angular_other),
                k11 = frame.other.dot(angular_other);
     const Vector3<Real> error = frame.axis.cross(frame.axis_b);
     Vector3<Real> velocity_error = ends.b.angular_velocity - ends.a.angular_velocity;
     if constexpr (phase == JointPhase::solve) {
-      const Vector3<Real> a = ends.a.mean_rotation_velocity(frame.axis, h), b = ends.b.mean_rotation_velocity(frame.axis_b, h);
+      const Vector3<Real> a = ends.a.mean_rotation_velocity(frame.axis, h),
+                          b = ends.b.mean_rotation_velocity(frame.axis_b, h);
       const Vector3<Real> mean = a.cross(frame.axis_b) + frame.axis.cross(b) + h * a.cross(b);
       const Vector3<Real> perpendicular = velocity_error - velocity_error.dot(frame.axis) * frame.axis;
-      velocity_error += clamp_length<Real>(mean - perpendicular + joint.stiffness.bias_rate * error, joint.max_correction_rate);
+      velocity_error += clamp_length<Real>(mean - perpendicular + joint.stiffness.bias_rate * error,
+                                           joint.max_correction_rate);
     }
     const Real determinant = k00 * k11 - k01 * k01, scale = inverse(determinant);
     const Real along_side = velocity_error.dot(frame.side), along_other = velocity_error.dot(frame.other);

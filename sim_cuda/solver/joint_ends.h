@@ -1,10 +1,10 @@
 #pragma once
 // The two ends of a joint while it is solved: the bodies, the anchors, and the effect of an impulse there.
-// Static bodies and the world take none. `with_rotation`: with the effect rotation; without it, bodies are held at
-// their centres.
+// Static bodies and the world take none. `with_rotation`: with the effect rotation; without it, bodies are
+// held at their centres.
 //
-// `with_rotation` and the phase are template parameters of the sweeps: as run-time branches they cost 2 % each
-// of a step of the scene `bridge` on an H200.
+// `with_rotation` and the phase are template parameters of the sweeps: as run-time branches they cost 2 %
+// each of a step of the scene `bridge` on an H200.
 
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/joint_state.h"
@@ -18,9 +18,9 @@ struct JointEnd {
   Real inverse_mass;               ///< 1/kg
   Vector3<Real> arm;               ///< m, from the centre to the anchor
   // Read only where bodies turn:
-  Vector3<Real> angular_velocity;             ///< rad/s
-  Vector3<Real> inverse_inertia;  ///< 1/(kg m^2), principal
-  Quaternion<Real> axes;          ///< principal axes to world
+  Vector3<Real> angular_velocity;  ///< rad/s
+  Vector3<Real> inverse_inertia;   ///< 1/(kg m^2), principal
+  Quaternion<Real> axes;           ///< principal axes to world
 
   SIM_HD static JointEnd of(const BodyView<Real>& bodies, std::uint32_t body, const Vector3<Real>& anchor) {
     JointEnd end;
@@ -110,7 +110,9 @@ struct JointEnd {
     velocity += inverse_mass * impulse;
     if constexpr (with_rotation) angular_velocity += apply_inverse_inertia(from.cross(impulse));
   }
-  SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) { angular_velocity += apply_inverse_inertia(impulse); }
+  SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {
+    angular_velocity += apply_inverse_inertia(impulse);
+  }
 };
 
 template <class Real, bool with_rotation>
@@ -120,8 +122,9 @@ struct JointEnds {
 
   SIM_HD JointEnds(const BodyView<Real>& bodies, const JointRow<Real>& joint)
       : a(JointEnd<Real, with_rotation>::of(bodies, joint.a, joint.anchor_a)),
-        b(joint.b == JointRow<Real>::world ? JointEnd<Real, with_rotation>::of_world(joint.anchor_b)
-                                           : JointEnd<Real, with_rotation>::of(bodies, joint.b, joint.anchor_b)),
+        b(joint.b == JointRow<Real>::world
+              ? JointEnd<Real, with_rotation>::of_world(joint.anchor_b)
+              : JointEnd<Real, with_rotation>::of(bodies, joint.b, joint.anchor_b)),
         separation((b.center - a.center) + (b.arm - a.arm)) {}
   SIM_HD void store(const BodyView<Real>& bodies, const JointRow<Real>& joint) const {
     a.store(bodies, joint.a);

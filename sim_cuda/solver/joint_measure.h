@@ -22,7 +22,7 @@ template <class Real>
 struct HingeLimitGap {
   Real above, below;
   SIM_HD HingeLimitGap(const JointRow<Real>& joint, const Quaternion<Real>& axes_a,
-                   const Quaternion<Real>& axes_b) {
+                       const Quaternion<Real>& axes_b) {
     const Quaternion<Real> twist = axes_a.conjugate() * axes_b * joint.start.conjugate();
     Real cosine = twist.w(), sine = twist.vec().dot(joint.axis_a);  // of half the angle
     if (cosine < 0) {
@@ -43,10 +43,13 @@ SIM_HD JointSums measure_joint(const BodyView<Real>& bodies, const JointRow<Real
   if (joint.kind == JointKind::distance) {
     sums.error = static_cast<double>(max_of(Real(0), max_of(joint.low - length, length - joint.high)));
   } else if (joint.kind == JointKind::spring) {
-    const Vector3<Real> normal = length > 0 ? Vector3<Real>(ends.separation / length) : Vector3<Real>(0, 0, 1);
-    const Real inverse_mass = ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
+    const Vector3<Real> normal =
+        length > 0 ? Vector3<Real>(ends.separation / length) : Vector3<Real>(0, 0, 1);
+    const Real inverse_mass =
+        ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
     const auto stretch = static_cast<double>(length - joint.low);
-    if (inverse_mass > 0) sums.energy = static_cast<double>(joint.spring / inverse_mass) * stretch * stretch / 2;
+    if (inverse_mass > 0)
+      sums.energy = static_cast<double>(joint.spring / inverse_mass) * stretch * stretch / 2;
   } else {
     sums.error = static_cast<double>(length);
   }

@@ -32,21 +32,21 @@ struct JointRow {
   Vector3<Real> anchor_a,
       anchor_b;  ///< m, along principal axes from the centre; a place, where b is the world
   JointStiffness<Real> stiffness;
-  Real max_correction_speed;                             ///< m/s, at which an error goes
+  Real max_correction_speed;                       ///< m/s, at which an error goes
   static constexpr Real max_correction_rate = 50;  ///< rad/s, at which axes come together
-  Real low, high;                           ///< m, of a distance; a rod's and a spring's are equal
-  Real spring;                              ///< 1/s^2, stiffness of a spring over its mass
-  Vector3<Real> axis_a, axis_b, side;       ///< of a hinge, along principal axes; side: of a, across the axis
-  Quaternion<Real> start;  ///< turns b's principal axes into a's where the hinge's angle is 0
+  Real low, high;                                  ///< m, of a distance; a rod's and a spring's are equal
+  Real spring;                                     ///< 1/s^2, stiffness of a spring over its mass
+  Vector3<Real> axis_a, axis_b, side;  ///< of a hinge, along principal axes; side: of a, across the axis
+  Quaternion<Real> start;              ///< turns b's principal axes into a's where the hinge's angle is 0
   Real low_cosine, low_sine, high_cosine, high_sine;  ///< of half the angles of the limits
 };
 
 /// What a joint gives to b and takes from a. 32 bytes in float.
 template <class Real>
 struct alignas(4 * sizeof(Real)) JointImpulse {
-  Vector3<Real> linear;  ///< N s; of a rod or spring, x: along it, > 0 apart
-  Real lower, upper;     ///< of limits, >= 0; N s of a distance, N m s of a hinge
-  Real perpendicular[2];        ///< N m s, of a hinge, across its axis
+  Vector3<Real> linear;   ///< N s; of a rod or spring, x: along it, > 0 apart
+  Real lower, upper;      ///< of limits, >= 0; N s of a distance, N m s of a hinge
+  Real perpendicular[2];  ///< N m s, of a hinge, across its axis
 };
 static_assert(sizeof(JointImpulse<float>) == 32 && sizeof(JointImpulse<double>) == 64);
 

@@ -15,16 +15,18 @@ namespace collidoscope {
 
 namespace {
 
-// See joint_constraint.h. A rigid joint by itself is right after one visit; what it lets go of bounds what piles up
-// where something else resists it.
+// See joint_constraint.h. A rigid joint by itself is right after one visit; what it lets go of bounds what
+// piles up where something else resists it.
 constexpr double alone_warm_start_factor = 0.95;
-constexpr double coupled_error_fraction = 0.4;  ///< of the error, per substep, over the most joints at one body
+constexpr double coupled_error_fraction =
+    0.4;  ///< of the error, per substep, over the most joints at one body
 constexpr double coupled_warm_start_factor = 0.9;
 constexpr double radii_per_second = 50;
 
 constexpr double full_turn = 6.283185307179586;
 
-/// rad, that a spring turns in a substep; `joint_count`: the most joints at one of its bodies. See joint_constraint.h.
+/// rad, that a spring turns in a substep; `joint_count`: the most joints at one of its bodies. See
+/// joint_constraint.h.
 double spring_angle(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
   return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(joint_count));
 }
@@ -41,14 +43,16 @@ JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_coun
     const double fast = z + std::sqrt(z * z - 1);
     bias = expm1_series(-angle * fast) * expm1_series(-angle / fast);
   }
-  const double factor = joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of what damps
+  const double factor =
+      joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of what damps
   return {scale, bias / h, 1 - scale, 1 - (1 - factor) * scale};
 }
 
 JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
   if (joint.kind == JointKind::spring) return spring(joint, joint_count, h);
-  return joint_count > 1 ? JointStiffness<double>{1, coupled_error_fraction / (joint_count * h), 0, coupled_warm_start_factor}
-                   : JointStiffness<double>{1, 1 / h, 0, alone_warm_start_factor};
+  return joint_count > 1 ? JointStiffness<double>{1, coupled_error_fraction / (joint_count * h), 0,
+                                                  coupled_warm_start_factor}
+                         : JointStiffness<double>{1, 1 / h, 0, alone_warm_start_factor};
 }
 
 /// A unit vector across another.
@@ -59,7 +63,8 @@ Vector3d perpendicular_to(const Vector3d& axis) {
 }
 
 template <class Real>
-JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, double max_correction_speed, double h) {
+JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, double max_correction_speed,
+                      double h) {
   const auto narrow = [](const Vector3d& v) { return Vector3<Real>(v.cast<Real>()); };
   const JointStiffness<double> s = stiffness(joint, joint_count, h);
   JointRow<Real> row{};
@@ -70,8 +75,8 @@ JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, doubl
   row.anchor_a = narrow(joint.anchor_a);
   row.anchor_b = narrow(joint.anchor_b);
   row.max_correction_speed = static_cast<Real>(max_correction_speed);
-  row.stiffness = {static_cast<Real>(s.mass_scale), static_cast<Real>(s.bias_rate), static_cast<Real>(s.impulse_scale),
-                   static_cast<Real>(s.warm_start_factor)};
+  row.stiffness = {static_cast<Real>(s.mass_scale), static_cast<Real>(s.bias_rate),
+                   static_cast<Real>(s.impulse_scale), static_cast<Real>(s.warm_start_factor)};
   row.low = static_cast<Real>(joint.low);
   row.high = static_cast<Real>(joint.high);
   const double frequency = spring_angle(joint, joint_count, h) / h;
@@ -244,8 +249,9 @@ JointRounds<Real> Joints<Real>::rounds() const {
 template <class Real>
 template <class Stage, class StageWithRotation>
 void Joints<Real>::run() {
-  bodies_.orientation != nullptr ? executor_.run_rounds("joints", colours_, max_joints_per_colour_, StageWithRotation{rounds()})
-                                 : executor_.run_rounds("joints", colours_, max_joints_per_colour_, Stage{rounds()});
+  bodies_.orientation != nullptr
+      ? executor_.run_rounds("joints", colours_, max_joints_per_colour_, StageWithRotation{rounds()})
+      : executor_.run_rounds("joints", colours_, max_joints_per_colour_, Stage{rounds()});
 }
 
 template <class Real>
@@ -286,8 +292,8 @@ std::vector<WarmStartJoint> Joints<Real>::save_warm_start() const {
     const JointRow<Real>& row = rows[place];
     const JointImpulse<Real>& p = impulses[place];
     warm_start.push_back({row.a, row.b, static_cast<std::uint64_t>(row.kind), {}});
-    const Real parts[] = {p.linear.x(), p.linear.y(), p.linear.z(), p.lower,
-                          p.upper,      p.perpendicular[0],  p.perpendicular[1]};
+    const Real parts[] = {p.linear.x(), p.linear.y(),       p.linear.z(),      p.lower,
+                          p.upper,      p.perpendicular[0], p.perpendicular[1]};
     std::ranges::copy(parts, warm_start.back().impulse.begin());
   }
   return warm_start;
@@ -302,10 +308,11 @@ void Joints<Real>::load_warm_start(const std::vector<WarmStartJoint>& warm_start
   std::size_t known = 0;
   for (const std::size_t place : scene_order_) {
     const JointRow<Real>& row = rows[place];
-    const auto found = std::find_if(
-        warm_start.begin() + static_cast<std::ptrdiff_t>(known), warm_start.end(), [&](const WarmStartJoint& m) {
-          return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b;
-        });
+    const auto found =
+        std::find_if(warm_start.begin() + static_cast<std::ptrdiff_t>(known), warm_start.end(),
+                     [&](const WarmStartJoint& m) {
+                       return m.kind == static_cast<std::uint64_t>(row.kind) && m.a == row.a && m.b == row.b;
+                     });
     std::array<Real, 7> part{};
     if (found != warm_start.end()) {
       known = static_cast<std::size_t>(found - warm_start.begin()) + 1;

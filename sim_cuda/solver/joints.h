@@ -1,14 +1,13 @@
 #pragma once
-// The joints of a scene, and how `soft_step` iterates over them: colour by colour, where colours are shared out
-// once, first fit in the order of the scene; what nothing moves, the world among it, is of every colour. Made
-// with the pipeline and as long-lived; each iteration is one call of the executor. An overflow leaves all as it
-// is.
+// The joints of a scene, and how `soft_step` iterates over them: colour by colour, where colours are shared
+// out once, first fit in the order of the scene; what nothing moves, the world among it, is of every colour.
+// Made with the pipeline and as long-lived; each iteration is one call of the executor. An overflow leaves
+// all as it is.
 
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
@@ -36,7 +35,9 @@ class Joints {
   JointView<Real> view() const { return {rows_.data(), impulses_.data(), begin_.data(), count()}; }
 
   /// Those whose bodies do not touch each other.
-  ExcludedPairs excluded_pairs() const { return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())}; }
+  ExcludedPairs excluded_pairs() const {
+    return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())};
+  }
 
   /// Joints of bodies that are asleep, 1 by body, are left as they are from now on.
   void exclude_sleeping(const std::uint8_t* asleep) { asleep_ = asleep; }
@@ -67,8 +68,8 @@ class Joints {
   const StepControl* control_;
   const std::uint8_t* asleep_ = nullptr;
   int colours_ = 0;
-  std::int64_t max_joints_per_colour_ = 0;               ///< joints of one colour
-  std::vector<std::size_t> scene_order_;  ///< where each joint of the scene stands
+  std::int64_t max_joints_per_colour_ = 0;  ///< joints of one colour
+  std::vector<std::size_t> scene_order_;    ///< where each joint of the scene stands
   Buffer<JointRow<Real>> rows_;
   Buffer<JointImpulse<Real>> impulses_;
   Buffer<std::uint32_t> begin_;

@@ -59,7 +59,8 @@ void PlaneContacts<Real>::load(const WarmStart& warm_start) {
     for (std::size_t body = 0; body < std::min(n, saved_bodies); ++body) {
       walls[p * n + body] = static_cast<Real>(warm_start.walls[p][body]);
       if (!wall_friction.empty() && !warm_start.wall_friction.empty())
-        wall_friction[p * n + body] = narrowed_vector<Real>(warm_start.wall_friction[p * saved_bodies + body]);
+        wall_friction[p * n + body] =
+            narrowed_vector<Real>(warm_start.wall_friction[p * saved_bodies + body]);
     }
   }
   impulse_.upload(walls);

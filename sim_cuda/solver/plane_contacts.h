@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/solver/contact_solver.h"
@@ -31,7 +30,8 @@ class PlaneContacts {
             impulse_.data(),
             bounce_.data(),
             active_mask_.data(),
-            WallFriction<Real>{scene_.friction, friction_.data(), friction_total_.data(), normal_impulse_sum_.data()},
+            WallFriction<Real>{scene_.friction, friction_.data(), friction_total_.data(),
+                               normal_impulse_sum_.data()},
             BoxContacts<Real>{scene_.boxes, box_planes_.data(), box_normals_.data()},
             scene_.static_impulses};
   }
@@ -47,10 +47,10 @@ class PlaneContacts {
 
   const SolverScene<Real> scene_;
   Buffer<Real> impulse_, bounce_;                    ///< surfaces x bodies; empty without surfaces
-  Buffer<std::uint32_t> active_mask_;                         ///< surfaces of a body, as bits; empty without surfaces
+  Buffer<std::uint32_t> active_mask_;                ///< surfaces of a body, as bits; empty without surfaces
   Buffer<Vector3<Real>> friction_, friction_total_;  ///< surfaces x bodies; empty without friction
-  Buffer<Real> normal_impulse_sum_;                             ///< as friction_
-  Buffer<ContactPlane<Real>> box_planes_;                      ///< boxes x bodies; empty without boxes
+  Buffer<Real> normal_impulse_sum_;                  ///< as friction_
+  Buffer<ContactPlane<Real>> box_planes_;            ///< boxes x bodies; empty without boxes
   Buffer<Vector3<Real>> box_normals_;
 };
 

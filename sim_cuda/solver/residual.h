@@ -24,7 +24,7 @@ namespace collidoscope {
 struct Residual {
   std::string stage;  ///< "solve" or "relax", as the stage that made the iteration
   int substep = 0;    ///< from 0
-  int iteration = 0;      ///< from 1; 0: before the first, from what the substep before left
+  int iteration = 0;  ///< from 1; 0: before the first, from what the substep before left
   std::int64_t contacts = 0;
   double rms = 0, max = 0;  ///< m/s
 

@@ -24,11 +24,12 @@ struct PrepareRolling {
     const bool found = before != no_pair;
     const Real r_a = bodies.radius[a], r_b = bodies.radius[b];
     rolling[place] = {found ? previous_impulse[before] : Vector3<Real>(Vector3<Real>::Zero()),
-                    max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
+                      max_of(law.of_body(a), law.of_body(b)) * (r_a * r_b / (r_a + r_b))};
   }
 };
 
-/// A body's share of what its contacts give, in increasing id of the other body; `accumulated(place)` in N m s.
+/// A body's share of what its contacts give, in increasing id of the other body; `accumulated(place)` in N m
+/// s.
 template <class ImpulseOf, class Real>
 SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const ImpulseOf& impulse_of) {
   Vector3<Real> sum = Vector3<Real>::Zero();
@@ -87,9 +88,11 @@ struct SolveRollingContacts {
     if (!(limit > 0) && rolling_impulse.impulse.dot(rolling_impulse.impulse) == 0) return;
     const Real n_a = static_cast<Real>(source.by_body.count[a]),
                n_b = static_cast<Real>(source.by_body.count[b]);
-    const AngularState<Real> angular_a = AngularState<Real>::of(bodies, a), angular_b = AngularState<Real>::of(bodies, b);
+    const AngularState<Real> angular_a = AngularState<Real>::of(bodies, a),
+                             angular_b = AngularState<Real>::of(bodies, b);
     const Real inertia = 1 / (n_a * angular_a.inverse_inertia_max() + n_b * angular_b.inverse_inertia_max());
-    change[place] = solve_friction<Real>(angular_b.velocity - angular_a.velocity, inertia, limit, rolling_impulse.impulse);
+    change[place] = solve_friction<Real>(angular_b.velocity - angular_a.velocity, inertia, limit,
+                                         rolling_impulse.impulse);
     rolling[place] = rolling_impulse;
   }
 };
@@ -118,7 +121,9 @@ struct SolveRollingBodies {
       Vector3<Real> accumulated = wall_impulse[at];
       const Real normal_impulse = source.wall_impulse[at];
       if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) continue;
-      angular.apply_angular_impulse(solve_friction<Real>(angular.velocity, 1 / angular.inverse_inertia_max(), max_of(own, law.of_plane[p]) * r * normal_impulse, accumulated));
+      angular.apply_angular_impulse(solve_friction<Real>(angular.velocity, 1 / angular.inverse_inertia_max(),
+                                                         max_of(own, law.of_plane[p]) * r * normal_impulse,
+                                                         accumulated));
       wall_impulse[at] = accumulated;
     }
     bodies.angular_velocity[body] = angular.velocity;
@@ -184,16 +189,16 @@ void RollingResistance<Real>::reserve(std::int64_t contact_capacity, std::size_t
 
 template <class Real>
 void RollingResistance<Real>::prepare(const RollingSource<Real>& source, const PreviousContacts& previous) {
-  executor_.run(
-      "prepare", source.count,
-      PrepareRolling<Real>{source.contacts, bodies_, law_, previous, previous_impulse_.data(), rolling_impulses_.data()});
+  executor_.run("prepare", source.count,
+                PrepareRolling<Real>{source.contacts, bodies_, law_, previous, previous_impulse_.data(),
+                                     rolling_impulses_.data()});
 }
 
 template <class Real>
 void RollingResistance<Real>::warm_start(const RollingSource<Real>& source) {
   run_awake_bodies(executor_, "rolling", body_count_, source.asleep,
-                   WarmStartRolling<Real>{source, bodies_, body_count_, plane_count_, rolling_impulses_.data(),
-                                   wall_impulse_.data(), control_});
+                   WarmStartRolling<Real>{source, bodies_, body_count_, plane_count_,
+                                          rolling_impulses_.data(), wall_impulse_.data(), control_});
 }
 
 template <class Real>
@@ -202,13 +207,14 @@ void RollingResistance<Real>::solve(const RollingSource<Real>& source) {
                      SolveRollingContacts<Real>{source, bodies_, rolling_impulses_.data(), change_.data()});
   run_awake_bodies(executor_, "rolling", body_count_, source.asleep,
                    SolveRollingBodies<Real>{source, bodies_, body_count_, plane_count_, law_, change_.data(),
-                                        wall_impulse_.data(), control_});
+                                            wall_impulse_.data(), control_});
 }
 
 template <class Real>
 void RollingResistance<Real>::keep(const RollingSource<Real>& source) {
-  executor_.run("keep", source.count,
-                KeepRolling<Real>{source.place_of, source.soft, rolling_impulses_.data(), previous_impulse_.data()});
+  executor_.run(
+      "keep", source.count,
+      KeepRolling<Real>{source.place_of, source.soft, rolling_impulses_.data(), previous_impulse_.data()});
 }
 
 template <class Real>

@@ -15,7 +15,6 @@
 
 #include <cstdint>
 
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
@@ -23,7 +22,6 @@
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/previous_contacts.h"
-#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
@@ -54,7 +52,7 @@ struct RollingSource {
   const PackedContact<Real>* soft;
   const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
-  ItemCount count;                 ///< of contacts
+  ItemCount count;             ///< of contacts
   const Real* wall_impulse;    ///< N s, plane by plane, all bodies of each
   const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
 };
@@ -94,10 +92,10 @@ class RollingResistance {
   int plane_count_ = 0;
   RollingLaw<Real> law_;
   const StepControl* control_ = nullptr;
-  Buffer<RollingImpulse<Real>> rolling_impulses_;             ///< by place
-  Buffer<Vector3<Real>> change_;         ///< by place, N m s
-  Buffer<Vector3<Real>> wall_impulse_;   ///< plane by plane, all bodies of each, N m s
-  Buffer<Vector3<Real>> previous_impulse_;  ///< of the run before, by its contacts, N m s
+  Buffer<RollingImpulse<Real>> rolling_impulses_;  ///< by place
+  Buffer<Vector3<Real>> change_;                   ///< by place, N m s
+  Buffer<Vector3<Real>> wall_impulse_;             ///< plane by plane, all bodies of each, N m s
+  Buffer<Vector3<Real>> previous_impulse_;         ///< of the run before, by its contacts, N m s
 };
 
 }  // namespace collidoscope

@@ -109,8 +109,8 @@ struct FallAsleepOrWake {
   const StepControl* control;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
-    const bool sleeps =
-        island_active[root_of(parent, static_cast<std::uint32_t>(body))] == 0 && bodies.inverse_mass[body] > 0;
+    const bool sleeps = island_active[root_of(parent, static_cast<std::uint32_t>(body))] == 0 &&
+                        bodies.inverse_mass[body] > 0;
     const bool slept = sleep_timer[body] == asleep_marker;
     asleep[body] = sleeps ? 1 : 0;
     if (sleeps == slept) return;
@@ -195,7 +195,8 @@ void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_
                 JoinByContacts<Real>{contacts.bodies, islands});
   executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
   executor_.run("islands", body_count_,
-                MarkActiveIslands{sleep_timer_.data(), steps_to_sleep_, parent_.data(), asleep_.data(), island_active_.data()});
+                MarkActiveIslands{sleep_timer_.data(), steps_to_sleep_, parent_.data(), asleep_.data(),
+                                  island_active_.data()});
   executor_.run("islands", body_count_,
                 FallAsleepOrWake<Real>{bodies_, parent_.data(), island_active_.data(), sleep_timer_.data(),
                                        asleep_.data(), control_});

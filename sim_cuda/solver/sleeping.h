@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "sim_cuda/core/arithmetic.h"
-#include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
@@ -36,14 +35,16 @@ inline constexpr std::uint32_t asleep_marker = 0xffffffffu;
 
 /// For pictures: how far each body is from sleep.
 struct SleepView {
-  const std::uint32_t* sleep_timer = nullptr;  ///< by body, steps for which it was slow; null: nothing can sleep
-  std::uint32_t steps_to_sleep = 1;             ///< of these, before an island may sleep
+  const std::uint32_t* sleep_timer =
+      nullptr;                       ///< by body, steps for which it was slow; null: nothing can sleep
+  std::uint32_t steps_to_sleep = 1;  ///< of these, before an island may sleep
 
   /// 0: asleep; 1/4 to 1: awake, and at rest for all of the time to not at all.
   SIM_HD float distance(int body) const {
     if (sleep_timer == nullptr || sleep_timer[body] == 0) return 1;
     if (sleep_timer[body] == asleep_marker) return 0;
-    return 1 - 0.75f * static_cast<float>(min_of(sleep_timer[body], steps_to_sleep)) / static_cast<float>(steps_to_sleep);
+    return 1 - 0.75f * static_cast<float>(min_of(sleep_timer[body], steps_to_sleep)) /
+                   static_cast<float>(steps_to_sleep);
   }
 };
 
@@ -86,11 +87,11 @@ class Sleeping {
   Executor& executor_;
   BodyView<Real> bodies_{};
   std::int64_t body_count_ = 0;
-  Real speed_ = 0;            ///< m/s
+  Real speed_ = 0;                    ///< m/s
   std::uint32_t steps_to_sleep_ = 1;  ///< steps
   const StepControl* control_ = nullptr;
-  Buffer<std::uint32_t> sleep_timer_;              ///< by body
-  Buffer<std::uint32_t> parent_;            ///< by body; at the root itself
+  Buffer<std::uint32_t> sleep_timer_;            ///< by body
+  Buffer<std::uint32_t> parent_;                 ///< by body; at the root itself
   Buffer<std::uint8_t> island_active_, asleep_;  ///< by root; by body
   Buffer<SleepSums> sums_;
 };

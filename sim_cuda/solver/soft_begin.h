@@ -8,8 +8,8 @@
 #include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/core/vector_load.h"
-#include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/contact_storage.h"
+#include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/soft_walls.h"
 
 namespace collidoscope {
@@ -23,7 +23,7 @@ struct BeginSubstep {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
   Vector3<Real> gravity;       ///< m/s^2
   const Vector3<Real>* field;  ///< m/s^2, of attractors, by body; null where the effect is off
-  bool with_field;                 ///< gravity or attractors are on
+  bool with_field;             ///< gravity or attractors are on
   Real h;                      ///< s
   const StepControl* control;
 

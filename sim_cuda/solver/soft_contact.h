@@ -12,11 +12,12 @@ namespace collidoscope {
 /// coefficients of implicit Euler, which is stable for all of them.
 template <class Real>
 struct Softness {
-  Real inverse_h;        ///< 1/s
-  Real bias_rate;        ///< 1/s, omega / (2 zeta + h omega)
-  Real mass_scale;       ///< a / (1 + a), a = h omega (2 zeta + h omega)
-  Real impulse_scale;    ///< 1 / (1 + a)
-  Real correction_per_radius;  ///< 1/s: overlap goes at no more than so many radii of the smaller sphere a second
+  Real inverse_h;              ///< 1/s
+  Real bias_rate;              ///< 1/s, omega / (2 zeta + h omega)
+  Real mass_scale;             ///< a / (1 + a), a = h omega (2 zeta + h omega)
+  Real impulse_scale;          ///< 1 / (1 + a)
+  Real correction_per_radius;  ///< 1/s: overlap goes at no more than so many radii of the smaller sphere a
+                               ///< second
 
   // The stiffest and least damped at which columns and piles were found to come to rest. A contact at rest
   // yields by load / (mass omega^2): at a quarter of a turn a substep by a quarter of what an eighth, the

@@ -1,7 +1,7 @@
 #pragma once
-// One iteration of `soft_step` over all pairs of bodies in contact, colour by colour, then the mass-split set:
-// the stages, and what they do with one contact. An act with has_friction also gives friction, after what it gives
-// along the normal.
+// One iteration of `soft_step` over all pairs of bodies in contact, colour by colour, then the mass-split
+// set: the stages, and what they do with one contact. An act with has_friction also gives friction, after
+// what it gives along the normal.
 //
 // On a GPU nobody waits for a colour to be done: beside a body's velocity stands how many of its contacts
 // have been, and a contact goes ahead when it is the next at both its bodies. The order at each body is that
@@ -17,11 +17,11 @@
 #include "sim_cuda/core/ordered_sums.h"
 #include "sim_cuda/core/vector_load.h"
 #include "sim_cuda/solver/colouring.h"
+#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/friction_constraint.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/soft_contact.h"
-#include "sim_cuda/solver/friction_constraint.h"
-#include "sim_cuda/solver/contact_storage.h"
 
 namespace collidoscope {
 
@@ -39,7 +39,8 @@ struct Solve {
   static constexpr bool has_friction = false, sums = false;
   const Real* radius;  ///< m, by body; read only if `with_ccd`
   Softness<Real> softness;
-  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
+                           Real mass) const {
     if (with_ccd && contact.gap > 0 &&
         contact.passes(velocity, radius[bodies.a] + radius[bodies.b], 1 / softness.inverse_h)) {
       const Real change = -contact.impulse;
@@ -57,8 +58,10 @@ struct Relax {
   const Real* radius;
   bool last;  ///< of the iterations of this substep
   Restitution<Real> restitution;
-  std::uint32_t* bounces;  ///< null, but in the last iteration of a step: to be set where something will bounce
-  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
+  std::uint32_t*
+      bounces;  ///< null, but in the last iteration of a step: to be set where something will bounce
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
+                           Real mass) const {
     const Real change = contact.template solve<false>(velocity.dot(contact.normal), mass, softness);
     if (!last) return change;
     contact.end_substep(velocity, [&] { return radius[bodies.a] + radius[bodies.b]; });
@@ -66,9 +69,10 @@ struct Relax {
       atomic_store(bounces, std::uint32_t{1});
     return change;
   }
-  SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction, const Vector3<Real>& slip,
-                            Real mass) const {
-    const Vector3<Real> change = solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
+  SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
+                                     const Vector3<Real>& slip, Real mass) const {
+    const Vector3<Real> change =
+        solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
     if (last) friction.total += friction.impulse;
     return change;
   }
@@ -80,7 +84,8 @@ struct Bounce {
   Restitution<Real> restitution;
   const std::uint32_t* bounces;  ///< 0: nothing will bounce
   SIM_HD bool is_needed() const { return read_only(bounces) != 0; }
-  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity, Real mass) const {
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
+                           Real mass) const {
     return contact.bounce(velocity.dot(contact.normal), mass, restitution.of_pair(bodies, contact.approach));
   }
 };
@@ -92,8 +97,8 @@ struct FrictionAfterBounce {
   const std::uint32_t* bounces;
   SIM_HD bool is_needed() const { return read_only(bounces) != 0; }
   SIM_HD Real solve_normal(SoftContact<Real>&, Pair, const Vector3<Real>&, Real) const { return 0; }
-  SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction, const Vector3<Real>& slip,
-                            Real mass) const {
+  SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
+                                     const Vector3<Real>& slip, Real mass) const {
     if (!contact.bounced()) return Vector3<Real>::Zero();
     return solve_friction<Real>(slip, mass, friction.coefficient * contact.total, friction.total);
   }
@@ -127,13 +132,13 @@ struct OrderedContacts {
   PackedContact<Real>* soft;
   ContactSums<Real>* sums;
   FrictionSums<Real>* friction_sums;              ///< null without friction, as
-  const ContactInertia<Real>* inertia;   ///< these
-  const DependencyCounters* dependency_counters;                 ///< of those with a colour
-  const std::uint32_t* begin;         ///< where colour c starts; c = Colouring::colours: the split set
-  const std::uint32_t* count;         ///< how many it has
+  const ContactInertia<Real>* inertia;            ///< these
+  const DependencyCounters* dependency_counters;  ///< of those with a colour
+  const std::uint32_t* begin;              ///< where colour c starts; c = Colouring::colours: the split set
+  const std::uint32_t* count;              ///< how many it has
   ContactsByBodyView uncoloured;           ///< places of the split set, by body
   const std::uint32_t* uncoloured_bodies;  ///< all bodies, or 0 where the set is empty
-  Vector3<Real>* uncoloured_friction;        ///< N s, across the normal; null without friction
+  Vector3<Real>* uncoloured_friction;      ///< N s, across the normal; null without friction
   Real* uncoloured_change;                 ///< N s, along it
 
   /// A contact, loaded with all that an iteration reads of it.
@@ -212,7 +217,7 @@ struct Iteration {
 
   struct Motion {
     Vector3<Real> angular_velocity;  ///< rad/s; read only with friction
-    Vector3<Real> v;     ///< m/s
+    Vector3<Real> v;                 ///< m/s
   };
   SIM_HD Motion load(std::uint32_t body) const {
     Motion motion;
@@ -237,7 +242,8 @@ struct Iteration {
       if (!(k.contact.total > 0) && k.friction.impulse.dot(k.friction.impulse) == 0) return change != 0;
       FrictionConstraint<Real> pair(a.angular_velocity, b.angular_velocity, k.contact, k.bodies, k.inertia);
       const Real mass = 1 / (w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b());
-      const Vector3<Real> friction_impulse = act.solve_tangent(k.contact, k.friction, pair.slip(b.v - a.v), mass);
+      const Vector3<Real> friction_impulse =
+          act.solve_tangent(k.contact, k.friction, pair.slip(b.v - a.v), mass);
       a.v -= w_a * friction_impulse;
       b.v += w_b * friction_impulse;
       pair.apply_impulse(bodies, k.ids, friction_impulse);
@@ -294,12 +300,15 @@ struct Iteration {
                n_b = static_cast<Real>(contacts.uncoloured.count[k.ids.b]);
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Vector3<Real> velocity = bodies.velocity[k.ids.b].load() - bodies.velocity[k.ids.a].load();
-    contacts.uncoloured_change[place] = act.solve_normal(k.contact, k.ids, velocity, 1 / (w_a * n_a + w_b * n_b));
+    contacts.uncoloured_change[place] =
+        act.solve_normal(k.contact, k.ids, velocity, 1 / (w_a * n_a + w_b * n_b));
     if constexpr (Act::has_friction) {
       const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
-                                  k.contact, k.bodies, k.inertia);
-      const Real mass = 1 / ((w_a + pair.angular_inverse_mass_a()) * n_a + (w_b + pair.angular_inverse_mass_b()) * n_b);
-      contacts.uncoloured_friction[place] = act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
+                                          k.contact, k.bodies, k.inertia);
+      const Real mass =
+          1 / ((w_a + pair.angular_inverse_mass_a()) * n_a + (w_b + pair.angular_inverse_mass_b()) * n_b);
+      contacts.uncoloured_friction[place] =
+          act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
     }
     contacts.template store<Act::sums>(k, true);
   }
@@ -314,7 +323,8 @@ struct Iteration {
   SIM_HD bool is_large(int body) const { return contacts.uncoloured.count[body] > large_list_size; }
 #if defined(__CUDACC__)
   __device__ void process_by_block(int body) const {
-    const ImpulseSums impulses = ImpulseSums::accumulate_by_block(contacts.uncoloured.count[body], entry(body));
+    const ImpulseSums impulses =
+        ImpulseSums::accumulate_by_block(contacts.uncoloured.count[body], entry(body));
     if (threadIdx.x == 0) apply_uncoloured(body, impulses);
   }
 #endif

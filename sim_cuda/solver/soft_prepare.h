@@ -5,8 +5,8 @@
 
 #include "sim_cuda/core/vector_load.h"
 #include "sim_cuda/solver/colouring.h"
-#include "sim_cuda/solver/previous_contacts.h"
 #include "sim_cuda/solver/contact_storage.h"
+#include "sim_cuda/solver/previous_contacts.h"
 #include "sim_cuda/solver/soft_iteration.h"
 
 namespace collidoscope {
@@ -20,19 +20,20 @@ struct PackBodies {
   StepBody<Real>* step_bodies;
   SIM_HD void operator()(int body) const {
     store_vectorized(&step_bodies[body], StepBody<Real>{bodies.position[body], bodies.radius[body],
-                                              bodies.velocity[body], bodies.inverse_mass[body]});
+                                                        bodies.velocity[body], bodies.inverse_mass[body]});
     if (body_friction != nullptr)
       body_friction[body] = BodyFriction<Real>::of(bodies, friction, static_cast<std::uint32_t>(body));
   }
 };
 
-/// Puts contacts in the order in which they are solved. New ones start from rest, previous ones from what they
-/// last gave.
+/// Puts contacts in the order in which they are solved. New ones start from rest, previous ones from what
+/// they last gave.
 template <class Real>
 struct PrepareContacts {
   const Pair* contacts;
   const StepBody<Real>* bodies;
-  const BodyFriction<Real>* body_friction;  ///< null without friction, as previous_friction, friction_sums and inertia
+  const BodyFriction<Real>*
+      body_friction;  ///< null without friction, as previous_friction, friction_sums and inertia
   PreviousContacts previous;
   const Real* previous_impulse;
   const Vector3<Real>* previous_friction;
@@ -56,7 +57,8 @@ struct PrepareContacts {
     const ContactBodies<Real> of{body_a.inverse_mass, body_b.inverse_mass, body_a.radius, body_b.radius};
     store_vectorized(&bodies_of[place], of);
     if (colours.colour[place] < Colouring::colours)
-      dependency_counters[place] = DependencyCounters::of(colours.bodies[a].used, colours.bodies[b].used, colours.colour[place]);
+      dependency_counters[place] =
+          DependencyCounters::of(colours.bodies[a].used, colours.bodies[b].used, colours.colour[place]);
     const std::uint32_t before = previous.find(a, b);
     const bool found = before != no_pair;
     const Separation<Real> now = of.at(body_a.position, body_b.position);
@@ -70,9 +72,10 @@ struct PrepareContacts {
     if (friction_sums != nullptr) {
       if (found) stored.friction_impulse = previous_friction[before];
       const BodyFriction<Real> friction_a = body_friction[a], friction_b = body_friction[b];
-      store_vectorized(&friction_sums[place],
-                  FrictionSums<Real>{Vector3<Real>::Zero(),
-                                 Friction<Real>::between(friction_a.coefficient, friction_b.coefficient)});
+      store_vectorized(
+          &friction_sums[place],
+          FrictionSums<Real>{Vector3<Real>::Zero(),
+                             Friction<Real>::between(friction_a.coefficient, friction_b.coefficient)});
       inertia[place] = {friction_a.inverse_inertia, friction_b.inverse_inertia};
     }
     store_vectorized(&soft[place], stored);
@@ -87,7 +90,8 @@ struct PlaceContacts {
   PackedContact<Real>* soft;
   SIM_HD void operator()(int place) const {
     const auto [a, b] = ids[place];
-    PackedContact<Real>::store_geometry(&soft[place], load_readonly(&bodies_of[place]).at(position[a], position[b]));
+    PackedContact<Real>::store_geometry(&soft[place],
+                                        load_readonly(&bodies_of[place]).at(position[a], position[b]));
   }
 };
 

@@ -18,7 +18,7 @@ struct SoftResidual {
   Softness<Real> softness;
   bool soft;  ///< of a sweep that solves; else of one that relaxes, with friction where there is any
   const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
-  bool with_ccd;                   ///< as of Solve
+  bool with_ccd;               ///< as of Solve
   const StepControl* control;
 
   SIM_HD ResidualSum operator()(std::int64_t item) const {
@@ -52,10 +52,13 @@ struct SoftResidual {
       Vector3<Real> accumulated_friction = loaded.friction.impulse;
       if (!soft && (k.impulse > 0 || accumulated_friction.dot(accumulated_friction) > 0)) {
         const FrictionConstraint<Real> pair(walls.bodies.angular_velocity[ids.a],
-                                    walls.bodies.angular_velocity[ids.b], k, loaded.bodies, loaded.inertia);
+                                            walls.bodies.angular_velocity[ids.b], k, loaded.bodies,
+                                            loaded.inertia);
         const Real inverse_mass = w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b();
         const Vector3<Real> friction_residual =
-            inverse_mass * solve_friction<Real>(pair.slip(velocity), 1 / inverse_mass, loaded.friction.coefficient * k.impulse, accumulated_friction);
+            inverse_mass * solve_friction<Real>(pair.slip(velocity), 1 / inverse_mass,
+                                                loaded.friction.coefficient * k.impulse,
+                                                accumulated_friction);
         squared += static_cast<double>(friction_residual.dot(friction_residual));
       }
     }
@@ -79,12 +82,14 @@ struct SoftResidual {
       if constexpr (with_friction) {
         if (!soft) {
           Vector3<Real> accumulated_friction = walls.friction.impulse[entry];
-          const Real inverse_mass = body.inverse_mass + body.radius * body.radius * body.angular.inverse_inertia_max();
+          const Real inverse_mass =
+              body.inverse_mass + body.radius * body.radius * body.angular.inverse_inertia_max();
           const Real mu = Friction<Real>::between(
               walls.friction.coefficients.of_body(static_cast<std::uint32_t>(id)), plane.friction);
-          const Vector3<Real> slip =
-              tangential_part<Real>(body.v - body.radius * body.angular.velocity.cross(plane.normal), plane.normal);
-          const Vector3<Real> change = inverse_mass * solve_friction<Real>(slip, 1 / inverse_mass, mu * next, accumulated_friction);
+          const Vector3<Real> slip = tangential_part<Real>(
+              body.v - body.radius * body.angular.velocity.cross(plane.normal), plane.normal);
+          const Vector3<Real> change =
+              inverse_mass * solve_friction<Real>(slip, 1 / inverse_mass, mu * next, accumulated_friction);
           squared += static_cast<double>(change.dot(change));
         }
       }

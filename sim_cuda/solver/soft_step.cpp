@@ -7,7 +7,6 @@
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_prepare.h"
 #include "sim_cuda/solver/soft_residual.h"
-#include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_wall_stages.h"
 
 namespace collidoscope {
@@ -103,7 +102,8 @@ void SoftStepSolver<Real>::visit_warm_start(const ArrayVisitor& visit) {
 template <class Real>
 void SoftStepSolver<Real>::load_warm_start(const WarmStart& warm_start) {
   cache_.load(warm_start);
-  rolling_.load_warm_start(warm_start, std::max(static_cast<std::size_t>(contact_capacity_), warm_start.contacts.size()));
+  rolling_.load_warm_start(warm_start,
+                           std::max(static_cast<std::size_t>(contact_capacity_), warm_start.contacts.size()));
   if (scene_.joints) scene_.joints->load_warm_start(warm_start.joints);
   if (scene_.effects.sleeping) sleeping_.load_warm_start(warm_start.sleep_timer);
   planes_.load(warm_start);
@@ -175,7 +175,8 @@ template <class Real>
 void SoftStepSolver<Real>::move() {
   free_integrator_.integrate(h_, true);
   if (scene_.effects.continuous_collision)
-    continuous_.clamp_motion(free_integrator_.bodies_with_drift_velocity(), ordered_contacts_.data(), contact_capacity_, h_);
+    continuous_.clamp_motion(free_integrator_.bodies_with_drift_velocity(), ordered_contacts_.data(),
+                             contact_capacity_, h_);
   free_integrator_.move(h_, true, sleeping_.asleep(), continuous_.motion());
   kinematic_.restore(h_);
   run_awake_contacts(
@@ -192,7 +193,8 @@ void SoftStepSolver<Real>::relax(int substep) {
     const bool last = iteration == scene_.iterations;
     if (scene_.effects.joints) scene_.joints->relax();
     iterate_walls<with_friction>("relax", true, last);
-    iterate("relax", Relax<Real, with_friction>{softness_, scene_.bodies.radius, last, scene_.restitution,
+    iterate("relax",
+            Relax<Real, with_friction>{softness_, scene_.bodies.radius, last, scene_.restitution,
                                        last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
     if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
     record_iteration<with_friction>(substep, false, iteration);
@@ -202,9 +204,10 @@ void SoftStepSolver<Real>::relax(int substep) {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::bounce() {
-  on_walls<with_friction>([&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
-    run_bodies("bounce", BounceOffWalls<Real, with_friction, with_box_obstacles>{walls, scene_.control});
-  });
+  on_walls<with_friction>(
+      [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
+        run_bodies("bounce", BounceOffWalls<Real, with_friction, with_box_obstacles>{walls, scene_.control});
+      });
   iterate("bounce", Bounce<Real>{scene_.restitution, bounces_.data()});
 }
 
@@ -245,13 +248,14 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
                 PackBodies<Real>{scene_.friction, body_friction_.data(), scene_.bodies, step_bodies_.data()});
   executor_.run(
       "prepare", contact_count(),
-      PrepareContacts<Real>{contacts.bodies, step_bodies_.data(), body_friction_.data(), previous, cache_.impulse(),
-                            cache_.friction(), colours, place_of_.data(), ordered_contacts_.data(), bodies_of_.data(),
-                            dependency_counters_.data(), soft_.data(), friction_sums_.data(), contact_inertia_.data(), sums_.data()});
+      PrepareContacts<Real>{contacts.bodies, step_bodies_.data(), body_friction_.data(), previous,
+                            cache_.impulse(), cache_.friction(), colours, place_of_.data(),
+                            ordered_contacts_.data(), bodies_of_.data(), dependency_counters_.data(),
+                            soft_.data(), friction_sums_.data(), contact_inertia_.data(), sums_.data()});
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet uncoloured{contacts.bodies, colours.order, colours.begin + Colouring::colours,
-                         &control->uncoloured_contacts};
+                              &control->uncoloured_contacts};
   uncoloured_degrees_.count("prepare", uncoloured);
   uncoloured_.list("prepare", uncoloured, uncoloured_degrees_, place_of_.data());
   if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), previous);
@@ -259,8 +263,8 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
 
 template <class Real>
 RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
-  return {ordered_contacts_.data(),   soft_.data(),      place_of_.data(),  all_.view(colouring_.degrees()),
-          contact_count(), planes_.impulse(), sleeping_.asleep()};
+  return {ordered_contacts_.data(), soft_.data(),      place_of_.data(),  all_.view(colouring_.degrees()),
+          contact_count(),          planes_.impulse(), sleeping_.asleep()};
 }
 
 template <class Real>
@@ -275,8 +279,8 @@ void SoftStepSolver<Real>::apply_forces() {
   const auto with = [&]<bool with_box_obstacles>() {
     run_bodies("forces", BeginSubstep<Real, with_friction, with_box_obstacles>{
                              scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
-                             planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h), scene_.gravity,
-                             scene_.effects.attractor ? scene_.field : nullptr,
+                             planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+                             scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
                              scene_.effects.gravity || scene_.effects.attractor, h_, scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
@@ -305,7 +309,8 @@ template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
   // Contacts of one colour share no body, so there are at most half as many as bodies.
-  executor_.run_rounds(stage, Iteration<Real, Act>::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+  executor_.run_rounds(stage, Iteration<Real, Act>::rounds,
+                       std::min(contact_capacity_, scene_.body_count / 2),
                        Iteration<Real, Act>{ordered_contacts<Act::has_friction>(), scene_.bodies, act});
 }
 
@@ -317,12 +322,12 @@ void SoftStepSolver<Real>::record_iteration(int substep, bool soft, int iteratio
   if (!residuals_.on()) return;
   const int sums = scene_.iterations + 1, place = (2 * substep + (soft ? 0 : 1)) * sums + iteration;
   const auto with = [&]<bool with_box_obstacles>() {
-    residuals_.record(
-        place, scene_.body_count + contact_capacity_,
-        SoftResidual<Real, with_friction, with_box_obstacles>{planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                                          ordered_contacts<with_friction>(), softness_, soft, sleeping_.asleep(),
-                                          scene_.effects.continuous_collision, scene_.control},
-        scene_.control);
+    residuals_.record(place, scene_.body_count + contact_capacity_,
+                      SoftResidual<Real, with_friction, with_box_obstacles>{
+                          planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+                          ordered_contacts<with_friction>(), softness_, soft, sleeping_.asleep(),
+                          scene_.effects.continuous_collision, scene_.control},
+                      scene_.control);
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
 }
@@ -356,9 +361,11 @@ void SoftStepSolver<Real>::on_walls(const With& with) {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing, bool last) {
-  on_walls<with_friction>([&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
-    run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing, last, scene_.control});
-  });
+  on_walls<with_friction>(
+      [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
+        run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing, last,
+                                                                              scene_.control});
+      });
 }
 
 template class SoftStepSolver<float>;

@@ -23,12 +23,11 @@
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/free_integrator.h"
+#include "sim_cuda/solver/friction_constraint.h"
 #include "sim_cuda/solver/plane_contacts.h"
 #include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
 #include "sim_cuda/solver/soft_contact.h"
-#include "sim_cuda/solver/friction_constraint.h"
-#include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_walls.h"
 
@@ -95,20 +94,20 @@ class SoftStepSolver final : public ContactSolver<Real> {
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
   ContactDegrees uncoloured_degrees_;
-  ContactsByBody all_, uncoloured_;      ///< of all contacts; of the mass-split set
-  Buffer<Pair> ordered_contacts_;              ///< in the order in which they are solved, as all that follows by place
-  Buffer<std::uint32_t> place_of_;  ///< by contact
+  ContactsByBody all_, uncoloured_;  ///< of all contacts; of the mass-split set
+  Buffer<Pair> ordered_contacts_;    ///< in the order in which they are solved, as all that follows by place
+  Buffer<std::uint32_t> place_of_;   ///< by contact
   Buffer<ContactBodies<Real>> bodies_of_;
   Buffer<DependencyCounters> dependency_counters_;
-  Buffer<StepBody<Real>> step_bodies_;      ///< by body
+  Buffer<StepBody<Real>> step_bodies_;        ///< by body
   Buffer<BodyFriction<Real>> body_friction_;  ///< by body; empty without friction
   Buffer<PackedContact<Real>> soft_;
   Buffer<ContactSums<Real>> sums_;
   Buffer<FrictionSums<Real>> friction_sums_;  ///< empty without friction, as all that follows of it
   Buffer<ContactInertia<Real>> contact_inertia_;
-  Buffer<Real> uncoloured_change_;           ///< N s
+  Buffer<Real> uncoloured_change_;             ///< N s
   Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
-  Buffer<std::uint32_t> bounces_;       ///< one
+  Buffer<std::uint32_t> bounces_;              ///< one
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;

@@ -71,7 +71,8 @@ struct WallFrictionAfterBounce {
       const std::int64_t place = walls.index(p, id);
       const Real normal_impulse = walls.friction.normal_impulse_sum[place];
       if (!(normal_impulse > 0)) continue;
-      walls.apply_plane_friction(id, body, p, walls.contact_normal(p, id), normal_impulse, walls.friction.total[place]);
+      walls.apply_plane_friction(id, body, p, walls.contact_normal(p, id), normal_impulse,
+                                 walls.friction.total[place]);
       walls.friction.normal_impulse_sum[place] = 0;
       walls.friction.total[place] = Vector3<Real>::Zero();
     }

@@ -10,7 +10,8 @@
 // give it on their way to a solution are no impacts, and taken for such kept whole piles from their rest.
 //
 // Most bodies are at no plane. What a step remembers of body and plane is therefore looked up only where a
-// bit of `active_mask` says that there may be something, and the rest of the body only where a plane may act on it.
+// bit of `active_mask` says that there may be something, and the rest of the body only where a plane may act
+// on it.
 
 #include <cstdint>
 #include <type_traits>
@@ -29,9 +30,9 @@ namespace collidoscope {
 template <class Real>
 struct WallFriction {
   Friction<Real> coefficients;
-  Vector3<Real>* impulse;  ///< N s, of the substep
-  Vector3<Real>* total;    ///< N s, of the step so far
-  Real* normal_impulse_sum;           ///< N s, along the normal, of the step so far
+  Vector3<Real>* impulse;    ///< N s, of the substep
+  Vector3<Real>* total;      ///< N s, of the step so far
+  Real* normal_impulse_sum;  ///< N s, along the normal, of the step so far
 };
 
 template <class Real, bool with_friction, bool with_box_obstacles>
@@ -45,9 +46,10 @@ struct SoftWalls {
   Real inverse_h;         ///< 1/s
   Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
   Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
-  std::uint32_t* active_mask;  ///< by body: bit p where plane p gives something, or did since the step began; or null
-  WallFriction<Real> friction;    ///< read only with friction
-  BoxContacts<Real> boxes;  ///< none unless `with_box_obstacles`
+  std::uint32_t*
+      active_mask;  ///< by body: bit p where plane p gives something, or did since the step began; or null
+  WallFriction<Real> friction;  ///< read only with friction
+  BoxContacts<Real> boxes;      ///< none unless `with_box_obstacles`
   StaticImpulse* static_impulses;
 
   /// A body while its planes are resolved.
@@ -61,7 +63,9 @@ struct SoftWalls {
 
   /// Whether body and plane p may have something to remember. Planes beyond the bits are always asked.
   static constexpr int mask_bits = 32;
-  SIM_HD static bool is_active(const Body& body, int p) { return p >= mask_bits || (body.active_mask >> p & 1) != 0; }
+  SIM_HD static bool is_active(const Body& body, int p) {
+    return p >= mask_bits || (body.active_mask >> p & 1) != 0;
+  }
   SIM_HD void activate(int id, Body& body, int p) const {
     if (is_active(body, p)) return;
     body.active_mask |= std::uint32_t{1} << p;
@@ -138,7 +142,8 @@ struct SoftWalls {
   /// there is one.
   SIM_HD bool predict_contact(int b, int id, const Body& body) const {
     ContactPlane<Real>& box_plane = boxes.plane[index(b, id)];
-    if (box_plane.is_none()) box_plane = boxes.view.boxes[b].first_plane_on_path(body.x, (1 / inverse_h) * body.v, body.radius);
+    if (box_plane.is_none())
+      box_plane = boxes.view.boxes[b].first_plane_on_path(body.x, (1 / inverse_h) * body.v, body.radius);
     return !box_plane.is_none();
   }
   /// After a sweep: what the last plane gave may lead through a box that came before it. A body that finds no
@@ -178,7 +183,8 @@ struct SoftWalls {
   }
 
   /// An impulse across the normal, where the body touches the plane.
-  SIM_HD void apply_friction_impulse(int id, Body& body, const Vector3<Real>& normal, const Vector3<Real>& change) const {
+  SIM_HD void apply_friction_impulse(int id, Body& body, const Vector3<Real>& normal,
+                                     const Vector3<Real>& change) const {
     if constexpr (with_friction) {
       body.v += body.inverse_mass * change;
       body.angular.apply_angular_impulse(-body.radius * normal.cross(change));
@@ -201,16 +207,20 @@ struct SoftWalls {
     }
   }
 
-  /// Friction at one plane within `normal_impulse` N s times its coefficient, of which `accumulated` is already there.
-  SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal, Real normal_impulse,
-                        Vector3<Real>& accumulated) const {
+  /// Friction at one plane within `normal_impulse` N s times its coefficient, of which `accumulated` is
+  /// already there.
+  SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
+                                   Real normal_impulse, Vector3<Real>& accumulated) const {
     if constexpr (with_friction) {
       if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) return;
-      const Vector3<Real> slip = tangential_part<Real>(body.v - body.radius * body.angular.velocity.cross(normal), normal);
-      const Real mass = 1 / (body.inverse_mass + body.radius * body.radius * body.angular.inverse_inertia_max());
+      const Vector3<Real> slip =
+          tangential_part<Real>(body.v - body.radius * body.angular.velocity.cross(normal), normal);
+      const Real mass =
+          1 / (body.inverse_mass + body.radius * body.radius * body.angular.inverse_inertia_max());
       const Real mu = Friction<Real>::between(friction.coefficients.of_body(static_cast<std::uint32_t>(id)),
                                               plane(p, id).friction);
-      apply_friction_impulse(id, body, normal, solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated));
+      apply_friction_impulse(id, body, normal,
+                             solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated));
     }
   }
   /// After the normal impulses are relaxed; `last`: for the last time in this substep, which is counted.
@@ -286,7 +296,8 @@ struct SoftWalls {
   SIM_HD void load_rest(int id, Body& body) const {
     body.mass = bodies.mass[id];
     body.inverse_mass = bodies.inverse_mass[id];
-    if constexpr (with_friction) body.angular = AngularState<Real>::of(bodies, static_cast<std::uint32_t>(id));
+    if constexpr (with_friction)
+      body.angular = AngularState<Real>::of(bodies, static_cast<std::uint32_t>(id));
   }
   SIM_HD void store(int id, const Body& body) const {
     if (body.moved) bodies.position[id] = body.x;

@@ -1,6 +1,6 @@
 #pragma once
-// Warm starting: what a solver keeps of the steps before, on the host and in double, so that another world can go on where
-// one is. Plain data; bit-exact.
+// Warm starting: what a solver keeps of the steps before, on the host and in double, so that another world
+// can go on where one is. Plain data; bit-exact.
 
 #include <array>
 #include <cstdint>
@@ -31,8 +31,8 @@ struct WarmStart {
   std::vector<std::array<double, 3>> wall_friction;  ///< plane by plane, all bodies of each
   // What rolling resistance gave, N m s; empty where there is none.
   std::vector<std::array<double, 3>> rolling, wall_rolling;  ///< as friction and wall_friction
-  std::vector<std::uint32_t> sleep_timer;                       ///< steps, by body (sleeping.h); empty without sleep
-  std::vector<WarmStartJoint> joints;                       ///< in the order of the scene
+  std::vector<std::uint32_t> sleep_timer;  ///< steps, by body (sleeping.h); empty without sleep
+  std::vector<WarmStartJoint> joints;      ///< in the order of the scene
 };
 
 }  // namespace collidoscope

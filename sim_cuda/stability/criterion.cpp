@@ -69,7 +69,8 @@ std::string text_of(const Assertion& assertion) {
   return text;
 }
 
-const ExpectedFailure* Criterion::expected_failure_of(Solver solver, Precision precision, ExecutorKind executor) const {
+const ExpectedFailure* Criterion::expected_failure_of(Solver solver, Precision precision,
+                                                      ExecutorKind executor) const {
   const auto fits = [&](const ExpectedFailure& limit) {
     return limit.solver.value_or(solver) == solver && limit.precision.value_or(precision) == precision &&
            limit.executor.value_or(executor) == executor;

@@ -146,8 +146,8 @@ struct Criterion {
   std::vector<Assertion> assertions;
   std::vector<ExpectedFailure> expected_failures;
   std::vector<InjectedFault> injected_faults;
-  std::optional<ExpectedFinding> expected_finding;      ///< the scene runs with guards, which pause there
-  std::optional<InjectedState> injected_state;  ///< for them to find
+  std::optional<ExpectedFinding> expected_finding;  ///< the scene runs with guards, which pause there
+  std::optional<InjectedState> injected_state;      ///< for them to find
   /// The scene must be refused with so many lines, each with these words. Not empty: nothing else is set but
   /// `what` and `group`.
   std::vector<std::string> refused;

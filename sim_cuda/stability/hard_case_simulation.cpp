@@ -23,7 +23,7 @@ void inject(World& world, const InjectedState& injected) {
 }  // namespace
 
 HardCaseSimulation::HardCaseSimulation(Scene scene, RunOptions options, std::vector<Change> changes,
-                 std::optional<InjectedState> injected)
+                                       std::optional<InjectedState> injected)
     : changes_(std::move(changes)), injected_(std::move(injected)) {
   for (; next_ < changes_.size() && changes_[next_].step == 0 && changes_[next_].freeze.empty(); ++next_)
     apply_change(changes_[next_], scene, options);

@@ -16,7 +16,7 @@ class HardCaseSimulation {
  public:
   /// `changes`: steps ascending. Throws as World does.
   HardCaseSimulation(Scene scene, RunOptions options, std::vector<Change> changes = {},
-          std::optional<InjectedState> injected = std::nullopt);
+                     std::optional<InjectedState> injected = std::nullopt);
 
   /// One step, what is changed at the state that it comes to, and what is injected there. Nothing where the
   /// scene's guards pause.

@@ -34,7 +34,9 @@ class Observation {
   // The largest so far, this state included; kept for assertions that ask for them.
   double energy_scale() const { return energy_scale_; }      ///< J: kinetic + |change of the potential|
   double momentum_scale() const { return momentum_scale_; }  ///< kg m/s: sum of m |v|
-  double angular_momentum_scale() const { return angular_momentum_scale_; }    ///< kg m^2/s: |L|, or that times the reach
+  double angular_momentum_scale() const {
+    return angular_momentum_scale_;
+  }  ///< kg m^2/s: |L|, or that times the reach
   /// Bodies that overlapped at the first state; the same.
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& overlapping() const { return overlapping_; }
 

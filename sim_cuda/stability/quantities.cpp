@@ -20,7 +20,7 @@ Extremes of_bodies(const Assertion& assertion, std::size_t count, Value value) {
   Extremes extremes;
   if (assertion.body) {
     extremes.add(*assertion.body < count ? value(*assertion.body) : std::numeric_limits<double>::quiet_NaN(),
-                  assertion.body);
+                 assertion.body);
     return extremes;
   }
   for (std::size_t body = 0; body < count; ++body)
@@ -71,9 +71,10 @@ double momentum_change(Observation& observation) {
 }
 
 double angular_momentum_change(Observation& observation) {
-  return over(
-      (vector_of(observation.stats().angular_momentum) - vector_of(observation.first_stats().angular_momentum)).norm(),
-      observation.angular_momentum_scale());
+  return over((vector_of(observation.stats().angular_momentum) -
+               vector_of(observation.first_stats().angular_momentum))
+                  .norm(),
+              observation.angular_momentum_scale());
 }
 
 Extremes penetration_over_radius(Observation& observation) {
@@ -175,7 +176,8 @@ Extremes measured(const Assertion& assertion, Observation& observation) {
 }
 
 Extremes difference(const Assertion& assertion, const BodyStates& bodies, const BodyStates& other) {
-  if (bodies.position.size() != other.position.size()) return single(std::numeric_limits<double>::quiet_NaN());
+  if (bodies.position.size() != other.position.size())
+    return single(std::numeric_limits<double>::quiet_NaN());
   return of_bodies(assertion, bodies.position.size(), [&](std::size_t body) {
     return (bodies.position[body] - assertion.offset - other.position[body]).norm();
   });

@@ -30,7 +30,8 @@ Scene with_configuration(Scene scene, const TestConfiguration& configuration) {
   return scene;
 }
 
-RunOptions with_run_settings(RunOptions options, const Criterion& criterion, const TestConfiguration& configuration) {
+RunOptions with_run_settings(RunOptions options, const Criterion& criterion,
+                             const TestConfiguration& configuration) {
   options.executor = configuration.executor;
   Scene unused;
   apply(criterion.run, unused, options);
@@ -56,7 +57,8 @@ std::string refusal_of(const Scene& scene) {
 }  // namespace
 
 struct TestRun::Impl {
-  Impl(const HardCase& c, const TestConfiguration& s, const RunOptions& o, bool extended, const InjectedFault* f)
+  Impl(const HardCase& c, const TestConfiguration& s, const RunOptions& o, bool extended,
+       const InjectedFault* f)
       : hard_case(c),
         configuration(s),
         options(with_run_settings(o, c.criterion, s)),
@@ -86,7 +88,8 @@ struct TestRun::Impl {
 
   std::vector<Change> changes;
   std::optional<HardCaseSimulation> run;
-  std::map<std::string, HardCaseSimulation> compared_runs;  ///< scenes that are compared with, at the same state
+  std::map<std::string, HardCaseSimulation>
+      compared_runs;  ///< scenes that are compared with, at the same state
   std::optional<Observation> observation;
   std::int64_t last_checked = 0;
 
@@ -130,7 +133,8 @@ void TestRun::Impl::begin() {
   }
   for (const Assertion& assertion : criterion.assertions)
     if (assertion.quantity == Quantity::difference && !compared_runs.contains(assertion.scene))
-      compared_runs.try_emplace(assertion.scene, with_configuration(hard_case.others.at(assertion.scene), configuration), options);
+      compared_runs.try_emplace(
+          assertion.scene, with_configuration(hard_case.others.at(assertion.scene), configuration), options);
   for (std::size_t k = 0; k < criterion.assertions.size(); ++k) {
     const Assertion& assertion = criterion.assertions[k];
     if (assertion.quantity != Quantity::other_hash) continue;
@@ -139,12 +143,14 @@ void TestRun::Impl::begin() {
          assertion.every_broad_phase ? broad_phase_names(configuration.executor) : assertion.broad_phases)
       others.emplace_back(k, options).options.broad_phase = name;
   }
-  Scene scene = fault != nullptr ? with_configuration(with_injected_fault(hard_case, *fault), configuration) : own;
+  Scene scene =
+      fault != nullptr ? with_configuration(with_injected_fault(hard_case, *fault), configuration) : own;
   if (criterion.expected_finding) {
     scene.physics.guards = ValidationSettings{};
     if (scene.physics.effects) scene.physics.effects->guards = true;
   }
-  run.emplace(scene, options, changes, fault != nullptr && fault->state ? fault->state : criterion.injected_state);
+  run.emplace(scene, options, changes,
+              fault != nullptr && fault->state ? fault->state : criterion.injected_state);
   observation.emplace(run->world(), criterion.assertions);
   check_assertions();
 }
@@ -163,11 +169,12 @@ void TestRun::Impl::compare_refusal() {
 
 bool TestRun::Impl::due(std::int64_t state) const {
   return state % hard_case.criterion.every == 0 || state == steps ||
-         std::ranges::any_of(hard_case.criterion.assertions,
-                             [&](const Assertion& assertion) {
-                               return assertion.from == state || assertion.to == state ||
-                                      (assertion.quantity == Quantity::displacement && assertion.since == state);
-                             }) ||
+         std::ranges::any_of(
+             hard_case.criterion.assertions,
+             [&](const Assertion& assertion) {
+               return assertion.from == state || assertion.to == state ||
+                      (assertion.quantity == Quantity::displacement && assertion.since == state);
+             }) ||
          (fault != nullptr && fault->state && fault->state->step == state);
 }
 
@@ -178,15 +185,16 @@ void TestRun::Impl::check_assertions() {
     const Assertion& assertion = hard_case.criterion.assertions[k];
     if (is_checked_at_end(assertion.quantity) || !assertion.at(state)) continue;
     evaluate(k, assertion.quantity == Quantity::difference
-                 ? difference(assertion, observation->bodies(), compared_runs.at(assertion.scene).world().bodies())
-                 : measured(assertion, *observation));
+                    ? difference(assertion, observation->bodies(),
+                                 compared_runs.at(assertion.scene).world().bodies())
+                    : measured(assertion, *observation));
   }
   if (!failed) result.last_passing_state = state;
   last_checked = state;
 }
 
-/// Notes what an assertion came to at this state; the test run ends where it does not hold. With a fault, it goes on
-/// to the assertion that the fault is to fail.
+/// Notes what an assertion came to at this state; the test run ends where it does not hold. With a fault, it
+/// goes on to the assertion that the fault is to fail.
 void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   const Assertion& assertion = hard_case.criterion.assertions[k];
   AssertionResult& known = result.assertions[k];
@@ -209,11 +217,11 @@ void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   if (!known.body) known.body = offending_body(assertion, *observation);
   result.failed_assertion = k;
   if (assertion.quantity == Quantity::expected_finding)
-    return fail(
-        text_of(assertion) + ": " +
-        (run->world().validation().finding() ? describe(*run->world().validation().finding()) : "they find nothing"));
-  fail(fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value), known.state,
-                   known.body ? fmt::format(", body {}", *known.body) : ""));
+    return fail(text_of(assertion) + ": " +
+                (run->world().validation().finding() ? describe(*run->world().validation().finding())
+                                                     : "they find nothing"));
+  fail(fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value),
+                   known.state, known.body ? fmt::format(", body {}", *known.body) : ""));
 }
 
 void TestRun::Impl::fail(const std::string& why) {
@@ -235,7 +243,8 @@ void TestRun::Impl::end() {
     const Quantity quantity = hard_case.criterion.assertions[k].quantity;
     if (!is_checked_at_end(quantity)) continue;
     Extremes value;
-    value.add(quantity == Quantity::expected_finding ? (has_expected_finding() ? 1 : 0) : differing_hashes[k]);
+    value.add(quantity == Quantity::expected_finding ? (has_expected_finding() ? 1 : 0)
+                                                     : differing_hashes[k]);
     evaluate(k, value);
   }
   done = true;
@@ -261,7 +270,8 @@ void TestRun::Impl::work(const std::function<bool()>& late) {
 void TestRun::Impl::advance() {
   if (run->state() < steps && !run->world().validation().paused()) return step();
   if (next_other == others.size()) return end();
-  if (!other) other.emplace(with_configuration(hard_case.scene, configuration), others[next_other].options, changes);
+  if (!other)
+    other.emplace(with_configuration(hard_case.scene, configuration), others[next_other].options, changes);
   if (other->state() < steps && !other->world().validation().paused()) return other->step();
   const bool like = other->world().state_hash() == run->world().state_hash();
   differing_hashes[others[next_other].assertion] += like ? 0 : 1;
@@ -272,7 +282,8 @@ void TestRun::Impl::advance() {
 void TestRun::Impl::finish() {
   const ExpectedFailure* limit =
       hard_case.criterion.refused.empty()
-          ? hard_case.criterion.expected_failure_of(configuration.solver, configuration.precision, configuration.executor)
+          ? hard_case.criterion.expected_failure_of(configuration.solver, configuration.precision,
+                                                    configuration.executor)
           : nullptr;
   if (run) {
     result.steps = run->state();
@@ -295,8 +306,8 @@ void TestRun::Impl::finish() {
   }
 }
 
-TestRun::TestRun(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options, bool extended,
-             const InjectedFault* fault)
+TestRun::TestRun(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options,
+                 bool extended, const InjectedFault* fault)
     : impl_(std::make_unique<Impl>(hard_case, configuration, options, extended, fault)) {}
 TestRun::~TestRun() = default;
 TestRun::TestRun(TestRun&&) noexcept = default;
@@ -330,8 +341,8 @@ double TestRun::progress() const {
   if (test_run.done) return 1;
   if (!test_run.run || test_run.steps == 0) return 0;
   const double runs = 1 + static_cast<double>(test_run.others.size());
-  const double states =
-      static_cast<double>(test_run.run->state()) + (test_run.other ? static_cast<double>(test_run.other->state()) : 0);
+  const double states = static_cast<double>(test_run.run->state()) +
+                        (test_run.other ? static_cast<double>(test_run.other->state()) : 0);
   return (states / static_cast<double>(test_run.steps) + static_cast<double>(test_run.next_other)) / runs;
 }
 
@@ -357,19 +368,23 @@ std::vector<TestConfiguration> test_configurations(const HardCase& hard_case, Ex
   return settings;
 }
 
-TestConfiguration configuration_of(const HardCase& hard_case, const InjectedFault& fault, ExecutorKind executor) {
+TestConfiguration configuration_of(const HardCase& hard_case, const InjectedFault& fault,
+                                   ExecutorKind executor) {
   const Physics& physics = with_injected_fault(hard_case, fault).physics;
   return {physics.solver, physics.precision, executor};
 }
 
-TestSetup make_test_setup(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options) {
-  TestSetup start{with_configuration(hard_case.scene, configuration), with_run_settings(options, hard_case.criterion, configuration), {}};
+TestSetup make_test_setup(const HardCase& hard_case, const TestConfiguration& configuration,
+                          const RunOptions& options) {
+  TestSetup start{with_configuration(hard_case.scene, configuration),
+                  with_run_settings(options, hard_case.criterion, configuration),
+                  {}};
   start.changes = changes_of(hard_case, start.scene, start.options);
   return start;
 }
 
-Snapshot replay_to_state(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options,
-                        std::int64_t state) {
+Snapshot replay_to_state(const HardCase& hard_case, const TestConfiguration& configuration,
+                         const RunOptions& options, std::int64_t state) {
   TestSetup start = make_test_setup(hard_case, configuration, options);
   HardCaseSimulation run(std::move(start.scene), std::move(start.options), std::move(start.changes));
   while (run.state() < state) run.step();

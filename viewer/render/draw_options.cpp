@@ -11,7 +11,8 @@ DrawOptions still_options(const DrawRequest& request, int width, int height, int
   constexpr std::int64_t most_pixels = 16'000'000;
   const bool fits =
       std::int64_t{width} * height <= most_pixels && 2 * std::int64_t{std::max(width, height)} <= max_side;
-  return {request.supersampling.value_or(fits ? 2 : 1), request.light.value_or(Quality::full), request.spheres};
+  return {request.supersampling.value_or(fits ? 2 : 1), request.light.value_or(Quality::full),
+          request.spheres};
 }
 
 DrawOptions live_options(const DrawRequest& request, bool software, std::int64_t bodies) {

@@ -10,7 +10,6 @@
 
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/atomic_file.h"
 
 namespace collidoscope {
 namespace {

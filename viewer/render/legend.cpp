@@ -21,7 +21,8 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.min = range.min;
   legend.max = range.max;
   legend.logarithmic = range.logarithmic;
-  legend.clamped_above = color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
+  legend.clamped_above =
+      color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
   for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
   legend.clamped_below = color == BodyColor::error;
   if (color == BodyColor::sleep) {

@@ -168,9 +168,9 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);
   line["tree"] = tree_json(workspace, view);
   line["effects"] = effects_json(view);
-  line["reference"] = {{"name", view.reference.name},   {"lack", view.reference.unavailable_reason},
+  line["reference"] = {{"name", view.reference.name},         {"lack", view.reference.unavailable_reason},
                        {"since", view.reference.start_state}, {"rms", view.reference.rms},
-                       {"max", view.reference.max},     {"doubt", view.reference.error_estimate}};
+                       {"max", view.reference.max},           {"doubt", view.reference.error_estimate}};
   line["accuracy"] = accuracy_json(workspace, view);
   line["hard_cases"] = hard_cases_json(workspace, view);
   line["stop"] = nullptr;

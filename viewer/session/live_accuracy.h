@@ -16,8 +16,8 @@ namespace collidoscope {
 class LiveAccuracy {
  public:
   static constexpr std::int64_t max_bodies = 20'000;  ///< one step is the least slice
-  static constexpr double seconds = 1;                 ///< s of simulated time, about: somebody waits
-  static constexpr int rounds = 3;                     ///< runs that a cost is the middle of
+  static constexpr double seconds = 1;                ///< s of simulated time, about: somebody waits
+  static constexpr int rounds = 3;                    ///< runs that a cost is the middle of
 
   /// Of the scene of `world`; `generation` changes whenever it is another World.
   void follow(World& world, int generation, AccuracyRequests& requests);

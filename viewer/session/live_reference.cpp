@@ -197,7 +197,8 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
     const Vector3d off = reference_state_.position[i] - now.position[i];
     double error = off.norm();
     if (!(error < 1e30)) error = 1e30;  // what is not finite is as wrong as can be
-    const double error_estimate = exact_ ? 0 : (reference_state_.position[i] - coarser_state_.position[i]).norm();
+    const double error_estimate =
+        exact_ ? 0 : (reference_state_.position[i] - coarser_state_.position[i]).norm();
     GhostInstance ghost{};
     for (int k = 0; k < 3; ++k) {
       ghost.body[k] = static_cast<float>(now.position[i][k]);

@@ -66,9 +66,9 @@ class LiveReference {
   std::int64_t steps_ = 0;  // of the run
   double time_ = 0;         // s, since the beginning
   std::unique_ptr<HardSpheres> exact_;
-  std::vector<Run> runs_;         // the finer first
+  std::vector<Run> runs_;                       // the finer first
   BodyStates reference_state_, coarser_state_;  // of the state; coarser: of the second run
-  bool states_known_ = false;           // reference_state_ is of that state
+  bool states_known_ = false;                   // reference_state_ is of that state
   ReferenceView view_;
   int version_ = 0;
 };

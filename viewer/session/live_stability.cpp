@@ -40,7 +40,8 @@ TestRunView with_status(const TestConfiguration& configuration, TestStatus statu
   return view;
 }
 
-TestRunView view_of(const HardCase& hard_case, const TestConfiguration& configuration, const TestResult& result) {
+TestRunView view_of(const HardCase& hard_case, const TestConfiguration& configuration,
+                    const TestResult& result) {
   TestRunView view = with_status(configuration, status_of(result.outcome));
   view.progress = 1;
   view.why = result.why;
@@ -51,8 +52,8 @@ TestRunView view_of(const HardCase& hard_case, const TestConfiguration& configur
     const AssertionResult& known = result.assertions[k];
     const Assertion& assertion = hard_case.criterion.assertions[k];
     if (known.measured)
-      view.assertions.push_back(
-          {text_of(assertion), text_of(assertion.quantity, known.value), known.passed, known.state, known.body});
+      view.assertions.push_back({text_of(assertion), text_of(assertion.quantity, known.value), known.passed,
+                                 known.state, known.body});
   }
   if (result.failed_assertion) {
     view.failed_state = result.assertions[*result.failed_assertion].state;
@@ -98,8 +99,9 @@ void LiveStability::follow(const World& world, HardCasesRequests& requests) {
   if (executor != executor_) begin_anew(executor);
   if (std::exchange(requests.stop, false)) stop();
   if (std::exchange(requests.run_all, false)) {
-    const bool again = std::ranges::all_of(
-        view_.cases, [](const auto& hard_case) { return std::ranges::all_of(hard_case.test_runs, &TestRunView::is_finished); });
+    const bool again = std::ranges::all_of(view_.cases, [](const auto& hard_case) {
+      return std::ranges::all_of(hard_case.test_runs, &TestRunView::is_finished);
+    });
     for (std::size_t hard_case = 0; hard_case < cases_.size(); ++hard_case) enqueue(hard_case, again);
   }
   if (std::exchange(requests.run_selected, false))
@@ -135,7 +137,8 @@ void LiveStability::open(const HardCasesRequests::Opening& request) {
   const std::vector<ExecutorKind>& executors = hard_case.criterion.executors;
   if (!executors.empty() && std::ranges::find(executors, executor_) == executors.end())
     throw InputError(fmt::format("the hard case {} is not for {}", hard_case.name, view_.executor));
-  TestConfiguration configuration{hard_case.scene.physics.solver, hard_case.scene.physics.precision, executor_};
+  TestConfiguration configuration{hard_case.scene.physics.solver, hard_case.scene.physics.precision,
+                                  executor_};
   std::int64_t target = 0;
   if (request.test_run) {
     configuration = configurations_[request.which].at(*request.test_run);
@@ -189,7 +192,8 @@ std::optional<LiveStability::Opened> LiveStability::take_opened() {
   Opening opening = std::move(*opening_);
   opening_.reset();
   const HardCaseView& hard_case = view_.cases[opening.place.hard_case];
-  Opened opened{std::move(opening.run.world()), std::move(opening.script), false, std::nullopt, hard_case.name};
+  Opened opened{std::move(opening.run.world()), std::move(opening.script), false, std::nullopt,
+                hard_case.name};
   if (opening.of_test_run) {
     const TestRunView& test_run = view_at(opening.place);
     opened.failed = test_run.failed_state.has_value();
@@ -214,7 +218,8 @@ const HardCasesView& LiveStability::view() {
   view_.current_task.clear();
   if (!queue_.empty()) {
     const Place& place = queue_.front();
-    view_.current_task = fmt::format("{}, {}", cases_[place.hard_case].name, name_of(configurations_[place.hard_case][place.test_run]));
+    view_.current_task = fmt::format("{}, {}", cases_[place.hard_case].name,
+                                     name_of(configurations_[place.hard_case][place.test_run]));
   }
   view_.opening.reset();
   if (opening_ && opening_->target > 0)

@@ -1,7 +1,8 @@
 #pragma once
 // The hard cases (sim_cuda/stability/) beside a running scene: their test runs in slices, so that the picture
-// keeps moving, and the way to the state of a test run that somebody wants to look at. The run on the screen is
-// never touched. Owns the cases, read when somebody first looks at them, the test run and the run under way.
+// keeps moving, and the way to the state of a test run that somebody wants to look at. The run on the screen
+// is never touched. Owns the cases, read when somebody first looks at them, the test run and the run under
+// way.
 
 #include <deque>
 #include <optional>
@@ -69,7 +70,7 @@ class LiveStability {
   ExecutorKind executor_ = ExecutorKind::automatic;
   std::vector<HardCase> cases_;
   std::vector<std::vector<TestConfiguration>> configurations_;  ///< by case and test run
-  std::deque<Place> queue_;                          ///< the first is under way
+  std::deque<Place> queue_;                                     ///< the first is under way
   std::optional<TestRun> test_run_;
   std::optional<Opening> opening_;
   HardCasesView view_;

@@ -42,11 +42,11 @@ class LiveWorld {
   int generation() const { return generation_; }
 
   /// Brings settings() to `request`. (B, T) change in place; what the result does not depend on, time step,
-  /// restitution, precision and N go to a new World that takes over its state; what changes the box, the radii or
-  /// the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
+  /// restitution, precision and N go to a new World that takes over its state; what changes the box, the
+  /// radii or the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
   /// MachineError, and changes nothing then.
-  /// `rest`: the state that a scene which settles begins in, where scene_after_restart() says so. `extends_last`: with the
-  /// slider that the last change came from, which is still held.
+  /// `rest`: the state that a scene which settles begins in, where scene_after_restart() says so.
+  /// `extends_last`: with the slider that the last change came from, which is still held.
   std::string apply(const Settings& request, const RunState* rest = nullptr, bool extends_last = false);
   /// The scene that the same would begin anew with, if it does; valid. Throws InputError.
   std::optional<Scene> scene_after_restart(const Settings& request) const;

@@ -11,7 +11,7 @@
 namespace collidoscope {
 
 std::optional<Body> make_projectile(const Vector3d& eye, const Vector3d& direction, double size,
-                                const ProjectileSpace& room) {
+                                    const ProjectileSpace& room) {
   Body ball;
   ball.radius = std::clamp(size / 50, limits::min_radius, limits::max_radius);
   const Vector3d along = direction.normalized();

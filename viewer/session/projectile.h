@@ -20,6 +20,6 @@ struct ProjectileSpace {
 /// of that in a second. It starts at the first place on its way at which it fits between walls, above planes
 /// and beside bodies; none: there is no such place.
 std::optional<Body> make_projectile(const Vector3d& eye, const Vector3d& direction, double size,
-                                const ProjectileSpace& room);
+                                    const ProjectileSpace& room);
 
 }  // namespace collidoscope

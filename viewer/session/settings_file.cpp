@@ -26,14 +26,30 @@ struct Switch {
 };
 
 std::vector<Switch> switches(FrameLayers& layers, PanelVisibility& visible_panels) {
-  return {{"spheres", layers.spheres},  {"boxes", layers.boxes},          {"contacts", layers.contacts},
-          {"grid", layers.grid},        {"walls", layers.walls},          {"joints", layers.joints},
-          {"ghosts", layers.ghosts},    {"errors", layers.errors},        {"left", visible_panels.left},
-          {"right", visible_panels.right},       {"bottom", visible_panels.bottom},         {"run", visible_panels.run},
-          {"settings", visible_panels.settings}, {"layers", visible_panels.layers},         {"camera", visible_panels.camera},
-          {"tree", visible_panels.tree},         {"effects", visible_panels.effects},       {"timing", visible_panels.timing},
-          {"numbers", visible_panels.numbers},   {"inspector", visible_panels.inspector},   {"convergence", visible_panels.convergence},
-          {"accuracy", visible_panels.accuracy}, {"hard_cases", visible_panels.hard_cases}, {"breaks", visible_panels.breaks}};
+  return {{"spheres", layers.spheres},
+          {"boxes", layers.boxes},
+          {"contacts", layers.contacts},
+          {"grid", layers.grid},
+          {"walls", layers.walls},
+          {"joints", layers.joints},
+          {"ghosts", layers.ghosts},
+          {"errors", layers.errors},
+          {"left", visible_panels.left},
+          {"right", visible_panels.right},
+          {"bottom", visible_panels.bottom},
+          {"run", visible_panels.run},
+          {"settings", visible_panels.settings},
+          {"layers", visible_panels.layers},
+          {"camera", visible_panels.camera},
+          {"tree", visible_panels.tree},
+          {"effects", visible_panels.effects},
+          {"timing", visible_panels.timing},
+          {"numbers", visible_panels.numbers},
+          {"inspector", visible_panels.inspector},
+          {"convergence", visible_panels.convergence},
+          {"accuracy", visible_panels.accuracy},
+          {"hard_cases", visible_panels.hard_cases},
+          {"breaks", visible_panels.breaks}};
 }
 
 }  // namespace

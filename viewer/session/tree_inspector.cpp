@@ -14,8 +14,7 @@ bool overlap(const NodeReport& a, const NodeReport& b) {
 }  // namespace
 
 bool TreeInspector::due(const State& now, const Workspace& workspace) const {
-  if (!view_ || now.generation != state_.generation || !workspace.playing || workspace.tree.rank)
-    return true;
+  if (!view_ || now.generation != state_.generation || !workspace.playing || workspace.tree.rank) return true;
   const std::chrono::duration<double, std::milli> since = Clock::now() - measured_at_;
   return since.count() > 4 * view_->took_ms;
 }
@@ -73,11 +72,12 @@ void TreeInspector::fill_table(World& world, Workspace& workspace) {
   const bool other_levels = table_.first >= 0 && (table_.first_level != layers.first_level ||
                                                   table_.last_level != layers.last_level);
   if (other_levels && !requests.rank) requests.first = 0;
-  requests.first = std::clamp<std::int64_t>(requests.first, 0, last / TreePanelView::page * TreePanelView::page);
+  requests.first =
+      std::clamp<std::int64_t>(requests.first, 0, last / TreePanelView::page * TreePanelView::page);
   const Table wanted{requests.sort, requests.first, layers.first_level, layers.last_level};
   if (!(wanted == table_)) {
     view_->rows = world.tree().ranked(requests.sort, requests.first, TreePanelView::page, layers.first_level,
-                                       layers.last_level);
+                                      layers.last_level);
     view_->first = requests.first;
     table_ = wanted;
     ++version_;
@@ -97,7 +97,7 @@ void TreeInspector::fill_table(World& world, Workspace& workspace) {
 
 void TreeInspector::fill_histogram(World& world, const FrameLayers& layers) {
   const HistogramKey wanted{layers.box_color, layers.first_level, layers.last_level, layers.box_low,
-                      layers.box_high};
+                            layers.box_high};
   if (wanted == histogram_key_) return;
   view_->histogram = {};
   if (layers.box_color != NodeMetric::level && view_->quality.nodes > 0)
@@ -109,7 +109,8 @@ void TreeInspector::fill_histogram(World& world, const FrameLayers& layers) {
 
 void TreeInspector::fill_node(World& world, Workspace& workspace) {
   TreeRequests& requests = workspace.tree;
-  if (requests.node && *requests.node >= static_cast<std::uint64_t>(view_->quality.nodes)) requests.node.reset();
+  if (requests.node && *requests.node >= static_cast<std::uint64_t>(view_->quality.nodes))
+    requests.node.reset();
   if (view_->node.has_value() == requests.node.has_value() &&
       (!requests.node || view_->node->node == *requests.node))
     return;
