@@ -140,7 +140,7 @@ TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
     const OwnVisits& visits = world.tree().quality().own;
     EXPECT_TRUE(visits.by_query) << method;
     EXPECT_EQ(world.tree().own_visits(), visits.mean) << method;
-    EXPECT_LE(visits.p99, static_cast<double>(visits.most)) << method;
+    EXPECT_LE(visits.p99, static_cast<double>(visits.max)) << method;
     EXPECT_GE(visits.warp_ratio, 1) << method;
     EXPECT_LT(visits.mean, world.tree().quality().visits_mean) << "half of a query: " << method;
     return visits.mean;

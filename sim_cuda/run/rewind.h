@@ -40,9 +40,9 @@ class Rewind {
   void to(Steppable auto& world, std::int64_t step) {
     if (!copy_ || step < copy_->steps)
       throw std::logic_error("rewind: state " + std::to_string(step) + " was not followed");
-    struct UntilTheEnd {  // however it ends
+    struct ResetOnExit {  // however it ends
       bool& on;
-      ~UntilTheEnd() { on = false; }
+      ~ResetOnExit() { on = false; }
     } back{going_back_};
     going_back_ = true;
     world.adopt(*copy_);
