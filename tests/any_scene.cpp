@@ -155,10 +155,10 @@ class Maker {
       generator.seed = uniform_.random();
       generator.speed_max = once_in(2) ? uniform_(0, 20) : 0;
       generator.material = material(scene);
-      if (generator.count > 3 && once_in(3)) generator.without = {0, generator.count / 2};
+      if (generator.count > 3 && once_in(3)) generator.excluded = {0, generator.count / 2};
       scene.generators.push_back(generator);
     }
-    if (once_in(4)) scene.added.push_back(body(scene));
+    if (once_in(4)) scene.extra_bodies.push_back(body(scene));
   }
 
   void obstacles(Scene& scene) {

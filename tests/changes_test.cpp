@@ -258,9 +258,9 @@ TEST(Change, AtState0IsAsIfTheSceneHadSaidSo) {
   generator.seed = 7;
   generator.variant = Variant::equal;
   generator.radius_max = 2;
-  generator.without = {3};
+  generator.excluded = {3};
   scene.physics.precision = Precision::f64;
-  scene.added = {sphere(1, Vector3d(3, 3, 3))};
+  scene.extra_bodies = {sphere(1, Vector3d(3, 3, 3))};
   scene.joints.erase(scene.joints.begin() + 1);
   scene.joints.push_back(scene.joints[0]);
   scene.joints[1].a = 59;

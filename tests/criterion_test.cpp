@@ -45,9 +45,9 @@ std::string fault_of(const std::string& members) {
 
 TEST(Criterion, ReadsAllThatItMaySay) {
   const Criterion c = parse(R"("steps": 300, "long_steps": 100000, "every": 10,
-    "run": {"pair_capacity": 16, "broad_phase": "brute_force", "blocks": 3, "threads": 32, "key_bits": 63},
+    "run": {"initial_pair_capacity": 16, "broad_phase": "brute_force", "blocks": 3, "threads": 32, "key_bits": 63},
     "changes": "x.changes.json", "executors": ["cuda"],
-    "holds": [
+    "assertions": [
       {"quantity": "penetration", "at_most": 0.01, "from": 60, "to": 300},
       {"quantity": "position", "body": 3, "axis": "z", "at_least": 0.9, "at_most": 1.1},
       {"quantity": "displacement", "since": 20, "at_most": 1},
@@ -55,7 +55,7 @@ TEST(Criterion, ReadsAllThatItMaySay) {
       {"quantity": "other_hash", "shapes": [[1, 2], [7, 32]], "broad_phases": ["refit"], "at_most": 0},
       {"quantity": "position", "axis": "x", "at_least": 0}],
     "limits": [{"solver": "impulse", "precision": "f32", "executor": "cpu", "why": "sinks"}],
-    "faults": [
+    "injected_faults": [
       {"fails": "penetration", "step": 100, "body": 4, "position": [0, null, "inf"], "orientation": [2, 0, 0, "-inf"]},
       {"fails": "position", "term": 2, "set": {"solver": "impulse", "substeps": 1, "time_step": 0.1, "restitution": 1,
        "gravity": [0, 0, -100], "friction": 0.5}},
@@ -103,7 +103,7 @@ TEST(Criterion, ReadsAllThatItMaySay) {
 }
 
 TEST(Criterion, MayCompareWithEveryBroadPhaseThatThereIs) {
-  const Criterion c = parse(R"("steps": 1, "holds": [
+  const Criterion c = parse(R"("steps": 1, "assertions": [
       {"quantity": "other_hash", "broad_phases": ["all"], "at_most": 0}])");
   ASSERT_EQ(c.assertions.size(), 2u);  // all finite, and this
   EXPECT_TRUE(c.assertions[1].every_broad_phase);
@@ -132,8 +132,8 @@ TEST(Criterion, OfASceneThatIsRefused) {
 }
 
 TEST(Criterion, OfWhatGuardsMustFind) {
-  const Criterion c = parse(R"("steps": 10, "found": {"step": 8, "stage": "bounds", "body": 3},
-    "plant": {"step": 7, "body": 3, "position": [null, 0, 0]}, "faults": [{"fails": "found", "step": 7, "body": 2,
+  const Criterion c = parse(R"("steps": 10, "expect_finding": {"step": 8, "stage": "bounds", "body": 3},
+    "inject": {"step": 7, "body": 3, "position": [null, 0, 0]}, "injected_faults": [{"fails": "found", "step": 7, "body": 2,
     "position": [null, 0, 0]}])");
   ASSERT_TRUE(c.expected_finding && c.injected_state);
   EXPECT_EQ(c.expected_finding->step, 8);
@@ -143,48 +143,56 @@ TEST(Criterion, OfWhatGuardsMustFind) {
   ASSERT_EQ(c.assertions.size(), 1u) << "what is planted need not be finite";
   EXPECT_EQ(c.assertions[0].quantity, Quantity::expected_finding);
   EXPECT_EQ(c.injected_faults[0].assertion, 0u);
-  EXPECT_THAT(fault_of(R"("steps": 10, "plant": {"step": 7, "body": 3, "position": [null, 0, 0]})"),
+  EXPECT_THAT(fault_of(R"("steps": 10, "inject": {"step": 7, "body": 3, "position": [null, 0, 0]})"),
               HasSubstr("is of cases with \"found\""));
-  EXPECT_THAT(fault_of(R"("steps": 10, "found": {"step": 8, "body": 3})"), HasSubstr("a \"stage\" and a"));
-  EXPECT_THAT(fault_of(R"("steps": 10, "found": {"step": 8, "stage": "a", "body": 3}, "holds": [])"),
-              HasSubstr("remove \"found\" or \"holds\""));
+  EXPECT_THAT(fault_of(R"("steps": 10, "expect_finding": {"step": 8, "body": 3})"),
+              HasSubstr("a \"stage\" and a"));
+  EXPECT_THAT(
+      fault_of(R"("steps": 10, "expect_finding": {"step": 8, "stage": "a", "body": 3}, "assertions": [])"),
+      HasSubstr("remove \"found\" or \"holds\""));
 }
 
 TEST(Criterion, NamesEveryFaultByLineAndColumn) {
-  EXPECT_EQ(fault_of(R"("steps": 10, "holds": [{"quantity": "penetraton", "at_most": 1}])"),
+  EXPECT_EQ(fault_of(R"("steps": 10, "assertions": [{"quantity": "penetraton", "at_most": 1}])"),
             "c:2:37: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 26)");
   const std::pair<const char*, const char*> faults[] = {
-      {R"("holds": [])", "\"steps\" is missing"},
+      {R"("assertions": [])", "\"steps\" is missing"},
       {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
       {R"("steps": 10, "long_steps": 5)", "\"long_steps\" is a whole number from 10 to"},
       {R"("steps": 10, "every": 0)", "\"every\" is a whole number from 1"},
-      {R"("steps": 10, "holds": [{"at_most": 1}])", "a term has a \"quantity\""},
-      {R"("steps": 10, "holds": [{"quantity": "finite", "at_most": 1}])", "always holds by itself"},
-      {R"("steps": 10, "holds": [{"quantity": "found", "at_least": 1}])", "is said by \"found\" beside"},
-      {R"("steps": 10, "holds": [{"quantity": "speed"}])", "a term has a bound"},
-      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "at_least": 2}])", "nothing can hold"},
-      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "from": 11}])", "\"from\" is a whole"},
-      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "from": 5, "to": 4}])",
+      {R"("steps": 10, "assertions": [{"at_most": 1}])", "a term has a \"quantity\""},
+      {R"("steps": 10, "assertions": [{"quantity": "finite", "at_most": 1}])", "always holds by itself"},
+      {R"("steps": 10, "assertions": [{"quantity": "found", "at_least": 1}])",
+       "is said by \"expect_finding\" beside"},
+      {R"("steps": 10, "assertions": [{"quantity": "speed"}])", "a term has a bound"},
+      {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "at_least": 2}])",
+       "nothing can hold"},
+      {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "from": 11}])",
+       "\"from\" is a whole"},
+      {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "from": 5, "to": 4}])",
        "before \"from\""},
-      {R"("steps": 10, "holds": [{"quantity": "speed", "at_most": 1, "body": 1}])", "unknown key \"body\""},
-      {R"("steps": 10, "holds": [{"quantity": "position", "at_most": 1, "body": 5, "axis": "x"}])",
+      {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "body": 1}])",
+       "unknown key \"body\""},
+      {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1, "body": 5, "axis": "x"}])",
        "\"body\" is a whole number from 0 to 4, not 5"},
-      {R"("steps": 10, "holds": [{"quantity": "position", "at_most": 1}])", "has an \"axis\""},
-      {R"("steps": 10, "holds": [{"quantity": "difference", "at_most": 1}])", "has a \"scene\""},
-      {R"("steps": 10, "holds": [{"quantity": "difference", "at_most": 1, "scene": "../a.json"}])",
+      {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1}])", "has an \"axis\""},
+      {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1}])", "has a \"scene\""},
+      {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1, "scene": "../a.json"}])",
        "the criterion's own folder"},
-      {R"("steps": 10, "holds": [{"quantity": "other_hash", "at_most": 0}])", "has \"shapes\""},
-      {R"("steps": 10, "holds": [{"quantity": "other_hash", "at_most": 0, "shapes": [[0, 1]]}])", "[B, T]"},
+      {R"("steps": 10, "assertions": [{"quantity": "other_hash", "at_most": 0}])", "has \"shapes\""},
+      {R"("steps": 10, "assertions": [{"quantity": "other_hash", "at_most": 0, "shapes": [[0, 1]]}])",
+       "[B, T]"},
       {R"("steps": 10, "limits": [{"why": "a"}])", "a limit says where"},
       {R"("steps": 10, "limits": [{"solver": "impulse"}])", "a limit has a \"why\""},
       {R"("steps": 10, "executors": ["gpu"])", "\"cpu\" and \"cuda\""},
-      {R"("steps": 10, "faults": [{"fails": "speed", "step": 1, "body": 1}])", "\"holds\" has none"},
-      {R"("steps": 10, "faults": [{"fails": "finite", "term": 2, "scene": "a.json"}])", "\"holds\" has 1"},
-      {R"("steps": 10, "faults": [{"fails": "finite"}])", "a fault is a \"set\" of settings"},
-      {R"("steps": 10, "faults": [{"step": 1, "body": 1}])", "a fault \"fails\" a quantity"},
-      {R"("steps": 10, "faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
+      {R"("steps": 10, "injected_faults": [{"fails": "speed", "step": 1, "body": 1}])", "\"holds\" has none"},
+      {R"("steps": 10, "injected_faults": [{"fails": "finite", "term": 2, "scene": "a.json"}])",
+       "\"holds\" has 1"},
+      {R"("steps": 10, "injected_faults": [{"fails": "finite"}])", "a fault is a \"set\" of settings"},
+      {R"("steps": 10, "injected_faults": [{"step": 1, "body": 1}])", "a fault \"fails\" a quantity"},
+      {R"("steps": 10, "injected_faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
        "a list of 3 numbers"},
-      {R"("steps": 10, "faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
+      {R"("steps": 10, "injected_faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
       {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 24, 30 or 63"},
       {R"("steps": 10, "hold": [])", "did you mean \"holds\"?"}};
   for (const auto& [members, words] : faults) {

@@ -69,7 +69,7 @@ TEST(FrameScene, NoBodiesAndTheGridsSteps) {
 TEST(FrameScene, AnAddedBodyLeavesTheSizeAlone) {
   const double size = frame_scene({}, three_bodies()).size;
   Scene scene;
-  scene.added.resize(1);
+  scene.extra_bodies.resize(1);
   InitialBodies bodies = three_bodies();
   bodies.position.push_back({1000, 0, 0});
   bodies.radius.push_back(1);

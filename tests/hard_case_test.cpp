@@ -64,11 +64,11 @@ TEST_F(HardCases, NameFaultsOfAllTheirFiles) {
   write("c.criterion.json",
         criterion_text(
             "speed",
-            R"(, "steps": 1, "holds": [{"quantity": "difference", "scene": "no.json", "at_most": 1}])"));
+            R"(, "steps": 1, "assertions": [{"quantity": "difference", "scene": "no.json", "at_most": 1}])"));
   write("d.json", scene_text);
-  write(
-      "d.criterion.json",
-      criterion_text("speed", R"(, "steps": 1, "faults": [{"fails": "finite", "set": {"restitution": 2}}])"));
+  write("d.criterion.json",
+        criterion_text(
+            "speed", R"(, "steps": 1, "injected_faults": [{"fails": "finite", "set": {"restitution": 2}}])"));
   write("e.criterion.json", criterion_text("speed", R"(, "steps": 1)"));
   const std::string faults = fault();
   EXPECT_THAT(faults, HasSubstr("a.criterion.json:1:"));
@@ -91,7 +91,7 @@ TEST_F(HardCases, KeepTheLinesOfASceneThatMustBeRefused) {
 TEST_F(HardCases, FaultsSetWhatTheSceneHas) {
   write("a.json", scene_text);
   write("b.json", scene_text);
-  write("a.criterion.json", criterion_text("speed", R"(, "steps": 1, "faults": [
+  write("a.criterion.json", criterion_text("speed", R"(, "steps": 1, "injected_faults": [
     {"fails": "finite", "set": {"gravity": [0, 0, 5], "friction": 0.5, "substeps": 9}},
     {"fails": "finite", "scene": "b.json"}, {"fails": "finite", "step": 1, "body": 0}])"));
   const auto cases = read_hard_cases(folder_.path().string());

@@ -124,9 +124,9 @@ TEST(InitialBodies, WhoIsLeftOutIsMissedByNobodyElse) {
   scene.generators[0].spawn = Spawn::apart;
   scene.bodies = {sphere(1, Vector3d(20, 20, 20))};
   const InitialBodies all = initial_bodies(scene);
-  scene.generators[0].without = {0, 7, 49};
-  scene.added = {sphere(2, Vector3d(60, 60, 60), Vector3d(0, 0, 3))};
-  scene.added[0].angular_velocity = Vector3d(0, 1, 0);
+  scene.generators[0].excluded = {0, 7, 49};
+  scene.extra_bodies = {sphere(2, Vector3d(60, 60, 60), Vector3d(0, 0, 3))};
+  scene.extra_bodies[0].angular_velocity = Vector3d(0, 1, 0);
   const InitialBodies some = initial_bodies(scene);
   ASSERT_EQ(some.size(), 1u + 47u + 1u);
   std::size_t at = 1;

@@ -63,7 +63,7 @@ TEST_P(Quantities, AreWhatTheyAreByHand) {
   EXPECT_EQ(offending_body_, 0u);
   EXPECT_DOUBLE_EQ(most(Quantity::penetration_over_radius), 0.5);
   EXPECT_DOUBLE_EQ(most(Quantity::speed), 2);
-  EXPECT_DOUBLE_EQ(most(Quantity::spin), 3);
+  EXPECT_DOUBLE_EQ(most(Quantity::angular_speed), 3);
   EXPECT_EQ(most(Quantity::energy_gain), 0);
   EXPECT_DOUBLE_EQ(most(Quantity::kinetic_energy), 0.5 + 2 + 0.4 * 9 / 2);
   EXPECT_EQ(most(Quantity::escaped), 0);

@@ -70,7 +70,7 @@ bool tumbles_far(const Body& body, const Physics& physics) {
 
 /// Nothing in it brings energy: what moves by itself, springs and rods that start out of length, attractors.
 bool keeps_its_energy(const Scene& scene) {
-  for (const std::vector<Body>* list : {&scene.bodies, &scene.added})
+  for (const std::vector<Body>* list : {&scene.bodies, &scene.extra_bodies})
     for (const Body& body : *list)
       if (body.motion != Motion::dynamic || tumbles_far(body, scene.physics)) return false;
   return scene.joints.empty() && scene.physics.attractors.empty();

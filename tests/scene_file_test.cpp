@@ -283,16 +283,18 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"guards\": {\"on_failure\": \"stop\"}}",
             "s:2:26: unknown on_failure \"stop\"; it is pause or freeze"},
         Bad{"\"guards\": {\"speed\": -1}}", "s:2:21: guards.speed: must lie in [0, 1e+18] m/s, not -1"},
-        Bad{"\"guards\": {\"spin\": 1e19}}", "s:2:20: guards.spin: must lie in [0, 1e+18] rad/s, not 1e19"},
+        Bad{"\"guards\": {\"spin\": 1e19}}",
+            "s:2:20: guards.angular_speed: must lie in [0, 1e+18] rad/s, not 1e19"},
         Bad{"\"guards\": {\"distance\": \"far\"}}", "s:2:24: \"distance\" is a number"},
         Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not hold sleeping without \"sleep\""},
         // generators
         Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 3, \"without\": [0, 3]}]}",
-            "s:2:79: generators[0].without[1]: must be the number of one of its 3 bodies, from 0, more than"},
+            "s:2:79: generators[0].excluded[1]: must be the number of one of its 3 bodies, from 0, more "
+            "than"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"without\": [1.5]}]}",
             "s:2:64: \"without\" is a list of whole numbers"},
-        Bad{"\"added\": [{\"radius\": 0}]}", "s:2:22: added[0].radius: must lie in"},
+        Bad{"\"added\": [{\"radius\": 0}]}", "s:2:22: extra_bodies[0].radius: must lie in"},
         Bad{"\"box\": {}, \"generators\": [{}]}",
             "s:2:27: a generator has \"kind\": \"box_collider\", the only one"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"rain\"}]}", "s:2:36: a generator has \"kind\""},
@@ -598,13 +600,13 @@ TEST(SceneFile, WhoCameAndWhoLeftSurvivesTheRoundTrip) {
   Scene scene;
   scene.box = Box{};
   scene.generators.resize(1);
-  scene.generators[0].without = {1, 5, 1999};
-  scene.added.resize(2);
-  scene.added[1].position = Vector3d(0.1, 0.2, 0.3);
+  scene.generators[0].excluded = {1, 5, 1999};
+  scene.extra_bodies.resize(2);
+  scene.extra_bodies[1].position = Vector3d(0.1, 0.2, 0.3);
   const Scene again = parse_scene(write_scene(scene), "text");
-  EXPECT_EQ(again.generators.at(0).without, scene.generators[0].without);
-  ASSERT_EQ(again.added.size(), 2u);
-  EXPECT_EQ(again.added[1].position, scene.added[1].position);
+  EXPECT_EQ(again.generators.at(0).excluded, scene.generators[0].excluded);
+  ASSERT_EQ(again.extra_bodies.size(), 2u);
+  EXPECT_EQ(again.extra_bodies[1].position, scene.extra_bodies[1].position);
   EXPECT_EQ(write_scene(again), write_scene(scene));
 }
 
@@ -639,6 +641,28 @@ TEST(SceneFile, SpoiltFilesAreNeverWorseThanFaults) {
     for (const std::string& line : faults_of(spoilt))
       EXPECT_THAT(line, testing::MatchesRegex("s:[0-9]+:[0-9]+: .+"));
   }
+}
+
+// Keys that were renamed are still read, each with a warning; what is written has the new keys.
+TEST(SceneFile, OldKeysAreReadWithAWarning) {
+  const std::string head = R"({"format": "collidoscope-scene", "version": 1, "box": {},
+)";
+  const Scene old = parse_scene(head + R"("guards": {"spin": 7}, "added": [{"radius": 2}],
+"generators": [{"kind": "box_collider", "count": 3, "without": [1]}]})",
+                                "s");
+  EXPECT_EQ(old.physics.guards.value().angular_speed, 7);
+  EXPECT_EQ(old.extra_bodies.size(), 1u);
+  EXPECT_THAT(old.generators.at(0).excluded, testing::ElementsAre(1));
+  EXPECT_THAT(
+      old.warnings,
+      testing::ElementsAre("s:2:12: warning: \"spin\" is now \"angular_speed\"; the old name still works",
+                           testing::HasSubstr("\"extra_bodies\""), testing::HasSubstr("\"excluded\"")));
+  const std::string text = write_scene(old);
+  EXPECT_TRUE(parse_scene(text, "t").warnings.empty()) << text;
+  EXPECT_THAT(faults_of(head + R"("guards": {"spin": -1}})"),
+              testing::ElementsAre(testing::StartsWith("s:2:20: guards.angular_speed: must lie in")));
+  EXPECT_THAT(faults_of(head + R"("spin": 1})"),
+              testing::ElementsAre(testing::HasSubstr("unknown key \"spin\"")));
 }
 
 }  // namespace

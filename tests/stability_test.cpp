@@ -53,7 +53,7 @@ TEST(Stability, TheQuickCasesHoldAndTheirFaultsShow) {
 }
 
 TEST_F(StabilityCommand, FailsWhereACaseDoes) {
-  write_case(R"("steps": 100, "holds": [{"quantity": "speed", "at_most": 5.05}])");
+  write_case(R"("steps": 100, "assertions": [{"quantity": "speed", "at_most": 5.05}])");
   const Outcome outcome =
       stability({"--json", folder_ / "out" / "r.json", "--save-failures", folder_ / "out"});
   EXPECT_EQ(outcome.status, 2) << "a folder that is not there";
@@ -83,7 +83,7 @@ TEST_F(StabilityCommand, ChoosesSolversAndPrecisions) {
 }
 
 TEST_F(StabilityCommand, SaysWhichFaultShowsNowhere) {
-  write_case(R"("steps": 30, "holds": [{"quantity": "speed", "at_most": 5.05}], "faults": [
+  write_case(R"("steps": 30, "assertions": [{"quantity": "speed", "at_most": 5.05}], "injected_faults": [
     {"fails": "speed", "step": 3, "body": 0, "velocity": [6, 0, 0]},
     {"fails": "speed", "step": 3, "body": 0, "velocity": [1, 0, 0]}])");
   const Outcome outcome = stability({"--plant"});

@@ -193,9 +193,9 @@ TEST_P(StageValidators, LookAtBoxesAloneInARunThatAnOverflowStopped) {
 
 TEST_P(StageValidators, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
   ValidationSettings guards;
-  guards.speed = 5;     // as fast as they are
-  guards.spin = 7;      // the same
-  guards.distance = 4;  // their boxes reach as far
+  guards.speed = 5;          // as fast as they are
+  guards.angular_speed = 7;  // the same
+  guards.distance = 4;       // their boxes reach as far
   const auto finds = [&](const ValidationSettings& limits) {
     Stages<double> stages(options(), limits);
     stages.run({{"bounds"}, {"move"}});
@@ -204,7 +204,7 @@ TEST_P(StageValidators, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
   EXPECT_FALSE(finds(guards));
   const auto below = [](double x) { return std::nextafter(x, 0); };
   for (double ValidationSettings::*limit :
-       {&ValidationSettings::speed, &ValidationSettings::spin, &ValidationSettings::distance}) {
+       {&ValidationSettings::speed, &ValidationSettings::angular_speed, &ValidationSettings::distance}) {
     ValidationSettings narrow = guards;
     narrow.*limit = limit == &ValidationSettings::distance ? 3.99 : below(guards.*limit);
     EXPECT_TRUE(finds(narrow)) << narrow.*limit;

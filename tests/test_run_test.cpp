@@ -51,7 +51,7 @@ class TestRuns : public OnEachExecutor {
 ON_EACH_EXECUTOR(TestRuns);
 
 TEST_P(TestRuns, PassWhereAllHolds) {
-  const TestResult result = run(flight(R"("steps": 16, "every": 5, "holds": [
+  const TestResult result = run(flight(R"("steps": 16, "every": 5, "assertions": [
     {"quantity": "position", "body": 0, "axis": "x", "at_least": -0.01, "at_most": 2.01},
     {"quantity": "speed", "at_most": 1.5, "at_least": 0.5}])"));
   EXPECT_EQ(result.outcome, TestOutcome::passed) << result.why;
@@ -67,7 +67,7 @@ TEST_P(TestRuns, PassWhereAllHolds) {
 }
 
 TEST_P(TestRuns, EndAtTheFirstStateAtWhichATermDoesNotHold) {
-  const HardCase one = flight(R"("steps": 16, "every": 5, "holds": [
+  const HardCase one = flight(R"("steps": 16, "every": 5, "assertions": [
     {"quantity": "position", "axis": "x", "at_most": 5.5},
     {"quantity": "position", "axis": "x", "at_most": 0, "from": 17, "to": 17}], "long_steps": 20)");
   const TestResult result = run(one);
@@ -90,7 +90,7 @@ TEST_P(TestRuns, EndAtTheFirstStateAtWhichATermDoesNotHold) {
 }
 
 TEST_P(TestRuns, MeasureTheStatesThatTermsName) {
-  const std::string holds = R"("every": 16, "holds": [
+  const std::string holds = R"("every": 16, "assertions": [
     {"quantity": "position", "body": 0, "axis": "x", "at_least": 0.37, "at_most": 0.38, "from": 3, "to": 3}])";
   const TestResult result = run(flight("\"steps\": 16, " + holds));
   EXPECT_EQ(result.outcome, TestOutcome::passed) << result.why;
@@ -105,7 +105,7 @@ TEST_P(TestRuns, HaveALongVariant) {
 }
 
 TEST_P(TestRuns, LimitsAreDeclaredWhereTheyShow) {
-  const HardCase one = flight(R"("steps": 4, "holds": [{"quantity": "speed", "at_most": 0.5}],
+  const HardCase one = flight(R"("steps": 4, "assertions": [{"quantity": "speed", "at_most": 0.5}],
     "limits": [{"solver": "impulse", "why": "it is fast"}])");
   const TestResult limit = run(one, {.solver = Solver::impulse});
   EXPECT_EQ(limit.outcome, TestOutcome::expected_failure);
@@ -145,9 +145,9 @@ TEST_P(TestRuns, FailByWhatTheMachineRefuses) {
 }
 
 TEST_P(TestRuns, CompareWithAnotherScene) {
-  HardCase one = flight(R"("steps": 8, "holds": [
+  HardCase one = flight(R"("steps": 8, "assertions": [
     {"quantity": "difference", "scene": "moved.json", "offset": [-100, 0, 0], "at_most": 1e-4}],
-    "faults": [{"fails": "difference", "step": 3, "body": 1, "velocity": [1.1, 0, 0]}])");
+    "injected_faults": [{"fails": "difference", "step": 3, "body": 1, "velocity": [1.1, 0, 0]}])");
   Scene moved = one.scene;
   for (Body& body : moved.bodies) body.position.x() += 100;
   one.others["moved.json"] = moved;
@@ -157,9 +157,9 @@ TEST_P(TestRuns, CompareWithAnotherScene) {
 }
 
 TEST_P(TestRuns, CompareOtherShapesAndBroadPhases) {
-  HardCase one = flight(R"("steps": 8, "holds": [
+  HardCase one = flight(R"("steps": 8, "assertions": [
     {"quantity": "other_hash", "shapes": [[1, 1], [7, 32]], "broad_phases": ["brute_force"], "at_most": 0}],
-    "faults": [{"fails": "other_hash", "step": 8, "body": 1, "velocity": [1.1, 0, 0]}])");
+    "injected_faults": [{"fails": "other_hash", "step": 8, "body": 1, "velocity": [1.1, 0, 0]}])");
   const TestResult result = run(one);
   EXPECT_EQ(result.outcome, TestOutcome::passed);
   EXPECT_TRUE(result.assertions[1].measured);
@@ -169,9 +169,9 @@ TEST_P(TestRuns, CompareOtherShapesAndBroadPhases) {
 }
 
 TEST_P(TestRuns, FaultsShowInTheTermThatTheyAreToFail) {
-  const HardCase one = flight(R"("steps": 8, "every": 8, "holds": [{"quantity": "speed", "at_most": 2},
+  const HardCase one = flight(R"("steps": 8, "every": 8, "assertions": [{"quantity": "speed", "at_most": 2},
     {"quantity": "displacement", "at_most": 1.5}],
-    "faults": [{"fails": "speed", "step": 3, "body": 1, "velocity": [2.1, 0, 0]},
+    "injected_faults": [{"fails": "speed", "step": 3, "body": 1, "velocity": [2.1, 0, 0]},
                {"fails": "speed", "step": 3, "body": 1, "velocity": [1.9, 0, 0]},
                {"fails": "displacement", "set": {"time_step": 0.25}},
                {"fails": "finite", "step": 2, "body": 0, "velocity": [null, 0, 0]}])");
@@ -186,9 +186,9 @@ TEST_P(TestRuns, FaultsShowInTheTermThatTheyAreToFail) {
 }
 
 TEST_P(TestRuns, GuardsFindWhatIsPlanted) {
-  const HardCase one = flight(R"("steps": 9, "found": {"step": 4, "stage": "bounds", "body": 1},
-    "plant": {"step": 3, "body": 1, "position": [0, null, 0]},
-    "faults": [{"fails": "found", "step": 5, "body": 1, "position": [0, null, 0]},
+  const HardCase one = flight(R"("steps": 9, "expect_finding": {"step": 4, "stage": "bounds", "body": 1},
+    "inject": {"step": 3, "body": 1, "position": [0, null, 0]},
+    "injected_faults": [{"fails": "found", "step": 5, "body": 1, "position": [0, null, 0]},
                {"fails": "found", "step": 3, "body": 1, "velocity": [0, 1, 0]}])");
   for (const TestConfiguration& configuration : test_configurations(one, GetParam())) {
     const TestResult result = run(one, configuration);
@@ -220,7 +220,7 @@ TEST_P(TestRuns, FailWhereTheScenesOwnGuardsPause) {
 }
 
 TEST_P(TestRuns, PlayChanges) {
-  HardCase one = flight(R"("steps": 8, "changes": "faster.json", "holds": [
+  HardCase one = flight(R"("steps": 8, "changes": "faster.json", "assertions": [
     {"quantity": "position", "body": 0, "axis": "x", "at_least": 1.49, "at_most": 1.51, "from": 8}])");
   std::ofstream(folder_ / "faster.json")
       << R"({"format": "collidoscope-changes", "version": 1, "changes": [{"step": 4, "time_step": 0.25}]})";

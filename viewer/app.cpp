@@ -80,7 +80,7 @@ World App::make_world(const Start& start) {
       window_.poll();
       if (window_.closing()) cancellation->request();
     });
-  std::int64_t bodies = std::ssize(start.scene.bodies) + std::ssize(start.scene.added);
+  std::int64_t bodies = std::ssize(start.scene.bodies) + std::ssize(start.scene.extra_bodies);
   for (const BoxCollider& generator : start.scene.generators) bodies += generator.count;
   constexpr std::int64_t many = 20'000;
   if (bodies < many && !needs_presimulation(start.scene)) return start.world(options_.run);

@@ -246,6 +246,7 @@ CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
 Scene load_scene(const CommandLine& line) {
   const std::string file = scene_file(line.operands[0]);
   Scene scene = read_scene(file);
+  for (const std::string& warning : scene.warnings) fmt::print(stderr, "{}\n", warning);
   apply(line.options.overrides, file, scene);
   constexpr unsigned guarded = bit(Command::run) | bit(Command::capture) | bit(Command::view);
   if (!(guarded & bit(line.command))) disable_guards(scene.physics);

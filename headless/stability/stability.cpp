@@ -173,6 +173,8 @@ int stability_command(const CommandLine& line) {
   const RunOptions options = on_one_thread(line.options.run, executor_of(line.options.run));
   const std::string folder = asked.cases.empty() ? asset("scenes/hard").string() : asked.cases;
   const std::vector<HardCase> cases = read_hard_cases(folder, line.operands);
+  for (const HardCase& one : cases)
+    for (const std::string& warning : one.criterion.warnings) fmt::print(stderr, "{}\n", warning);
   if (!line.options.json.empty() && line.options.json != "-") OutputFile("--json", line.options.json);
   if (!asked.save_failures.empty()) ensure_writable_folder("--save-failures", asked.save_failures);
   return asked.plant ? run_injected_faults(line, cases, options) : run_suite(line, cases, options);

@@ -37,7 +37,7 @@ Scene listed(const AccuracyProblem& problem, const RunState& start) {
   const InitialBodies& bodies = problem.initial;
   scene.physics.effects = problem.effects;
   scene.generators.clear();
-  scene.added.clear();
+  scene.extra_bodies.clear();
   scene.bodies.clear();
   scene.box = bodies.box;
   for (std::size_t i = 0; i < bodies.size(); ++i) {

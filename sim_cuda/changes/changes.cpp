@@ -8,13 +8,13 @@ namespace collidoscope {
 namespace {
 
 std::int64_t generated_count(const BoxCollider& generator) {
-  return generator.count - static_cast<std::int64_t>(generator.without.size());
+  return generator.count - static_cast<std::int64_t>(generator.excluded.size());
 }
 
 /// Of the body that is the `place`-th that the generator makes.
 std::int64_t generated_number(const BoxCollider& generator, std::int64_t place) {
   std::int64_t number = place;
-  for (const std::int64_t left_out : generator.without) {
+  for (const std::int64_t left_out : generator.excluded) {
     if (left_out > number) break;
     ++number;
   }
@@ -30,12 +30,12 @@ void remove_body(Scene& scene, std::int64_t id) {
     const std::int64_t made = generated_count(generator);
     if (id < made) {
       const std::int64_t number = generated_number(generator, id);
-      generator.without.insert(std::ranges::upper_bound(generator.without, number), number);
+      generator.excluded.insert(std::ranges::upper_bound(generator.excluded, number), number);
       return;
     }
     id -= made;
   }
-  erase(scene.added);
+  erase(scene.extra_bodies);
 }
 
 /// N of the only generator, and what becomes of the bodies: those that were added come last.
@@ -44,7 +44,7 @@ void set_count(Scene& scene, std::int64_t count, BodyIdMap& ids) {
   const auto first = static_cast<std::size_t>(std::ssize(scene.bodies));
   const auto before = static_cast<std::size_t>(generated_count(generator));
   generator.count = count;
-  std::erase_if(generator.without, [&](std::int64_t number) { return number >= count; });
+  std::erase_if(generator.excluded, [&](std::int64_t number) { return number >= count; });
   const auto after = static_cast<std::size_t>(generated_count(generator));
   for (std::size_t body = first + std::min(before, after); body < ids.size(); ++body)
     ids[body] = body < first + before ? no_body : static_cast<std::uint32_t>(body - before + after);
@@ -90,7 +90,7 @@ bool Change::only_launch_shape() const {
 }
 
 std::int64_t bodies_of(const Scene& scene) {
-  std::int64_t count = std::ssize(scene.bodies) + std::ssize(scene.added);
+  std::int64_t count = std::ssize(scene.bodies) + std::ssize(scene.extra_bodies);
   for (const BoxCollider& generator : scene.generators) count += generated_count(generator);
   return count;
 }
@@ -106,7 +106,7 @@ BodyIdMap apply_change(const Change& change, Scene& scene, RunOptions& options) 
   apply(change.settings, scene, options);
   remove_bodies(scene, change.remove, ids);
   if (!ids.empty()) remap_joints(scene, ids);
-  scene.added.insert(scene.added.end(), change.add.begin(), change.add.end());
+  scene.extra_bodies.insert(scene.extra_bodies.end(), change.add.begin(), change.add.end());
   return ids;
 }
 

@@ -124,7 +124,7 @@ class ChangesReader {
     const Scene before = scene_;
     apply_change(change, scene_, options_);
     for (Fault& fault : validate(scene_)) {
-      const JsonNode* at = place_of(fault.path, node, before.added.size());
+      const JsonNode* at = place_of(fault.path, node, before.extra_bodies.size());
       const bool is_value = at != &node && (at->kind == JsonKind::number || at->kind == JsonKind::text);
       reading_.fault(
           *at, line_of(fault) + (is_value ? fmt::format(", not {}", printable(document_.token(*at))) : ""));
@@ -175,13 +175,14 @@ class ChangesReader {
   /// Only a body that forces move can be frozen. Those of generators are such.
   bool can_freeze(const Change& change, const JsonNode& freeze) {
     const std::int64_t bodies = bodies_of(scene_), listed = std::ssize(scene_.bodies),
-                       first_added = bodies - std::ssize(scene_.added);
+                       first_added = bodies - std::ssize(scene_.extra_bodies);
     if (!are_ids(change.freeze, freeze, bodies)) return false;
     for (std::size_t k = 0; k < change.freeze.size(); ++k) {
       const std::int64_t id = change.freeze[k];
-      const Body* body = id < listed        ? &scene_.bodies[static_cast<std::size_t>(id)]
-                         : id < first_added ? nullptr
-                                            : &scene_.added[static_cast<std::size_t>(id - first_added)];
+      const Body* body = id < listed ? &scene_.bodies[static_cast<std::size_t>(id)]
+                         : id < first_added
+                             ? nullptr
+                             : &scene_.extra_bodies[static_cast<std::size_t>(id - first_added)];
       if (body != nullptr && body->motion != Motion::dynamic)
         reading_.fault(document_.children(freeze)[k],
                        fmt::format("no force moves body {}; a body that is frozen is a dynamic one", id));
@@ -214,9 +215,10 @@ class ChangesReader {
       if (found != nullptr) path = key;
     });
     if (found != nullptr) return found;
-    if (const JsonNode* add = document_.find(change, "add"); add != nullptr && path.starts_with("added[")) {
+    if (const JsonNode* add = document_.find(change, "add");
+        add != nullptr && path.starts_with("extra_bodies[")) {
       std::size_t index = 0;
-      const char* const digits = path.data() + std::string_view("added[").size();
+      const char* const digits = path.data() + std::string_view("extra_bodies[").size();
       const char* const stop = std::from_chars(digits, path.data() + path.size(), index).ptr;
       if (index >= added_before && index - added_before < add->child_count && *stop == ']') {
         const JsonNode& body = document_.children(*add)[index - added_before];

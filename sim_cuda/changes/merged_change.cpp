@@ -43,16 +43,16 @@ std::optional<Change> merged_change(const Scene& before, const Scene& after, Cha
     find_removed(now.bodies, after.bodies, after, 0, change.remove);
   std::int64_t first = std::ssize(now.bodies);
   for (std::size_t g = 0; g < now.generators.size(); ++g) {
-    const std::vector<std::int64_t>& without = now.generators[g].without;
-    for (const std::int64_t number : after.generators[g].without) {
+    const std::vector<std::int64_t>& without = now.generators[g].excluded;
+    for (const std::int64_t number : after.generators[g].excluded) {
       const auto place = std::ranges::lower_bound(without, number);
       if (place == without.end() || *place != number)
         change.remove.push_back(first + number - (place - without.begin()));
     }
     first += now.generators[g].count - std::ssize(without);
   }
-  const std::size_t kept = find_removed(now.added, after.added, after, first, change.remove);
-  change.add.assign(after.added.begin() + static_cast<std::ptrdiff_t>(kept), after.added.end());
+  const std::size_t kept = find_removed(now.extra_bodies, after.extra_bodies, after, first, change.remove);
+  change.add.assign(after.extra_bodies.begin() + static_cast<std::ptrdiff_t>(kept), after.extra_bodies.end());
   Scene result = before;
   apply_change(change, result, unused);
   return scene_text(result) == scene_text(after) ? std::optional(std::move(change)) : std::nullopt;

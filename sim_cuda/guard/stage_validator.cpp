@@ -82,7 +82,7 @@ struct CheckBodies {
     if (parts & motion) {
       good = limits.within(bodies.velocity[body], limits.speed);
       if (bodies.angular_velocity != nullptr)
-        good = good && limits.within(bodies.angular_velocity[body], limits.spin);
+        good = good && limits.within(bodies.angular_velocity[body], limits.angular_speed);
     }
     if (parts & pose) {
       good = good && limits.within(bodies.position[body], limits.distance);
@@ -211,7 +211,7 @@ void StageValidator<Real>::describe(const ValidationSource<Real>& view, unsigned
     if (violates(FindingQuantity::velocity, v, limits_.within(v, limits_.speed))) return;
     if (view.bodies.angular_velocity != nullptr) {
       const Vector3<Real> spin = fetch(view.bodies.angular_velocity, body);
-      if (violates(FindingQuantity::spin, spin, limits_.within(spin, limits_.spin))) return;
+      if (violates(FindingQuantity::spin, spin, limits_.within(spin, limits_.angular_speed))) return;
     }
   }
   if (parts & pose) {

@@ -62,7 +62,7 @@ struct ValidationLimits {
   explicit ValidationLimits(const ValidationSettings& guards)
       : speed(square(guards.speed)),
         distance(square(guards.distance)),
-        spin(square(guards.spin)),
+        angular_speed(square(guards.angular_speed)),
         reach(static_cast<float>(guards.distance)) {}
 
   static Real square(double limit) { return static_cast<Real>(limit) * static_cast<Real>(limit); }
@@ -83,10 +83,10 @@ struct ValidationLimits {
     return good;
   }
 
-  Real speed;     ///< m^2/s^2
-  Real distance;  ///< m^2
-  Real spin;      ///< rad^2/s^2
-  float reach;    ///< m, of a box along an axis
+  Real speed;          ///< m^2/s^2
+  Real distance;       ///< m^2
+  Real angular_speed;  ///< rad^2/s^2
+  float reach;         ///< m, of a box along an axis
 };
 
 template <class Real>

@@ -17,7 +17,7 @@ bool has_valid_pose(const BodyStates& bodies, std::uint32_t body, const Validati
 bool is_valid_state(const BodyStates& bodies, std::uint32_t body, const ValidationSettings& guards) {
   const ValidationLimits<double> limits(guards);
   return has_valid_pose(bodies, body, guards) && limits.within(bodies.velocity[body], limits.speed) &&
-         limits.within(bodies.angular_velocity[body], limits.spin);
+         limits.within(bodies.angular_velocity[body], limits.angular_speed);
 }
 
 void freeze(RunState& state, std::uint32_t body, const InitialBodies& initial,

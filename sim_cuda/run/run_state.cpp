@@ -93,11 +93,11 @@ std::uint64_t settings_hash(Scene scene) {
   if (!scene.physics.sleep) return 0;
   disable_guards(scene.physics);
   scene.bodies.clear();
-  scene.added.clear();
+  scene.extra_bodies.clear();
   scene.joints.clear();
   for (BoxCollider& generator : scene.generators) {
     generator.count = 0;
-    generator.without.clear();
+    generator.excluded.clear();
   }
   std::uint64_t hash = 0;
   for (const char letter : write_scene(scene)) hash = mix64(hash ^ static_cast<unsigned char>(letter));

@@ -188,7 +188,7 @@ void require_memory_for_step(Executor& executor, const WorldSetup& setup) {
 }
 
 void require_memory_for_bodies(const Scene& scene, const RunOptions& options) {
-  auto bodies = static_cast<std::int64_t>(scene.bodies.size() + scene.added.size());
+  auto bodies = static_cast<std::int64_t>(scene.bodies.size() + scene.extra_bodies.size());
   for (const BoxCollider& generator : scene.generators) bodies += generator.count;
   if (bodies <= few_bodies || options.allow_large) return;
   // A GPU's own memory is asked about later.

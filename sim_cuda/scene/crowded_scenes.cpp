@@ -135,7 +135,7 @@ Scene crowded_scene(const std::string& name, std::int64_t bodies, std::uint64_t 
   scene.name = name;
   scene.generators.clear();
   scene.joints.clear();
-  scene.added.clear();
+  scene.extra_bodies.clear();
   scene.bodies = std::move(made.bodies);
   scene.box = Box{Vector3d(0, 0, 0), Vector3d(made.side, made.side, made.side)};
   return scene;

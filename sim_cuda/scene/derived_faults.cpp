@@ -48,7 +48,7 @@ bool bodies_turn(const Scene& scene) {
   if (scene.physics.effects) return scene.physics.effects->rotation;
   for (const Material& material : scene.materials)
     if (material.friction != 0 || material.rolling_resistance != 0) return true;
-  for (const auto* list : {&scene.bodies, &scene.added})
+  for (const auto* list : {&scene.bodies, &scene.extra_bodies})
     for (const Body& body : *list)
       if (!body.angular_velocity.isZero(0)) return true;
   return joints_turn_bodies(scene);
@@ -73,7 +73,8 @@ std::vector<Fault> mesh_faults(const Scene& scene) {
     }
   };
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) check(scene.bodies[i], fmt::format("bodies[{}]", i));
-  for (std::size_t i = 0; i < scene.added.size(); ++i) check(scene.added[i], fmt::format("added[{}]", i));
+  for (std::size_t i = 0; i < scene.extra_bodies.size(); ++i)
+    check(scene.extra_bodies[i], fmt::format("extra_bodies[{}]", i));
   return faults;
 }
 

@@ -149,12 +149,12 @@ bool crosses_radii(const Scene& scene, const InitialBodies& bodies) {
 /// What says in the scene that there is such a body; `which`: of a generator's, which of its bodies.
 std::string path_of(const Scene& scene, std::size_t body, std::size_t size, std::string& which) {
   if (body < scene.bodies.size()) return fmt::format("bodies[{}]", body);
-  const std::size_t first_added = size - scene.added.size();
-  if (body >= first_added) return fmt::format("added[{}]", body - first_added);
+  const std::size_t first_added = size - scene.extra_bodies.size();
+  if (body >= first_added) return fmt::format("extra_bodies[{}]", body - first_added);
   std::size_t first = scene.bodies.size();
   for (std::size_t g = 0; g < scene.generators.size(); ++g) {
     const BoxCollider& generator = scene.generators[g];
-    const std::size_t count = static_cast<std::size_t>(generator.count) - generator.without.size();
+    const std::size_t count = static_cast<std::size_t>(generator.count) - generator.excluded.size();
     if (body < first + count) {
       which = fmt::format("body {}: ", body);
       return fmt::format("generators[{}]", g);
@@ -180,7 +180,7 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
           all.inertia.empty() ? sphere_inertia(all.mass[i], all.radius[i]) : all.inertia[i];
       if (const auto wrong = inertia_fault(inertia)) fault(i, *wrong);
     }
-    const bool listed = i < scene.bodies.size() || i >= all.size() - scene.added.size();
+    const bool listed = i < scene.bodies.size() || i >= all.size() - scene.extra_bodies.size();
     if (all.box && listed && !(2 * all.radius[i] <= (all.box->max - all.box->min).minCoeff())) {
       fault(i, fmt::format("its bounding sphere of {:.3g} m radius does not fit between the walls",
                            all.radius[i]));
@@ -196,7 +196,7 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
     throw InputError(fault_lines(scene, faults));
   InitialBodies all;
   all.box = box_in_effect(scene);
-  std::size_t total = scene.bodies.size() + scene.added.size();
+  std::size_t total = scene.bodies.size() + scene.extra_bodies.size();
   for (const BoxCollider& generator : scene.generators) total += static_cast<std::size_t>(generator.count);
   all.position.reserve(total);
   all.radius.reserve(total);
@@ -211,7 +211,7 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
     append_box_collider(generator, all.box.value(),
                         fmt::format("{}generators[{}]", scene.file.empty() ? "" : scene.file + ": ", g), all,
                         cancellation);
-    leave_out(generator.without, first, all);
+    leave_out(generator.excluded, first, all);
     const double density = scene.materials[generator.material].density;
     for (std::size_t i = first; i < all.size(); ++i) {
       all.mass.push_back(static_cast<float>(density * sphere_volume(all.radius[i])));
@@ -224,7 +224,7 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
     }
   }
 
-  append_listed(scene, scene.added, meshes, all, needs);
+  append_listed(scene, scene.extra_bodies, meshes, all, needs);
   total = all.size();
 
   if (needs.inertia) {

@@ -250,8 +250,8 @@ std::string_view described(JsonKind kind) {
   return "?";
 }
 
-JsonDocument::JsonDocument(std::string text, std::string name)
-    : text_(std::move(text)), name_(std::move(name)) {
+JsonDocument::JsonDocument(std::string text, std::string name, std::span<const JsonAlias> aliases)
+    : text_(std::move(text)), name_(std::move(name)), aliases_(aliases) {
   if (text_.size() > max_bytes) {
     throw InputError(
         fmt::format("{}: holds more than {} MiB, the most that is read; use a generator for so many "
@@ -277,6 +277,40 @@ void JsonDocument::read_all(const std::function<std::vector<JsonFault>(bool firs
 }
 
 const JsonNode* JsonDocument::find(const JsonNode& object, std::string_view wanted) const {
+  if (const JsonNode* node = find_key(object, wanted)) return node;
+  for (const JsonAlias& alias : aliases_) {
+    if (alias.key != wanted) continue;
+    const JsonNode* node = find_key(object, alias.old_key);
+    if (node == nullptr) continue;
+    warn(node->key_begin, alias);
+    return node;
+  }
+  return nullptr;
+}
+
+void JsonDocument::warn(std::uint32_t offset, const JsonAlias& alias) const {
+  JsonFault warning{offset, fmt::format("warning: \"{}\" is now \"{}\"; the old name still works",
+                                        alias.old_key, alias.key)};
+  if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(std::move(warning));
+}
+
+std::string_view JsonDocument::current_name(const JsonNode& node) const {
+  const std::string_view word = text(node);
+  const auto alias = std::ranges::find(aliases_, word, &JsonAlias::old_key);
+  if (alias == aliases_.end()) return word;
+  warn(node.begin, *alias);
+  return alias->key;
+}
+
+bool JsonDocument::is_old_key(std::string_view key) const {
+  return std::ranges::find(aliases_, key, &JsonAlias::old_key) != aliases_.end();
+}
+
+std::vector<std::string> JsonDocument::warnings() const {
+  return warnings_.empty() ? std::vector<std::string>{} : lines(warnings_);
+}
+
+const JsonNode* JsonDocument::find_key(const JsonNode& object, std::string_view wanted) const {
   const JsonNode* found = nullptr;
   for (const JsonNode& child : children(object)) {
     if (key(child) != wanted) continue;

@@ -34,6 +34,11 @@ struct JsonFault {
   friend bool operator==(const JsonFault&, const JsonFault&) = default;
 };
 
+/// A key that was renamed. The old one is still read, with a warning.
+struct JsonAlias {
+  std::string_view key, old_key;
+};
+
 class JsonDocument {
  public:
   static constexpr std::size_t max_bytes = std::size_t{64} << 20;  ///< of text
@@ -44,7 +49,8 @@ class JsonDocument {
 
   /// Throws InputError where the text is no JSON or beyond a limit. `name` stands before the positions in all
   /// messages. Faults beside which the rest can be read wait in faults().
-  JsonDocument(std::string text, std::string name);
+  /// find() also finds the old keys of `aliases`.
+  JsonDocument(std::string text, std::string name, std::span<const JsonAlias> aliases = {});
 
   const JsonNode& root() const { return nodes_.back(); }
   std::span<const JsonNode> children(const JsonNode& node) const {
@@ -62,6 +68,13 @@ class JsonDocument {
   /// The nearest double; none where it is too near to zero to be one (1e-999).
   std::optional<double> number(const JsonNode& node) const;
 
+  /// Whether the key is the old one of an alias.
+  bool is_old_key(std::string_view key) const;
+  /// The new name, if the text of the node is an old one, which gives a warning; else the text.
+  std::string_view current_name(const JsonNode& node) const;
+  /// `name:line:column: warning: ...` for each old key in the document that find() has met, in its order.
+  std::vector<std::string> warnings() const;
+
   /// Duplicate keys, and words that are no values.
   const std::vector<JsonFault>& faults() const { return faults_; }
 
@@ -76,7 +89,12 @@ class JsonDocument {
   friend class JsonTreeBuilder;
   std::string_view unquoted(std::uint32_t begin, std::uint32_t size) const;
 
+  void warn(std::uint32_t offset, const JsonAlias& alias) const;
+  const JsonNode* find_key(const JsonNode& object, std::string_view key) const;
+
   std::string text_, name_;
+  std::span<const JsonAlias> aliases_;
+  mutable std::vector<JsonFault> warnings_;
   std::vector<JsonNode> nodes_;                               ///< children side by side; the root is last
   std::unordered_map<std::uint32_t, std::string> unescaped_;  ///< by offset: texts that hold a backslash
   std::vector<JsonFault> faults_;

@@ -166,11 +166,18 @@ void ObjectReader::header(std::string_view format, std::string_view whose) {
                                       : "this version of the format is not known; it is 1");
 }
 
+/// Whether the node is the value of a known key, under its old key.
+bool ObjectReader::is_read(const JsonNode& node) const {
+  return std::ranges::any_of(
+      known_, [&](std::string_view key) { return reading_.document.find(node_, key) == &node; });
+}
+
 void ObjectReader::finish() {
   if (!is_object_) return;
   for (const JsonNode& child : reading_.document.children(node_)) {
     const std::string_view key = reading_.document.key(child);
     if (std::ranges::find(known_, key) != known_.end()) continue;
+    if (reading_.document.is_old_key(key) && is_read(child)) continue;
     if (reading_.full()) return;
     const std::string_view nearest = nearest_name(key, known_);
     reading_.fault_at_key(child, fmt::format("unknown key \"{}\" in {}; {}", printable(key), what_,

@@ -65,7 +65,8 @@ class ObjectReader {
     const JsonNode* node = member(key, JsonKind::text);
     if (node == nullptr) return false;
     const std::string_view name = reading_.document.text(*node);
-    const std::optional<Choice> found = value_of(table, name);
+    std::optional<Choice> found = value_of(table, name);
+    if (!found) found = value_of(table, reading_.document.current_name(*node));
     if (found) {
       value = *found;
     } else {
@@ -81,6 +82,8 @@ class ObjectReader {
   void finish();
 
  private:
+  bool is_read(const JsonNode& node) const;
+
   Reading& reading_;
   const JsonNode& node_;
   std::string_view what_;

@@ -100,7 +100,7 @@ struct BoxCollider {
   int material = 0;
   /// Bodies that were taken away: their numbers among the `count`, ascending. The others are as they were,
   /// and their ids move up.
-  std::vector<std::int64_t> without{};
+  std::vector<std::int64_t> excluded{};
 };
 
 /// A half-space that never moves: bodies stay where normal . x >= offset.
@@ -158,7 +158,7 @@ struct ValidationSettings {
   OnFailure on_failure = OnFailure::pause;
   double speed = 1e10;     ///< m/s, >= 0; faster is absurd
   double distance = 1e10;  ///< m, >= 0, from the origin; a centre farther off is absurd, and a box on an axis
-  double spin = 1e10;      ///< rad/s, >= 0; faster is absurd
+  double angular_speed = 1e10;  ///< rad/s, >= 0; faster is absurd
 };
 
 /// The physical settings: with the bodies, they alone decide the state.
@@ -193,14 +193,15 @@ inline int substeps_in_effect(const Physics& physics) {
 
 struct Scene {
   std::string name = "unnamed";
-  std::string directory = ".";  ///< where relative mesh paths start; not written to files
-  std::string file;             ///< what it was read from, for messages; not written to files
-  std::optional<Box> box;       ///< unset: no walls
+  std::string directory = ".";        ///< where relative mesh paths start; not written to files
+  std::string file;                   ///< what it was read from, for messages; not written to files
+  std::vector<std::string> warnings;  ///< of the file, a line each: old keys; not written to files
+  std::optional<Box> box;             ///< unset: no walls
   Physics physics;
   std::vector<Material> materials{Material{}};  ///< materials[0] is always "default"
   std::vector<Body> bodies;                     ///< ids 0, 1, ... in order
   std::vector<BoxCollider> generators;          ///< their bodies follow, generator by generator
-  std::vector<Body> added;                      ///< theirs follow these: bodies that came in mid-run
+  std::vector<Body> extra_bodies;               ///< theirs follow these: bodies that came in mid-run
   std::vector<Plane> obstacles;
   std::vector<BoxObstacle> boxes;  ///< in files they stand among the obstacles
   std::vector<Joint> joints;

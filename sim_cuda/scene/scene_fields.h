@@ -62,8 +62,8 @@ inline constexpr auto guards_fields = std::tuple{
                                                limits::max_guarded),
     detail::number<&ValidationSettings::distance>("distance", "maximum distance of a centre from the origin",
                                                   "m", 0, limits::max_guarded),
-    detail::number<&ValidationSettings::spin>("spin", "maximum angular speed of a body", "rad/s", 0,
-                                              limits::max_guarded),
+    detail::number<&ValidationSettings::angular_speed>("angular_speed", "maximum angular speed of a body",
+                                                       "rad/s", 0, limits::max_guarded),
 };
 
 inline constexpr auto body_fields = std::tuple{

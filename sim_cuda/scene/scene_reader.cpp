@@ -22,6 +22,9 @@
 namespace collidoscope {
 namespace {
 
+constexpr JsonAlias scene_aliases[] = {
+    {"angular_speed", "spin"}, {"excluded", "without"}, {"extra_bodies", "added"}};
+
 class SceneReader {
  public:
   /// `with_meshes`: tells of the mesh files too, if there are other faults. Else initial_bodies() does.
@@ -44,7 +47,7 @@ class SceneReader {
       if (const JsonNode* node = root.member("materials")) read_materials(*node);
       read_bodies(root, "bodies", scene_.bodies);
       read_list(root, "generators", [&](const JsonNode& node) { read_generator(node); });
-      read_bodies(root, "added", scene_.added);
+      read_bodies(root, "extra_bodies", scene_.extra_bodies);
       read_list(root, "obstacles", [&](const JsonNode& node) { read_obstacle(node); });
       read_list(root, "joints", [&](const JsonNode& node) { read_joint(node); });
       if (const JsonNode* node = root.member("camera"))
@@ -124,14 +127,14 @@ class SceneReader {
     }
     read_fields(reading_, reader, generator_settings, generator);
     read_material_name(reading_, reader, materials_, generator.material);
-    if (const JsonNode* list = reader.member("without", JsonKind::array))
+    if (const JsonNode* list = reader.member("excluded", JsonKind::array))
       for (const JsonNode& number : document_.children(*list)) {
         const std::optional<double> value =
             number.kind == JsonKind::number ? document_.number(number) : std::nullopt;
         if (value && *value == std::floor(*value) && std::abs(*value) < 0x1p53)
-          generator.without.push_back(static_cast<std::int64_t>(*value));
+          generator.excluded.push_back(static_cast<std::int64_t>(*value));
         else
-          reading_.fault(number, "\"without\" is a list of whole numbers");
+          reading_.fault(number, "\"excluded\" is a list of whole numbers");
       }
     reader.finish();
   }
@@ -262,11 +265,12 @@ Scene scene_of(std::string text, const std::string& name, const std::string& dir
     Scene scene;
     scene.directory = directory;
     scene.file = name;
-    JsonDocument document(std::move(text), name);
+    JsonDocument document(std::move(text), name, scene_aliases);
     document.read_all([&](bool first) {
       Scene other;
       return SceneReader(document, first ? scene : other, with_meshes).read();
     });
+    scene.warnings = document.warnings();
     return scene;
   });
 }

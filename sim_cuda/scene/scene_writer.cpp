@@ -36,8 +36,8 @@ class SceneWriter {
     write_materials();
     write_list("bodies", scene_.bodies, [&](const Body& body) { return json_of(body); });
     write_list("generators", scene_.generators, [&](const BoxCollider& g) { return json_of(g); });
-    if (!scene_.added.empty())
-      write_list("added", scene_.added, [&](const Body& body) { return json_of(body); });
+    if (!scene_.extra_bodies.empty())
+      write_list("extra_bodies", scene_.extra_bodies, [&](const Body& body) { return json_of(body); });
     write_obstacles();
     write_list("joints", scene_.joints, [](const Joint& joint) { return json_of(joint); });
     OrderedJson camera;
@@ -95,7 +95,7 @@ class SceneWriter {
     json["kind"] = "box_collider";
     put_fields(json, generator_settings, generator);
     put_material(json, generator.material);
-    if (!generator.without.empty()) json["without"] = generator.without;
+    if (!generator.excluded.empty()) json["excluded"] = generator.excluded;
     return json;
   }
 

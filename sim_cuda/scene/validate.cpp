@@ -75,8 +75,8 @@ class Validator {
       check_body(scene_.bodies[i], {"bodies", static_cast<std::int64_t>(i)});
     }
     check_generators();
-    for (std::size_t i = 0; i < scene_.added.size(); ++i) {
-      check_body(scene_.added[i], {"added", static_cast<std::int64_t>(i)});
+    for (std::size_t i = 0; i < scene_.extra_bodies.size(); ++i) {
+      check_body(scene_.extra_bodies[i], {"extra_bodies", static_cast<std::int64_t>(i)});
     }
     for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
       check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
@@ -327,7 +327,7 @@ class Validator {
   }
 
   void check_generators() {
-    std::int64_t total = static_cast<std::int64_t>(scene_.bodies.size() + scene_.added.size());
+    std::int64_t total = static_cast<std::int64_t>(scene_.bodies.size() + scene_.extra_bodies.size());
     int scaled = 0;
     for (std::size_t i = 0; i < scene_.generators.size(); ++i) {
       const BoxCollider& g = scene_.generators[i];
@@ -351,7 +351,7 @@ class Validator {
           total = 0;
         }
       }
-      if (good_count) check_without(g, path.at("without"));
+      if (good_count) check_without(g, path.at("excluded"));
       if (g.variant != Variant::paper && ++scaled > 1) {
         fault(path.at("variant"),
               "must be paper in all generators but one: \"scaled\", \"settled\" and \"equal\" set the box");
@@ -369,8 +369,8 @@ class Validator {
   }
 
   void check_without(const BoxCollider& g, const Path& path) {
-    for (std::size_t k = 0; k < g.without.size(); ++k)
-      if (g.without[k] < 0 || g.without[k] >= g.count || (k > 0 && g.without[k] <= g.without[k - 1])) {
+    for (std::size_t k = 0; k < g.excluded.size(); ++k)
+      if (g.excluded[k] < 0 || g.excluded[k] >= g.count || (k > 0 && g.excluded[k] <= g.excluded[k - 1])) {
         fault(path.at(static_cast<int>(k)),
               fmt::format("must be the number of one of its {} bodies, from 0, more than the one before it",
                           g.count));
@@ -415,10 +415,10 @@ class Validator {
           "must hold rotation where they hold joints that turn bodies: hinges, and anchors beside a centre");
     if (scene_.joints.size() > static_cast<std::size_t>(limits::max_joints))
       fault(root, fmt::format("must be at most {} joints", limits::max_joints));
-    std::int64_t bodies = static_cast<std::int64_t>(scene_.bodies.size() + scene_.added.size());
+    std::int64_t bodies = static_cast<std::int64_t>(scene_.bodies.size() + scene_.extra_bodies.size());
     for (const BoxCollider& generator : scene_.generators)
       bodies += std::clamp<std::int64_t>(generator.count, 0, limits::max_bodies) -
-                static_cast<std::int64_t>(generator.without.size());
+                static_cast<std::int64_t>(generator.excluded.size());
     for (std::size_t i = 0; i < scene_.joints.size(); ++i)
       check_joint(scene_.joints[i], bodies, {"joints", static_cast<std::int64_t>(i)});
   }

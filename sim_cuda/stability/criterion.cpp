@@ -19,7 +19,7 @@ std::string_view unit_of(Quantity quantity) {
     case Quantity::velocity:
     case Quantity::separation_speed:
       return "m/s";
-    case Quantity::spin:
+    case Quantity::angular_speed:
       return "rad/s";
     case Quantity::joint_angle:
       return "rad";

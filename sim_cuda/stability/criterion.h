@@ -25,7 +25,7 @@ enum class Quantity {
   penetration,
   penetration_over_radius,
   speed,
-  spin,
+  angular_speed,
   energy_gain,
   energy_loss,
   kinetic_energy,
@@ -53,7 +53,7 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"penetration", Quantity::penetration},
     {"penetration_over_radius", Quantity::penetration_over_radius},
     {"speed", Quantity::speed},
-    {"spin", Quantity::spin},
+    {"angular_speed", Quantity::angular_speed},
     {"energy_gain", Quantity::energy_gain},
     {"energy_loss", Quantity::energy_loss},
     {"kinetic_energy", Quantity::kinetic_energy},
@@ -131,8 +131,9 @@ struct ExpectedFinding {
 };
 
 struct Criterion {
-  std::string file;         ///< that it was read from
-  std::string what, group;  ///< a line; one of hard_case_groups
+  std::string file;                   ///< that it was read from
+  std::vector<std::string> warnings;  ///< a line each: old names in the file
+  std::string what, group;            ///< a line; one of hard_case_groups
   std::int64_t steps = 0;
   std::optional<std::int64_t> long_steps;  ///< of the long variant; unset: it has none
   std::int64_t every = 1;                  ///< states between two that are measured

@@ -18,6 +18,13 @@
 namespace collidoscope {
 namespace {
 
+constexpr JsonAlias criterion_aliases[] = {{"assertions", "holds"},
+                                           {"injected_faults", "faults"},
+                                           {"inject", "plant"},
+                                           {"expect_finding", "found"},
+                                           {"initial_pair_capacity", "pair_capacity"},
+                                           {"angular_speed", "spin"}};
+
 constexpr std::int64_t most_steps = 1'000'000'000;
 constexpr std::array<Named<int>, 3> axis_names{{{"x", 0}, {"y", 1}, {"z", 2}}};
 
@@ -72,7 +79,7 @@ class CriterionReader {
     }
     if (list.child_count == 0) reading_.fault(list, "\"refused\" names the words of at least one line");
     criterion_.executors.push_back(ExecutorKind::cpu);
-    for (const char* key : {"steps", "holds", "faults", "limits"})
+    for (const char* key : {"steps", "assertions", "injected_faults", "limits"})
       if (const JsonNode* node = root.member(key))
         reading_.fault_at_key(*node,
                               fmt::format("a scene that is refused has no \"{}\"; remove one of both", key));
@@ -82,15 +89,16 @@ class CriterionReader {
     read_steps(root);
     if (root.text("changes", criterion_.changes)) check_file(*root.member("changes"));
     if (const JsonNode* run = root.member("run")) read_run_settings(*run);
-    const JsonNode* found = root.member("found");
-    const JsonNode* plant = root.member("plant");
+    const JsonNode* found = root.member("expect_finding");
+    const JsonNode* plant = root.member("inject");
     if (found != nullptr)
       read_expected_finding(*found, root);
     else
       criterion_.assertions.emplace_back().at_most = 0;  // finite
     if (plant != nullptr) read_injected_state(*plant);
     if (plant != nullptr && found == nullptr)
-      reading_.fault_at_key(*plant, "\"plant\" is of cases with \"found\", whose guards must find it");
+      reading_.fault_at_key(*plant,
+                            "\"inject\" is of cases with \"expect_finding\", whose guards must find it");
     for_each(root, "executors", [&](const JsonNode& node) {
       const auto kind =
           node.kind == JsonKind::text ? value_of(executor_names, document_.text(node)) : std::nullopt;
@@ -99,9 +107,9 @@ class CriterionReader {
       else
         reading_.fault(node, "\"executors\" is a list of \"cpu\" and \"cuda\"");
     });
-    for_each(root, "holds", [&](const JsonNode& node) { read_assertion(node); });
+    for_each(root, "assertions", [&](const JsonNode& node) { read_assertion(node); });
     for_each(root, "limits", [&](const JsonNode& node) { read_expected_failure(node); });
-    for_each(root, "faults", [&](const JsonNode& node) { read_injected_fault(node); });
+    for_each(root, "injected_faults", [&](const JsonNode& node) { read_injected_fault(node); });
   }
 
   template <class Read>
@@ -137,11 +145,6 @@ class CriterionReader {
     read_patch(reading_, reader, criterion_.run, [](const auto& setting) {
       return !is_physical(setting) && setting.name != "executor" && setting.name != "gpu";
     });
-    // The older name.
-    std::int64_t pairs = 0;
-    if (reader.whole("pair_capacity", pairs) &&
-        in_range(*reader.member("pair_capacity"), "pair_capacity", pairs, 1, std::int64_t{1} << 40))
-      criterion_.run.set<&RunOptions::initial_pair_capacity>(pairs);
     reader.finish();
   }
 
@@ -179,7 +182,9 @@ class CriterionReader {
     if (named && assertion.quantity == Quantity::finite)
       reading_.fault(node, "\"finite\" always holds by itself; remove this term");
     if (named && assertion.quantity == Quantity::expected_finding)
-      reading_.fault(node, "what guards must find is said by \"found\" beside \"holds\"; remove this term");
+      reading_.fault(
+          node,
+          "what guards must find is said by \"expect_finding\" beside \"assertions\"; remove this term");
     if (double bound = 0; reader.real("at_most", bound)) assertion.at_most = bound;
     if (double bound = 0; reader.real("at_least", bound)) assertion.at_least = bound;
     if (!assertion.at_most && !assertion.at_least && reader.member("at_most") == nullptr &&
@@ -255,7 +260,7 @@ class CriterionReader {
   }
 
   void read_expected_finding(const JsonNode& node, ObjectReader& root) {
-    ObjectReader reader(reading_, node, "\"found\"");
+    ObjectReader reader(reading_, node, "\"expect_finding\"");
     ExpectedFinding& found = criterion_.expected_finding.emplace();
     std::optional<std::int64_t> step;
     read_state(reader, "step", step);
@@ -264,18 +269,18 @@ class CriterionReader {
     read_id(reader, found.body);
     for (const char* key : {"step", "stage", "body"})
       if (reader.is_object() && reader.member(key) == nullptr)
-        reading_.fault(node, "\"found\" is a \"step\", a \"stage\" and a \"body\"");
+        reading_.fault(node, "\"expect_finding\" is a \"step\", a \"stage\" and a \"body\"");
     reader.finish();
     Assertion& assertion = criterion_.assertions.emplace_back();
     assertion.quantity = Quantity::expected_finding;
     assertion.at_least = 1;
-    if (const JsonNode* holds = root.member("holds"))
-      reading_.fault_at_key(*holds,
-                            "what guards must find is all that can hold; remove \"found\" or \"holds\"");
+    if (const JsonNode* holds = root.member("assertions"))
+      reading_.fault_at_key(
+          *holds, "what guards must find is all that can hold; remove \"expect_finding\" or \"assertions\"");
   }
 
   void read_injected_state(const JsonNode& node) {
-    ObjectReader reader(reading_, node, "\"plant\"");
+    ObjectReader reader(reading_, node, "\"inject\"");
     InjectedFault injected;
     if (reader.is_object()) read_injected(reader, node, injected);
     reader.finish();
@@ -335,8 +340,8 @@ class CriterionReader {
       }
     reading_.fault(
         numbered ? *reader.member("term") : *reader.member("fails"),
-        fmt::format("\"holds\" has {} of the quantity \"{}\"", found == 0 ? "none" : fmt::to_string(found),
-                    name_of(quantity_names, quantity)));
+        fmt::format("\"assertions\" has {} of the quantity \"{}\"",
+                    found == 0 ? "none" : fmt::to_string(found), name_of(quantity_names, quantity)));
   }
 
   void read_set(const JsonNode& node, InjectedFault& fault) {
@@ -405,13 +410,14 @@ class CriterionReader {
 }  // namespace
 
 Criterion parse_criterion(const std::string& text, const std::string& name, const Scene* scene) {
-  JsonDocument document(text, name);
+  JsonDocument document(text, name, criterion_aliases);
   Criterion criterion;
   document.read_all([&](bool first) {
     Criterion other;
     return CriterionReader(document, scene).read(first ? criterion : other);
   });
   criterion.file = name;
+  criterion.warnings = document.warnings();
   return criterion;
 }
 

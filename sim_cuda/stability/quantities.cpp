@@ -128,7 +128,7 @@ Extremes measured(const Assertion& assertion, Observation& observation) {
       return penetration_over_radius(observation);
     case Quantity::speed:
       return each([](const BodyStates& b, std::size_t body) { return b.velocity[body].norm(); });
-    case Quantity::spin:
+    case Quantity::angular_speed:
       return each([](const BodyStates& b, std::size_t body) { return b.angular_velocity[body].norm(); });
     case Quantity::energy_gain:
       return single(energy_gain(observation));

@@ -4,7 +4,7 @@
 //   finite                   bodies with a component that is not finite
 //   penetration              m, the deepest overlap of two bodies, or of a body and a wall (StepStats)
 //   penetration_over_radius  the largest overlap over the radius, of two bodies over that of the smaller one
-//   speed, spin              m/s, rad/s, of each body
+//   speed, angular_speed     m/s, rad/s, of each body
 //   energy_gain              (E - E0 - W) / S: E is kinetic and potential energy, W the work of the
 //                            positional push since the start, S the largest kinetic energy + |change of the
 //                            potential energy| of the states measured so far; 0 where both are 0

@@ -349,7 +349,7 @@ double TestRun::progress() const {
 const TestResult& TestRun::result() const { return impl_->result; }
 std::int64_t TestRun::bodies() const {
   const Scene& scene = impl_->hard_case.scene;
-  auto count = static_cast<std::int64_t>(scene.bodies.size() + scene.added.size());
+  auto count = static_cast<std::int64_t>(scene.bodies.size() + scene.extra_bodies.size());
   for (const BoxCollider& generator : scene.generators) count += generator.count;
   return count;
 }

@@ -33,7 +33,7 @@ bool is_small(const Scene& scene) {
   const auto is_sphere = [](const Body& body) { return body.shape == Shape::sphere; };
   return bodies_of(scene) <= 100 &&
          std::ranges::all_of(scene.generators, [](const BoxCollider& g) { return g.count <= 100; }) &&
-         std::ranges::all_of(scene.bodies, is_sphere) && std::ranges::all_of(scene.added, is_sphere);
+         std::ranges::all_of(scene.bodies, is_sphere) && std::ranges::all_of(scene.extra_bodies, is_sphere);
 }
 
 void check_bodies(const Scene& scene) {

@@ -78,7 +78,7 @@ FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies) {
   const std::span<const Vector3d> position = bodies.position;
   const std::span<const double> radius = bodies.radius;
   result.bounds = scene_bounds(scene, bodies.box, position, radius);
-  const std::size_t own = bodies.size() - std::min(bodies.size(), scene.added.size());
+  const std::size_t own = bodies.size() - std::min(bodies.size(), scene.extra_bodies.size());
   result.size = own > 0 ? scene_bounds(scene, bodies.box, position.first(own), radius.first(own)).diagonal()
                         : result.bounds.diagonal();
   result.floor =

@@ -13,8 +13,8 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.removed_bodies = view.other_bodies = 0;
   if (view.generated) {
     const BoxCollider& generator = world.scene().generators[0];
-    view.removed_bodies = std::ssize(generator.without);
-    view.other_bodies = std::ssize(world.scene().bodies) + std::ssize(world.scene().added);
+    view.removed_bodies = std::ssize(generator.excluded);
+    view.other_bodies = std::ssize(world.scene().bodies) + std::ssize(world.scene().extra_bodies);
     if (world.scene().box) view.greatest_radius = greatest_radius_max(generator, *world.scene().box);
   }
   const WorldInfo info = world.info();

@@ -25,7 +25,7 @@ Scene scene_of_now(World& world) {
   const BodyStates now = world.bodies();
   scene.box = initial.box;
   scene.generators.clear();
-  scene.added.clear();
+  scene.extra_bodies.clear();
   scene.bodies.assign(initial.size(), {});
   for (std::size_t i = 0; i < initial.size(); ++i) {
     Body& body = scene.bodies[i];
