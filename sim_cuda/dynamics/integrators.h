@@ -4,11 +4,9 @@
 // over h, and the final velocity. Semi-implicit Euler, for which both are equal, is in move.h.
 //
 //   velocity_verlet  kick h/2, drift, kick h/2. Second order; symplectic without drag (Hairer, Lubich,
-//   Wanner,
-//                    "Geometric Numerical Integration", I.1.4).
+//                    Wanner, "Geometric Numerical Integration", I.1.4).
 //   rk4              the classical Runge-Kutta method, fourth order. It is explicit, so a body that drag
-//   stops
-//                    within about a step uses velocity_verlet instead, whose kicks are implicit.
+//                    stops within about a step uses velocity_verlet instead, whose kicks are implicit.
 //
 // Both integrate a parabola exactly. Pure functions of SI units, without libm, as all code that affects the
 // state. Coefficients are template arguments, so that tests can inject wrong ones.
