@@ -43,8 +43,7 @@ struct BalancedTree {
   }
   SIM_HD static std::uint32_t heap(int level, std::uint32_t node) { return (1u << level) + node; }
 
-  /// Node number for TreeSink. The inner node that splits between places k - 1 and k has the number n + k -
-  /// 1.
+  /// Node number for TreeSink. The inner node that splits after place k has the number n + k.
   SIM_HD std::uint32_t number(const NodeRange& node) const {
     return node.inner() ? n + node.middle - 1 : node.first;
   }

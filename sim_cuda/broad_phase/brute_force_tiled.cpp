@@ -24,8 +24,7 @@ struct TileUnit {
   std::uint32_t first_row, first_column;
 
   SIM_HD TileUnit(std::uint64_t unit, std::uint32_t tile) {
-    const Pair group =
-        decode_pair(unit / row_tiles);  // groups of 4 tiles; (a, b) encodes group a against group b - 1 >= a
+    const Pair group = decode_pair(unit / row_tiles);  // of 4 tiles; (a, b) encodes a against b - 1 >= a
     first_row = group.a * row_tiles * tile;
     first_column = ((group.b - 1) * row_tiles + static_cast<std::uint32_t>(unit % row_tiles)) * tile;
   }
@@ -60,8 +59,7 @@ struct TestTiles {
     }
     for (std::uint32_t row = unit.first_row; row < unit.first_row + row_tiles * tile && row < bodies; ++row) {
       const Aabb box = boxes[row];
-      const std::uint32_t own =
-          row < unit.first_column ? 0 : row - unit.first_column;  // columns up to this one are skipped
+      const std::uint32_t own = row < unit.first_column ? 0 : row - unit.first_column;  // skipped columns
       for (std::uint32_t c = own / lanes * lanes; c < tile; c += lanes) {
         std::uint32_t hit[lanes], any = 0;
         for (std::uint32_t k = 0; k < lanes; ++k) {

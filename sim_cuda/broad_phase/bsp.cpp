@@ -4,11 +4,12 @@
 // its left half and the beginning of its right half.
 //
 // No pair is lost, without any safety margin. A box projects onto the interval
-// low = n.x * (n.x < 0 ? max : min).x + (same for y) + (same for z); high: min and max exchanged,
+//   low = n.x * (n.x < 0 ? max : min).x + (same for y) + (same for z),  high: min and max exchanged,
 // in float and in this order. Rounding is monotone: a <= b implies fl(n * a) <= fl(n * b) for n >= 0, and
 // fl(a + c) <= fl(b + d) if also c <= d. Overlapping boxes A and B have a common point. Each term of A's low
 // is at most that of the point, which is at most that of B's high. The rounded sums keep this order: low(A)
 // <= high(B). The same holds for A and the maximum high of several boxes.
+//
 // |n| <= 1 per component, so products are finite. A sum that overflows does so monotonically: no NaN. All
 // stages round alike (-ffp-contract=off, -fmad=false). Empty boxes do not extend the planes. Leaves are
 // compared by their exact boxes.
@@ -62,8 +63,8 @@ struct Cloud {
       square[3 + k] += p[k] * p[(k + 1) % 3];
     }
   }
-  /// Direction of largest variance: the largest column of the covariance matrix after six squarings, which
-  /// equals 64 steps of the power method. The x axis if the points coincide.
+  /// Direction of largest variance: the largest column of the covariance matrix after six squarings. This
+  /// equals 64 steps of the power method, started from every axis. The x axis if the points coincide.
   SIM_HD void principal_axis(float* axis) const {
     double m[6];
     for (int k = 0; k < 3; ++k) {

@@ -158,6 +158,7 @@ class BulletDbvt final : public BroadPhase {
   /// Calls visit(node, number, parent's number), parents first, children from left to right, with numbers as
   /// in TreeSink. Returns the number of inner nodes. With empty boxes, an additional root (null) joins them
   /// and Bullet's tree.
+  ///
   /// Coincident bodies degenerate Bullet's tree to a list. Leaves below the maximum depth of a TreeView
   /// become children of their last ancestor above it.
   template <class Visit>

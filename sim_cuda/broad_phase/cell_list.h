@@ -8,6 +8,7 @@
 // level of reach R, whose box overlaps that of i. R is an upper bound of the side lengths of all boxes in the
 // level. On each axis min_j <= max_i, because the boxes overlap. Also min_j >= max_j - R >= min_i - R >=
 // down(min_i - R), where down is the next float below the rounded difference.
+//
 // index() is monotone, because subtraction, multiplication by a positive number, clamping and truncation are
 // monotone, with or without rounding. So the cells index(down(min_i - R)) to index(max_i) contain the low
 // corner of j. Origin, cell size and extent affect the speed only.
@@ -32,8 +33,7 @@ SIM_HD inline float longest_side(const Aabb& box) {
 /// repeat with the period `period` <= `cells`. Cells with equal numbers share a list, which costs tests but
 /// loses no pairs.
 struct GridLevel {
-  static constexpr std::uint32_t max_cells = 1u
-                                             << 21;  ///< per axis; adjacent cells are still distinct floats
+  static constexpr std::uint32_t max_cells = 1u << 21;  ///< per axis; distinct as floats
 
   Vector3f origin;               ///< m, low corner of the grid
   float cells_per_metre;         ///< 0: there is a single cell
@@ -60,8 +60,7 @@ struct GridLevel {
 /// Cell sizes range from a quarter of the reach to twice the reach. Chooses the smallest size for which every
 /// cell has its own list, otherwise the largest.
 SIM_HD inline GridLevel make_level(const Aabb& extent, float reach, std::uint64_t room) {
-  const float finest =
-      max_of(longest_side(extent) * 0x1p-20f, 0x1p-100f);  // smallest size with valid cell numbers
+  const float finest = max_of(longest_side(extent) * 0x1p-20f, 0x1p-100f);  // m; limits cell numbers
   GridLevel level{extent.min, 0, reach, {}, {}};
   std::uint32_t* const period = level.period;
   const auto fits = [&] { return std::uint64_t{period[0]} * period[1] * period[2] <= room; };
@@ -83,8 +82,7 @@ SIM_HD inline GridLevel make_level(const Aabb& extent, float reach, std::uint64_
 /// of two. A level may contain several classes.
 struct CellGrid {
   static constexpr std::int32_t classes = 23;
-  std::int32_t first_power;  ///< power_of() of class 0, which also has all smaller bodies; the last class has
-                             ///< all larger ones
+  std::int32_t first_power;        ///< power_of() of class 0. Outliers are in the first or last class
   std::int32_t level_of[classes];  ///< level of each class
   std::uint32_t occupied;          ///< bit k: level k is in use; the others contain no bodies
   GridLevel levels[classes];

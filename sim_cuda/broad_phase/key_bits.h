@@ -13,10 +13,10 @@ namespace collidoscope {
 
 /// Returns 24, 30 or 63.
 /// - The shortest length with at least as many distinct cells as bodies. 30 if keys are sorted by counting,
-/// which takes the same time for 24; else 24 up to 2^24 bodies.
+///   which takes the same time for 24; else 24 up to 2^24 bodies.
 /// - A longer one if many bodies at `position` (all bodies, m) would share their key.
 /// - 63 if crowded cells would make a counting sort slow. The cells are crowded now, or would be if the
-/// smaller bodies (a tenth to a half of all) gathered at the density of random close packing.
+///   smaller bodies (a tenth to a half of all) gathered at the density of random close packing.
 /// - 63 without a box, because one escaping body enlarges the cells of all others.
 int automatic_key_bits(const InitialBodies& bodies, const std::vector<Vector3d>& position,
                        SortMethod sort = SortMethod::automatic);

@@ -38,8 +38,8 @@ struct FirstArrival {
   }
 };
 
-/// Climb over n leaves. Inner nodes have the numbers n + k. For a left child, k is its last leaf; for a right
-/// child, its first leaf; for the root, 0.
+/// Climbs from n leaves to the root. Inner nodes have the numbers n + k: k is the last leaf of a left child,
+/// the first leaf of a right child, and 0 for the root.
 struct Climb {
   std::uint32_t n;
   RopedNode* nodes;

@@ -101,6 +101,7 @@ struct SplitLevel {
   SIM_HD void operator()(int item) const { nodes(level, item); }
 };
 
+/// Computes all boxes: leaves climb, and the second child to arrive continues.
 struct Refit {
   const Aabb* boxes;
   const std::uint32_t* parent;
@@ -118,8 +119,7 @@ struct Refit {
     for (;;) {
       store_vectorized(&nodes[at], node);
       const std::uint32_t above = parent[at];
-      if (above == none || atomic_exchange(&arrival[above], at) == none)
-        return;  // the second child to arrive continues
+      if (above == none || atomic_exchange(&arrival[above], at) == none) return;
       const QueueNode up = nodes[above];
       const QueueNode other = load_l2(&nodes[at == up.child ? at + 1 : at - 1]);
       for (int k = 0; k < 3; ++k) {

@@ -9,6 +9,7 @@
 // with one counter each. A cell usually has one or two bodies, and each body finds its place within the cell
 // by comparisons. It takes four launches; a radix sort takes eleven. A cell with many bodies is one large
 // item, sorted by a block (LargeItems).
+//
 // The library's radix sort is used for more bodies and for 63-bit keys. ExecutorOptions::sort overrides this
 // choice.
 
@@ -238,8 +239,8 @@ class MortonOrder {
   std::int64_t bodies_ = 0;
   int cell_bits_ = 0;  ///< 0: no counting sort
   Buffer<Key> keys_, sorted_keys_;
-  Buffer<std::uint32_t>
-      ids_;  ///< ids; with counting, ranks of bodies within their cell, then bodies by place
+  /// Ids; with counting, ranks of bodies within their cell, then bodies by place.
+  Buffer<std::uint32_t> ids_;
   Buffer<std::uint32_t> order_;
   Buffer<std::uint32_t> count_, begin_;
   Buffer<std::byte> temporary_;

@@ -55,9 +55,8 @@ class PairBatch {
     buffered_ = 0;
   }
 
-  static constexpr std::uint32_t room =
-      8;           // more than most queries find, so that most update the counter once
-  PairSink sink_;  // a copy, because kernel parameters have no address
+  static constexpr std::uint32_t room = 8;  // most queries find fewer, and update the counter once
+  PairSink sink_;                           // a copy, because kernel parameters have no address
   std::uint32_t body_, buffered_ = 0, other_[room] = {};
 };
 

@@ -7,6 +7,7 @@
 // minimum since the last build. The next update then sorts and links anew. The decision is a counter in the
 // executor's memory: the item count of the build stages, all or none. A recorded step therefore needs no
 // readback, and the step after a large motion is slow.
+//
 // (The library sort, as for 63-bit keys, runs in every step, with the old keys if there is no rebuild.)
 
 #include "sim_cuda/broad_phase/broad_phase.h"
@@ -55,8 +56,8 @@ struct LinkNodes {
       const bool is_left = split_bit_at(last) < split_bit_at(first - 1);
       const std::uint32_t split = is_left ? last : first - 1;
       RopedNode& above = nodes[n + split];
-      (is_left ? above.child : above.rope) =
-          at;  // the rope field holds the right child until the escape indices are set
+      // Until the escape indices are set, the rope is the right child.
+      (is_left ? above.child : above.rope) = at;
       const std::uint32_t far = atomic_exchange(&arrival[split], is_left ? first : last);
       if (far == no_rope) return;
       arrival[split] = no_rope;  // both children have arrived

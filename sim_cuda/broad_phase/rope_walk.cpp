@@ -40,8 +40,8 @@ struct WalkRopes {
 constexpr std::uint32_t warp_size = 32;
 constexpr std::int64_t lanes_per_query = 4;      // more lanes do not pay, because splitting costs time
 constexpr std::uint32_t idle_lanes_to_wait = 4;  // lanes that must be idle before work is redistributed
-constexpr std::uint32_t max_shared =
-    200'000;  // queries: on an H200, which runs 8,448 warps at once, both are equally fast here
+// Number of queries at which both variants are equally fast on an H200, which runs 8,448 warps concurrently.
+constexpr std::uint32_t max_shared = 200'000;
 
 /// The rest of a walk.
 struct Walk {

@@ -22,8 +22,8 @@ struct alignas(16) RopedNode {
   float min[3];
   std::uint32_t child;  ///< left child; for a leaf, the id of its body
   float max[3];
-  std::uint32_t
-      rope;  ///< escape index: next node if this subtree is skipped; none: there is no node to the right
+  /// Escape index: next node if this subtree is skipped; none: there is no node to the right.
+  std::uint32_t rope;
 
   SIM_HD Aabb box() const { return {Vector3f(min[0], min[1], min[2]), Vector3f(max[0], max[1], max[2])}; }
   SIM_HD void set_box(const Aabb& box) {

@@ -36,8 +36,8 @@ struct TreeView {
   const std::uint32_t* children = nullptr;     ///< number of children
   const std::uint32_t* body = nullptr;         ///< id; `inner` for inner nodes
   const std::uint32_t* leaf_body = nullptr;    ///< ids of the leaves in tree order
-  const std::vector<std::uint32_t>* first =
-      nullptr;  ///< first node of each level, and the number of nodes as last element
+  /// First node of each level, and the number of nodes as last element.
+  const std::vector<std::uint32_t>* first = nullptr;
 
   int levels() const { return first == nullptr ? 0 : static_cast<int>(first->size()) - 1; }
   std::uint32_t level_begin(int level) const { return (*first)[static_cast<std::size_t>(level)]; }

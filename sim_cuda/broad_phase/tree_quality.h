@@ -32,10 +32,10 @@ struct NodeHistogram {
   std::int64_t count = 0;   ///< nodes with a value
   std::int64_t inside = 0;  ///< nodes with a value from `low` to `high`
   float least = 0, greatest = 0;
-  std::array<float, bins + 1>
-      edge{};  ///< ascending; equal steps of the value, or of its logarithm if the metric is logarithmic
-  std::array<std::int64_t, bins>
-      nodes{};  ///< nodes per bin; a bin includes its lower edge, the last bin both edges
+  /// Ascending; equal steps of the value, or of its logarithm if the metric is logarithmic.
+  std::array<float, bins + 1> edge{};
+  /// Nodes per bin; a bin includes its lower edge, the last bin both edges.
+  std::array<std::int64_t, bins> nodes{};
 };
 
 struct NodeReport {
@@ -45,11 +45,10 @@ struct NodeReport {
   std::uint32_t first_child = 0;  ///< place; the other children follow
   std::uint32_t body = 0;         ///< body of a leaf
   float min[3] = {}, max[3] = {};
-  double sah_share = 0;  ///< share of the tree's total SAH cost
-  double sibling_overlap =
-      0;                    ///< area of the children's intersection, relative to its own area; 0 for a leaf
-  double empty_space = 0;   ///< fraction of its volume outside all children; 0 for a leaf
-  std::int64_t visits = 0;  ///< queries that test its box
+  double sah_share = 0;        ///< share of the tree's total SAH cost
+  double sibling_overlap = 0;  ///< area of the children's intersection over its own; 0 for a leaf
+  double empty_space = 0;      ///< fraction of its volume outside all children; 0 for a leaf
+  std::int64_t visits = 0;     ///< queries that test its box
 };
 
 /// Visits per query of the method's own traversal: nodes whose box or planes it reads, and bodies whose box
@@ -61,8 +60,8 @@ struct OwnVisits {
   bool by_query = false;
   double p99 = 0;
   std::int64_t max = 0;
-  double warp_ratio =
-      0;  ///< mean over groups of 32 consecutive queries of their maximum visits, divided by the mean
+  /// Mean over groups of 32 consecutive queries of their maximum visits, divided by the mean.
+  double warp_ratio = 0;
 };
 
 /// `visits`: box tests of a reference query, which starts at the root and finds all overlapping bodies. A box
@@ -80,13 +79,13 @@ struct TreeQuality {
   double visits_mean = 0;            ///< per query
   double visits_p99 = 0;
   std::int64_t visits_min = 0, visits_max = 0;
-  double warp_ratio =
-      0;  ///< mean over groups of 32 adjacent leaves of their maximum visits, divided by visits_mean
-  double expected_visits =
-      0;  ///< mean over queries of the sum over nodes of prod(extent + 2 query), divided by the root's volume
+  /// Mean over groups of 32 adjacent leaves of their maximum visits, divided by visits_mean.
+  double warp_ratio = 0;
+  /// Mean over queries of the sum over nodes of prod(extent + 2 query), divided by the root's volume.
+  double expected_visits = 0;
   std::int64_t pairs = 0;
-  double tests_per_pair =
-      0;  ///< box tests of all queries divided by twice the pairs, because both queries of a pair find it
+  /// Box tests of all queries divided by twice the pairs, because both queries of a pair find it.
+  double tests_per_pair = 0;
   OwnVisits own;
 };
 

@@ -6,7 +6,8 @@
 
 namespace collidoscope {
 
-/// Longer lists are processed by a block: one thread would take longer than the block needs to cooperate.
+/// Longer lists are processed by a block, because one thread would take longer than a block with its
+/// barriers.
 inline constexpr std::uint32_t large_list_size = 256;
 
 #if defined(__CUDACC__)

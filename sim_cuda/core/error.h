@@ -1,6 +1,6 @@
 #pragma once
-// The exceptions that report errors of a run: InputError and MachineError. No other exception reports an
-// error on purpose. what() is one or more complete lines, ready for stderr.
+// Exceptions for errors of a run: InputError and MachineError. The code throws no other exceptions to report
+// errors. what() is one or more complete lines, ready for stderr.
 
 #include <stdexcept>
 #include <string>

@@ -104,7 +104,7 @@ class Executor {
   };
 
   /// Reserves `bytes` of stack per thread, in addition to CUDA's default, for stages with recursive
-  /// functions. Not within a step.
+  /// functions. Must not be called within a step.
   void reserve_call_stack(std::size_t bytes);
 
   /// Assigns the work enqueued from now on to this stage. `library_launch`: a library launches its kernels,

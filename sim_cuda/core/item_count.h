@@ -11,8 +11,8 @@ namespace collidoscope {
 /// counter when it starts, so that the host need not wait for it.
 struct ItemCount {
   std::int64_t max = 0;  ///< number of items, or an upper bound of it
-  const std::uint32_t* device_count =
-      nullptr;  ///< counter in the executor's memory; null: the number is `max`
+  /// Counter in the executor's memory; null: the number is `max`.
+  const std::uint32_t* device_count = nullptr;
 
   ItemCount(std::int64_t items)
       : max(items) {}  // NOLINT(google-explicit-constructor): a number is an ItemCount

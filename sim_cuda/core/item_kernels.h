@@ -78,8 +78,8 @@ void launch_stage(LaunchPlanner& planner, cudaStream_t stream, const char* name,
 struct KernelNeeds {
   std::int64_t threads;  ///< number of threads with work
   bool at_once;          ///< automatic B: at most as many blocks as run concurrently
-  LaunchPlanner::SharedBytes shared_bytes =
-      nullptr;  ///< dynamic shared memory per block of T threads; null: none
+  /// Dynamic shared memory per block of T threads; null: none.
+  LaunchPlanner::SharedBytes shared_bytes = nullptr;
 };
 
 template <class... Parameters, class... Arguments>

@@ -45,8 +45,8 @@ class SpareArenas {
       return arena;
     }
     Arena arena = std::make_unique<tbb::task_arena>(threads);
-    arena->initialize();  // initialised here: an arena whose later initialisation runs out of memory is
-                          // unusable
+    // Initialise now: an arena whose later initialisation runs out of memory is unusable.
+    arena->initialize();
     return arena;
   }
   void release(int threads, Arena arena) noexcept {

@@ -9,10 +9,10 @@ namespace {
 
 constexpr int digit_bits = 4;
 constexpr std::uint32_t digits = 1u << digit_bits;
-constexpr std::int64_t min_records_per_lane =
-    16;  // records: the table of counters is then no longer than the keys
-constexpr std::int64_t one_record_lanes =
-    65'536;  // threads: up to here, each of the B x T threads may have a single record
+// With this number of records per lane, the table of counters is no longer than the keys.
+constexpr std::int64_t min_records_per_lane = 16;
+// Up to this number of threads, each of the B x T threads may have a single record.
+constexpr std::int64_t one_record_lanes = 65'536;
 
 /// A lane's records are contiguous, so that the sort is stable.
 struct LaneRanges {

@@ -16,7 +16,9 @@ std::size_t radix_sort_temporary_bytes(std::int64_t count);
 
 /// Sorts (key, value) in place by the lowest `key_bits` bits of the keys. Stable. Key: std::uint32_t or
 /// uint64_t. count < 2^31.
+///
 /// The spare arrays have the same length, must not overlap the others, and are undefined afterwards.
+///
 /// All B x T threads share the records, at most one thread per record, up to 65,536 threads. Beyond that, and
 /// with an automatic shape, each thread has at least 16 records.
 template <class Key>

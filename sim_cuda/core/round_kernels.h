@@ -4,6 +4,7 @@
 //
 // On a GPU, all rounds run in one cooperative launch with a grid barrier between rounds. Empty rounds skip
 // the barrier. If the requested (B, T) exceeds the resident blocks, each round is a separate launch.
+//
 // Thread block clusters have faster barriers, but at most 16 multiprocessors and their share of the memory
 // bandwidth. They are slower from 50,000 bodies on.
 

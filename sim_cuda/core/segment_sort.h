@@ -19,8 +19,8 @@ struct NumberSegment {
 /// Keys with body ids; ordered by (key, id).
 struct KeyedSegment {
   using Value = std::uint64_t;
-  static constexpr std::uint32_t tile_bits =
-      9;  ///< 4 KiB, so that it does not reduce the resident blocks of the kernel
+  /// 4 KiB, so that it does not reduce the resident blocks of the kernel.
+  static constexpr std::uint32_t tile_bits = 9;
   std::uint32_t *keys, *ids;
   SIM_HD Value get(std::int64_t i) const { return std::uint64_t{keys[i]} << 32 | ids[i]; }
   SIM_HD void put(std::int64_t i, Value value) const {

@@ -28,7 +28,7 @@ class StageRecorder {
   void end();
   /// Sets the substep index (from 0) of the stages that begin afterwards.
   void begin_substep(int substep) { substep_ = substep; }
-  /// Calls `work`, and `ended` after each of its stages. Not called for stages that `ended` itself begins.
+  /// Calls `work`, and `ended` after each of its stages. `ended` is not called for stages that it begins.
   /// The substep index starts at 0.
   void run_with_stage_callback(const StageCallback& ended, const std::function<void()>& work);
 

@@ -6,6 +6,7 @@
 //
 // d is the vector from the point to the body; mu in m^3/s^2; eps > 0 in m; ranges in scene/limits.h. The
 // effect is required if the scene has attractors.
+//
 // The speculative margin of a step uses the largest acceleration, 2 mu / (3 sqrt(3) eps^2), at |d| = eps /
 // sqrt(2). An eps far below all relevant distances therefore creates many speculative contacts that never
 // touch.

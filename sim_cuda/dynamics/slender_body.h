@@ -1,14 +1,16 @@
 #pragma once
 // Rotation update for slender bodies: one moment of inertia, I, is much smaller than the other two. Those
 // then differ by at most I, because no moment exceeds the sum of the others.
+//
 // An update that only conserves the angular momentum L has an error of order (h w)^2 L along the slender
-// axis, where the small moment turns it into a large spin. From h w = sqrt(I/I_across) on, the error grows
+// axis. The small moment there turns it into a large spin. From h w = sqrt(I/I_across) on, the error grows
 // from step to step, to I_across/I times the energy.
 //
 // Therefore the kinetic energy is split into two parts, each with an exact flow (Strang 1968; Fasso 2003, for
 // any body). The first is a symmetric top: it spins about its own axis, which precesses about L, both at
 // constant rates (Landau, Lifshitz, Mechanics, 33 and 35). The rest is a rotation about one transverse axis,
 // smaller by I/I_across, applied half before and half after.
+//
 // Exact if both transverse moments are equal. Otherwise second order, with bounded energy error for every
 // step that resolves the tumbling. Pure functions of SI units.
 

@@ -23,8 +23,8 @@ template <class Real>
 struct SphereView {
   const Vector3<Real>* position;  ///< m
   const Real* radius;             ///< m
-  const Real* inverse_mass =
-      nullptr;  ///< 1/kg; null if all bodies are dynamic. Two bodies of 0 have no contact
+  /// 1/kg; null if all bodies are dynamic. Two bodies of 0 have no contact.
+  const Real* inverse_mass = nullptr;
 };
 
 /// Pairs without contacts, because a joint connects them. Ordered; in the executor's memory.

@@ -35,10 +35,12 @@ struct SpeculativeMargin {
 
 /// Whether two spheres may touch within the predicted time, as long as each acceleration is gravity minus a
 /// frictionless support force.
+///
 /// Such a support removes the component of g normal to a plane, so each acceleration lies in the ball with
 /// diameter g. The relative acceleration is therefore at most |g|, and the gap shrinks by at most time |v_b -
 /// v_a| + |g| time^2. (The factor of semi-implicit Euler, K (K + 1) / (2 K^2), is at most 1.) Attractors add
 /// at most their largest acceleration to each body.
+///
 /// Drag scales each velocity by any factor l in [0, 1]; the maximum of |l_b v_b - l_a v_a| is at a corner.
 /// With MotionBound::any_direction, the bodies may move directly towards each other.
 template <class Real>
