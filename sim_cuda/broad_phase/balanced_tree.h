@@ -1,8 +1,8 @@
 #pragma once
-// A balanced tree over n places, split level by level, as the k-d tree and the BSP are: node i of level L
-// holds the places from floor(i n / 2^L) up to floor((i + 1) n / 2^L), whatever the bodies are, so its shape
-// needs no memory. Each method brings the order of the places and, in each inner node, what separates its
-// two children. Inner nodes stand as in a heap: the root is 1, the children of h are 2h and 2h + 1.
+// A balanced tree over n places, split level by level; used by the k-d tree and the BSP. Node i of level L
+// covers the places floor(i n / 2^L) to floor((i + 1) n / 2^L) - 1. Its shape depends on n only, and needs no
+// memory. Each method defines the order of the bodies, and the splitting planes of inner nodes. Inner nodes
+// have heap indices: the root is 1, the children of h are 2h and 2h + 1.
 
 #include <bit>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace collidoscope {
 
-/// Of an inner node: places first .. middle - 1 are its left child, middle .. end - 1 the right one.
+/// Places of an inner node: first .. middle - 1 are its left child, middle .. end - 1 its right child.
 struct NodeRange {
   std::uint32_t first, middle, end;
   SIM_HD bool inner() const { return end - first > 1; }
@@ -23,7 +23,7 @@ struct BalancedTree {
   static constexpr int max_levels = 27;  // 2^27 bodies
 
   std::uint32_t n = 0;
-  int levels = 0;  ///< of inner nodes: the smallest with 2^levels >= n. On the last, some nodes are leaves
+  int levels = 0;  ///< inner levels: the smallest with 2^levels >= n. The last one may contain leaves
 
   BalancedTree() = default;
   explicit BalancedTree(std::int64_t places) : n(static_cast<std::uint32_t>(places)) {
@@ -37,19 +37,19 @@ struct BalancedTree {
   SIM_HD NodeRange range(int level, std::uint32_t node) const {
     return {begin(level, node), begin(level + 1, 2 * node + 1), begin(level, node + 1)};
   }
-  /// The node of a level that holds a place.
+  /// The node of a level that contains a place.
   SIM_HD std::uint32_t node_at(int level, std::uint32_t place) const {
     return static_cast<std::uint32_t>((((std::uint64_t{place} + 1) << level) - 1) / n);
   }
   SIM_HD static std::uint32_t heap(int level, std::uint32_t node) { return (1u << level) + node; }
 
-  /// In the numbers of TreeSink: each two neighbouring places are separated by one inner node.
+  /// Node number for TreeSink. The inner node that splits after place k has the number n + k.
   SIM_HD std::uint32_t number(const NodeRange& node) const {
     return node.inner() ? n + node.middle - 1 : node.first;
   }
 };
 
-/// Where the right child of a node begins, and which child is a leaf.
+/// First place of a node's right child, and flags for children that are leaves.
 struct SplitPosition {
   std::uint32_t bits;
   SplitPosition() = default;
@@ -92,12 +92,12 @@ struct MakeBalancedLeaves {
   }
 };
 
-/// Where a box counts when bodies are shared out: its centre; of an empty one, the origin.
+/// The coordinate of a box for splitting: its centre; the origin for an empty box.
 SIM_HD inline float center_of(const Aabb& box, int axis) {
   return is_empty(box) ? 0.0f : 0.5f * box.min[axis] + 0.5f * box.max[axis];
 }
 
-/// Integers that order as the floats do, and back.
+/// Order-preserving conversion of floats to integers, and its inverse.
 SIM_HD inline std::uint32_t ordered_bits(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   return bits ^ (bits >> 31 ? ~0u : 1u << 31);
@@ -106,14 +106,14 @@ SIM_HD inline float from_ordered_bits(std::uint32_t bits) {
   return std::bit_cast<float>(bits ^ (bits >> 31 ? 1u << 31 : ~0u));
 }
 
-/// Which children of a node a box may overlap.
+/// Whether a box may overlap the children of a node.
 struct ChildOverlap {
   bool left, right;
 };
 
-/// One body's query, from the root with a stack. Only leaves to the right of its own are looked for, so that
-/// each pair is found once. Node: `SplitPosition split`, `ChildOverlap overlapping_children(const
-/// BalancedLeaf&) const`.
+/// One body's query, from the root with a stack. Half traversal: only leaves to the right of the body's own
+/// leaf are reported, so each pair is found once. Node: `SplitPosition split`, `ChildOverlap
+/// overlapping_children(const BalancedLeaf&) const`.
 template <class Node, class Sink>
 struct TraverseBalanced {
   const Node* nodes;
@@ -125,7 +125,8 @@ struct TraverseBalanced {
     const auto place = static_cast<std::uint32_t>(item);
     const BalancedLeaf query = load_readonly(&leaves[place]);
     auto batch = start_query(sink, item, query.body);
-    // A node pops before its children push: at most one entry a level waits, plus one.
+    // A node is popped before its children are pushed. So the stack holds at most one entry per level, plus
+    // one.
     std::uint32_t stack[BalancedTree::max_levels + 1];
     int depth = 0;
     if (place + 1 < n) stack[depth++] = 1;
@@ -141,7 +142,7 @@ struct TraverseBalanced {
         else
           stack[depth++] = 2 * at;
       }
-      if (overlaps.right) {  // its last place is the node's, which is to the right
+      if (overlaps.right) {  // the last place of this child is the node's last place, which is to the right
         if (node.split.right_is_leaf())
           test_leaf(query, middle, batch);
         else

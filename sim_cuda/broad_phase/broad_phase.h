@@ -1,7 +1,7 @@
 #pragma once
-// The interface of all broad phases: from boxes to the ordered list of pairs. A method is one file and one
-// line in broad_phase.cpp. All find the same pairs in the same order, so the state does not depend on the
-// choice.
+// Interface of all broad phases: from boxes to overlapping pairs. Each method has one file, and one line in
+// broad_phase.cpp. All methods find the same pairs, which pair_list.h orders, so the state does not depend on
+// the method.
 
 #include <cstdint>
 #include <memory>
@@ -22,27 +22,28 @@ class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
 
-  /// Prepares for that many bodies; called outside the step, before the first update and when N changes.
+  /// Allocates memory for `bodies` bodies. Call outside the step, before the first update and when N changes.
   virtual void reserve(std::int64_t bodies) = 0;
-  /// Takes this step's boxes (one per body, by id; they stay until the next update), each of which is finite
-  /// with min <= max, or Aabb::empty(). `extent`, in the executor's memory, holds most centres.
+  /// Builds the acceleration structure over this step's boxes (one per body, by id). The boxes must stay
+  /// valid until the next update. Each is finite with min <= max, or Aabb::empty(). `extent`, in the
+  /// executor's memory, contains most centres.
   virtual void update(const Aabb* boxes, const Aabb* extent) = 0;
-  /// Gives every pair of bodies whose boxes overlap to the sink, each once, in any order.
+  /// Passes every pair of bodies with overlapping boxes to the sink, once, in any order.
   virtual void find_pairs(const PairSink& sink) = 0;
-  /// Counts what find_pairs() reads of the hierarchy of the last update, by the same traversal. Nothing where
-  /// the method has no hierarchy.
+  /// Counts the node visits of find_pairs(), with the same traversal. No effect if the method has no
+  /// hierarchy.
   virtual void count_visits(const VisitSink&) const {}
-  /// Leaves and inner nodes of its hierarchy; 0 where the method has none, or there are no bodies.
+  /// Number of leaves and inner nodes; 0 without a hierarchy or without bodies.
   virtual std::int64_t tree_nodes() const { return 0; }
-  /// Writes the hierarchy over the boxes of the last update; called outside the step (tree.h).
+  /// Writes the hierarchy of the last update (tree.h). Call outside the step.
   virtual void write_tree(const TreeSink&) const {}
 };
 
-/// Throws InputError for an unknown name; the line lists the known ones. Throws MachineError for what cannot
-/// run on this executor.
+/// Throws InputError for an unknown name; the message lists the valid names. Throws MachineError if the
+/// method does not run on this executor.
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor);
 
-// One factory per method, defined in the method's own file.
+// Factories, each defined in the file of its method.
 std::unique_ptr<BroadPhase> make_brute_force(Executor& executor);
 std::unique_ptr<BroadPhase> make_brute_force_tiled(Executor& executor);
 std::unique_ptr<BroadPhase> make_bsp(Executor& executor);

@@ -1,5 +1,6 @@
-// The paper's naive approach (its 3.2.1, Table 1): every pair of bodies has a number, and the numbers are
-// shared out to the threads. Without tree, order or memory of its own, it is what other methods must equal.
+// Brute force, the paper's naive approach (its 3.2.1, Table 1). Pairs of bodies are numbered, and the numbers
+// are distributed over the threads. It needs no tree, no sort and no memory. It is the reference for all
+// other methods.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/pair_code.h"
@@ -9,8 +10,9 @@ namespace collidoscope {
 
 namespace {
 
-/// An item decodes its first pair and counts on from there: `run` pairs, `stride` apart. Neighbouring items
-/// start at neighbouring pairs, so that a warp whose stride is its width reads neighbouring boxes each time.
+/// One item tests `run` pairs, `stride` apart. Only its first pair is decoded; the others are counted up from
+/// it. Adjacent items start at adjacent pairs. With a stride of the warp size, a warp therefore reads
+/// adjacent boxes.
 struct TestPairs {
   const Aabb* boxes;
   std::uint64_t pairs;
@@ -35,8 +37,8 @@ class BruteForce final : public BroadPhase {
   void update(const Aabb* boxes, const Aabb*) override { boxes_ = boxes; }
 
   void find_pairs(const PairSink& sink) override {
-    // One pair an item while that leaves enough for all threads; then powers of two, so that no number of
-    // bodies takes more items than an int counts.
+    // One pair per item, up to the number of items that fills all threads. Beyond, the run length is a power
+    // of two, so that the number of items fits in an int.
     const std::uint64_t stride = executor_.on_device() ? 32 : 1;
     const std::uint64_t max_items = executor_.on_device() ? 1 << 21 : 1 << 14;
     std::uint64_t run = 1;

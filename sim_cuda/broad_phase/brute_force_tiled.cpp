@@ -1,8 +1,7 @@
-// Brute force at the speed of arithmetic: bodies in tiles, each tile against every tile from its own on, so
-// that a box that was read once is tested many times. On a GPU a block of T threads holds a tile in shared
-// memory and the boxes of 4 T other bodies in registers; on the CPU a tile stands in the first cache, one
-// array a coordinate, where the compiler tests several boxes with one instruction. Nothing is rounded in
-// either, so they are two forms of one stage.
+// Tiled brute force: each tile of bodies is tested against its own and all later tiles, so that a loaded box
+// is used many times. On a GPU, a block of T threads keeps a tile in shared memory and the boxes of 4 T other
+// bodies in registers. On the CPU, a tile is in the L1 cache, one array per coordinate, so that the compiler
+// can vectorise the tests. Both find the same pairs, because the tests involve no rounding.
 
 #include <algorithm>
 
@@ -14,18 +13,18 @@ namespace collidoscope {
 
 namespace {
 
-constexpr std::uint32_t row_tiles = 4;  ///< tiles of rows that one tile of columns meets at a time
+constexpr std::uint32_t row_tiles = 4;  ///< row tiles per tile of columns
 
-[[maybe_unused]] constexpr std::uint32_t hits_per_thread = 1;  ///< of a thread, until a GPU hands them over
+[[maybe_unused]] constexpr std::uint32_t hits_per_thread = 1;  ///< capacity per thread of the buffer of hits
 
-/// The unit of work: the rows first_row .. first_row + 4 * tile - 1 against the columns first_column ..
-/// first_column + tile - 1. Together the units cover every pair row < column; those on the diagonal hold
-/// other pairs too, and each row of tiles may go beyond the last body.
+/// Unit of work: the rows first_row .. first_row + 4 * tile - 1 against the columns first_column ..
+/// first_column + tile - 1. All units together cover every pair row < column. Units on the diagonal also
+/// contain other pairs, and row tiles may extend beyond the last body.
 struct TileUnit {
   std::uint32_t first_row, first_column;
 
   SIM_HD TileUnit(std::uint64_t unit, std::uint32_t tile) {
-    const Pair group = decode_pair(unit / row_tiles);  // of 4 tiles; (a, b) stands for a against b - 1 >= a
+    const Pair group = decode_pair(unit / row_tiles);  // of 4 tiles; (a, b) encodes a against b - 1 >= a
     first_row = group.a * row_tiles * tile;
     first_column = ((group.b - 1) * row_tiles + static_cast<std::uint32_t>(unit % row_tiles)) * tile;
   }
@@ -35,7 +34,7 @@ struct TileUnit {
   }
 };
 
-/// The CPU's form.
+/// CPU version.
 struct TestTiles {
   static constexpr std::uint32_t tile = 256, lanes = 16;
   const Aabb* boxes;
@@ -60,7 +59,7 @@ struct TestTiles {
     }
     for (std::uint32_t row = unit.first_row; row < unit.first_row + row_tiles * tile && row < bodies; ++row) {
       const Aabb box = boxes[row];
-      const std::uint32_t own = row < unit.first_column ? 0 : row - unit.first_column;  // columns up to here
+      const std::uint32_t own = row < unit.first_column ? 0 : row - unit.first_column;  // skipped columns
       for (std::uint32_t c = own / lanes * lanes; c < tile; c += lanes) {
         std::uint32_t hit[lanes], any = 0;
         for (std::uint32_t k = 0; k < lanes; ++k) {
@@ -81,23 +80,23 @@ struct TestTiles {
 
 #if defined(__CUDACC__)
 
-/// The GPU's form: blocks of T threads stride over the units, with tiles of T bodies. A hit costs a warp far
-/// more than a test, so hits wait in shared memory until the unit is done, and go to the sink side by side;
-/// those that find no room go at once.
+/// GPU version: blocks of T threads run the units in a grid-stride loop, with tiles of T bodies. A hit costs
+/// a warp far more than a test. Hits are therefore buffered in shared memory, and written together after the
+/// unit. Hits that do not fit are written immediately.
 __global__ void __launch_bounds__(1024)
     test_tiles(const Aabb* boxes, std::uint32_t bodies, std::uint64_t units, PairSink sink) {
   extern __shared__ float4 shared[];
   __shared__ std::uint32_t hit_count;
   __shared__ unsigned long long first_place;
   const std::uint32_t tile = blockDim.x, thread = threadIdx.x;
-  float4* const column_boxes = shared;  // two for each of T bodies: {min, -}, {max, -}
+  float4* const column_boxes = shared;  // two per body of the tile: {min, -}, {max, -}
   Pair* const hits = reinterpret_cast<Pair*>(shared + 2 * tile);
   const std::uint32_t hit_capacity = hits_per_thread * tile;
   const auto load = [=](std::uint32_t body) { return body < bodies ? boxes[body] : Aabb::empty(); };
 
   for (std::uint64_t number = blockIdx.x; number < units; number += gridDim.x) {
     const TileUnit unit(number, tile);
-    if (unit.first_column >= bodies) continue;  // as all threads of the block do
+    if (unit.first_column >= bodies) continue;  // uniform over the block
     const Aabb own_column = load(unit.first_column + thread);
     column_boxes[2 * thread] = {own_column.min[0], own_column.min[1], own_column.min[2], 0};
     column_boxes[2 * thread + 1] = {own_column.max[0], own_column.max[1], own_column.max[2], 0};
@@ -129,7 +128,7 @@ __global__ void __launch_bounds__(1024)
       first_place = atomicAdd(reinterpret_cast<unsigned long long*>(sink.total), count);
     __syncthreads();
     for (std::uint32_t k = thread; k < count; k += tile) sink.put(first_place + k, hits[k].a, hits[k].b);
-    __syncthreads();  // all have done with what is shared
+    __syncthreads();  // shared memory may be overwritten from here on
   }
 }
 
@@ -147,7 +146,7 @@ class BruteForceTiled final : public BroadPhase {
     if (executor_.on_device()) return find_pairs_on_device(sink);
 #endif
     const std::uint64_t units = TileUnit::count(bodies_, TestTiles::tile);
-    const std::uint64_t items = std::min<std::uint64_t>(units, 1u << 30);  // an item is an int
+    const std::uint64_t items = std::min<std::uint64_t>(units, 1u << 30);  // the item index is an int
     executor_.run("pairs", static_cast<std::int64_t>(items), TestTiles{boxes_, bodies_, units, items, sink});
   }
 
@@ -156,7 +155,7 @@ class BruteForceTiled final : public BroadPhase {
   void find_pairs_on_device(const PairSink& sink) {
     executor_.begin_stage("pairs");
     LaunchShape shape = executor_.options().shape;
-    if (shape.threads == 0) shape.threads = 64;  // small tiles share out evenly
+    if (shape.threads == 0) shape.threads = 64;  // small tiles give better load balance
     const auto tile = static_cast<std::uint32_t>(shape.threads);
     const std::uint64_t units = TileUnit::count(bodies_, tile);
     if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min<std::uint64_t>(units, 1 << 16));

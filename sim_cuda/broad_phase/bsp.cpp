@@ -1,19 +1,18 @@
-// A BSP tree of bodies: planes of any direction, level by level. Split rule: the normal is the principal axis
-// of the node's centres (of 32 of them, evenly spaced in the node's order), the longest direction of the
-// cloud; the plane stands at the median of the projections onto it. As in the k-d tree, bodies have extent:
-// each node keeps two planes of its normal, where the projected boxes of its left half end and where those of
-// its right half begin.
+// BSP tree of bodies with planes of any direction, split level by level. Split rule: the normal is the
+// principal axis of the node's centres, computed from 32 evenly spaced ones. The plane is at the median of
+// the projections onto it. As in the k-d tree, bodies have extent: each node stores two planes, the end of
+// its left half and the beginning of its right half.
 //
-// No pair is lost, without any margin. A box projects onto the interval of
-//   low = n.x * (n.x < 0 ? max : min).x + (the same of y) + (the same of z), and high with min and max
-//   exchanged,
-// in float and in this order. Rounding is monotone: from a <= b follows fl(n * a) <= fl(n * b) for n >= 0,
-// and fl(a + c) <= fl(b + d) if c <= d too. Boxes A and B that overlap have a point in common; each term of
-// A's low is at most that of the point, which is at most that of B's high; hence so are the rounded sums:
-// low(A) <= high(B). The same of A and the largest high of many boxes. |n| <= 1 per component, so a product
-// is finite, and a sum that overflows does so monotonically: no NaN. (-ffp-contract=off, -fmad=false: every
-// stage rounds alike.) Empty boxes widen nothing. The last word is the leaf's, whose boxes are compared
-// exactly.
+// No pair is lost, without any safety margin. A box projects onto the interval
+//   low = n.x * (n.x < 0 ? max : min).x + (same for y) + (same for z),  high: min and max exchanged,
+// in float and in this order. Rounding is monotone: a <= b implies fl(n * a) <= fl(n * b) for n >= 0, and
+// fl(a + c) <= fl(b + d) if also c <= d. Overlapping boxes A and B have a common point. Each term of A's low
+// is at most that of the point, which is at most that of B's high. The rounded sums keep this order: low(A)
+// <= high(B). The same holds for A and the maximum high of several boxes.
+//
+// |n| <= 1 per component, so products are finite. A sum that overflows does so monotonically: no NaN. All
+// stages round alike (-ffp-contract=off, -fmad=false). Empty boxes do not extend the planes. Leaves are
+// compared by their exact boxes.
 
 #include <cmath>
 #include <utility>
@@ -30,10 +29,10 @@ namespace {
 struct alignas(16) BspNode {
   float normal[3];
   SplitPosition split;
-  /// Ends of intervals as ordered_bits, so that the lowest value wins: of the left child ~high, of the right
-  /// one low. All ones where it has nothing but empty boxes, which reads as NaN.
+  /// Ends of the children's intervals as ordered_bits(), so that a minimum serves both: ~high of the left
+  /// child, low of the right child. All ones if a child has only empty boxes; this reads as NaN.
   std::uint32_t left_max, right_min;
-  float middle;  ///< the mean of the centres, projected
+  float middle;  ///< projected mean of the centres
   std::uint32_t unused;
 
   SIM_HD float low(const float* min, const float* max) const {
@@ -51,7 +50,7 @@ struct alignas(16) BspNode {
 };
 static_assert(sizeof(BspNode) == 32);
 
-/// Sums over points about an origin: a symmetric matrix as xx, yy, zz, xy, yz, zx.
+/// Moments of points about an origin; the matrix is stored as xx, yy, zz, xy, yz, zx.
 struct Cloud {
   double sum[3] = {}, square[6] = {};
   std::uint32_t points = 0;
@@ -64,8 +63,8 @@ struct Cloud {
       square[3 + k] += p[k] * p[(k + 1) % 3];
     }
   }
-  /// The direction in which the points spread most: the largest column of the covariance matrix after six
-  /// squarings, 64 steps of the power method from every axis at once. The x axis where they coincide.
+  /// Direction of largest variance: the largest column of the covariance matrix after six squarings. This
+  /// equals 64 steps of the power method, started from every axis. The x axis if the points coincide.
   SIM_HD void principal_axis(float* axis) const {
     double m[6];
     for (int k = 0; k < 3; ++k) {
@@ -133,8 +132,9 @@ struct ChoosePlane {
   }
 };
 
-/// Sorts by node, then along its normal. The lower the level, the fewer bits are left for the latter and the
-/// fewer bodies need them; a float's leading bits are finest about 0, where the median is.
+/// Sort keys: node number, then the coordinate along the node's normal. Deeper levels leave fewer bits for
+/// the coordinate, and have fewer bodies per node. The leading bits of a float are finest near 0, where the
+/// median is.
 struct MakePlaneKeys {
   BalancedTree tree;
   int level;
@@ -155,7 +155,8 @@ struct MakePlaneKeys {
   }
 };
 
-/// Each box widens the half that it now stands in: integers, so the order of arrival does not matter.
+/// Extends the plane of the child that contains the body. Integer minimum, so the order of the updates does
+/// not matter.
 struct ExpandChildren {
   BalancedTree tree;
   int level;
@@ -172,7 +173,7 @@ struct ExpandChildren {
     else
       lower_bits(&node.right_min, ordered_bits(node.low(box.min.data(), box.max.data())));
   }
-  /// Reads first: few values are lower than the stored one.
+  /// Reads first, because few values are lower than the stored one.
   SIM_HD static void lower_bits(std::uint32_t* lowest, std::uint32_t value) {
     if (atomic_load(lowest) > value) atomic_min(lowest, value);
   }
@@ -183,7 +184,7 @@ struct StartOrder {
   SIM_HD void operator()(int place) const { order[place] = static_cast<std::uint32_t>(place); }
 };
 
-/// Drawn and measured as boxes around what the planes part, from the last level up.
+/// Writes a node as the bounding box of its children, from the last level up.
 struct WriteBoxes {
   BalancedTree tree;
   int level;

@@ -1,10 +1,11 @@
-// The incremental tree of the paper's section 3.2.3, by Bullet itself (btDbvt): boxes larger than the bodies,
-// by a margin; a body that leaves its box is taken out and put in again; each step re-inserts one more leaf
-// to keep the tree in shape. All that is one after another, on one thread of the CPU. Compiled where
-// libbullet-dev is; never by nvcc.
+// The incremental tree of the paper's section 3.2.3: Bullet's btDbvt. Boxes are larger than the bodies by a
+// margin. A body that leaves its box is removed and re-inserted. Each step re-inserts one more leaf to
+// optimise the tree. All operations are sequential, on one CPU thread. Compiled only if libbullet-dev is
+// installed; never by nvcc.
 //
-// Bullet's boxes, of its own number type, hold ours exactly: floats fit in it, margins only add, and merging
-// takes least and greatest. So it finds a superset, of which ours takes the pairs that overlap exactly.
+// Bullet's boxes contain ours exactly: its number type represents all floats, margins only enlarge, and
+// merging uses minima and maxima. Bullet therefore finds a superset of the pairs, which is filtered by the
+// exact boxes.
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
@@ -18,7 +19,7 @@ namespace collidoscope {
 
 namespace {
 
-/// Of a box's sides. Bullet adds 0.05 m, which suits bodies of a metre.
+/// Fraction of a box's side lengths. Bullet's own margin is 0.05 m, which suits bodies of a metre.
 constexpr btScalar margin = btScalar(0.05);
 
 btDbvtVolume volume_of(const Aabb& box) {
@@ -78,7 +79,7 @@ class BulletDbvt final : public BroadPhase {
               if (overlap(boxes_[x], boxes_[y])) sink.add(x, y);
             });
   }
-  /// Of no single query: a test of two nodes serves all bodies under both.
+  /// Counted in total, not per query: a test of two nodes serves all bodies below both.
   void count_visits(const VisitSink& sink) const override {
     collide([&](std::int64_t tests) { *sink.shared = static_cast<std::uint64_t>(tests); },
             [](const btDbvtNode*, const btDbvtNode*) {});
@@ -100,7 +101,7 @@ class BulletDbvt final : public BroadPhase {
         sink.box[number] = boxes_[sink.leaf_body[number]];
       }
     });
-    // Those that are not in Bullet's tree.
+    // Bodies with empty boxes, which are not in Bullet's tree.
     auto number = static_cast<std::uint32_t>(tree_.m_leaves);
     for (std::uint32_t body = 0; body < leaves_.size(); ++body) {
       if (leaves_[body] != nullptr) continue;
@@ -121,9 +122,9 @@ class BulletDbvt final : public BroadPhase {
     return body_of(*static_cast<btDbvtNode**>(node->data));
   }
 
-  /// btDbvt::collideTT of the tree with itself, which does not tell what it tests: the same pairs of nodes in
-  /// the same order. on_overlap(a, b) for leaves whose volumes overlap; at the end count(tests of two
-  /// volumes).
+  /// Traversal of btDbvt::collideTT for the tree with itself, which does not count its tests: same node
+  /// pairs, same order. Calls on_overlap(a, b) for leaves whose volumes overlap, and finally count(number of
+  /// volume tests).
   template <class Count, class OnOverlap>
   void collide(const Count& count, const OnOverlap& on_overlap) const {
     using Two = std::pair<const btDbvtNode*, const btDbvtNode*>;
@@ -154,10 +155,12 @@ class BulletDbvt final : public BroadPhase {
     count(tests);
   }
 
-  /// visit(node, number, parent's number), parents first, children from left to right, numbers as in
-  /// TreeSink; returns how many are inner. Where boxes are empty, a root (null) joins them and Bullet's tree.
-  /// Bodies that coincide make that a list: what is too deep for a TreeView stands under the last ancestor
-  /// that is not.
+  /// Calls visit(node, number, parent's number), parents first, children from left to right, with numbers as
+  /// in TreeSink. Returns the number of inner nodes. With empty boxes, an additional root (null) joins them
+  /// and Bullet's tree.
+  ///
+  /// Coincident bodies degenerate Bullet's tree to a list. Leaves below the maximum depth of a TreeView
+  /// become children of their last ancestor above it.
   template <class Visit>
   std::int64_t walk(const Visit& visit) const {
     struct Entry {
@@ -192,7 +195,7 @@ class BulletDbvt final : public BroadPhase {
   Executor& executor_;
   const Aabb* boxes_ = nullptr;
   btDbvt tree_;
-  std::vector<btDbvtNode*> leaves_;  ///< by body; null where the box is empty
+  std::vector<btDbvtNode*> leaves_;  ///< by body; null if the box is empty
 };
 
 }  // namespace

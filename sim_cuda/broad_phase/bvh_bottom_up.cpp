@@ -1,11 +1,11 @@
-// The paper's hierarchy: bodies in Morton order are the leaves; each level merges every two consecutive nodes
-// of the one below (its Figure 7), until one is left. The tree is implicit (node i has the children 2i and
-// 2i+1 of the level below), so building it needs no queue and no atomics: one launch a level. A body's query
-// descends from the root with a stack in local memory (its 3.2.4).
+// The paper's hierarchy. Its leaves are the bodies in Morton order. Each level merges every two consecutive
+// nodes of the level below (its Figure 7), until one is left. The tree is implicit: node i has the children
+// 2i and 2i+1 of the level below. The build therefore needs no queue and no atomics: one launch per level. A
+// query descends from the root with a stack in local memory (its 3.2.4).
 //
-// The same over the bodies as they come, by id (its Figure 6, left): what clustering is worth. And the same
-// with a query that calls itself instead of keeping a stack: what that is worth (its 3.2.4 expects five
-// times).
+// Two variants. bvh_input_order has leaves ordered by id (its Figure 6, left), which shows the effect of
+// clustering. bvh_recursive has recursive queries instead of a stack, which the paper expects to be five
+// times slower (its 3.2.4).
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
@@ -15,14 +15,14 @@ namespace collidoscope {
 
 namespace {
 
-/// The boxes, level by level. Level 0 are the leaves, one per body, in the tree's order.
+/// Boxes by level. Level 0 has the leaves, one per body, in tree order.
 struct LevelTree {
   static constexpr int max_levels = 28;  // 2^27 bodies
   Aabb* nodes = nullptr;
   std::uint32_t* leaf_body = nullptr;
   int levels = 0;
-  std::uint32_t first[max_levels] = {};  // node number at which each level starts
-  std::uint32_t size[max_levels] = {};   // nodes in each level; 1 in the last, the root's
+  std::uint32_t first[max_levels] = {};  // first node of each level
+  std::uint32_t size[max_levels] = {};   // nodes per level; 1 in the last level, the root
 };
 
 struct MakeLeaf {
@@ -45,8 +45,8 @@ struct MergeLevel {
   }
 };
 
-/// One body's query. Each pair is found once, from its left leaf: only leaves to the right of its own are
-/// looked for; or all are, and those to the left are skipped when they overlap (whole).
+/// One body's query. Half traversal reports only leaves to the right of the body's own, so each pair is found
+/// once. With `whole`, the query visits all overlapping nodes, and skips leaves to the left.
 template <class Sink>
 struct Descend {
   LevelTree tree;
@@ -56,8 +56,8 @@ struct Descend {
     const auto slot = static_cast<std::uint32_t>(leaf), from = whole ? 0 : slot + 1;
     const Aabb box = tree.nodes[slot];
     auto batch = start_query(sink, leaf, tree.leaf_body[slot]);
-    // An entry is (level, node in level), of a node that overlaps. A node pops before its two children push,
-    // so the stack never holds more than one entry per level, plus one.
+    // A stack entry is (level, node in level) of an overlapping node. A node is popped before its two
+    // children are pushed. So the stack holds at most one entry per level, plus one.
     constexpr int level_shift = 27;
     constexpr std::uint32_t node_mask = (1u << level_shift) - 1;
     std::uint32_t stack[LevelTree::max_levels + 1];
@@ -65,7 +65,7 @@ struct Descend {
     if (tree.levels > 1) stack[depth++] = static_cast<std::uint32_t>(tree.levels - 1) << level_shift;
     while (depth > 0) {
       const std::uint32_t entry = stack[--depth];
-      const std::uint32_t level = (entry >> level_shift) - 1;  // of the children
+      const std::uint32_t level = (entry >> level_shift) - 1;  // level of the children
       const std::uint32_t left = 2 * (entry & node_mask);
       for (std::uint32_t child = left; child < left + 2 && child < tree.size[level]; ++child) {
         const std::uint32_t last_leaf = ((child + 1) << level) - 1;
@@ -82,7 +82,7 @@ struct Descend {
   }
 };
 
-/// The same query, child after child by calls.
+/// The same query, with recursive calls.
 template <class Sink>
 struct DescendByCalls {
   LevelTree tree;
@@ -134,7 +134,7 @@ struct ScatterById {
   }
 };
 
-/// In MortonOrder's place: every body stands where its id says.
+/// Replaces MortonOrder: each body's place is its id.
 class InputOrder {
  public:
   explicit InputOrder(Executor& executor) : executor_(executor) {}
@@ -149,7 +149,7 @@ class InputOrder {
   std::int64_t bodies_ = 0;
 };
 
-/// Of one call on a GPU, in bytes: as compiled for compute capability 9.0 it is less.
+/// Stack frame of one call on a GPU, bytes; an upper bound for compute capability 9.0.
 constexpr std::size_t call_frame = 160;
 
 template <class Order, template <class Sink> class Query = Descend>

@@ -1,6 +1,6 @@
 #pragma once
-// The tree of the boxes that the broad phase has now: arranged by levels, and measured, once for each state
-// and when somebody asks.
+// Caches the level-ordered tree of the current boxes, and its statistics. Both are computed on demand, once
+// per state.
 
 #include <cstdint>
 #include <vector>
@@ -15,17 +15,17 @@ class BvhCache {
   BvhCache(Executor& executor, std::int64_t bodies)
       : bodies_(bodies), tree_(executor), statistics_(executor) {}
 
-  /// The boxes are others.
+  /// Call this when the boxes have changed.
   void invalidate() { level_ordered_ = measured_ = leaves_known_ = false; }
 
   const TreeView& level_ordered(const BroadPhase& method);
-  /// All zero where the method has no tree, but for the bytes that the method takes.
+  /// All members except `bytes` are 0 if the method has no tree.
   const TreeQuality& quality(const BroadPhase& method, std::int64_t bytes);
-  /// Of quality(), without the rest.
+  /// Computes quality().own only.
   OwnVisits own_visits(const BroadPhase& method) { return statistics_.own_visits(method, bodies_); }
-  /// Leaves at each level, without a measure of the tree.
+  /// Number of leaves per level. Does not compute the statistics.
   const std::vector<std::int64_t>& leaves(const BroadPhase& method);
-  /// After quality().
+  /// Precondition: quality() was called for the current state.
   BvhStatistics& statistics() { return statistics_; }
 
  private:

@@ -1,5 +1,5 @@
-// BvhStatistics's sums over nodes and over the queries of all bodies; node_ranking.cpp has what it tells of
-// single nodes.
+// BvhStatistics: sums over nodes and over the queries of all bodies. node_ranking.cpp has the part on single
+// nodes.
 
 #include "sim_cuda/broad_phase/bvh_statistics.h"
 
@@ -102,7 +102,7 @@ struct StoreLevel {
   SIM_HD void operator()(int item) const { out[item] = level; }
 };
 
-/// The area of a body's box that lies in a node, face by face.
+/// The area of those faces of a body's box that are inside a node, clipped to the node.
 SIM_HD inline double area_within(const Aabb& body, const Aabb& node) {
   const Aabb common = intersection(body, node);
   const Extent extent(common);
@@ -115,7 +115,7 @@ SIM_HD inline double area_within(const Aabb& body, const Aabb& node) {
   return area;
 }
 
-/// One body's query, by its leaf.
+/// The query of one body, by its leaf.
 struct Query {
   TreeView tree;
   std::uint32_t *node_visits, *body_visits, *leaf_visits, *overlaps;
@@ -140,12 +140,12 @@ struct Query {
     epo[place] = outside;
   }
   SIM_HD bool contains(std::uint32_t node, std::uint32_t leaf) const {
-    while (leaf > node) leaf = tree.parent[leaf];  // parents stand before their children
+    while (leaf > node) leaf = tree.parent[leaf];  // parents precede their children
     return leaf == node;
   }
 };
 
-/// The query alone.
+/// The query without statistics, for timing.
 struct CountOverlaps {
   TreeView tree;
   const std::uint32_t* leaf_node;
@@ -198,7 +198,7 @@ struct LoadQuery {
   }
 };
 
-/// Nodes of one level.
+/// Counts the leaves among the nodes of one level.
 struct CountLeavesBelow {
   const std::uint32_t* children;
   std::uint32_t* count;
@@ -212,7 +212,7 @@ struct WriteVisited {
   std::uint32_t body;
   const std::uint32_t *place_of_body, *leaf_node;
   std::uint32_t limit;
-  std::uint32_t* list;  // {number, nodes...}
+  std::uint32_t* list;  // {count, nodes...}
   SIM_HD void operator()(int) const {
     const Aabb box = tree.box[leaf_node[place_of_body[body]]];
     std::uint32_t count = 0;
@@ -225,10 +225,10 @@ struct WriteVisited {
   }
 };
 
-/// Of n >= 1 queries.
+/// Distribution of the visits of n >= 1 queries.
 struct QueryDistribution {
   std::uint32_t min = 0, p99 = 0, max = 0;
-  double of_warps = 0;  ///< mean over 32 that follow each other of their most
+  double of_warps = 0;  ///< mean over groups of 32 consecutive queries of their maximum
 
   explicit QueryDistribution(std::vector<std::uint32_t> visits) {
     constexpr std::size_t warp = 32;

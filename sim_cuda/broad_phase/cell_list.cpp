@@ -13,7 +13,8 @@ SIM_HD inline bool overlap(const Entry& a, const Entry& b) {
          (a.min[2] <= b.max[2]) & (b.min[2] <= a.max[2]);
 }
 
-/// Where a body stands. Empty boxes are of no level, in a list behind all others, where nobody looks.
+/// Level and list of a body. Empty boxes have no level; they go to an additional last list, which is never
+/// searched.
 struct PlaceBody {
   const Aabb* boxes;
   const CellGrid* grid;
@@ -36,7 +37,8 @@ struct CountBodies {
   }
 };
 
-/// Their order within a list is that of arrival. It decides which of two bodies finds a pair, not whether.
+/// The order within a list is arbitrary. It determines which of two bodies finds their pair, not whether the
+/// pair is found.
 struct PutBodies {
   PlaceBody place;
   const std::uint32_t* start;
@@ -53,8 +55,8 @@ struct PutBodies {
   }
 };
 
-/// One body's query. A pair is found by the body whose entry comes first, which is the one in the finer level
-/// where the levels differ.
+/// One body's query. A pair is found by the body whose entry comes first; with different levels, this is the
+/// body in the finer level.
 struct QueryCells {
   const CellGrid* grid;
   const std::uint32_t* start;
@@ -75,12 +77,12 @@ struct QueryCells {
       for (int axis = 0; axis < 3; ++axis) {
         low[axis] = level.index(axis, next_down(own.min[axis] - level.reach));
         count[axis] = level.index(axis, own.max[axis]) - low[axis] + 1;
-        count[axis] = min_of(count[axis], level.period[axis]);  // no list twice
+        count[axis] = min_of(count[axis], level.period[axis]);  // visits no list twice
         low[axis] = level.wrap(axis, low[axis]);
       }
       for (std::uint32_t z = low[2]; z < low[2] + count[2]; ++z)
         for (std::uint32_t y = low[1]; y < low[1] + count[1]; ++y) {
-          // The lists of a row are one run of entries, or two where the row goes round.
+          // The lists of a row are one contiguous run of entries, or two if the row wraps around.
           const std::uint32_t row = level.list(0, level.wrap(1, y), level.wrap(2, z));
           std::uint32_t first = low[0], end = first + count[0];
           for (bool more = true; more; first = 0, end -= level.period[0]) {

@@ -1,11 +1,11 @@
-// A hierarchical grid: one grid for each size of bodies, so that dust beside a giant is looked up among dust.
-// A body queries the level where it stands, and all coarser ones that hold anyone.
+// A hierarchical grid: one grid per size class of bodies, so that cells of small bodies stay small beside
+// large bodies. A query searches the body's own level and all occupied coarser ones.
 //
-// Sizes are powers of two, from the extent's own down to 2^-21 of it, where floats begin to stop telling
-// neighbours apart; what is smaller or larger goes with the last of them. A size that has no more than its
-// share of bodies needs no grid of its own and joins a coarser one: most mixes then take one level or two,
-// and each level that is left out saves every finer body a query. Each level gets lists by the number of its
-// bodies, which a sample of them estimates.
+// Size classes are powers of two, from the extent down to 2^-21 of it, where floats no longer resolve
+// neighbours. The first and last class also contain all smaller and larger bodies. A class with few bodies
+// has no grid of its own, and joins a coarser one. Most scenes then need one or two levels. Each omitted
+// level saves every finer body a search. The number of lists per level depends on its number of bodies, which
+// is estimated from a sample.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/cell_list.h"
@@ -16,14 +16,14 @@ namespace {
 
 constexpr std::int32_t classes = CellGrid::classes;
 
-/// Of class 0: the extent itself is of the last class but one.
+/// The power of class 0. The extent itself is in the last class but one.
 SIM_HD inline std::int32_t first_power(const Aabb& extent) {
   return CellGrid::power_of(longest_side(extent)) - (classes - 2);
 }
 
 struct SizeHistogram {
-  std::uint64_t longest[classes];  ///< side of any box, as the bits of a float > 0; 0 where there is none
-  std::uint32_t sampled[classes];  ///< bodies, of each `every`-th
+  std::uint64_t longest[classes];  ///< longest side of any box, as bits of a float > 0; 0 if there is none
+  std::uint32_t sampled[classes];  ///< sampled bodies: each `every`-th
 };
 
 struct BuildSizeHistogram {
@@ -47,9 +47,9 @@ struct BuildSizeHistogram {
   }
 };
 
-/// One class, and its level where it is the coarsest there. Finer classes join it while the level holds at
-/// most `max_joined` times as many bodies as that class alone: solid bodies of that class fill no more than
-/// their own cells, so the lists stay that short.
+/// Lays out one class, if it is the coarsest class of a level. Finer classes join the level while it has at
+/// most `max_joined` times as many bodies as its coarsest class alone. Solid bodies of that class fill only
+/// their own cells, so the lists stay short.
 struct LayOutLevel {
   static constexpr std::uint32_t max_joined = 16, lists_per_body = 2;
   const Aabb* extent;
@@ -93,8 +93,9 @@ class HierarchicalGrid final : public BroadPhase {
     bodies_ = bodies;
     every_ = (bodies + max_sampled - 1) / max_sampled;
     histogram_.resize_discarding(1);
-    cells_.reserve(bodies,
-                   LayOutLevel::lists_per_body * (bodies + every_ * (classes + 1)));  // all that it can give
+    cells_.reserve(
+        bodies,
+        LayOutLevel::lists_per_body * (bodies + every_ * (classes + 1)));  // upper bound over all layouts
   }
 
   void update(const Aabb* boxes, const Aabb* extent) override {

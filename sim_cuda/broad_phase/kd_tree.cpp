@@ -1,13 +1,13 @@
-// A k-d tree of bodies. Split rule: the object median of the centres along the axis on which they spread
-// most, level by level; equal coordinates part by id. The bodies have extent and would straddle a plane, so
-// each node keeps two, as in a bounding interval hierarchy (Waechter and Keller 2006): where its left half
-// ends and where its right half begins. They may overlap or leave a gap; nothing is cut, and no body stands
-// twice. A query compares one coordinate with each plane: exact, so no pair is lost.
+// k-d tree of bodies, split level by level. Split rule: the object median of the centres along the axis of
+// largest spread; ties by id. Bodies have extent and would straddle a plane. Each node therefore stores two
+// planes, as in a bounding interval hierarchy (Waechter and Keller 2006): the end of its left half and the
+// beginning of its right half. The halves may overlap or leave a gap. No body is split or duplicated. A query
+// compares one coordinate with each plane; this is exact, so no pair is lost.
 //
-// The three axes are sorted once. A node's centres then stand in three lists, each sorted along one axis: the
-// first and last of each say which axis is the longest, the middle of its list is the median. Each level
-// parts the three lists, every part keeping its order, by a scan (Wald and Havran 2006 on the CPU). With n
-// the shape is known (balanced_tree.h), so a level is a fixed number of launches.
+// The bodies are sorted along each axis once. A node's centres are then contiguous in three lists, each
+// sorted along one axis. The first and last entry of each list give the spread, and its middle gives the
+// median. Each level partitions the three lists stably by a scan (Wald and Havran 2006, on the CPU). The
+// shape depends on n only (balanced_tree.h), so each level is a fixed number of launches.
 
 #include <algorithm>
 #include <utility>
@@ -23,7 +23,7 @@ namespace collidoscope {
 namespace {
 
 struct alignas(16) KdNode {
-  float left_max, right_min;  ///< m, on the axis: end of the left half, beginning of the right one
+  float left_max, right_min;  ///< m, along the axis: end of the left half, beginning of the right half
   SplitPosition split;
   std::uint32_t axis;
 
@@ -43,7 +43,7 @@ struct MakeAxisKeys {
   }
 };
 
-/// Bodies by place, sorted within each node: along x, then the same along y, and along z.
+/// Body ids in three lists: sorted within each node along x, then along y, then along z.
 struct AxisLists {
   BalancedTree tree;
   const std::uint32_t* bodies;
@@ -75,7 +75,7 @@ struct ChooseAxis {
   }
 };
 
-/// Each place of the list of its node's axis tells its body on which side it stands.
+/// Writes the side of each body, using the list of its node's split axis.
 struct ChooseSide {
   AxisLists lists;
   int level;
@@ -111,7 +111,7 @@ struct PartitionLists {
   }
 };
 
-/// From the last level up: a node's box and, on its axis, where its children end and begin.
+/// From the last level up: computes each node's box, and its two planes on the split axis.
 struct MergeChildren {
   BalancedTree tree;
   int level;
@@ -134,7 +134,8 @@ struct MergeChildren {
   }
 };
 
-/// A node is drawn and measured as the region that its planes leave of the root's box: what a query enters.
+/// Writes a node as the region that its planes leave of the parent's region, starting with the root's box.
+/// This is the region that a query enters.
 struct WriteRegions {
   BalancedTree tree;
   int level;

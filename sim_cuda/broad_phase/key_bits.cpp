@@ -10,8 +10,8 @@
 namespace collidoscope {
 namespace {
 
-/// Whether the smaller bodies of the scene, heaped up, would share cells of a counting sort: on average over
-/// all bodies, with more others than half of what a cell should hold.
+/// Whether a pile of the scene's smaller bodies would overfill cells of a counting sort: on average over all
+/// bodies, a cell has more other bodies than half of large_cell_size.
 bool pile_exceeds_cells(const InitialBodies& bodies, const Box& box) {
   constexpr double packed = 0.64;  // volume fraction of random close packing of spheres
   std::vector<double> radii = bodies.radius;
@@ -19,7 +19,8 @@ bool pile_exceeds_cells(const InitialBodies& bodies, const Box& box) {
   const auto n = static_cast<double>(bodies.size());
   const Vector3d sides = box.max - box.min;
   const double space = packed * sides.x() * sides.y() * sides.z() / n;
-  // The smallest tenth, and so on to the smaller half. Fewer bodies are not expected to gather by themselves.
+  // Tests the smallest 10 %, 20 % ... 50 % of the bodies. Fewer bodies are not expected to form a pile by
+  // themselves.
   for (int tenths = 1; tenths <= 5; ++tenths) {
     const double share = tenths / 10.0, r = radii[static_cast<std::size_t>(share * (n - 1))];
     const double ball = 4 * std::numbers::pi / 3 * r * r * r;
@@ -29,13 +30,13 @@ bool pile_exceeds_cells(const InitialBodies& bodies, const Box& box) {
   return false;
 }
 
-/// How bodies share the cells that the leading bits of their keys number.
+/// Occupancy of the cells given by the leading bits of the keys.
 struct CellOccupancy {
-  double mean_others = 0;  ///< in the cell of a body, on average
+  double mean_others = 0;  ///< other bodies in a body's cell, mean over bodies
   double max_bodies = 0;   ///< bodies in the fullest cell
 };
 
-/// The 63-bit keys of every k-th body, sorted; all of them where there are few.
+/// The 63-bit keys of every k-th body, sorted. Includes all bodies if there are few.
 class KeySample {
  public:
   KeySample(const std::vector<Vector3d>& position, const Box& box) : bodies_(position.size()) {
@@ -78,12 +79,12 @@ int automatic_key_bits(const InitialBodies& bodies, const std::vector<Vector3d>&
   if (!bodies.box || pile_exceeds_cells(bodies, *bodies.box)) return 63;
   const KeySample keys(position, *bodies.box);
   if (counting) {
-    // Beyond this a block that sorts one cell takes longer than the library for all keys.
+    // Beyond this size, a block that sorts one cell takes longer than the library takes for all keys.
     constexpr double largest_cell = 1024;
     const CellOccupancy cells = keys.in_cells(counting_cell_bits(n));
     if (cells.mean_others > large_cell_size || cells.max_bodies > largest_cell) return 63;
   }
-  constexpr double acceptable = 8;  // more visits a query; a good tree takes about 20 of its own
+  constexpr double acceptable = 8;  // additional visits per query; a query of a good tree has about 20
   for (const int bits : {24, 30})
     if (bits >= shortest && keys.in_cells(bits).mean_others <= acceptable) return bits;
   return 63;

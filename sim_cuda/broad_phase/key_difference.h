@@ -1,9 +1,9 @@
 #pragma once
-// The highest bit in which the keys of two neighbouring leaves differ (delta of Karras 2012): the higher it
-// is, the nearer to the root the tree splits there. Equal keys differ by their places.
+// The split bit: the highest bit in which the keys of two adjacent leaves differ (delta of Karras 2012). A
+// higher split bit means a split nearer to the root. Equal keys are distinguished by their places.
 //
-// At both ends of a subtree the split bits differ: between two splits at one bit, where sorted numbers turn
-// it on twice, stands one where they turned it off again, which takes a higher bit.
+// The split bits at both ends of a subtree differ. Reason: two splits at the same bit both set it in
+// ascending order. A split between them must clear it, and so has a higher split bit.
 
 #include <bit>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace collidoscope {
 
-/// Above all split bits: either end of the list.
+/// Larger than all split bits; used at both ends of the list.
 constexpr std::uint32_t max_split_bit = 255;
 
 SIM_HD inline std::uint32_t highest_bit(std::uint64_t x) {
@@ -23,7 +23,8 @@ SIM_HD inline std::uint32_t highest_bit(std::uint64_t x) {
 #endif
 }
 
-/// Between leaves i and i + 1 of n; i may be n - 1 or -1. Less than max_split_bit.
+/// Split bit between leaves i and i + 1 of n. For i = n - 1 and i = -1 it is max_split_bit; otherwise it is
+/// less.
 template <class Key>
 SIM_HD std::uint32_t split_bit(const Key* keys, std::uint32_t n, std::uint32_t i) {
   if (i >= n - 1) return max_split_bit;  // i = -1 too

@@ -1,9 +1,10 @@
-// A linear BVH in one bottom-up launch: the leaves, in Morton order, climb; where two meet, the second goes
-// on (Apetrei 2014) with the node numbers of Karras 2012, which tell each node where its right neighbour
-// stands: its rope (Prokopenko & Lebrun-Grandié 2024), by which queries walk.
+// A linear BVH, built bottom-up in one launch. Leaves in Morton order climb the tree; at each node, the
+// second child to arrive continues (Apetrei 2014). Nodes are numbered as by Karras 2012, so that each node
+// can compute its right neighbour, which is its rope (Prokopenko & Lebrun-Grandié 2024). Queries traverse the
+// tree along ropes.
 //
-// On a GPU the leaves of a warp join each other first, without memory traffic. Box of boxes: nothing
-// rounds, and the tree is the same.
+// On a GPU, the leaves of a warp are merged first, without memory traffic. Merging boxes involves no
+// rounding, so the tree is the same.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_difference.h"
@@ -15,21 +16,21 @@ namespace collidoscope {
 
 namespace {
 
-/// Of leaves first .. last, on its way up.
+/// The subtree of leaves first .. last, during the climb.
 struct Subtree {
   std::uint32_t first, last;
-  std::uint32_t left, right;  ///< split bits at either end
+  std::uint32_t left, right;  ///< split bits at the left and right end
   RopedNode node;
 
-  /// The sibling of a left child is to the right.
+  /// Whether it is a left child. The sibling of a left child is to the right.
   SIM_HD bool is_left() const { return right < left; }
   SIM_HD bool is_root() const { return left == right; }
 };
 
-/// What the child that arrives first at a split stores for the other.
+/// Data that the first child to arrive at a split stores for the second.
 struct FirstArrival {
   static constexpr std::uint64_t none = ~std::uint64_t{0};
-  std::uint32_t far_end, split_bit;  ///< its other end, and the split bit there
+  std::uint32_t far_end, split_bit;  ///< the end away from the split, and the split bit there
 
   SIM_HD std::uint64_t packed() const { return std::uint64_t{split_bit} << 32 | far_end; }
   SIM_HD static FirstArrival unpacked(std::uint64_t packed) {
@@ -37,14 +38,14 @@ struct FirstArrival {
   }
 };
 
-/// Over n leaves. Inner node n + k: a left child has the number k of its last leaf, a right one that of its
-/// first, the root 0.
+/// Climbs from n leaves to the root. Inner nodes have the numbers n + k: k is the last leaf of a left child,
+/// the first leaf of a right child, and 0 for the root.
 struct Climb {
   std::uint32_t n;
   RopedNode* nodes;
   std::uint64_t* arrivals;  ///< by split
 
-  /// A subtree grows by its sibling and is stored.
+  /// Merges a subtree with its sibling and stores the parent.
   SIM_HD void join(Subtree& own, const FirstArrival& arrival, const RopedNode& sibling) const {
     const bool is_left = own.is_left();
     const std::uint32_t split = is_left ? own.last : own.first - 1;
@@ -64,8 +65,8 @@ struct Climb {
     store_vectorized(&nodes[n + (own.is_root() ? 0 : own.is_left() ? own.last : own.first)], own.node);
   }
 
-  /// A subtree joins the neighbour with the lower split bit, until it is the whole. Who comes
-  /// first stores its range and stops, the second goes on.
+  /// Merges a subtree with the neighbour at the lower split bit, up to the root. The first child to arrive
+  /// stores its range and stops; the second continues.
   SIM_HD void climb(Subtree own) const {
     while (!own.is_root()) {
       const bool is_left = own.is_left();
@@ -74,7 +75,7 @@ struct Climb {
           is_left ? FirstArrival{own.first, own.left} : FirstArrival{own.last, own.right};
       const std::uint64_t previous = atomic_exchange(&arrivals[split], range.packed());
       if (previous == FirstArrival::none) return;
-      arrivals[split] = FirstArrival::none;  // both were here
+      arrivals[split] = FirstArrival::none;  // both children have arrived
       const FirstArrival other = FirstArrival::unpacked(previous);
       const std::uint32_t place = is_left ? split + 1 : split;
       join(own, other, load_l2(&nodes[other.far_end == place ? place : n + place]));
@@ -90,7 +91,8 @@ struct Build {
   Climb above;
 
   SIM_HD std::uint32_t split_bit_at(std::uint32_t i) const { return split_bit(keys, above.n, i); }
-  /// To the right of the split stands a left child, or, if the next split bit is higher, a leaf.
+  /// Rope of a node whose last leaf is `place`, with the split bit `right`. The node after the split is a
+  /// left child, or a leaf if the next split bit is higher.
   SIM_HD std::uint32_t rope(std::uint32_t place, std::uint32_t right) const {
     if (place == above.n - 1) return no_rope;
     return split_bit_at(place + 1) < right ? above.n + place + 1 : place + 1;
@@ -108,9 +110,9 @@ struct Build {
 
 #if defined(__CUDACC__)
 
-/// The leaves of a warp join each other first, in step: a subtree is held by the lane of its first leaf, so
-/// that the sibling of a left child is the next that is held. What is left over, which reaches beyond the
-/// warp, meets in the device's memory.
+/// Merges the leaves of a warp first, in lockstep. A subtree is held by the lane of its first leaf, so the
+/// sibling of a left child is held by the next active lane. The remaining subtrees, whose siblings are
+/// outside the warp, continue in global memory.
 template <class Key>
 __global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
   constexpr std::uint32_t warp_size = 32;
@@ -141,14 +143,15 @@ __global__ void __launch_bounds__(1024) build_by_warp(const Build<Key> build) {
       const FirstArrival arrival{__shfl_sync(all, own.last, from), __shfl_sync(all, own.right, from)};
       if (joins) build.above.join(own, arrival, sibling);
     }
-    __syncwarp(all);  // what the others stored is there for those who meet its parents
+    __syncwarp(all);  // makes the stores of this warp visible to the threads that merge their parents
     if (active) build.above.climb(own);
   }
 }
 
 #endif
 
-/// A right child is where the rope of the left one leads; parents tell their children.
+/// Writes the parents: each inner node writes the parent of its two children. The right child is the rope of
+/// the left one.
 struct WriteRopedTree {
   const RopedNode* nodes;
   std::uint32_t n;
@@ -178,7 +181,7 @@ class LbvhRopes final : public RopeTreeMethod<Key> {
   void reserve(std::int64_t bodies) override {
     Base::reserve(bodies);
     arrivals_.resize_discarding(n_);
-    executor_.fill(arrivals_.data(), 0xff, arrivals_.bytes());  // nobody
+    executor_.fill(arrivals_.data(), 0xff, arrivals_.bytes());  // no arrivals
   }
   void update(const Aabb* boxes, const Aabb* extent) override {
     if (n_ == 0) return;

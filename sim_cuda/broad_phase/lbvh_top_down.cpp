@@ -1,7 +1,7 @@
-// A linear BVH built from the root down, after Lauterbach et al. 2009, the method that the paper times in its
-// Table 3: bodies in Morton order; a queue of nodes to split, level by level; a node splits where the highest
-// bit in which its keys differ turns from 0 to 1. Levels near the root have little work, so most threads
-// idle. Then leaves climb to give every node its box. A query descends from the root with a stack.
+// A linear BVH built from the root down, after Lauterbach et al. 2009; the paper times this method in its
+// Table 3. Bodies are in Morton order. Nodes are split level by level from a work queue. A node is split
+// where the highest differing bit of its keys changes from 0 to 1. Levels near the root have little work, so
+// most threads are idle. Then leaves climb to compute the boxes. A query descends from the root with a stack.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/morton_order.h"
@@ -15,13 +15,12 @@ namespace {
 constexpr std::uint32_t none = ~std::uint32_t{0};
 constexpr std::uint32_t leaf_flag = 1u << 31;
 
-/// Nodes stand in the order in which they came into the queue: level by level, the root first, the two
-/// children of a node together.
+/// Nodes are stored in queue order: level by level, the root first, the two children of a node adjacent.
 struct alignas(16) QueueNode {
   float min[3];
-  std::uint32_t child;  ///< the left one; of a leaf: leaf_flag and the id of its body
+  std::uint32_t child;  ///< left child; for a leaf: leaf_flag and the id of its body
   float max[3];
-  std::uint32_t last;  ///< the last place in Morton order under it
+  std::uint32_t last;  ///< last place in Morton order below the node
 };
 static_assert(sizeof(QueueNode) == 32);
 
@@ -30,7 +29,7 @@ SIM_HD inline bool overlap(const QueueNode& a, const QueueNode& b) {
          a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
 }
 
-/// The queue: where each level begins, and how many nodes it has.
+/// The queue: first node and number of nodes of each level.
 struct Levels {
   std::uint32_t *begin, *size;
 };
@@ -49,8 +48,7 @@ struct PutRoot {
   }
 };
 
-/// A round for each level (Executor::run_rounds). Those that the tree does not have are empty, and cost
-/// nothing.
+/// One round per level (Executor::run_rounds). Empty rounds, beyond the depth of the tree, cost nothing.
 template <class Key>
 struct SplitNodes {
   const Key* keys;
@@ -61,11 +59,11 @@ struct SplitNodes {
 
   SIM_HD std::int64_t items(int level) const { return levels.size[level]; }
 
-  /// The last place of the left part: the first where the highest differing bit is 1 follows it.
+  /// Last place of the left part. The next place is the first one with the highest differing bit set.
   SIM_HD std::uint32_t split(std::uint32_t low, std::uint32_t high) const {
     Key differ = keys[low] ^ keys[high];
     if (differ == 0) return low + (high - low) / 2;
-    while (differ & (differ - 1)) differ &= differ - 1;  // its highest bit
+    while (differ & (differ - 1)) differ &= differ - 1;  // keeps the highest bit
     while (high - low > 1) {
       const std::uint32_t middle = low + (high - low) / 2;
       (keys[middle] & differ ? high : low) = middle;
@@ -95,7 +93,7 @@ struct SplitNodes {
   }
 };
 
-/// One level in a launch of its own.
+/// Splits one level in a separate launch.
 template <class Key>
 struct SplitLevel {
   SplitNodes<Key> nodes;
@@ -103,6 +101,7 @@ struct SplitLevel {
   SIM_HD void operator()(int item) const { nodes(level, item); }
 };
 
+/// Computes all boxes: leaves climb, and the second child to arrive continues.
 struct Refit {
   const Aabb* boxes;
   const std::uint32_t* parent;
@@ -120,7 +119,7 @@ struct Refit {
     for (;;) {
       store_vectorized(&nodes[at], node);
       const std::uint32_t above = parent[at];
-      if (above == none || atomic_exchange(&arrival[above], at) == none) return;  // the other child goes on
+      if (above == none || atomic_exchange(&arrival[above], at) == none) return;
       const QueueNode up = nodes[above];
       const QueueNode other = load_l2(&nodes[at == up.child ? at + 1 : at - 1]);
       for (int k = 0; k < 3; ++k) {
@@ -134,8 +133,8 @@ struct Refit {
   }
 };
 
-/// One body's query. Each pair is found once, from its left leaf: only leaves to the right of its own are
-/// looked for; or all are, and those to the left are skipped when they overlap (whole).
+/// One body's query. Half traversal reports only leaves to the right of the body's own, so each pair is found
+/// once. With `whole`, the query visits all overlapping nodes, and skips leaves to the left.
 template <int depth, class Sink>
 struct DescendFromRoot {
   const QueueNode* nodes;
@@ -146,7 +145,8 @@ struct DescendFromRoot {
     const auto place = static_cast<std::uint32_t>(item), from = whole ? 0 : place + 1;
     const QueueNode query = load_readonly(&nodes[leaf_of_place[place]]);
     auto batch = start_query(sink, item, query.child & ~leaf_flag);
-    // A node that overlaps pops before its children push: at most one entry a level waits, plus one.
+    // A node is popped before its children are pushed. So the stack holds at most one entry per level, plus
+    // one.
     std::uint32_t stack[depth + 1];
     int stacked = 0;
     const std::uint32_t root_child = nodes[0].child;
@@ -185,7 +185,7 @@ struct WriteTopDownTree {
   }
 };
 
-/// Leaves by their place, inner nodes after them: n - 1 splits, one for each.
+/// TreeSink numbers: leaves by place; the inner node that splits after place k has the number n + k.
 struct NumberNodes {
   const QueueNode* nodes;
   std::uint32_t n;
@@ -251,15 +251,16 @@ class LbvhTopDown final : public BroadPhase {
   }
 
  private:
-  // Beyond so many bodies each level is a launch on a GPU, the empty levels too. The rounds of one launch
-  // have a block on each multiprocessor, which is too few: 1.23 ms instead of 0.48 for 1,000,000 on an H200.
+  // With more bodies, each level is a separate launch on a GPU, including empty levels. Rounds in one launch
+  // have one block per multiprocessor, which is too few: 1.23 ms instead of 0.48 for 1,000,000 bodies on an
+  // H200.
   static constexpr std::uint32_t max_in_rounds = 200'000;
-  /// No level has more nodes than this.
+  /// Upper bound of the nodes of a level.
   std::int64_t max_level_size(int level) const {
     const std::int64_t nodes = tree_nodes();
     return level < 40 && (std::int64_t{1} << level) < nodes ? std::int64_t{1} << level : nodes;
   }
-  // A split by a bit takes one level for each bit, then equal keys are halved.
+  // One level per key bit, then equal keys are halved.
   static constexpr int max_levels = (sizeof(Key) == 4 ? 30 : 63) + 28;
   int levels_needed() const {
     int halvings = 0;

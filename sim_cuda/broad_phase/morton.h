@@ -1,7 +1,7 @@
 #pragma once
-// Morton keys: a z-ordering space-filling curve, as the paper's Figure 6 asks, so that bodies that are close
-// in space come close in the list. 30-bit keys have 10 bits an axis, 63-bit keys 21. They decide how good the
-// tree is, never which pairs it finds.
+// Morton keys: positions along a z-order curve, as in the paper's Figure 6. Bodies that are close in space
+// are likely to be close in this order. 30-bit keys have 10 bits per axis, 63-bit keys have 21. Keys affect
+// the quality of a tree, not the pairs found.
 
 #include <cstdint>
 
@@ -10,7 +10,7 @@
 
 namespace collidoscope {
 
-/// Spreads the lowest 21 bits of x so that two zero bits follow each.
+/// Spreads the lowest 21 bits of x, with two zero bits between consecutive bits.
 SIM_HD constexpr std::uint64_t spread_bits(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x001f00000000ffffu;
@@ -21,13 +21,13 @@ SIM_HD constexpr std::uint64_t spread_bits(std::uint64_t x) {
   return x;
 }
 
-/// Interleaves three cell numbers, x in the highest bit of each triple.
+/// Interleaves three cell indices; x is the highest bit of each triple.
 SIM_HD constexpr std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread_bits(x) << 2 | spread_bits(y) << 1 | spread_bits(z);
 }
 
-/// The key of a box's centre within `extent`; centres outside count as on its border, empty boxes as in its
-/// first cell.
+/// Key of a box's centre within `extent`. Centres outside are clamped to the border cells. Empty boxes are in
+/// the first cell along each axis.
 template <class Key>
 SIM_HD Key morton_key(const Aabb& box, const Aabb& extent) {
   constexpr std::uint32_t cells = sizeof(Key) == 4 ? 1u << 10 : 1u << 21;

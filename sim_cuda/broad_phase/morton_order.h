@@ -1,14 +1,17 @@
 #pragma once
-// Bodies in the order of their Morton keys: where every tree over the z-order curve begins. Owns the keys;
-// belongs to a broad phase.
+// Sorts bodies by Morton key, the first step of every BVH along the z-order curve. Owns the keys; owned by a
+// broad phase.
 //
-// Keys have 24, 30 or 63 bits (ExecutorOptions::key_bits), and all of them are sorted; equal keys by id. So
-// the order depends on the boxes alone, whatever the sort, the launch shape and the order of lanes.
+// Keys have 24, 30 or 63 bits (ExecutorOptions::key_bits). All key bits are sorted; ties by id. The order
+// therefore depends on the boxes only, not on the sort method, launch shape or lane order.
 //
-// Up to 2^21 bodies with 24- or 30-bit keys it is a counting sort: as many cells as bodies, one counter each,
-// and within a cell, which mostly holds one or two, every body finds its own place. That is four launches in
-// place of a radix sort's eleven. A cell with many bodies is one item that a block sorts (LargeItems).
-// Beyond, and for 63-bit keys, the library sorts; ExecutorOptions::sort may say otherwise.
+// Up to 2^21 bodies with 24- or 30-bit keys, a counting sort is used. It has about as many cells as bodies,
+// with one counter each. A cell usually has one or two bodies, and each body finds its place within the cell
+// by comparisons. It takes four launches; a radix sort takes eleven. A cell with many bodies is one large
+// item, sorted by a block (LargeItems).
+//
+// The library's radix sort is used for more bodies and for 63-bit keys. ExecutorOptions::sort overrides this
+// choice.
 
 #include <cstdint>
 #include <type_traits>
@@ -62,14 +65,15 @@ struct ScatterToCells {
   }
 };
 
-/// A cell's bodies, which stand in order of arrival, by (key, id). In a usual cell each body counts those
-/// before it. A large cell is sorted whole by the item of its first place: by a block where there is one.
+/// Sorts the bodies of each cell, which are in arbitrary order, by (key, id). In a small cell, each body
+/// counts the bodies before it. A large cell is sorted by the item of its first place: by a block on a GPU,
+/// else by one thread.
 template <class Emit>
 struct SortWithinCells {
   const std::uint32_t* keys;
   int cell_shift;
   const std::uint32_t *begin, *unsorted;
-  std::uint32_t *sorted_keys, *sorted;  ///< by place; `sorted` of large cells only, and scratch
+  std::uint32_t *sorted_keys, *sorted;  ///< by place; `sorted` is used for large cells only, as scratch
   Emit emit;
 
   struct Cell {
@@ -169,14 +173,16 @@ class MortonOrder {
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
-  /// Calls emit(place, body) once for each place 0 .. bodies - 1, in the stage "sort". `extent`: morton.h.
+  /// Calls emit(place, body) once per place 0 .. bodies - 1, in the stage "sort". `extent` as in
+  /// morton_key().
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit) {
     sort(boxes, extent, emit, bodies_);
   }
-  /// For those who read bodies() afterwards.
+  /// Sorts without emit; use bodies() afterwards.
   void sort(const Aabb* boxes, const Aabb* extent) { sort(boxes, extent, StoreBody{bodies_by_place()}); }
-  /// If `items` is all bodies. If it is 0, nothing is emitted, and keys() stay those of the last sort.
+  /// Variant with an item count, which must be all bodies or 0. With 0, nothing is emitted, and keys() keep
+  /// the result of the last sort.
   template <class Emit>
   void sort(const Aabb* boxes, const Aabb* extent, const Emit& emit, const ItemCount& items) {
     constexpr int all_bits = sizeof(Key) == 4 ? 30 : 63;
@@ -194,15 +200,15 @@ class MortonOrder {
     else
       sort_by_key(executor_, "sort", bodies_, key_bits_, keys, sorted_keys_.data(), ids, order_.data(),
                   temporary_.data(), temporary_.bytes());
-    if constexpr (!std::is_same_v<Emit, StoreBody>)  // that is what the sort has done
+    if constexpr (!std::is_same_v<Emit, StoreBody>)  // bodies() has the result already
       executor_.run("sort", items, ScatterInOrder<Emit>{order_.data(), emit});
   }
 #endif
 
   int key_bits() const { return key_bits_; }
-  /// By place, ascending; after sort().
+  /// Sorted keys, by place. Valid after sort().
   const Key* keys() const { return sorted_keys_.data(); }
-  /// By place, after the sort() that emits nothing.
+  /// Body ids by place. Valid after the sort() without emit.
   const std::uint32_t* bodies() const { return cell_bits_ > 0 ? ids_.data() : order_.data(); }
 
  private:
@@ -220,7 +226,7 @@ class MortonOrder {
                    temporary_.data(), temporary_.bytes());
     executor_.run("sort", items,
                   ScatterToCells<Key>{keys_.data(), shift, begin_.data(), ids_.data(), order_.data()});
-    // Ranks have done their work: their memory takes the bodies of large cells.
+    // The ranks are no longer needed; their memory is reused for the bodies of large cells.
     executor_.run("sort", items,
                   SortWithinCells<Emit>{keys_.data(), shift, begin_.data(), order_.data(),
                                         sorted_keys_.data(), ids_.data(), emit});
@@ -231,9 +237,10 @@ class MortonOrder {
   Executor& executor_;
   int key_bits_;
   std::int64_t bodies_ = 0;
-  int cell_bits_ = 0;  ///< 0: no counting
+  int cell_bits_ = 0;  ///< 0: no counting sort
   Buffer<Key> keys_, sorted_keys_;
-  Buffer<std::uint32_t> ids_;  ///< ids; or of each body its rank in its cell, then bodies by place
+  /// Ids; with counting, ranks of bodies within their cell, then bodies by place.
+  Buffer<std::uint32_t> ids_;
   Buffer<std::uint32_t> order_;
   Buffer<std::uint32_t> count_, begin_;
   Buffer<std::byte> temporary_;

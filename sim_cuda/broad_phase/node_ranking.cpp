@@ -1,4 +1,4 @@
-// What BvhStatistics tells of single nodes: their values, the greatest first, and how these spread.
+// BvhStatistics: reports, ranking and histograms of single nodes.
 
 #include <algorithm>
 #include <bit>
@@ -26,7 +26,7 @@ struct GatheredNode {
   std::uint32_t visits;
 };
 
-/// The value of a node, where it has one.
+/// The value of a node; none for leaves without a value.
 struct LoadValue {
   const float* values;
   const std::uint32_t* children;
@@ -39,9 +39,9 @@ struct LoadValue {
 
 struct CountValues {
   LoadValue load;
-  const float* edge;  ///< of NodeHistogram::bins
+  const float* edge;  ///< edges of NodeHistogram::bins bins
   float low, high;
-  std::uint32_t* count;  ///< of each bin, and one for those from low to high
+  std::uint32_t* count;  ///< per bin, followed by the count of values from low to high
   SIM_HD void operator()(int node) const {
     const ValueSpan value = load(node);
     if (value.count == 0) return;
@@ -55,7 +55,7 @@ struct CountValues {
   }
 };
 
-/// One record for each place, so that the host reads them at once.
+/// Gathers the data of one node in one record, so that the host needs a single copy.
 struct GatherNode {
   TreeView tree;
   const std::uint32_t* place;
@@ -70,7 +70,7 @@ struct GatherNode {
   }
 };
 
-/// Sorts ascending what is greatest first. Values are >= 0, so their bits order as they do.
+/// Keys for descending order. Values are >= 0, so their bits have the same order.
 struct RankKeys {
   const float* values;
   std::uint32_t first;  ///< place of values[0]
@@ -166,7 +166,7 @@ NodeHistogram BvhStatistics::histogram(const TreeView& tree, NodeMetric metric,
   result.count = span.count;
   result.least = span.least;
   result.greatest = span.greatest;
-  // From zero no step of a logarithm leads anywhere: nine powers of ten are shown.
+  // A logarithmic scale cannot start at 0; it starts at 1e-9 of the maximum.
   const double low =
       static_cast<double>(is_logarithmic(metric) ? std::max(span.least, 1e-9f * span.greatest) : span.least);
   const double high = static_cast<double>(span.greatest);

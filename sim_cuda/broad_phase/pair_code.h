@@ -1,6 +1,6 @@
 #pragma once
-// Every unordered pair of n things as one number: 0 .. n(n-1)/2 - 1, so that pairs are shared out like any
-// other items. Pair (a, b), a < b, is number b(b-1)/2 + a: consecutive numbers have consecutive a, and the
+// Numbering of the unordered pairs of n elements: 0 .. n(n-1)/2 - 1, so that pairs can be distributed like
+// any items. Pair (a, b), a < b, has the number b(b-1)/2 + a. Consecutive numbers have consecutive a. The
 // number does not depend on n.
 
 #include <cmath>
@@ -10,12 +10,12 @@
 
 namespace collidoscope {
 
-/// Pairs of n <= 2^31 things.
+/// Number of pairs of n <= 2^31 elements.
 SIM_HD constexpr std::uint64_t pair_count(std::uint64_t n) { return n < 2 ? 0 : n * (n - 1) / 2; }
 
-/// The pair of that number, among at most 2^31 things. The square root of a float is only where the search
-/// starts, a step or two from the answer while there are up to 2^24 things, and 2^7 at the most; integers
-/// decide.
+/// The pair with the given number, of at most 2^31 elements. A float square root gives the start of the
+/// search; its error is one or two steps up to 2^24 elements, and at most 2^7. The search is exact, in
+/// integers.
 SIM_HD inline Pair decode_pair(std::uint64_t number) {
   using std::sqrt;
   auto b = static_cast<std::uint64_t>(sqrt(2 * static_cast<float>(number) + 0.25f) + 0.5f);

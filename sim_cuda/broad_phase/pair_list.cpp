@@ -8,8 +8,8 @@ namespace collidoscope {
 
 namespace {
 
-/// Of the bodies first .. last - 1: a write to a list that outgrows the cache costs a sector each, to a part
-/// of it that fits far less.
+/// Places the pairs of the bodies first .. last - 1. Scattered writes to a list larger than the cache cost a
+/// memory sector each. Writes to a part that fits in the cache cost far less.
 struct PlacePairs {
   const FoundPair* found;
   std::uint32_t first, last;
@@ -20,11 +20,12 @@ struct PlacePairs {
     const auto [pair, rank] = found[k];
     if (pair.a < first || pair.a >= last) return;
     const std::uint64_t place = std::uint64_t{offset[pair.a]} + rank;
-    if (place < capacity) second[place] = pair.b;  // offsets mean nothing after an overflow
+    if (place < capacity) second[place] = pair.b;  // offsets are invalid after an overflow
   }
 };
 
-/// The item after the last body accepts the list, or says what it would take.
+/// Sorts the segment of each body. The item after the last body accepts the list, or reports the needed
+/// capacity.
 struct SortPairs {
   const std::uint32_t* offset;
   std::uint32_t* second;
@@ -52,7 +53,7 @@ struct SortPairs {
 #endif
 };
 
-/// In how many parts of the bodies pairs are placed: as many as leave each about half of a large cache.
+/// Number of parts of the bodies for PlacePairs. Each part takes about half of a large cache.
 std::uint32_t placing_rounds(std::size_t list_bytes) {
   constexpr std::size_t part = 64 << 20;
   return static_cast<std::uint32_t>(list_bytes / part) + 1;
@@ -87,10 +88,11 @@ void PairList::find(BroadPhase& method, StepControl* control) {
   const std::uint32_t rounds = placing_rounds(second_.bytes());
   const auto part = [&](std::uint32_t round) { return static_cast<std::uint32_t>(bodies_ * round / rounds); };
   for (std::uint32_t round = 0; round < rounds; ++round)
-    executor_.run("pairs",
-                  ItemCount(count_.data(), capacity()),  // the total's lower half: all of it, if it fits
-                  PlacePairs{found_.data(), part(round), part(round + 1), offset_.data(), second_.data(),
-                             second_.size()});
+    executor_.run(
+        "pairs",
+        ItemCount(count_.data(), capacity()),  // lower half of the 64-bit total; equals the total if it fits
+        PlacePairs{found_.data(), part(round), part(round + 1), offset_.data(), second_.data(),
+                   second_.size()});
   executor_.run(
       "pairs", bodies_ + 1,
       SortPairs{offset_.data(), second_.data(), total, second_.size(), static_cast<int>(bodies_), control});

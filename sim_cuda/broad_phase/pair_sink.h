@@ -1,6 +1,6 @@
 #pragma once
-// Where a broad phase leaves the pairs that it finds: appended to one list in any order and counted per body,
-// in a single traversal. pair_list.cpp then puts them in order, so the order of arrival is never seen.
+// Output of a broad phase: pairs are appended to one list in any order, and counted per body, in a single
+// traversal. pair_list.cpp sorts them, so the order of arrival has no effect.
 
 #include <cstdint>
 
@@ -12,17 +12,17 @@ namespace collidoscope {
 
 struct FoundPair {
   Pair pair;
-  std::uint32_t rank;  ///< how many pairs of pair.a were found before it
+  std::uint32_t rank;  ///< number of pairs of pair.a found before
 };
 
 struct PairSink {
-  FoundPair* found;  ///< room for `capacity`
+  FoundPair* found;  ///< `capacity` elements
   std::uint64_t capacity;
-  std::uint64_t* total;  ///< pairs found, those beyond the capacity too: what it takes is always known
-  std::uint32_t* count;  ///< per body: pairs in which it is the smaller id
+  std::uint64_t* total;  ///< number of pairs found, including those beyond the capacity
+  std::uint32_t* count;  ///< per body: pairs in which it has the smaller id
 
-  /// Each overlapping pair once, in either order; x != y. Where one query may find several, PairBatch costs
-  /// less: all that add() meet at one counter.
+  /// Adds an overlapping pair; each pair once, x != y in either order. For queries that may find several
+  /// pairs, PairBatch is cheaper, because every add() updates the same counter.
   SIM_HD void add(std::uint32_t x, std::uint32_t y) const { put(atomic_add_aggregated(total, 1), x, y); }
 
   SIM_HD void put(std::uint64_t place, std::uint32_t x, std::uint32_t y) const {
@@ -32,18 +32,19 @@ struct PairSink {
   }
 };
 
-/// What one body's query finds, handed to the sink a few at a time. finish() when the query is done.
+/// Buffers the pairs of one query, and passes them to the sink in groups. Call finish() at the end of the
+/// query.
 class PairBatch {
  public:
   SIM_HD PairBatch(const PairSink& sink, std::uint32_t body) : sink_(sink), body_(body) {}
   SIM_HD void add(std::uint32_t other) {
     if (buffered_ == room) flush(atomic_add(sink_.total, room));
-    // Constant places, here and in flush(), let a GPU keep them in registers.
+    // Constant indices, here and in flush(), so that a GPU keeps the array in registers.
     for (std::uint32_t k = 0; k < room; ++k)
       if (k == buffered_) other_[k] = other;
     ++buffered_;
   }
-  /// One more node of the hierarchy is read: VisitCount.
+  /// Counts nothing; VisitCount counts the visited nodes.
   SIM_HD void visit() const {}
   SIM_HD void finish() { flush(atomic_add_aggregated(sink_.total, buffered_)); }
 
@@ -54,18 +55,18 @@ class PairBatch {
     buffered_ = 0;
   }
 
-  static constexpr std::uint32_t room = 8;  // more than most queries find: one visit to the counter for each
-  PairSink sink_;                           // a copy: parameters of a kernel have no address
+  static constexpr std::uint32_t room = 8;  // most queries find fewer, and update the counter once
+  PairSink sink_;                           // a copy, because kernel parameters have no address
   std::uint32_t body_, buffered_ = 0, other_[room] = {};
 };
 
-/// In place of a PairSink: the same traversal counts what it reads.
+/// Replaces PairSink to count the nodes that a traversal visits.
 struct VisitSink {
-  std::uint32_t* of_query;  ///< by the item of the query in its stage; starts with zeros
-  std::uint64_t* shared;    ///< of no single query; starts at zero
+  std::uint32_t* of_query;  ///< by item of the query's stage; initially 0
+  std::uint64_t* shared;    ///< visits shared by several queries; initially 0
 };
 
-/// In place of a PairBatch.
+/// Replaces PairBatch: counts visits, ignores pairs.
 class VisitCount {
  public:
   SIM_HD explicit VisitCount(std::uint32_t* visits) : visits_(visits) {}
@@ -78,7 +79,7 @@ class VisitCount {
   std::uint32_t count_ = 0;
 };
 
-/// What the query of `body`, item `item` of its stage, reports to.
+/// Starts the query of `body`, item `item` of its stage, with the output for the sink.
 SIM_HD inline PairBatch start_query(const PairSink& sink, int, std::uint32_t body) { return {sink, body}; }
 SIM_HD inline VisitCount start_query(const VisitSink& sink, int item, std::uint32_t) {
   return VisitCount(sink.of_query + item);

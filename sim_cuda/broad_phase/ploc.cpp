@@ -1,13 +1,13 @@
-// A BVH by merging nearest neighbours, after PLOC (Meister and Bittner 2018), PLOC++ (Benthin et al. 2022)
-// and H-PLOC (2024). Clusters start as the bodies in Morton order. In each round every cluster looks for its
-// nearest among the `radius` to its left and to its right: the one with which it makes the smallest box. Two
-// that name each other merge, in the place of the left one; a scan closes the gaps. Equally near: the one
-// whose number differs in lower bits (the smaller i xor j), so that equal clusters pair up, 2k with 2k + 1.
+// PLOC: a BVH by merging nearest neighbours, after PLOC (Meister and Bittner 2018), PLOC++ (Benthin et al.
+// 2022) and H-PLOC (2024). Clusters start as the bodies in Morton order. In each round, every cluster finds
+// its nearest neighbour among `radius` clusters on each side: the one with the smallest common box. Mutual
+// nearest neighbours merge, at the place of the left one; a scan compacts the list. Ties: the smaller i xor
+// j, so that equal clusters merge in pairs 2k and 2k + 1.
 //
-// A recorded step needs a number of rounds that n fixes, but how many merge is up to the bodies. So there is
-// a schedule, by which the host knows how many clusters are left at most: four of five in each round, after a
-// start of three. A round that finds more than are due merges neighbours pairwise instead, which leaves half.
-// The Box Collider never falls behind; coincident and nested boxes may.
+// A recorded step needs a number of rounds that depends on n only, but the number of merges depends on the
+// bodies. Therefore a schedule limits the number of clusters per round: a factor of 4/5 per round, starting
+// three rounds late. A round with more clusters than scheduled merges adjacent clusters pairwise, which
+// halves their number. The Box Collider never exceeds the schedule; coincident and nested boxes may.
 
 #include <limits>
 #include <utility>
@@ -36,7 +36,7 @@ SIM_HD inline void enclose(Cluster& a, const Cluster& b) {
   }
 }
 
-/// Half the area of the box around both; boxes that leave no number for it are as far as can be.
+/// Half the surface area of the common box; infinity if it is not a finite number.
 SIM_HD inline float distance(Cluster a, const Cluster& b) {
   enclose(a, b);
   const float x = a.max[0] - a.min[0], y = a.max[1] - a.min[1], z = a.max[2] - a.min[2];
@@ -75,7 +75,7 @@ struct FindNearest {
   static constexpr std::uint32_t radius = 8;
   const Cluster* clusters;
   const std::uint32_t* count;
-  std::uint32_t due;  ///< with more clusters the round merges pairwise
+  std::uint32_t due;  ///< with more clusters, the round merges pairwise
   std::uint32_t* nearest;
   SIM_HD void operator()(int item) const {
     const auto i = static_cast<std::uint32_t>(item), m = *count;
@@ -98,7 +98,7 @@ struct FindNearest {
   }
 };
 
-/// Whether a cluster merges into one to its left. Zero for the rest of what is scanned.
+/// Whether a cluster merges into one to its left; 0 for scanned elements beyond the count.
 struct MarkMerged {
   const std::uint32_t *count, *nearest;
   std::uint32_t* merged;
@@ -112,7 +112,7 @@ struct MergeClusters {
   const Cluster* clusters;
   std::uint32_t n;
   const std::uint32_t *count, *nearest, *merged_before;
-  std::uint32_t bound;  ///< elements that were scanned
+  std::uint32_t bound;  ///< number of scanned elements
   Cluster* next;
   std::uint32_t* next_count;
   RopedNode* nodes;
@@ -126,7 +126,7 @@ struct MergeClusters {
     Cluster cluster = load_readonly(&clusters[i]);
     if (mutual) {
       const Cluster other = load_readonly(&clusters[j]);
-      // n - m inner nodes are there already; this round adds one for each cluster that merges into another.
+      // The tree has n - m inner nodes so far. This round adds one per cluster that merges into another.
       const std::uint32_t node = n + (n - m) + merged_before[j];
       links.join(cluster.node, other.node, node);
       links.link[node] = TreeLinks::none;
@@ -145,7 +145,7 @@ struct MergeClusters {
   }
 };
 
-/// What a round starts with at most, and with how many it may still take its time.
+/// `bound`: maximum number of clusters at the start of a round. `due`: scheduled number of clusters.
 struct Round {
   std::uint32_t bound, due;
   static Round first(std::uint32_t clusters) { return {clusters, 2 * clusters}; }

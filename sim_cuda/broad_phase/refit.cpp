@@ -1,13 +1,14 @@
-// A linear BVH that outlives the step: bodies that move little stay neighbours, so most steps keep its
-// topology (Karras's, from the Morton order at the last build) and give each node its new box, from the
-// leaves up. Any motion is right, for every box is made anew; a bad one only makes boxes large and queries
-// slow.
+// A linear BVH that is reused across steps. Bodies that move little stay neighbours, so most steps keep the
+// topology (Karras's, from the Morton order of the last build) and update the boxes bottom-up. The pairs are
+// correct for any motion, because all boxes are recomputed. Large motion only enlarges boxes and slows down
+// queries.
 //
-// Rebuilt on decay: the sum of the areas of the inner boxes, which is what queries pay for, is compared with
-// the least since the last build. Once it is a quarter more, the next update sorts and links anew. The
-// decision is a counter in the executor's memory, which says of how many items the stages of building
-// consist: all or none; so a recorded step needs no answer from the device, and after a leap one step is
-// slow. (Where the library sorts, as with 63-bit keys, it sorts in every step, the old keys if no new ones.)
+// Rebuild criterion: the sum of inner surface areas, which determines the query cost, exceeds 1.25 times its
+// minimum since the last build. The next update then sorts and links anew. The decision is a counter in the
+// executor's memory: the item count of the build stages, all or none. A recorded step therefore needs no
+// readback, and the step after a large motion is slow.
+//
+// (The library sort, as for 63-bit keys, runs in every step, with the old keys if there is no rebuild.)
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/key_difference.h"
@@ -20,12 +21,12 @@ namespace collidoscope {
 
 namespace {
 
-constexpr double rebuild_ratio = 1.25;  // of the least sum of areas
+constexpr double rebuild_ratio = 1.25;  // of the minimum sum of areas
 
-/// What the next update builds, and what it is compared with.
+/// Item counts of the next update's build stages, and the reference area.
 struct RebuildState {
   std::uint32_t leaves, nodes;  ///< all, or 0
-  double least_area;            ///< m^2, since the last build
+  double least_area;            ///< m^2, minimum since the last build
 };
 
 struct AreaSum {
@@ -38,15 +39,15 @@ struct PlaceLeafBody {
   SIM_HD void operator()(std::uint32_t place, std::uint32_t body) const { leaves[place].child = body; }
 };
 
-/// Leaves climb; where two subtrees meet, the second to come links them and goes on (Apetrei 2014). The node
-/// that separates leaves i and i + 1 is n + i.
+/// Links the tree: leaves climb, and the second child to arrive at a split links both children and continues
+/// (Apetrei 2014). The node that splits leaves i and i + 1 has the number n + i.
 template <class Key>
 struct LinkNodes {
   const Key* keys;
   std::uint32_t n;
   RopedNode* nodes;
   TreeLinks links;
-  std::uint32_t* arrival;  ///< by split: `no_rope`, or the far end of the subtree that came first
+  std::uint32_t* arrival;  ///< by split: `no_rope`, or the far end of the first subtree to arrive
 
   SIM_HD std::uint32_t split_bit_at(std::uint32_t i) const { return split_bit(keys, n, i); }
   SIM_HD void operator()(int item) const {
@@ -55,10 +56,11 @@ struct LinkNodes {
       const bool is_left = split_bit_at(last) < split_bit_at(first - 1);
       const std::uint32_t split = is_left ? last : first - 1;
       RopedNode& above = nodes[n + split];
-      (is_left ? above.child : above.rope) = at;  // until the escape indices are set, the right child
+      // Until the escape indices are set, the rope is the right child.
+      (is_left ? above.child : above.rope) = at;
       const std::uint32_t far = atomic_exchange(&arrival[split], is_left ? first : last);
       if (far == no_rope) return;
-      arrival[split] = no_rope;  // both were here
+      arrival[split] = no_rope;  // both children have arrived
       const std::uint32_t other = atomic_load(is_left ? &above.rope : &above.child);
       links.join(is_left ? at : other, is_left ? other : at, n + split);
       (is_left ? last : first) = far;
@@ -68,7 +70,7 @@ struct LinkNodes {
   }
 };
 
-/// Leaves take the boxes of their bodies and climb; where two subtrees meet, the second to come goes on.
+/// Updates all boxes: leaves copy the boxes of their bodies and climb; the second child to arrive continues.
 struct RefitNodes {
   const Aabb* boxes;
   std::uint32_t n;

@@ -1,7 +1,6 @@
 #pragma once
-// Ropes (escape indices, rope_walk.h) for trees that are not built from left to right. Whoever builds one
-// gives each pair of siblings its links; the ropes follow from these in one launch, and so does what
-// write_tree() asks for.
+// Ropes (escape indices, rope_walk.h) for trees that are not built from left to right. The builder links each
+// pair of siblings. One launch derives the ropes from the links. write_tree() uses the links, too.
 
 #include <cstdint>
 
@@ -11,7 +10,8 @@
 
 namespace collidoscope {
 
-/// The way up: a left child's link is its sibling, a right child's its parent, the root's `none`.
+/// Links towards the root. A left child links to its sibling, a right child to its parent; the root has
+/// `none`.
 struct TreeLinks {
   static constexpr std::uint32_t none = RopedNode::none, upward = 1u << 31;
   std::uint32_t* link;
@@ -27,7 +27,7 @@ struct TreeLinks {
   }
 };
 
-/// A left child's rope leads to its sibling, a right one's where its parent's does.
+/// The rope of a left child is its sibling; that of a right child is the rope of its parent.
 struct SetEscapeIndices {
   TreeLinks links;
   RopedNode* nodes;
@@ -38,7 +38,7 @@ struct SetEscapeIndices {
   }
 };
 
-/// Leaves under each node; `leaves` starts with zeros.
+/// Counts the leaves below each node. `leaves` must be 0 initially.
 struct CountLeaves {
   TreeLinks links;
   std::uint32_t* leaves;
@@ -48,7 +48,7 @@ struct CountLeaves {
   }
 };
 
-/// Leaves get the numbers of their order from left to right.
+/// Numbers the leaves from left to right.
 struct NumberLeaves {
   TreeLinks links;
   const RopedNode* nodes;
@@ -78,7 +78,7 @@ struct WriteRopeTree {
 };
 
 #if !SIM_CUDA || defined(__CUDACC__)
-/// BroadPhase::write_tree of such a tree over n >= 1 bodies.
+/// Implements BroadPhase::write_tree for a tree over n >= 1 bodies.
 inline void write_rope_tree(Executor& executor, std::uint32_t n, const RopedNode* nodes, TreeLinks links,
                             const TreeSink& sink) {
   const std::int64_t count = 2 * std::int64_t{n} - 1;

@@ -6,7 +6,7 @@ namespace collidoscope {
 
 namespace {
 
-/// One query by one thread.
+/// One thread per query.
 template <class Sink>
 struct WalkRopes {
   const RopedNode* nodes;
@@ -28,30 +28,30 @@ struct WalkRopes {
 
 #if defined(__CUDACC__)
 
-// The same walks, shared by the lanes of a warp. A walk is a range of the tree, from a node to a rope: who
-// goes down into a node has the node's subtree before it and, from the node's rope on, a rest that another
-// lane can take. So a warp has its own range of queries, and as long as a lane has nothing to do it takes the
-// next one, or, when all are taken, the rest of another lane's: the longest query ends with the others.
+// Warp-cooperative traversal. A walk is a range of the tree, from a node to a rope. After descending into a
+// node, the part from the node's rope on can be given to another lane. Each warp has its own range of
+// queries. An idle lane takes the next query of that range. If none is left, it takes part of another lane's
+// walk, so the longest query does not delay the warp.
 //
-// That pays while there are fewer queries than a GPU has room for, where all wait for the longest. Beyond,
-// they hide each other's waiting, and neighbours that start together read the same nodes, which is worth
-// more: one thread a query.
+// This is faster if there are fewer queries than the GPU can run concurrently, where the longest query
+// determines the time. With more queries, other warps hide that latency. Then one thread per query is faster,
+// because adjacent queries that start together read the same nodes.
 
 constexpr std::uint32_t warp_size = 32;
-constexpr std::int64_t lanes_per_query = 4;      // no more: dividing costs time too
-constexpr std::uint32_t idle_lanes_to_wait = 4;  // before work is handed out
-constexpr std::uint32_t max_shared =
-    200'000;  // queries: on an H200, which runs 8,448 warps at once, both are as fast
+constexpr std::int64_t lanes_per_query = 4;      // more lanes do not pay, because splitting costs time
+constexpr std::uint32_t idle_lanes_to_wait = 4;  // lanes that must be idle before work is redistributed
+// Number of queries at which both variants are equally fast on an H200, which runs 8,448 warps concurrently.
+constexpr std::uint32_t max_shared = 200'000;
 
 /// The rest of a walk.
 struct Walk {
-  std::uint32_t leaf, at, end;  ///< whose query; the node to visit next; done when at == end
+  std::uint32_t leaf, at, end;  ///< the query's leaf; the next node; done if at == end
 };
 
-/// What a warp keeps in shared memory.
+/// Shared memory of one warp.
 struct WarpSpace {
-  uint2 found[2 * warp_size];  ///< pairs that wait for the sink
-  Walk rest[warp_size];        ///< offered by lanes that have more than they need
+  uint2 found[2 * warp_size];  ///< pairs buffered for the sink
+  Walk rest[warp_size];        ///< walks offered to idle lanes
 };
 
 std::size_t warp_space(int threads) {
@@ -74,7 +74,7 @@ __global__ void __launch_bounds__(1024)
   const auto last = static_cast<std::uint32_t>(n * (team + 1) / teams);
 
   Walk walk{0, no_rope, no_rope};
-  std::uint32_t rope = no_rope;  // where this lane's walk can be divided; `walk.end`: nowhere
+  std::uint32_t rope = no_rope;  // where this lane's walk can be split; `walk.end`: it cannot
   RopedNode query{};
   std::uint32_t buffered = 0;
   const auto flush = [&](std::uint32_t pairs) {
@@ -128,7 +128,7 @@ __global__ void __launch_bounds__(1024)
       const bool down = hit && !is_leaf;
       if (down) rope = node.rope;
       walk.at = down ? node.child : node.rope;
-      if (walk.at == rope) rope = walk.end;  // there is nothing before it any more
+      if (walk.at == rope) rope = walk.end;  // the part before the split is done
     }
     const std::uint32_t found_lanes = __ballot_sync(all, found);
     if (found_lanes == 0) continue;

@@ -1,9 +1,10 @@
 #pragma once
-// A binary tree whose queries need no stack: each node has a rope to the node right of its subtree
-// (Prokopenko & Lebrun-Grandie 2024). A query starts at its own leaf's rope and walks right, down into what
-// it overlaps and along the ropes past what it does not, so that it finds each pair once (half traversal).
+// Stackless queries of a binary tree: each node has a rope to the node right of its subtree (Prokopenko &
+// Lebrun-Grandie 2024). A query starts at the rope of its own leaf. It descends into nodes that it overlaps,
+// and follows the ropes of others. It only visits nodes to the right, so each pair is found once (half
+// traversal).
 //
-// Leaves are the nodes 0 .. n-1 in any order, inner nodes n .. 2n-2.
+// Leaves are nodes 0 .. n-1 in any order; inner nodes are n .. 2n-2.
 
 #include <cstdint>
 
@@ -14,15 +15,15 @@
 
 namespace collidoscope {
 
-/// 32 bytes: a GPU reads it in two loads from one sector.
+/// 32 bytes: two loads from one sector on a GPU.
 struct alignas(16) RopedNode {
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
   float min[3];
-  std::uint32_t child;  ///< the left one; of a leaf: the id of its body
+  std::uint32_t child;  ///< left child; for a leaf, the id of its body
   float max[3];
-  std::uint32_t
-      rope;  ///< escape index: the next node where this subtree is skipped; none: nothing is to the right
+  /// Escape index: next node if this subtree is skipped; none: there is no node to the right.
+  std::uint32_t rope;
 
   SIM_HD Aabb box() const { return {Vector3f(min[0], min[1], min[2]), Vector3f(max[0], max[1], max[2])}; }
   SIM_HD void set_box(const Aabb& box) {
@@ -39,13 +40,13 @@ struct alignas(16) RopedNode {
 static_assert(sizeof(RopedNode) == 32);
 inline constexpr std::uint32_t no_rope = RopedNode::none;
 
-/// BroadPhase::find_pairs of such a tree over n bodies, in the stage "pairs".
+/// Implements BroadPhase::find_pairs for a tree over n bodies, in the stage "pairs".
 void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink);
-/// BroadPhase::count_visits of it. Lanes of a warp that share a walk read the same nodes as one lane alone.
+/// Implements BroadPhase::count_visits. Shared warp traversal visits the same nodes as one thread per query.
 void count_visits_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n,
                            const VisitSink& sink);
 
-/// What broad phases with such a tree share. They sort bodies by Morton keys and build nodes in update().
+/// Base class of broad phases with such a tree. They sort bodies by Morton keys and build nodes in update().
 template <class Key>
 class RopeTreeMethod : public BroadPhase {
  public:

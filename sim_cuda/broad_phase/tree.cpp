@@ -10,8 +10,8 @@ namespace collidoscope {
 
 namespace {
 
-/// Tells a leaf's ancestors the leftmost leaf under them. An ancestor that knows a leaf as far left has told
-/// its own.
+/// Propagates a leaf's place to its ancestors, which keep the minimum. Stops at an ancestor with a smaller
+/// value, because that value has already been propagated.
 struct PropagateLeftmost {
   const std::uint32_t* parent;
   std::uint32_t* leftmost;
@@ -71,7 +71,7 @@ struct FindChildren {
   std::uint32_t nodes;
   std::uint32_t *first_child, *children;
   SIM_HD void operator()(int item) const {
-    const auto k = static_cast<std::uint32_t>(item) + 1;  // the root is no child
+    const auto k = static_cast<std::uint32_t>(item) + 1;  // skips the root
     const std::uint32_t above = parent[k];
     if (k > 1 && parent[k - 1] == above) return;
     std::uint32_t last = k + 1;

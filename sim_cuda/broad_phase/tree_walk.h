@@ -1,5 +1,5 @@
 #pragma once
-// A walk over an arranged tree, of those who count what a query visits.
+// Traversal of a level-ordered tree, for statistics of queries.
 
 #include <cstdint>
 
@@ -7,8 +7,8 @@
 
 namespace collidoscope {
 
-/// Walks the tree from the root: visits each box whose parent overlaps `query`, children before siblings, and
-/// says of each whether to go down. No stack: nodes know their parents, and siblings follow each other.
+/// Calls visit(node) from the root, in depth-first order. Descends into the children if it returns true.
+/// Stackless: nodes store their parents, and siblings are adjacent.
 template <class Visit>
 SIM_HD void walk(const TreeView& tree, const Visit& visit) {
   std::uint32_t node = 0;

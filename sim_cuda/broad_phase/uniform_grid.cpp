@@ -1,10 +1,10 @@
-// A uniform grid: one size of cells for all bodies, by the largest of them, so that a body finds all whom it
-// meets in a few rows of cells around it. A cell measures a quarter to twice the longest side of any box, the
-// finer the more crowded the extent is: the finest that takes no more than two cells a body.
+// A uniform grid with one cell size for all bodies, so that a query searches a few rows of cells around a
+// body. Cell sizes range from a quarter of the longest side of any box to twice that side. The smallest size
+// that needs at most two cells per body is used.
 //
-// The number of cells is bounded by the number of bodies, whatever the extent (cell_list.h). What a uniform
-// grid cannot do is mixed sizes: one huge body makes all cells huge, and the method becomes brute force with
-// a detour (Liu et al. 2010 measured it). hierarchical_grid is for those.
+// The number of cells is bounded by the number of bodies, for any extent (cell_list.h). A uniform grid
+// handles mixed sizes badly: one huge body makes all cells huge, and the method degenerates to brute force
+// (measured by Liu et al. 2010). Use hierarchical_grid for mixed sizes.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/broad_phase/cell_list.h"
@@ -13,7 +13,7 @@ namespace collidoscope {
 
 namespace {
 
-/// The longest side of any box, as the bits of a float >= 0, which order as it does.
+/// The longest side of any box, as the bits of a float >= 0. Such bits have the order of the floats.
 struct FindLargest {
   const Aabb* boxes;
   std::int64_t bodies, lanes;
@@ -32,7 +32,7 @@ struct LayOutGrid {
   std::uint64_t lists;
   CellGrid* grid;
   SIM_HD void operator()(int) const {
-    grid->first_power = CellGrid::max_power;  // all bodies are of class 0
+    grid->first_power = CellGrid::max_power;  // all bodies are in class 0
     grid->level_of[0] = 0;
     grid->occupied = 1;
     grid->levels[0] = make_level(*extent, std::bit_cast<float>(static_cast<std::uint32_t>(*largest)), lists);

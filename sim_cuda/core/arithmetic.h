@@ -1,6 +1,6 @@
 #pragma once
-// Arithmetic with every case defined, the same on CPU and GPU: what std::min, fmin and a plain cast leave
-// open (NaN, overflow) is fixed here.
+// Arithmetic that gives the same results on CPU and GPU. All functions define the results for NaN and
+// overflow, which std::min, fmin and plain casts leave open.
 
 #include <bit>
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace collidoscope {
 
-/// The smaller; `a` where they are equal or `b` is NaN.
+/// Minimum. Returns `a` if both are equal or `b` is NaN.
 template <class T>
 SIM_HD constexpr T min_of(T a, T b) {
   return b < a ? b : a;
 }
 
-/// The larger; `a` where they are equal or `b` is NaN.
+/// Maximum. Returns `a` if both are equal or `b` is NaN.
 template <class T>
 SIM_HD constexpr T max_of(T a, T b) {
   return a < b ? b : a;
 }
 
-/// `x` moved into [low, high]; `low` where x is NaN.
+/// `x` clamped to [low, high]; `low` if x is NaN.
 template <class T>
 SIM_HD constexpr T clamp_to(T x, T low, T high) {
   return x > low ? (x < high ? x : high) : low;
 }
 
-/// The cell in 0 .. cells-1 that holds x, cells being numbered from 0 with width 1; 0 for NaN. Clamps first,
-/// so that no conversion overflows. `cells` must be exact in Real.
+/// Index of the cell of width 1 that contains x, clamped to 0 .. cells-1; 0 for NaN. Clamps before the
+/// conversion, which therefore cannot overflow. Precondition: `cells` is exact in Real.
 template <class Real>
 SIM_HD constexpr std::uint32_t to_cell(Real x, std::uint32_t cells) {
   return static_cast<std::uint32_t>(clamp_to(x, Real(0), static_cast<Real>(cells - 1)));
 }
 
-/// Whether x is neither infinite nor NaN, whatever fast-math flags a user adds.
+/// Whether x is neither infinite nor NaN. A bit test, so that fast-math flags do not change the result.
 SIM_HD constexpr bool finite(float x) {
   return (std::bit_cast<std::uint32_t>(x) & 0x7f800000u) != 0x7f800000u;
 }
@@ -43,7 +43,7 @@ SIM_HD constexpr bool finite(double x) {
   return (std::bit_cast<std::uint64_t>(x) & 0x7ff0000000000000u) != 0x7ff0000000000000u;
 }
 
-/// The neighbouring float below / above; infinities and NaN stay.
+/// The next float below or above x. Infinities and NaN are returned unchanged.
 SIM_HD constexpr float next_down(float x) {
   if (!finite(x)) return x;
   const auto bits = std::bit_cast<std::uint32_t>(x);
@@ -52,7 +52,7 @@ SIM_HD constexpr float next_down(float x) {
 }
 SIM_HD constexpr float next_up(float x) { return -next_down(-x); }
 
-/// The largest float <= x, and the smallest >= x: boxes of double runs are rounded outward.
+/// The largest float <= x, and the smallest float >= x. Double runs use them to round boxes outward.
 SIM_HD constexpr float round_down(float x) { return x; }
 SIM_HD constexpr float round_up(float x) { return x; }
 SIM_HD constexpr float round_down(double x) {

@@ -1,6 +1,6 @@
 #pragma once
-// Where the files that travel with the programs are: scenes, shaders, fonts. No state; reads the environment
-// and the place of the running program at each call.
+// Location of the assets: scenes, shaders, fonts. Stateless: each call reads the environment and the path of
+// the running program.
 
 #include <filesystem>
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace collidoscope {
 
-/// The folders that are searched, in order: $COLLIDOSCOPE_ASSETS, then assets/ one, two and three folders
-/// above the program (a bundle's bin/, build/bin/ and build/<preset>/bin/).
+/// The search path, in order: $COLLIDOSCOPE_ASSETS, then assets/ one, two and three folders above the program
+/// (for a bundle's bin/, build/bin/ and build/<preset>/bin/).
 std::vector<std::filesystem::path> asset_folders();
 
-/// The file or folder `name` ("scenes/box_collider.json") under the first of them that has it. Throws
-/// MachineError, which lists where it looked.
+/// Path of the file or folder `name` ("scenes/box_collider.json") in the first of these folders that contains
+/// it. Throws MachineError, which lists the searched folders.
 std::filesystem::path asset(const std::string& name);
 
-/// The folder that the running program lies in, links resolved.
+/// The folder of the running program, with symbolic links resolved.
 std::filesystem::path program_folder();
 
 }  // namespace collidoscope

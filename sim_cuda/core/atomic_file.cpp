@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether `name` still is the name of the file that `handle` has open.
+/// Whether `name` still refers to the file that is open as `handle`.
 bool is_named(int handle, const fs::path& name) {
   struct stat of_handle {
   }, of_name{};
@@ -27,12 +27,12 @@ bool is_named(int handle, const fs::path& name) {
 }
 
 std::atomic_flag list_locked = ATOMIC_FLAG_INIT;
-AtomicFile* open_files = nullptr;  ///< those that have a temporary file; of who holds list_locked
+AtomicFile* open_files = nullptr;  ///< objects with a temporary file; guarded by list_locked
 
 bool try_lock_list() { return !list_locked.test_and_set(std::memory_order_acquire); }
 
-/// Holds the list of open files. No signal handler runs in this thread meanwhile, so that a handler which
-/// waits for the list waits for another thread.
+/// Locks the list of open files and blocks all signals of this thread. A signal handler can therefore not
+/// wait for a lock that its own thread holds.
 class ListLock {
  public:
   ListLock() {
@@ -61,8 +61,8 @@ void remove_from_list(const AtomicFile* file, AtomicFile* AtomicFile::*next) {
 }  // namespace
 
 void remove_temporary_files() noexcept {
-  for (int waited_ms = 0; !try_lock_list(); ++waited_ms) {  // and keeps it
-    if (waited_ms == 1000) return;  // std::terminate() can be called by whoever holds it
+  for (int waited_ms = 0; !try_lock_list(); ++waited_ms) {  // never unlocked
+    if (waited_ms == 1000) return;  // std::terminate() may be called while the lock is held
     constexpr timespec millisecond{0, 1'000'000};
     ::nanosleep(&millisecond, nullptr);
   }
@@ -83,7 +83,7 @@ AtomicFile::AtomicFile(const std::string& target) : name_(target), target_(targe
 }
 
 void AtomicFile::follow_links() {
-  constexpr int max_links = 40;  // as the operating system has it
+  constexpr int max_links = 40;  // limit of the operating system
   std::error_code failed;
   if (fs::exists(target_, failed)) {
     if (!fs::is_symlink(target_, failed)) return;
@@ -91,7 +91,7 @@ void AtomicFile::follow_links() {
     if (!failed) target_ = resolved;
     return;
   }
-  // A link to a file that does not exist yet.
+  // The target is a link to a file that does not exist yet.
   for (int links = 0; fs::is_symlink(target_, failed); ++links) {
     if (links == max_links) fail(std::strerror(ELOOP));
     const fs::path next = fs::read_symlink(target_, failed);
@@ -100,7 +100,7 @@ void AtomicFile::follow_links() {
   }
 }
 
-/// The first that nobody else has locked: a new one, or one that a killed program left.
+/// Opens the first temporary file that is not locked: a new one, or one left by a killed process.
 void AtomicFile::open_temporary() {
   const ListLock list;
   for (int k = 0; stream_ == nullptr;) {
@@ -113,7 +113,7 @@ void AtomicFile::open_temporary() {
       ++k;
       continue;
     }
-    // Whoever had it may have put it in place just before.
+    // The previous owner may have renamed the file before this process locked it.
     if (!is_named(handle, temporary_)) {
       ::close(handle);
       continue;
@@ -152,12 +152,13 @@ bool AtomicFile::put(const fs::path& target, unsigned flags) {
   errno = 0;
   if (std::ferror(stream_) || std::fflush(stream_) != 0) fail();
   if (!in_place()) {
-    // A file system may otherwise rename first, and write when the machine has long lost its power.
+    // Without this, a file system may rename before it writes the data; a power loss then leaves an empty
+    // file.
     if (::fsync(fileno(stream_)) != 0 && errno != EINVAL) fail();
     const ListLock list;
     int moved = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target.c_str(), flags);
     if (moved != 0 && flags == RENAME_NOREPLACE && errno == EEXIST) return false;
-    // Some file systems and kernels know no flags.
+    // Some file systems and kernels do not support the flags.
     if (moved != 0 && (errno == EINVAL || errno == ENOSYS))
       moved = std::rename(temporary_.c_str(), target.c_str());
     if (moved != 0) fail();
@@ -176,7 +177,7 @@ void AtomicFile::fail(const std::string& why) const {
 
 namespace {
 
-/// Empty, or why there is no such folder.
+/// Creates `folder`. Returns an empty text, or the reason of the failure.
 std::string folder_error(const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);

@@ -1,6 +1,6 @@
 #pragma once
-// A file that is whole or as it was, whenever the program or the machine ends: written under a temporary name
-// beside its target, brought to the disk, and only then renamed.
+// Atomic file replacement. The data is written to a temporary file beside the target, flushed to disk, and
+// renamed. After a crash or power loss the target is either complete or unchanged.
 
 #include <cstdio>
 #include <filesystem>
@@ -11,36 +11,36 @@
 
 namespace collidoscope {
 
-/// "FILE cannot be written: WHY"
+/// Message: "FILE cannot be written: WHY".
 struct FileWriteError : MachineError {
   FileWriteError(const std::string& file, const std::string& reason)
       : MachineError(file + " cannot be written: " + reason), why(reason) {}
-  std::string why;  ///< in the operating system's words
+  std::string why;  ///< reason, as the operating system states it
 };
 
-/// For as long as one file is written. Owns the temporary file and a lock on it (flock), by which a program
-/// that writes the same target sees that it must take another; one that a killed program left has no lock,
-/// and is taken over. remove_temporary_files() knows it.
+/// Writes one file. Owns the temporary file and an exclusive lock on it (flock). A process that finds the
+/// file locked uses another temporary name. A file left by a killed process has no lock and is reused.
+/// remove_temporary_files() deletes the file.
 class AtomicFile {
  public:
-  /// Opens the temporary file, `target` with ".collidoscope-0.part" behind it. Links are followed: a link
-  /// stays one, and what it names is replaced. A target that is no regular file (/dev/null, a pipe) is
-  /// written in place. Throws FileWriteError, as all members do (a full disk).
+  /// Opens the temporary file: `target` with the suffix ".collidoscope-0.part". Symbolic links are followed:
+  /// the link stays, and its destination is replaced. A target that is not a regular file (/dev/null, a pipe)
+  /// is written in place. All members throw FileWriteError, for example if the disk is full.
   explicit AtomicFile(const std::string& target);
-  /// Without commit() the target is as it was.
+  /// Without commit() the target stays unchanged.
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// For libraries that write to one.
+  /// For libraries that write to a FILE.
   std::FILE* stream() { return stream_; }
   void write(std::string_view bytes);
-  /// Puts the file in its place. Once, last.
+  /// Flushes the file and renames it to the target. Call once, as the last operation.
   void commit();
-  /// The same under the name `target`, in the same folder. If a file has that name, returns false and changes
-  /// nothing.
+  /// Commits under the name `target`, which must be in the same folder. Returns false and changes nothing if
+  /// a file of that name exists.
   bool commit_new(const std::string& target);
-  /// Throws, with `why` or the operating system's last words.
+  /// Throws FileWriteError with `why`, or with the text of errno if `why` is empty.
   [[noreturn]] void fail(const std::string& why = "") const;
 
  private:
@@ -51,20 +51,20 @@ class AtomicFile {
 
   friend void remove_temporary_files() noexcept;
 
-  std::string name_;  ///< as it was given
+  std::string name_;  ///< as given to the constructor
   std::filesystem::path target_, temporary_;
   std::FILE* stream_ = nullptr;
-  AtomicFile* next_ = nullptr;  ///< in the list of the files that have a temporary one
+  AtomicFile* next_ = nullptr;  ///< linked list of the objects with a temporary file
 };
 
-/// Deletes the temporary files of this process. For signal handlers: async-signal-safe. The process must end
+/// Deletes the temporary files of this process. Async-signal-safe, for signal handlers. The process must end
 /// afterwards: the next call that opens or commits a file does not return.
 void remove_temporary_files() noexcept;
 
-/// Makes a folder and all above it. Throws MachineError: "Cannot create folder FOLDER: REASON".
+/// Creates a folder and its parents. Throws MachineError: "Cannot create folder FOLDER: REASON".
 void make_folder(const std::string& folder);
 
-/// Writes `text` so; makes the folder. Throws FileWriteError.
+/// Writes `text` with an AtomicFile, after creating the folder. Throws FileWriteError.
 void write_file_atomically(const std::string& file, const std::string& text);
 
 }  // namespace collidoscope

@@ -1,5 +1,6 @@
 #pragma once
-// The atomics that stages may use: on integers only, where the order of arrival cannot change the outcome.
+// Atomic operations for stages. Integers only, because their results do not depend on the order of the
+// operations. Relaxed memory order, except atomic_exchange().
 
 #include <atomic>
 #include <cstdint>
@@ -14,7 +15,7 @@
 
 namespace collidoscope {
 
-/// Adds and returns the value before.
+/// Returns the previous value.
 SIM_HD inline std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
   return atomicAdd(target, value);
@@ -31,8 +32,8 @@ SIM_HD inline std::uint64_t atomic_add(std::uint64_t* target, std::uint64_t valu
 #endif
 }
 
-/// Takes `numbers` numbers, 0 to 15, of a counter that many take from at once, and returns the first: on a
-/// GPU, the threads of a warp that arrive together share one atomic.
+/// Adds `numbers` (0 to 15) to a contended counter and returns the previous value. On a GPU, the active
+/// threads of a warp share one atomic (warp aggregation by ballots).
 SIM_HD inline std::uint64_t atomic_add_aggregated(std::uint64_t* counter, std::uint32_t numbers) {
 #if defined(__CUDA_ARCH__)
   const auto group = cooperative_groups::coalesced_threads();
@@ -51,7 +52,7 @@ SIM_HD inline std::uint64_t atomic_add_aggregated(std::uint64_t* counter, std::u
 #endif
 }
 
-/// The same of any numbers, by sums up the lanes of the warp.
+/// Adds `numbers` of any size, with a prefix sum over the active lanes of the warp.
 SIM_HD inline std::uint32_t atomic_add_aggregated(std::uint32_t* counter, std::uint32_t numbers) {
 #if defined(__CUDA_ARCH__)
   const auto group = cooperative_groups::coalesced_threads();
@@ -69,8 +70,7 @@ SIM_HD inline std::uint32_t atomic_add_aggregated(std::uint32_t* counter, std::u
 #endif
 }
 
-/// Puts a value and returns the one before; what others wrote before they put theirs is seen after it, and
-/// what this thread wrote is seen by who gets its value.
+/// Atomic exchange with acquire-release order. Returns the previous value.
 template <class T>
 SIM_HD T atomic_exchange(T* target, std::type_identity_t<T> value) {
 #if defined(__CUDA_ARCH__)
@@ -80,7 +80,7 @@ SIM_HD T atomic_exchange(T* target, std::type_identity_t<T> value) {
 #endif
 }
 
-/// Puts `value` if `expected` stands there. Returns what stood there.
+/// Stores `value` if the target equals `expected`. Returns the previous value.
 SIM_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t* target, std::uint32_t expected,
                                                     std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
@@ -91,7 +91,7 @@ SIM_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t* target, std::
 #endif
 }
 
-/// Puts the value where it is lower than what stands there. Whether it was.
+/// Returns whether the value was lower than the target, and was stored.
 SIM_HD inline bool atomic_min(std::uint32_t* target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)
   return atomicMin(target, value) > value;
@@ -115,7 +115,7 @@ SIM_HD inline void atomic_min(std::uint64_t* target, std::uint64_t value) {
 #endif
 }
 
-/// Without a read first: for places with little contention.
+/// Atomic maximum without the read first. For targets with little contention.
 SIM_HD inline void atomic_max_unchecked(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
   atomicMax(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
@@ -127,8 +127,8 @@ SIM_HD inline void atomic_max_unchecked(std::uint64_t* target, std::uint64_t val
 #endif
 }
 
-/// Reads first: most values at a busy place are lower than the stored one, and a load costs far
-/// less than an atomic.
+/// Atomic maximum that reads first: most values at a contended target are lower than the stored one, and a
+/// load costs far less than an atomic.
 SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
   static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
@@ -145,7 +145,7 @@ SIM_HD inline void atomic_or(std::uint32_t* target, std::uint32_t bits) {
 #endif
 }
 
-/// A load beside which others may store.
+/// Loads a value that other threads may store concurrently.
 SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
 #if defined(__CUDA_ARCH__)
   return *reinterpret_cast<const volatile std::uint32_t*>(source);
@@ -154,8 +154,8 @@ SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
 #endif
 }
 
-/// A store that others may make at the same time, all of the same value. Left out where the value stands
-/// already, so that a busy cache line is not passed around.
+/// Stores a value; other threads may concurrently store the same value only. Skips the store if the target
+/// already has the value, to avoid cache-line contention.
 template <class T>
 SIM_HD void atomic_store(T* target, T value) {
 #if defined(__CUDA_ARCH__)

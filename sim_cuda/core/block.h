@@ -1,20 +1,21 @@
 #pragma once
-// What the threads of a block on a GPU do together with one long list, whatever T is (CUB's collectives want
-// it at compile time). All of them call each of these.
+// Block-wide operations on one long list, for any block size T (CUB's block collectives need it at compile
+// time). All threads of the block must call each of them.
 
 #include <cstdint>
 
 namespace collidoscope {
 
-/// A list of more entries than this keeps one thread busy for longer than a block needs to gather.
+/// Longer lists are processed by a block, because one thread would take longer than a block with its
+/// barriers.
 inline constexpr std::uint32_t large_list_size = 256;
 
 #if defined(__CUDACC__)
 
-/// Numbers those who say yes in the order of the threads, call after call.
+/// Block-wide running count of selected threads, in thread order and over several calls (stream compaction).
 class BlockRanks {
  public:
-  /// How many said yes before this thread, in this call and those before.
+  /// Number of selected threads before this one, in this call and all earlier calls.
   __device__ std::uint32_t rank(bool selected) {
     __shared__ std::uint32_t in_warp[32];
     const std::uint32_t warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = (blockDim.x + 31) / 32;

@@ -1,7 +1,6 @@
 #pragma once
-// Buffer<T>: an array in an executor's memory space. The buffer is the canonical copy; every move of data
-// between spaces has a name (upload, download). Contents after growing are undefined, unless it is
-// said that they are kept.
+// Buffer<T>: an array in an executor's memory space. Owns its memory. Data moves between host and device only
+// by upload() and download(). Contents are undefined after a resize, except after resize_keeping().
 
 #include <cstdint>
 #include <span>
@@ -18,7 +17,7 @@ class Buffer {
  public:
   static_assert(std::is_trivially_destructible_v<T>);
 
-  /// `name` (a literal) stands in errors about memory. The executor outlives the buffer.
+  /// `name` (a literal) appears in messages about memory. The executor must outlive the buffer.
   Buffer(Executor& executor, const char* name) : executor_(&executor), name_(name) {}
   ~Buffer() { executor_->release(data_, bytes()); }
   Buffer(const Buffer&) = delete;
@@ -29,7 +28,7 @@ class Buffer {
   std::size_t bytes() const { return size_ * sizeof(T); }
   std::span<T> span() const { return {data_, size_}; }
 
-  /// Makes room for exactly `size` elements of undefined value, unless that is the size already.
+  /// Reallocates to exactly `size` elements with undefined values. No effect if the size is the same.
   void resize_discarding(std::size_t size) {
     if (size == size_) return;
     if (executor_->is_dry_run()) {
@@ -44,8 +43,8 @@ class Buffer {
     data_ = static_cast<T*>(executor_->allocate(name_, size * sizeof(T)));
     size_ = size;
   }
-  /// The same, but what there was stays, as far as there is room; by way of the host. Where there is no
-  /// memory for more, all stays as it was.
+  /// Reallocates and keeps the elements that fit, by a copy through the host. If the allocation fails, size
+  /// and contents stay unchanged, and the exception is rethrown.
   void resize_keeping(std::size_t size) {
     if (size == size_ || executor_->is_dry_run()) return resize_discarding(size);
     const std::vector<T> kept = download(size < size_ ? size : size_);

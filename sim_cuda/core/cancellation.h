@@ -1,8 +1,7 @@
 #pragma once
-// A request to end long work before it is done. Worlds that were made with one
-// (ExecutorOptions::cancellation) look at it between stages, and on the CPU between chunks of a stage; once
-// it is requested they throw Cancelled. A cancelled step commits nothing (World::step). Outlives those
-// worlds.
+// Cooperative cancellation of long work. Set ExecutorOptions::cancellation to use it; the object must outlive
+// the worlds made with it. Worlds check it between stages, and on the CPU between chunks of a stage. If it is
+// requested, they throw Cancelled. A cancelled step commits nothing (World::step).
 
 #include <atomic>
 #include <chrono>
@@ -11,31 +10,32 @@
 
 namespace collidoscope {
 
-/// What cancelled work throws. No std::exception: code that reports errors must not take it for one.
+/// Thrown by cancelled work. Not a std::exception, so that error handlers do not report it.
 struct Cancelled {};
 
 class Cancellation {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Any thread, or a signal handler.
+  /// Callable from any thread and from a signal handler.
   void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
   bool requested() const noexcept { return requested_.load(std::memory_order_relaxed); }
-  /// Outside of cancellable work: work may begin again.
+  /// Clears the request. Call outside of cancellable work.
   void clear() noexcept { requested_.store(false, std::memory_order_relaxed); }
 
-  /// While suspended, poll() does not see the request.
+  /// While suspended, poll() returns false.
   void suspend(bool on) noexcept { suspended_.store(on, std::memory_order_relaxed); }
 
-  /// Calls `poll` on this thread while cancellable work runs on it, about once in each `interval`; 0: as
-  /// often as the work looks. `poll` may call request(); it must not throw, and must not touch a World.
+  /// Calls `poll` on this thread during cancellable work, about once per `interval`; 0: at every check.
+  /// `poll` may call request(). It must not throw, and must not access a World.
   void set_poll(std::function<void()> poll, Clock::duration interval = std::chrono::milliseconds(20));
 
-  /// For cancellable work: polls if that is due, and says whether to end. Any thread.
+  /// Called by cancellable work: runs the poll function if it is due, and returns whether to cancel. Any
+  /// thread.
   bool poll();
 
-  /// s. Work that writes what it cannot undo is not interrupted where it is expected to take no longer;
-  /// longer work first saves what it writes. 0 in tests: it always does.
+  /// s. Work that cannot be undone is not interrupted if it is expected to take at most this time. Longer
+  /// work first makes a backup of the data that it writes. Tests set 0: always a backup.
   double uninterrupted = 0.2;
 
  private:
@@ -44,7 +44,7 @@ class Cancellation {
   std::function<void()> poll_;
   std::thread::id poller_;
   Clock::duration interval_{};
-  Clock::time_point next_{};  ///< of poller_ alone
+  Clock::time_point next_{};  ///< used by the thread poller_ only
 };
 
 }  // namespace collidoscope

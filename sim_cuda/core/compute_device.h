@@ -8,24 +8,24 @@
 
 namespace collidoscope {
 
-/// Properties of the processor. Plain data, constant after open_device().
+/// Plain data, constant after open_device().
 struct ComputeDevice {
   bool is_gpu = false;
-  std::string name;  ///< as CUDA or /proc/cpuinfo gives it
-  // Of a GPU.
-  int max_threads = 1024;       ///< of a block
-  int max_blocks = 2147483647;  ///< of a launch
+  std::string name;  ///< from CUDA or /proc/cpuinfo
+  // GPU only.
+  int max_threads = 1024;       ///< per block
+  int max_blocks = 2147483647;  ///< per launch
   int multiprocessors = 0;
   MultiprocessorLimits limits;
 };
 
-/// Selects the processor that the options ask for, and describes it. A GPU becomes the CUDA device of the
-/// calling thread. Throws MachineError if the processor is not available.
+/// Selects the processor according to the options and returns its properties. A GPU becomes the CUDA device
+/// of the calling thread. Throws MachineError if the processor is not available.
 ComputeDevice open_device(const ExecutorOptions& options);
 
-/// Call this when work is cancelled while a GPU executes it. The process is expected to end soon. From then
-/// on, GPU memory, streams and events are left to the operating system, because releasing them would wait
-/// for the GPU. Applies to the whole process.
+/// Call this when work is cancelled while a GPU executes it. The process is expected to end soon. Afterwards,
+/// GPU memory, streams and events are left to the operating system, because releasing them would wait for the
+/// GPU. Applies to the whole process.
 void abandon_gpu();
 bool gpu_abandoned();
 

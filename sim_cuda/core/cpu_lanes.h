@@ -1,6 +1,6 @@
 #pragma once
-// The loop of one stage on the CPU, without the stage's type: each stage is compiled into one loop, whatever
-// the order of its items. Reason: compile time; a stage in four loops takes four times as long to compile.
+// CPU loop over the items of a stage, with the stage's type erased. Each stage is compiled into a single
+// loop, which serves all item orders. Reason: four loops per stage take four times as long to compile.
 
 #include <cstdint>
 
@@ -9,15 +9,15 @@
 
 namespace collidoscope {
 
-/// Calls a stage for the items first, first + stride, ...: `count` of them.
+/// Calls a stage for `count` items: first, first + stride, first + 2 stride, ...
 using ItemLoop = void (*)(const void* stage, std::int64_t first, std::int64_t stride, std::int64_t count);
 
 /// Runs `loop` over the items [0, count) in chunks of `chunk` items, on all threads of `team`.
 void run_in_chunks(ThreadTeam& team, std::int64_t count, std::int64_t chunk, ItemLoop loop,
                    const void* stage);
 
-/// Runs `loop` over the items [0, count), divided among `lanes` lanes in that order; a lane looks for a
-/// cancellation after each `chunk` items.
+/// Runs `loop` over the items [0, count), distributed over `lanes` lanes in the given order. Each lane checks
+/// for cancellation every `chunk` items.
 void run_in_lanes(ThreadTeam& team, std::int64_t count, std::int64_t lanes, LaneOrder order,
                   std::int64_t chunk, ItemLoop loop, const void* stage);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Every CUDA call goes through check(): in every build, a refusal becomes a MachineError that says what was
-// asked of the device and what it answered.
+// Error check for CUDA calls, in every build. A failure becomes a MachineError that states the requested
+// action and the CUDA error.
 
 #if SIM_CUDA
 
@@ -15,7 +15,7 @@ namespace collidoscope {
 template <class Action>
 inline void check(cudaError_t status, const Action& action) {
   if (status == cudaSuccess) return;
-  cudaGetLastError();  // the sticky copy; this one is reported
+  cudaGetLastError();  // clears the sticky copy; `status` is reported
   throw MachineError("CUDA: asked to " + std::string(action) + "; the device answered: " +
                      cudaGetErrorString(status) + " (" + cudaGetErrorName(status) + ")");
 }

@@ -1,14 +1,13 @@
 #pragma once
-// Work in slices, so that a picture keeps moving.
+// Deadline of a time slice. Used to split long work over several frames.
 
 #include <chrono>
 
 namespace collidoscope {
 
-/// When a slice of work is over.
 class Deadline {
  public:
-  /// From now; infinity: never.
+  /// Ends in `milliseconds` from now; infinity: never.
   explicit Deadline(double milliseconds)
       : end_(milliseconds < 1e12 ? Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                                       std::chrono::duration<double, std::milli>(milliseconds))

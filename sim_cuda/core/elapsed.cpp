@@ -6,7 +6,7 @@ namespace collidoscope {
 #if SIM_CUDA
 namespace {
 
-/// A moment in the work of a stream, on the device's clock.
+/// CUDA event: a time stamp in a stream, on the device's clock.
 class DeviceEvent {
  public:
   DeviceEvent() { check(cudaEventCreate(&event_), "create an event"); }

@@ -1,5 +1,5 @@
 #pragma once
-// How long work on an executor takes.
+// Elapsed time of work on an executor.
 
 #include <functional>
 
@@ -7,8 +7,8 @@
 
 namespace collidoscope {
 
-/// From the first of what `work` enqueues to the end of the last, in ms: on the device's clock where there is
-/// one. Returns when it is done.
+/// Time in ms from the first operation that `work` enqueues to the end of the last. Measured with CUDA events
+/// on a GPU. Returns after the work is done.
 double milliseconds_of(Executor& executor, const std::function<void()>& work);
 
 }  // namespace collidoscope

@@ -1,6 +1,6 @@
 #pragma once
-// The two ways in which a run can be refused. Nothing else is thrown on purpose; what() is one or more
-// complete lines, ready for stderr.
+// Exceptions for errors of a run: InputError and MachineError. The code throws no other exceptions to report
+// errors. what() is one or more complete lines, ready for stderr.
 
 #include <stdexcept>
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace collidoscope {
 
-/// What the user gave is wrong: a file, a flag, a value. One line per fault, each
-/// `file:line:column: what, and what would be right`. The programs print the first 20 and exit with status 2.
+/// Invalid input: a file, a flag, a value. One line per error: `file:line:column: problem and allowed
+/// values`. The programs print the first 20 lines and exit with status 2.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::string line) : InputError(std::vector<std::string>{std::move(line)}) {}
-  /// `lines` holds at least one fault; no line ends in a newline.
+  /// `lines` has at least one element; no line ends in a newline.
   explicit InputError(std::vector<std::string> lines)
       : std::runtime_error(join(lines)), lines_(std::move(lines)) {}
   const std::vector<std::string>& lines() const { return lines_; }
@@ -28,17 +28,17 @@ class InputError : public std::runtime_error {
   std::vector<std::string> lines_;
 };
 
-/// The machine lacks something: a GPU, memory, a display. The line says what was asked of
-/// it and what it answered. The programs exit with status 3.
+/// Missing hardware, memory, display or file access. The line states the request and the answer of the
+/// system. The programs exit with status 3.
 class MachineError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a run asks for is more memory than it may have.
+/// A run needs more memory than it may use.
 class TooLarge : public MachineError {
  public:
-  /// `plain` says the same without flags of the command line.
+  /// `plain`: the same message without command-line flags.
   TooLarge(const std::string& line, std::string plain) : MachineError(line), plain_(std::move(plain)) {}
   const std::string& plain() const { return plain_; }
 

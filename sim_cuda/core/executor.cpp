@@ -74,7 +74,7 @@ double Executor::equal_cores() const {
   // Measured on an H200 with 132 multiprocessors and 10,000,000 bodies: as fast as 1,300 cores.
   if (on_device()) return 8.0 * device_.multiprocessors;
 #endif
-  static const int cores = cpu_threads(0);  // called once, because the system reads a file for it
+  static const int cores = cpu_threads(0);  // cached, because the C library reads a file for it
   return std::min(team_.threads(), cores);
 }
 
@@ -120,8 +120,8 @@ void Executor::synchronize() {
   const char* const doing = "finish the work given to it";
   Cancellation* const cancellation = suspensions_ > 0 ? nullptr : options_.cancellation;
   if (cancellation == nullptr) return check(cudaStreamSynchronize(stream_), doing);
-  // The first 5 ms are polled without sleep, which is as quick as cudaStreamSynchronize(). After that, each
-  // sleep is 1/64 of the time waited so far, so that it adds at most that share; and at most 5 ms.
+  // Polls without sleep for the first 5 ms, which is as fast as cudaStreamSynchronize(). Afterwards, each
+  // sleep is 1/64 of the time waited so far, at most 5 ms. This limits the added delay to that share.
   using Clock = std::chrono::steady_clock;
   constexpr auto short_work = std::chrono::milliseconds(5), longest_sleep = std::chrono::milliseconds(5);
   const Clock::time_point start = Clock::now();

@@ -1,12 +1,13 @@
 #pragma once
-// An Executor runs stages: on a GPU, or on the threads of the CPU, through one interface. It owns the stream
-// or the threads, and these parts: the memory (memory_space.h), the record of stages (stage_recorder.h), and
-// on a GPU the choice of launch shapes (launch_planner.h). It outlives every buffer and graph made on it.
+// An Executor runs stages on a GPU or on CPU threads, through one interface. It owns the stream or the
+// threads, the memory (memory_space.h), the stage recorder (stage_recorder.h), and the launch planner of a
+// GPU (launch_planner.h). It must outlive all buffers and graphs that use it.
 //
 //   executor.run("bounds", body_count, BodyBounds{...});
 //
-// calls BodyBounds::operator()(int item) for every item, B blocks of T threads sharing them (launch_shape.h).
-// A stage's items must not depend on each other: any order and any number at a time gives the same result.
+// calls BodyBounds::operator()(int item) for every item, distributed over B blocks of T threads
+// (launch_shape.h). Precondition: the items of a stage are independent. Any order and any parallelism then
+// give the same result.
 
 #include <cstddef>
 #include <cstdint>
@@ -39,7 +40,7 @@ namespace collidoscope {
 
 class Executor {
  public:
-  /// Throws MachineError if the device asked for is not available, InputError if an option is out of range.
+  /// Throws MachineError if the requested device is not available, InputError if an option is out of range.
   explicit Executor(const ExecutorOptions& options);
   ~Executor();
   Executor(const Executor&) = delete;
@@ -48,16 +49,16 @@ class Executor {
   bool on_device() const { return device_.is_gpu; }
   int gpu() const { return on_device() ? options_.gpu : -1; }
   const std::string& device_name() const { return device_.name; }
-  /// The number of CPU cores that would be about as fast.
+  /// Number of CPU cores with about the same throughput; on the CPU, the number of threads used.
   double equal_cores() const;
   const ExecutorOptions& options() const { return options_; }
   StageClock& clock() { return stages_.clock(); }
   ThreadTeam& team() { return team_; }
 
-  /// Changes (B, T) for the stages enqueued from now on. Throws MachineError beyond the device's limits.
+  /// Sets (B, T) for the stages enqueued afterwards. Throws MachineError if the device does not support it.
   void set_shape(LaunchShape shape);
 
-  // Memory of this executor, on the device or the host: see MemorySpace.
+  // Memory of this executor, on the device or the host. See MemorySpace.
   void* allocate(const char* name, std::size_t bytes) { return memory_.allocate(name, bytes); }
   void release(void* memory, std::size_t bytes) { memory_.release(memory, bytes); }
   std::int64_t allocated_bytes() const { return memory_.allocated_bytes(); }
@@ -74,8 +75,7 @@ class Executor {
   bool is_dry_run() const { return memory_.is_dry_run(); }
   void count_dry_run_bytes(std::int64_t bytes) { memory_.count_dry_run_bytes(bytes); }
 
-  // Copies and fills, in the order of the stages. A copy has been done when the function returns; a fill has
-  // only been enqueued.
+  // Copies and fills, in stream order with the stages. A copy is complete on return. A fill is only enqueued.
   void copy_to_executor(void* destination, const void* host_source, std::size_t bytes);
   void copy_to_host(void* host_destination, const void* source, std::size_t bytes);
   void fill(void* destination, int byte, std::size_t bytes);
@@ -84,14 +84,14 @@ class Executor {
   // Cancellation (ExecutorOptions::cancellation). On the CPU, stages throw Cancelled at their start or
   // between chunks. On a GPU, the functions that wait for the device throw it; the device continues its work.
 
-  /// Throws Cancelled if that was requested. For work between stages.
+  /// Throws Cancelled if a cancellation was requested. For host work between stages.
   void throw_if_cancelled();
-  /// Something was cancelled and may be incomplete: buffers that outlive a step, too. On a GPU the executor
-  /// cannot be used any more.
+  /// Whether work was cancelled since the last resume(). Buffers may then be incomplete, including buffers
+  /// that outlive a step. On a GPU the executor is no longer usable.
   bool interrupted() const;
-  /// What was incomplete has been computed again.
+  /// Call this after all incomplete data has been recomputed.
   void resume() { team_.resume(); }
-  /// While an object of this class exists, nothing is cancelled.
+  /// Suspends cancellation while an object of this class exists.
   class Uninterrupted {
    public:
     explicit Uninterrupted(Executor& executor) : executor_(executor) { executor_.suspend_cancellation(1); }
@@ -103,26 +103,27 @@ class Executor {
     Executor& executor_;
   };
 
-  /// For stages with recursive functions: bytes of stack for each thread, in addition to the usual. Not
-  /// within a step.
+  /// Reserves `bytes` of stack per thread, in addition to CUDA's default, for stages with recursive
+  /// functions. Must not be called within a step.
   void reserve_call_stack(std::size_t bytes);
 
-  /// What is enqueued from now on belongs to this stage. `library_launch`: (B, T) does not apply to it,
-  /// because a library launches its kernels.
+  /// Assigns the work enqueued from now on to this stage. `library_launch`: a library launches its kernels,
+  /// so that (B, T) does not apply.
   void begin_stage(const char* name, bool library_launch = false);
-  /// On the CPU: the stage ran so many parallel loops. On a GPU the nodes of the graph are counted instead.
+  /// CPU: adds `launches` parallel loops to the count of the stage. No effect on a GPU, where graph nodes are
+  /// counted.
   void count_launches(int launches);
-  /// Stages that begin from now on belong to this substep (from 0). Only StageCallback receives the number.
+  /// Sets the substep index (from 0) that the StageCallback receives. No effect without a callback.
   void begin_substep(int substep) { stages_.begin_substep(substep); }
 
   using StageCallback = StageRecorder::StageCallback;
-  /// Calls `work`, and `ended` after each of its stages: see StageRecorder.
+  /// Calls `work`, and `ended` after each of its stages. See StageRecorder.
   void run_with_stage_callback(const StageCallback& ended, const std::function<void()>& work) {
     stages_.run_with_stage_callback(ended, work);
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
-  /// Runs one stage over all items. Returns when it is done on the CPU, when it is enqueued on a GPU.
+  /// Runs one stage over all items. Returns when it is complete on the CPU, and when it is enqueued on a GPU.
   template <class Stage>
   void run(const char* name, const ItemCount& count, const Stage& stage) {
     if (count.max == 0) return;
@@ -133,8 +134,8 @@ class Executor {
 #endif
   }
 
-  /// Runs several rounds of one stage, each over all its items before the next begins (round_kernels.h).
-  /// `max_items`: the expected number of items in a round, from which (B, T) is chosen; 0: nothing runs.
+  /// Runs the rounds of a stage in sequence (round_kernels.h). `max_items`: the expected number of items in a
+  /// round, used to choose (B, T). Runs nothing if it is 0.
   template <ItemRounds Rounds>
   void run_rounds(const char* name, int rounds, std::int64_t max_items, const Rounds& stage) {
     if (max_items == 0) return;
@@ -153,7 +154,7 @@ class Executor {
 #endif
 
 #if defined(__CUDACC__)
-  /// Launches a kernel that is not a stage (item_kernels.h), on a GPU only.
+  /// Launches a kernel that is not a stage (item_kernels.h). GPU only.
   template <class... Parameters, class... Arguments>
   void run_kernel(const char* name, const KernelNeeds& needs, void (*kernel)(Parameters...),
                   const Arguments&... arguments) {
@@ -166,7 +167,7 @@ class Executor {
  private:
   friend class StepGraph;  // reports the begin and the end of a step to stages_
 
-  /// On the CPU, "auto": about how many items a thread takes at a time.
+  /// CPU with automatic (B, T): approximate number of items per chunk.
   static constexpr std::int64_t cpu_chunk = 512;
   template <class Stage>
   void run_on_cpu(std::int64_t count, const Stage& stage) {
@@ -176,7 +177,7 @@ class Executor {
     });
   }
   void run_loop(std::int64_t count, const void* stage, ItemLoop loop);
-  /// One more parallel loop of the stage in progress: `lanes` of them share the items; 0: chunks.
+  /// Records one parallel loop of the stage in progress. `lanes`: lanes that share the items; 0: chunks.
   void count_loop(std::int64_t items, std::int64_t lanes);
   void suspend_cancellation(int more);
 
@@ -185,7 +186,7 @@ class Executor {
   ComputeDevice device_;
   MemorySpace memory_;
   StageRecorder stages_;
-  int suspensions_ = 0;  ///< objects of class Uninterrupted
+  int suspensions_ = 0;  ///< number of live Uninterrupted objects
 #if SIM_CUDA
   LaunchPlanner planner_;
   cudaStream_t stream_ = nullptr;

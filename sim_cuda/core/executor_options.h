@@ -1,6 +1,6 @@
 #pragma once
-// How an executor runs stages, and what stages look up there. Nothing in here changes the state: that is the
-// first promise, and every field is there to be varied in a test of it. Plain data.
+// Options of an executor, and options that stages read from it. Plain data. No option changes the state;
+// tests vary each field to check this.
 
 #include <cstdint>
 #include <string>
@@ -11,32 +11,32 @@ namespace collidoscope {
 
 class Cancellation;
 
-enum class ExecutorKind { automatic, cpu, cuda };  ///< automatic: CUDA where there is a device, else the CPU
+enum class ExecutorKind { automatic, cpu, cuda };  ///< automatic: CUDA if a device is available, else the CPU
 
-/// Which items each lane of the CPU takes. The last two are test modes: they expose a stage whose items
-/// depend on each other.
+/// Distribution of items over the lanes of the CPU. `strided` and `shuffled` are test modes: they expose
+/// stages whose items depend on each other.
 enum class LaneOrder { contiguous, strided, shuffled };
 
-/// How Morton keys are sorted. automatic: by counting in cells where there are few bodies, else the library.
+/// Sort method for Morton keys. automatic: a counting sort into cells for few bodies, else the library.
 enum class SortMethod { automatic, library, radix };  ///< radix: radix_sort.h, which obeys (B, T)
 
-/// Whether this build and this machine can run CUDA; if not, `why` (where given) receives one line.
+/// Whether this build and this machine can run CUDA. If not, `why` (if not null) receives one line.
 bool cuda_available(std::string* why = nullptr);
 
 struct ExecutorOptions {
   ExecutorKind executor = ExecutorKind::automatic;
-  int gpu = 0;          ///< CUDA's number of the device
-  int cpu_threads = 0;  ///< 1 to 1024; 0: as many as the machine has
+  int gpu = 0;          ///< device number, as in CUDA
+  int cpu_threads = 0;  ///< 1 to 1024; 0: all hardware threads
   LaunchShape shape;
   LaneOrder lane_order = LaneOrder::contiguous;
-  int key_bits = 0;  ///< Morton keys: 24, 30 or 63; 0: what the scene calls for (key_bits.h)
+  int key_bits = 0;  ///< Morton keys: 24, 30 or 63; 0: automatic, by scene (broad_phase/key_bits.h)
   SortMethod sort = SortMethod::automatic;
-  /// Each body's query looks for all that it overlaps, so that both bodies of a pair find it, as in the
-  /// paper. Else each pair is found once, from one side. Of bvh_bottom_up, bvh_recursive and lbvh_top_down.
+  /// Each query reports all overlapping bodies, as in the paper: both bodies of a pair find it. Otherwise
+  /// each pair is found once, from one side. Applies to bvh_bottom_up, bvh_recursive and lbvh_top_down.
   bool whole_queries = false;
   std::int64_t memory_limit = 0;  ///< bytes in the executor's memory space; 0: all available memory
-  bool allow_large = false;       ///< takes all memory that is available, not only 80 % of it
-  /// Ends long work (cancellation.h); null: nothing does. Not owned.
+  bool allow_large = false;       ///< allows all available memory, not only 80 % of it
+  /// Cancels long work (cancellation.h). Optional: null disables cancellation. Not owned.
   Cancellation* cancellation = nullptr;
 };
 

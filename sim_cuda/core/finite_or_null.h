@@ -1,5 +1,5 @@
 #pragma once
-// JSON has no NaN and no infinity: they are written as null.
+// JSON has no NaN and no infinity. Both are written as null.
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-// 64-bit mixing, for state hashes and for priorities that do not depend on order.
+// 64-bit mixing functions, for state hashes and for order-independent priorities.
 
 #include <bit>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace collidoscope {
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection in which each input bit moves about
-/// half of the output.
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014). A bijection; each input bit flips about half of the
+/// output bits.
 SIM_HD constexpr std::uint64_t mix64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -17,7 +17,7 @@ SIM_HD constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// The bits that a number is hashed by: -0 counts as 0, and all NaN as one.
+/// Canonical bits of a number for hashing: -0 equals 0, and all NaN are equal.
 SIM_HD constexpr std::uint64_t hash_bits(float x) {
   if (x != x) return 0x7fc00000u;
   return x == 0 ? 0 : std::bit_cast<std::uint32_t>(x);

@@ -1,5 +1,6 @@
 #pragma once
-// A backup copy of arrays on the host, to be restored. For what a step on the CPU writes in place.
+// Backup of host arrays, which can be restored. Used for data that a CPU step modifies in place. Owns the
+// copy.
 
 #include <cstddef>
 #include <functional>
@@ -10,13 +11,13 @@
 
 namespace collidoscope {
 
-/// Is given arrays, one by one.
+/// Called once per array.
 using ArrayVisitor = std::function<void(void* data, std::size_t bytes)>;
 
 class HostBackup {
  public:
-  /// Copies what `visit_all` gives to the visit that it is called with; the arrays stay where they are until
-  /// restore(). Throws std::bad_alloc.
+  /// Copies all arrays that `visit_all` passes to its visitor. The arrays must not move until restore().
+  /// Throws std::bad_alloc.
   void save(ThreadTeam& team, const std::function<void(const ArrayVisitor&)>& visit_all);
   bool has_copy() const { return !arrays_.empty(); }
   void restore(ThreadTeam& team);
@@ -25,11 +26,11 @@ class HostBackup {
  private:
   struct Array {
     std::byte* place;
-    std::size_t bytes, at;  ///< `at`, in the copy
+    std::size_t bytes, at;  ///< `at`: offset in the copy, bytes
   };
   std::vector<Array> arrays_;
   std::unique_ptr<std::byte[]> copy_;
-  std::size_t capacity_ = 0;  ///< of copy_
+  std::size_t capacity_ = 0;  ///< bytes of copy_
 };
 
 }  // namespace collidoscope

@@ -1,5 +1,5 @@
 #pragma once
-// SIM_HD marks a function that is written once and compiled for the CPU and, where nvcc sees it, for the GPU.
+// SIM_HD marks functions that are compiled for the CPU and, under nvcc, also for the GPU.
 
 #if defined(__CUDACC__)
 #define SIM_HD __host__ __device__
@@ -9,8 +9,8 @@
 
 namespace collidoscope {
 
-/// What no thread writes while the stage runs: on a GPU, from the one cache that waiting for others does not
-/// empty. For numbers.
+/// Loads a scalar that is constant during the stage. On a GPU it uses the read-only data cache (__ldg), which
+/// grid barriers do not invalidate.
 template <class Number>
 SIM_HD inline Number read_only(const Number* source) {
 #if defined(__CUDA_ARCH__)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
 
-/// The number in a file that holds nothing else; "max" is none.
+/// Reads the number in a file. Returns nullopt if the text is no number, such as "max".
 std::optional<std::int64_t> number_in(const std::string& file) {
   std::ifstream stream(file);
   std::int64_t number = 0;
@@ -21,7 +21,8 @@ std::optional<std::int64_t> number_in(const std::string& file) {
   return std::nullopt;
 }
 
-// Plain texts: a std::filesystem::path of libstdc++ 12 that finds no memory to grow damages itself.
+// Plain strings instead of std::filesystem::path: that of libstdc++ 12 is corrupted if an allocation fails
+// while it grows.
 std::int64_t free_in_group(const std::string& folder, const char* limit, const char* usage) {
   const auto max = number_in(folder + '/' + limit), used = number_in(folder + '/' + usage);
   return max && used ? std::max<std::int64_t>(*max - *used, 0) : no_limit;
@@ -40,7 +41,8 @@ std::int64_t free_host_bytes() {
     }
     memory.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
   }
-  // A process sees the limit of its group at the root of a container; outside of one, along its own path.
+  // In a container the group's limit is at the root of the hierarchy. Outside a container it is along the
+  // group's path.
   std::ifstream groups("/proc/self/cgroup");
   for (std::string line; std::getline(groups, line);) {
     const std::size_t last = line.rfind(':');
@@ -61,7 +63,7 @@ std::int64_t free_host_bytes() {
 }
 
 std::int64_t resident_host_bytes() {
-  std::ifstream sizes("/proc/self/statm");  // in pages: of the address space, then what is resident
+  std::ifstream sizes("/proc/self/statm");  // in pages: size of the address space, then resident size
   std::int64_t all = 0, resident = 0;
   if (!(sizes >> all >> resident)) return 0;
   return resident * sysconf(_SC_PAGESIZE);

@@ -1,15 +1,15 @@
 #pragma once
-// How much memory the host has left.
+// Free and used memory of the host, in bytes.
 
 #include <cstdint>
 
 namespace collidoscope {
 
-/// Bytes that this process may take without pushing others out: what the kernel calls available, within the
-/// limits of the control groups it runs in. Where neither says: the greatest number.
+/// Memory that this process can allocate without swapping: the kernel's MemAvailable, limited by the control
+/// groups of the process. Returns the largest number if neither is known.
 std::int64_t free_host_bytes();
 
-/// Bytes of memory that this process occupies now; 0 where the system does not say.
+/// Resident memory of this process; 0 if the system does not report it.
 std::int64_t resident_host_bytes();
 
 }  // namespace collidoscope

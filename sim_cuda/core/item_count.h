@@ -1,5 +1,5 @@
 #pragma once
-// How many items a stage has. The number may be known on a GPU alone.
+// Number of items of a stage, which may be known on the GPU only.
 
 #include <cstdint>
 
@@ -7,11 +7,12 @@
 
 namespace collidoscope {
 
-/// How many items a stage has: known to the host, or the value of a counter in the executor's memory. The
-/// stage reads the counter when it starts, so that the host need not wait for it.
+/// Number of items of a stage: a host value, or a counter in the executor's memory. The stage reads the
+/// counter when it starts, so that the host need not wait for it.
 struct ItemCount {
-  std::int64_t max = 0;                         ///< the number of items, or an upper bound of it
-  const std::uint32_t* device_count = nullptr;  ///< where the number stands; null: it is `max`
+  std::int64_t max = 0;  ///< number of items, or an upper bound of it
+  /// Counter in the executor's memory; null: the number is `max`.
+  const std::uint32_t* device_count = nullptr;
 
   ItemCount(std::int64_t items)
       : max(items) {}  // NOLINT(google-explicit-constructor): a number is an ItemCount

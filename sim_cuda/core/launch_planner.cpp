@@ -21,7 +21,7 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
   cudaFuncAttributes attributes{};
   check(cudaFuncGetAttributes(&attributes, kernel), doing);
   const auto shared_bytes = [&](int block) { return shared != nullptr ? shared(block) : 0; };
-  constexpr std::size_t granted = 48 << 10;  // bytes; a kernel that needs more must declare it
+  constexpr std::size_t granted = 48 << 10;  // bytes; a kernel that needs more must request it
   if (const std::size_t max_shared = shared_bytes(device_.max_threads); max_shared > granted)
     check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                static_cast<int>(max_shared)),
@@ -53,7 +53,7 @@ LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, st
   const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
   LaunchShape shape{requested_.blocks, fit.threads};
-  // A thread for each item: the hardware starts a block whenever another ends, which balances queries of
+  // One thread per item: the hardware starts a block as soon as another ends, which balances queries of
   // unequal length.
   if (shape.blocks == 0) shape.blocks = static_cast<int>(at_once ? std::min(needed, resident) : needed);
   note_shape(items, shape, fit);
@@ -62,8 +62,8 @@ LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, st
 
 LaunchShape LaunchPlanner::choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
                                                     int blocks_per_multiprocessor) {
-  // At least one block to a multiprocessor, so that all of them move data. No more than one or two, because
-  // the time of a grid-wide wait grows with the number of blocks.
+  // At least one block per multiprocessor, to use the full memory bandwidth. At most two, because the cost of
+  // a grid barrier grows with the number of blocks.
   const std::int64_t blocks = std::int64_t{device_.multiprocessors} * blocks_per_multiprocessor,
                      shared = (items + blocks - 1) / blocks;
   const int usual = static_cast<int>(

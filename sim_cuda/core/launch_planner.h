@@ -1,5 +1,5 @@
 #pragma once
-// Chooses how many blocks of how many threads a kernel is launched with.
+// Chooses (B, T), the number of blocks and threads per block, for each kernel launch. GPU only.
 
 #if SIM_CUDA
 
@@ -16,36 +16,37 @@ namespace collidoscope {
 
 class LaunchPlanner {
  public:
-  /// Shared memory that a block of so many threads needs beside its static variables, in bytes.
+  /// Dynamic shared memory per block of `threads` threads, in bytes.
   using SharedBytes = std::size_t (*)(int threads);
 
-  /// Both must outlive this object. Each shape that is chosen is noted in `stages`.
+  /// Both must outlive this object. `stages` records each chosen shape.
   LaunchPlanner(const ComputeDevice& device, StageRecorder& stages);
 
-  /// Sets B and T; 0 is "auto". Both must be within the limits of the device.
+  /// Sets B and T; 0 is automatic. Precondition: both are within the limits of the device.
   void set_shape(LaunchShape requested) { requested_ = requested; }
 
-  /// (B, T) for a kernel with so many items. `shared` may be null. Where B is "auto", it is a thread for each
-  /// item; with `at_once` no more blocks than run at once.
+  /// (B, T) for a kernel with `items` items. `shared` may be null. Automatic B gives one thread per item;
+  /// with `at_once`, at most as many blocks as run concurrently.
   LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
                            SharedBytes shared);
-  /// (B, T) for a kernel whose threads wait for each other, so that all must run at once. Where "auto", about
-  /// `blocks_per_multiprocessor` blocks to a multiprocessor. B = 0: the (B, T) asked for would be more than
-  /// run at once.
+  /// (B, T) for a cooperative launch, in which all blocks must be resident. Automatic B gives about
+  /// `blocks_per_multiprocessor` blocks per multiprocessor. Returns B = 0 if the requested (B, T) exceeds the
+  /// resident blocks.
   LaunchShape choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
                                        int blocks_per_multiprocessor);
 
-  /// How many threads run at once if each needs 64 registers.
+  /// Number of resident threads if each needs 64 registers.
   std::int64_t threads_at_once() const { return std::int64_t{1024} * device_.multiprocessors; }
 
  private:
-  /// What CUDA reports about a kernel in blocks of so many threads.
+  /// Resource use and occupancy of a kernel for one block size, as reported by CUDA.
   struct KernelFit {
     int threads, registers, shared_bytes, resident_blocks;
     double occupancy;
     LaunchLimit limit;
   };
-  /// `threads` 0: the block size up to 128 with the most threads at once. CUDA is asked once for each kernel.
+  /// `threads` 0: selects the block size up to 128 with the most resident threads. Results are cached per
+  /// kernel and block size.
   const KernelFit& kernel_fit(const void* kernel, int threads, const char* name, SharedBytes shared);
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
 

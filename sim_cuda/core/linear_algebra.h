@@ -1,10 +1,10 @@
 #pragma once
-// The vector and quaternion types of the simulator: Eigen's fixed-size ones, stored unaligned and computed
-// without SIMD, so that g++ and nvcc agree on every size and on every bit (the definitions that say so are
-// PUBLIC on the target `linear_algebra`).
+// Vector and quaternion types of the simulator: Eigen's fixed-size types, stored unaligned and without SIMD.
+// g++ and nvcc therefore agree on sizes and on all result bits. The required definitions are PUBLIC on the
+// target `linear_algebra`.
 //
-// Only + - * / and sqrt reach the state; never call a function of libm (sin, pow, exp, cbrt...) on it: they
-// are not correctly rounded, and differ by version.
+// Code that computes the state uses + - * / and sqrt only. Do not call libm functions there (sin, pow, exp,
+// cbrt...): they are not correctly rounded, and differ by version.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

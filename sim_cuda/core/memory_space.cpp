@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::align_val_t host_alignment{64};
 
-/// A list of the four names with the most bytes. `bytes` more are counted under `name`.
+/// Lists the four names with the most bytes, after adding `bytes` to `name`.
 std::string largest_of(std::map<std::string, std::int64_t> bytes_by_name, const char* name,
                        std::size_t bytes) {
   bytes_by_name[name] += static_cast<std::int64_t>(bytes);
@@ -35,8 +35,8 @@ std::string largest_of(std::map<std::string, std::int64_t> bytes_by_name, const 
 
 void free_memory(void* memory, [[maybe_unused]] bool on_device) {
 #if SIM_CUDA
-  // cudaFree() waits for the device. The error that it returns may come from an earlier call. It is ignored:
-  // the next checked call reports it.
+  // cudaFree() waits for the device. Its error is ignored, because it may come from an earlier call; the next
+  // checked call reports it.
   if (on_device) {
     if (!gpu_abandoned()) cudaFree(memory);
     return;
@@ -67,7 +67,7 @@ std::int64_t MemorySpace::available_bytes() const {
 std::int64_t MemorySpace::room_bytes() const {
   const std::int64_t available = available_bytes();
   if (memory_limit_ > 0 || allow_large_) return available;
-  // Host memory that was allocated, but not yet written to, is still part of `available`.
+  // Allocated host memory that was not yet written to still counts as available.
   const std::int64_t taken =
       device_.is_gpu ? allocated_bytes_ : std::min(allocated_bytes_, resident_host_bytes());
   if (available > std::numeric_limits<std::int64_t>::max() - taken) return available;
@@ -75,7 +75,7 @@ std::int64_t MemorySpace::room_bytes() const {
 }
 
 std::int64_t MemorySpace::dry_run_construction(const std::function<void()>& make) {
-  struct ResetOnExit {  // also where `make` throws
+  struct ResetOnExit {  // also if `make` throws
     bool& on;
     ~ResetOnExit() { on = false; }
   } imagined{is_construction_dry_run_};
@@ -84,7 +84,7 @@ std::int64_t MemorySpace::dry_run_construction(const std::function<void()>& make
 }
 
 std::int64_t MemorySpace::dry_run_allocation(const std::function<void()>& reserve) {
-  struct ResetOnExit {  // also where `reserve` throws
+  struct ResetOnExit {  // also if `reserve` throws
     bool& on;
     ~ResetOnExit() { on = false; }
   } rehearsal{is_dry_run_};
@@ -103,7 +103,7 @@ void* MemorySpace::allocate(const char* name, std::size_t bytes) {
         "', which makes " + std::to_string(allocated_bytes_ + static_cast<std::int64_t>(bytes)) +
         " bytes in all (largest: " + largest_of(bytes_by_name(), name, bytes) + "); it answered: " + answer);
   };
-  // Linux grants more memory than it has, and kills a process that then writes to it. So the free memory is
+  // Linux overcommits memory and kills a process that writes to more than exists. Therefore free memory is
   // checked before large allocations.
   constexpr std::size_t large = std::size_t{64} << 20;
   if ((memory_limit_ > 0 || (!device_.is_gpu && bytes >= large)) &&

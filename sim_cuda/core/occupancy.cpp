@@ -3,7 +3,7 @@
 namespace collidoscope {
 
 LaunchLimit residency_limit(const MultiprocessorLimits& limits, int threads, int shared_bytes, int resident) {
-  const int warps = (threads + 31) / 32;  // are what takes up room
+  const int warps = (threads + 31) / 32;  // threads are allocated in whole warps
   if (resident >= limits.threads / (32 * warps)) return LaunchLimit::threads;
   if (resident >= limits.blocks) return LaunchLimit::blocks;
   if (shared_bytes > 0 && resident >= limits.shared_bytes / (shared_bytes + limits.reserved_bytes))

@@ -1,6 +1,6 @@
 #pragma once
-// Sums of vectors over a list, each added one after the other: by one thread, or, with the same bits, by a
-// block, whose threads fetch side by side what a few of them then add.
+// Sums of vectors over a list, added in list order. Computed by one thread, or by a block with bitwise
+// identical results: all threads load entries, a few threads add them.
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@
 
 namespace collidoscope {
 
-/// Each entry of the list has as many vectors as there are `sum_of`; the k-th is added to that sum, in order.
+/// Each list entry has one vector per element of `sum_of`. The k-th vector is added to sum sum_of[k].
 template <class Real, int... sum_of>
 struct OrderedSums {
   static constexpr int vectors = sizeof...(sum_of);
@@ -17,11 +17,11 @@ struct OrderedSums {
     const int sums[] = {sum_of...};
     return sums[k];
   }
-  static constexpr int count = sum_of_vector(vectors - 1) + 1;  // sums are named in ascending order
+  static constexpr int count = sum_of_vector(vectors - 1) + 1;  // sums are numbered in ascending order
 
   Vector3<Real> sum[count];
 
-  /// `entry(k, vectors)` sets the vectors of entry k.
+  /// `entry(k, vectors)` writes the vectors of entry k.
   template <class Entry>
   SIM_HD static OrderedSums accumulate(std::uint32_t entries, const Entry& entry) {
     OrderedSums sums;
@@ -35,7 +35,7 @@ struct OrderedSums {
   }
 
 #if defined(__CUDACC__)
-  /// By all threads of a block, each of which gets the sums.
+  /// Called by all threads of a block. Each thread returns the sums.
   template <class Entry>
   __device__ static OrderedSums accumulate_by_block(std::uint32_t entries, const Entry& entry) {
     constexpr std::uint32_t tile = 128, banks_apart = 1;
@@ -62,7 +62,7 @@ struct OrderedSums {
     }
     OrderedSums sums;
     for (int c = 0; c < 3 * count; ++c) sums.sum[c / 3][c % 3] = total[c];
-    __syncthreads();  // total is free again
+    __syncthreads();  // total may be overwritten from here on
     return sums;
   }
 #endif

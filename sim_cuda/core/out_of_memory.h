@@ -1,5 +1,5 @@
 #pragma once
-// A refused allocation that says what was being done. Nothing here takes memory itself.
+// Out-of-memory errors with a description of the current operation. This code allocates no memory.
 
 #include <new>
 
@@ -7,7 +7,7 @@ namespace collidoscope {
 
 class OutOfMemory : public std::bad_alloc {
  public:
-  /// A literal that goes on from "out of memory while": "reading a scene".
+  /// `doing`: a literal that continues "out of memory while", such as "reading a scene".
   explicit OutOfMemory(const char* doing) noexcept : doing_(doing) {}
   const char* what() const noexcept override { return doing_; }
 
@@ -15,7 +15,8 @@ class OutOfMemory : public std::bad_alloc {
   const char* doing_;
 };
 
-/// Does it. Where memory is refused, the innermost of these says in what.
+/// Calls `work`. Converts std::bad_alloc to OutOfMemory(doing). With nested calls the innermost description
+/// is kept.
 template <class Work>
 decltype(auto) with_allocation_context(const char* doing, const Work& work) {
   try {

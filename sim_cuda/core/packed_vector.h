@@ -1,9 +1,10 @@
 #pragma once
-// A vector as it lies in memory that is read and written at random places: padded to four numbers, so that a
-// GPU moves it at one go (core/vector_load.h). To compute with it, make a Vector3 of it.
+// A vector for random memory access: padded to four numbers, so that a GPU loads or stores it in one access
+// (core/vector_load.h). Convert it to Vector3 for computations.
 //
-// In float, the padding may hold a tag, by which threads of one launch wait for each other: a thread that
-// reads the tag reads the vector that was stored with it, as both go in one access of 128 bits.
+// In float, the padding can hold a tag, which synchronises threads of one launch. Vector and tag are accessed
+// together, in one access of 128 bits. A thread that reads a tag therefore reads the vector that was stored
+// with it.
 
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Two bodies, by their ids, and ordered lists of such pairs. Plain data.
+// Pairs of body ids, and lookup in ordered lists of pairs. Plain data.
 
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace collidoscope {
 
-/// Two ids a < b whose boxes overlap.
+/// Two ids a < b. In pair lists, their boxes overlap.
 struct Pair {
   std::uint32_t a, b;
 
@@ -18,8 +18,8 @@ struct Pair {
 
 inline constexpr std::uint32_t no_pair = 0xffffffffu;
 
-/// Where (a, b) stands in pairs[low] .. pairs[high - 1], which are ordered by a, then b; `no_pair` if it is
-/// absent.
+/// Index of (a, b) in pairs[low] .. pairs[high - 1]; `no_pair` if absent. Precondition: the list is ordered
+/// by a, then b.
 SIM_HD inline std::uint32_t find_pair(const Pair* pairs, std::uint32_t low, std::uint32_t high,
                                       std::uint32_t a, std::uint32_t b) {
   const std::uint32_t end = high;

@@ -26,12 +26,12 @@ namespace collidoscope {
 
 namespace {
 
-/// Arenas that no team uses now, by their threads. oneTBB (2021.8) keeps 4 KiB of one whose workers were
-/// still there when it was given up, and looks through all of these whenever another is made.
+/// Pool of unused arenas, by number of threads. Reason: oneTBB (2021.8) leaks 4 KiB of an arena that is
+/// released while workers are in it, and searches all leaked arenas whenever one is created.
 class SpareArenas {
  public:
   using Arena = std::unique_ptr<tbb::task_arena>;
-  /// Never destroyed: teams may outlive whatever is destroyed at the end of the program.
+  /// Never destroyed, because teams may outlive static objects.
   static SpareArenas& all() {
     static SpareArenas& spare = *new SpareArenas;
     return spare;
@@ -45,14 +45,15 @@ class SpareArenas {
       return arena;
     }
     Arena arena = std::make_unique<tbb::task_arena>(threads);
-    arena->initialize();  // or it is none that may be used again, where memory is refused to it later
+    // Initialise now: an arena whose later initialisation runs out of memory is unusable.
+    arena->initialize();
     return arena;
   }
   void release(int threads, Arena arena) noexcept {
     const std::lock_guard lock(mutex_);
     try {
       spare_.at(threads).push_back(std::move(arena));
-    } catch (const std::bad_alloc&) {  // then it is one that oneTBB may keep
+    } catch (const std::bad_alloc&) {  // the arena is destroyed instead, and may leak as above
     }
   }
 
@@ -112,15 +113,15 @@ void ThreadTeam::sort(KeyedIndex* records, std::int64_t count) { std::sort(recor
 
 namespace {
 
-/// ns, read in a few of them; advances every few ms.
+/// ns; a read takes a few ns. The resolution is a few ms.
 std::int64_t coarse_clock() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
-/// How many items are done between two looks: few at first, since items may be slow; then as many as take
-/// less than `longest`, at most `grain`.
+/// Number of items between two cancellation checks. Starts small, because items may be slow. Then grows up to
+/// `grain`, as long as a chunk takes less than `longest`.
 class Stride {
  public:
   explicit Stride(std::int64_t grain) : grain_(grain), items_(std::min<std::int64_t>(grain, 4)) {}
@@ -135,7 +136,7 @@ class Stride {
 
  private:
   const std::int64_t grain_;
-  std::atomic<std::int64_t> items_;  // of all threads
+  std::atomic<std::int64_t> items_;  // shared by all threads
 };
 
 }  // namespace

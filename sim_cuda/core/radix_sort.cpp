@@ -9,17 +9,19 @@ namespace {
 
 constexpr int digit_bits = 4;
 constexpr std::uint32_t digits = 1u << digit_bits;
-constexpr std::int64_t min_records_per_lane = 16;  // records: with as many counters a thread, the table is no
-                                                   // longer than the keys
-constexpr std::int64_t one_record_lanes = 65'536;  // threads: up to here each that B x T has takes its share
+// With this number of records per lane, the table of counters is no longer than the keys.
+constexpr std::int64_t min_records_per_lane = 16;
+// Up to this number of threads, each of the B x T threads may have a single record.
+constexpr std::int64_t one_record_lanes = 65'536;
 
-/// The records of a lane: neighbours, so that the order of equal keys is that of lanes.
+/// A lane's records are contiguous, so that the sort is stable.
 struct LaneRanges {
   std::int64_t count, lanes;
   SIM_HD std::int64_t begin(int lane) const { return count * lane / lanes; }
 };
 
-/// The table holds all lanes' zeros, then all lanes' ones, and so on: its running sums are where each goes.
+/// The table is digit-major: the counts of all lanes for digit 0, then digit 1, and so on. Its exclusive scan
+/// gives the output positions.
 template <class Key>
 struct CountDigits {
   LaneRanges ranges;
@@ -54,8 +56,8 @@ struct ScatterByDigit {
   }
 };
 
-// Running sums over a tree of groups, in the threads that (B, T) gives: sums of groups upwards, then
-// downwards the sum of all that is before.
+// Exclusive scan over a tree of groups, in (B, T) threads: the up-sweep sums groups, the down-sweep adds the
+// sums of preceding groups.
 constexpr std::int64_t group = 32;
 constexpr std::int64_t groups_of(std::int64_t count) { return (count + group - 1) / group; }
 
@@ -73,7 +75,7 @@ struct SumGroup {
 struct ScanGroup {
   std::uint32_t* values;
   std::int64_t count;
-  const std::uint32_t* before;  ///< of each group; nullptr: there is one
+  const std::uint32_t* before;  ///< sum of preceding groups, by group; nullptr if there is one group
   SIM_HD void operator()(int g) const {
     std::uint32_t sum = before == nullptr ? 0 : before[g];
     for (std::int64_t i = g * group; i < (g + 1) * group && i < count; ++i) {
@@ -84,7 +86,7 @@ struct ScanGroup {
   }
 };
 
-/// `values` become the sums of what is before each; `sums` has room for those of all levels.
+/// Exclusive scan of `values` in place. `sums` has room for the group sums of all levels.
 void exclusive_scan_in_place(Executor& executor, const char* stage, std::uint32_t* values, std::int64_t count,
                              std::uint32_t* sums) {
   const std::int64_t groups = groups_of(count);
@@ -123,7 +125,7 @@ void radix_sort(Executor& executor, const char* stage, std::int64_t count, int k
                           requested > 0 ? std::min(requested, max_lanes(count)) : default_lanes(count)};
   auto* table = static_cast<std::uint32_t*>(temporary);
   const std::int64_t entries = digits * ranges.lanes;
-  // An even number of passes ends where it began.
+  // With an even number of passes the result ends in the input arrays.
   for (int shift = 0; shift < key_bits || shift % (2 * digit_bits) != 0; shift += digit_bits) {
     executor.run(stage, ranges.lanes, CountDigits<Key>{ranges, keys, shift, table});
     exclusive_scan_in_place(executor, stage, table, entries, table + entries);

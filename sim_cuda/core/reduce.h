@@ -1,7 +1,7 @@
 #pragma once
-// Sums whose order is fixed: chunks of 256 items, pairwise within a chunk, then the same over the chunks'
-// sums until one is left. The tree depends on the number of items alone, so CPU and GPU, at any (B, T), round
-// alike. Pairwise summation also keeps the error at O(log n) roundings (Higham 1993).
+// Reduction in a fixed order: pairwise within chunks of 256 items, then again over the chunk sums until one
+// is left. The tree depends on the number of items only, so CPU and GPU give identical bits for any (B, T).
+// Pairwise summation limits the error to O(log n) roundings (Higham 1993).
 
 #include <cstdint>
 
@@ -12,7 +12,7 @@ namespace collidoscope {
 
 inline constexpr std::int64_t reduce_chunk = 256;
 
-/// Elements of scratch that reduce() needs.
+/// Number of scratch elements that reduce() needs.
 inline std::size_t reduce_scratch_size(std::int64_t count) {
   std::size_t total = 1;
   while (count > 1) {
@@ -22,7 +22,8 @@ inline std::size_t reduce_scratch_size(std::int64_t count) {
   return total;
 }
 
-/// One chunk. Load: `T operator()(std::int64_t item) const`; T has `T combine(T, T)` found by lookup.
+/// Reduces one chunk. Load: `T operator()(std::int64_t item) const`. T needs a function `T combine(T, T)`,
+/// found by argument-dependent lookup.
 template <class T, class Load>
 struct ReduceChunk {
   Load load;
@@ -32,7 +33,7 @@ struct ReduceChunk {
   SIM_HD void operator()(int chunk) const {
     const std::int64_t first = chunk * reduce_chunk;
     const std::int64_t last = first + reduce_chunk < count ? first + reduce_chunk : count;
-    // A binary counter of partial sums: pending[d] holds the sum of 2^d neighbours.
+    // A binary counter of partial sums: pending[d] holds the sum of 2^k neighbours, with k decreasing in d.
     T pending[9];
     int depth = 0;
     for (std::int64_t i = first; i < last; ++i) {
@@ -53,8 +54,8 @@ struct LoadSum {
 };
 
 #if !SIM_CUDA || defined(__CUDACC__)
-/// Reduces load(0) ... load(count - 1) and returns where the result will stand, in the executor's memory
-/// (count >= 1). `scratch` has reduce_scratch_size(count) elements.
+/// Reduces load(0) ... load(count - 1), count >= 1. Returns the address of the future result, in the
+/// executor's memory. `scratch` has reduce_scratch_size(count) elements.
 template <class T, class Load>
 const T* reduce(Executor& executor, const char* stage, std::int64_t count, const Load& load, T* scratch) {
   std::int64_t chunks = (count + reduce_chunk - 1) / reduce_chunk;

@@ -1,11 +1,12 @@
 #pragma once
-// Stages of several rounds, each over all its items before the next begins (Executor::run_rounds): the
-// contract, as concepts, and the GPU kernels with their launches.
+// Multi-round stages (Executor::run_rounds): a round starts after all items of the previous round are done.
+// This file has the concepts that describe them, and the GPU kernels with their launches.
 //
-// On a GPU all rounds are one launch, whose threads wait for each other between rounds. A round of no items
-// costs no wait. Where the (B, T) asked for is more than runs at once, each round is a launch of its own.
-// (A cluster of blocks waits for less time, but has at most 16 multiprocessors, and only their share of the
-// memory bandwidth: slower from 50,000 bodies on.)
+// On a GPU, all rounds run in one cooperative launch with a grid barrier between rounds. Empty rounds skip
+// the barrier. If the requested (B, T) exceeds the resident blocks, each round is a separate launch.
+//
+// Thread block clusters have faster barriers, but at most 16 multiprocessors and their share of the memory
+// bandwidth. They are slower from 50,000 bodies on.
 
 #include <concepts>
 #include <cstdint>
@@ -24,20 +25,20 @@
 
 namespace collidoscope {
 
-/// What every stage of several rounds has:
+/// Interface of every multi-round stage:
 ///
-///   SIM_HD std::int64_t items(int round) const;  // called when the rounds before are done, unless
-///   static_item_counts SIM_HD void operator()(int round, int item) const;
+///   SIM_HD std::int64_t items(int round) const;  // called after the previous round
+///   SIM_HD void operator()(int round, int item) const;
 ///
-/// The items of one round must not depend on each other.
+/// Precondition: the items of one round are independent.
 template <class Rounds>
 concept ItemRounds = requires(const Rounds& rounds, int number) {
   { rounds.items(number) } -> std::convertible_to<std::int64_t>;
   rounds(number, number);
 };
 
-/// No round changes the number of items of a later one. On a GPU one block alone then executes consecutive
-/// rounds of few items, and no other block waits for it between them:
+/// The item counts are fixed, so items() may be called at any time. On a GPU, one block runs consecutive
+/// small rounds alone, without grid barriers between them:
 ///
 ///   static constexpr bool static_item_counts = true;
 template <class Rounds>
@@ -45,28 +46,28 @@ concept StaticRounds = ItemRounds<Rounds> && requires {
   requires Rounds::static_item_counts;
 };
 
-/// The first rounds are split into reading and doing, so that an item is read before its turn:
+/// The first rounds split an item into fetch and process, so that its operands can be loaded early:
 ///
-///   static constexpr int prefetched_rounds;  // the number of these rounds
-///   SIM_HD Operands fetch(int round, int item) const;  // reads what no item but this one writes in any
-///   round SIM_HD void operator()(Operands) const;
+///   static constexpr int prefetched_rounds;  // number of these rounds
+///   SIM_HD Operands fetch(int round, int item) const;  // reads only data that no other item writes
+///   SIM_HD void operator()(Operands) const;
 template <class Rounds>
 concept PrefetchingRounds = StaticRounds<Rounds> && requires {
   typename Rounds::Operands;
 };
 
-/// On a GPU the first rounds are executed without synchronisation: an item starts as soon as the items that
-/// it needs are done, without a wait for whole rounds. try_process() is needed only where nvcc compiles.
+/// On a GPU, the first rounds run without barriers: an item starts as soon as the items that it depends on
+/// are done. try_process() is needed only for nvcc.
 ///
-///   static constexpr int sync_free_rounds;  // the number of these rounds; 0: none
-///   static constexpr bool sync_free_beyond_threads;  // also where `max_items` items are more than threads
-///   at once SIM_HD std::int64_t sync_free_items() const;  // of all these rounds, numbered in the order of
-///   the rounds SIM_HD Operands fetch(std::uint32_t item) const;
-///   __device__ bool try_process(Operands&) const;  // true: did the item, since all that it needs are done
+///   static constexpr int sync_free_rounds;  // number of these rounds; 0: none
+///   static constexpr bool sync_free_beyond_threads;  // also if `max_items` exceeds the resident threads
+///   SIM_HD std::int64_t sync_free_items() const;  // in all these rounds, numbered in the order of rounds
+///   SIM_HD Operands fetch(std::uint32_t item) const;
+///   __device__ bool try_process(Operands&) const;  // true: the item was ready, and is done
 template <class Rounds>
 concept SyncFreeRounds = PrefetchingRounds<Rounds> &&(Rounds::sync_free_rounds > 0);
 
-/// One round has large items (LargeItems). It is called without its number, as operator()(item):
+/// One round has large items (LargeItems). It is called without the round number, as operator()(item):
 ///
 ///   static constexpr int large_item_round;  // from 0; negative: none
 template <class Rounds>
@@ -81,7 +82,7 @@ SIM_HD void run_item(const Rounds& rounds, int round, int item) {
   rounds(round, item);
 }
 
-/// One round as a stage.
+/// Adapts one round to a stage.
 template <class Rounds>
 struct OneRound {
   Rounds rounds;
@@ -112,7 +113,7 @@ __device__ void run_items_of(const Rounds& stage, int round, std::int64_t first,
   for (std::int64_t i = first; i < items; i += stride) run_item(stage, round, static_cast<int>(i));
 }
 
-/// The first block alone executes each round of so few items that this takes less time than a grid-wide wait.
+/// Rounds small enough that a grid barrier costs more than running them on one block are run by block 0 only.
 template <class Rounds>
 requires StaticRounds<Rounds> __device__ void run_rounds_in(const cooperative_groups::grid_group& grid,
                                                             const int rounds, const Rounds& stage) {
@@ -137,9 +138,9 @@ __global__ void __launch_bounds__(1024, 1) run_all_rounds(const int rounds, cons
   run_rounds_in(cooperative_groups::this_grid(), rounds, stage);
 }
 
-/// Executes rounds [0, sync_free_rounds) in the order of dependencies, then the others. There is no deadlock:
-/// all threads run at once, and each takes its items in increasing order. Of the items that are not done, the
-/// first therefore needs none of the others, and its thread has reached it.
+/// Runs rounds [0, sync_free_rounds) in dependency order, then the other rounds. No deadlock: all threads are
+/// resident, and each processes its items in increasing order. The lowest-numbered unfinished item depends on
+/// finished items only, and its thread has reached it.
 template <SyncFreeRounds Rounds>
 __global__ void __launch_bounds__(1024, 1) run_dependency_ordered(const int rounds, const Rounds stage) {
   const cooperative_groups::grid_group grid = cooperative_groups::this_grid();
@@ -148,7 +149,7 @@ __global__ void __launch_bounds__(1024, 1) run_dependency_ordered(const int roun
   const std::int64_t sync_free = stage.sync_free_items();
   for (std::int64_t i = rank; i < sync_free; i += lanes) {
     typename Rounds::Operands item = stage.fetch(static_cast<std::uint32_t>(i));
-    // try_process() does the item within the loop, because a lane of the same warp may be waiting for it.
+    // Process within the loop, because another lane of the same warp may wait for this item.
     bool done = false;
     while (!done) done = stage.try_process(item);
   }
@@ -166,7 +167,7 @@ __global__ void __launch_bounds__(1024, 1) run_one_round(const int round, const 
                std::int64_t{gridDim.x} * blockDim.x);
 }
 
-/// `max_items` items in a round determine (B, T).
+/// (B, T) is chosen for `max_items` items per round.
 template <class Rounds>
 void launch_rounds(LaunchPlanner& planner, cudaStream_t stream, const char* name, int rounds,
                    std::int64_t max_items, const Rounds& stage) {

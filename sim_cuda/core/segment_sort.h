@@ -1,6 +1,6 @@
 #pragma once
-// Sorting a run of numbers inside one item of a stage. A run is anything with `Value get(i)` and
-// `put(i, value)`, so that what is sorted together need not lie together.
+// Sorts a run of values within one stage item. A run is any type with `Value get(i)` and `put(i, value)`, so
+// that its values need not be contiguous.
 
 #include <cstdint>
 
@@ -16,10 +16,11 @@ struct NumberSegment {
   SIM_HD void put(std::int64_t i, Value value) const { numbers[i] = value; }
 };
 
-/// Keys with the ids of their bodies: ordered by (key, id).
+/// Keys with body ids; ordered by (key, id).
 struct KeyedSegment {
   using Value = std::uint64_t;
-  static constexpr std::uint32_t tile_bits = 9;  ///< 4 KiB: it must not cost the kernel resident blocks
+  /// 4 KiB, so that it does not reduce the resident blocks of the kernel.
+  static constexpr std::uint32_t tile_bits = 9;
   std::uint32_t *keys, *ids;
   SIM_HD Value get(std::int64_t i) const { return std::uint64_t{keys[i]} << 32 | ids[i]; }
   SIM_HD void put(std::int64_t i, Value value) const {
@@ -28,8 +29,8 @@ struct KeyedSegment {
   }
 };
 
-/// Sorts the first `count` values ascending: insertion for the usual handful, heap sort (O(n log n), in
-/// place) for the hub of a thousand contacts.
+/// Sorts the first `count` values in ascending order. Insertion sort for up to 24 values; in-place heap sort,
+/// O(n log n), for bodies with very many contacts.
 template <class Run>
 SIM_HD void sort_run(const Run& run, std::int64_t count) {
   using Value = typename Run::Value;
@@ -69,7 +70,7 @@ SIM_HD inline void sort_segment(std::uint32_t* values, std::int64_t count) {
 
 #if defined(__CUDACC__)
 
-/// What of a run lies in shared memory.
+/// The part of a run that is in shared memory.
 template <class Number>
 struct SortTile {
   Number* values;
@@ -77,9 +78,9 @@ struct SortTile {
   __device__ void put(std::uint32_t i, Number value) const { values[i] = value; }
 };
 
-/// The same by all threads of a block: a bitonic network (Batcher 1968) whose comparators all point upward,
-/// so that a run of any length is one of 2^k with its end missing. What is nearer than a tile is compared in
-/// shared memory.
+/// Sorts a run with all threads of a block: a bitonic sorting network (Batcher 1968) whose comparators all
+/// point upward. A run of any length is therefore one of 2^k with its end missing. Comparisons within a tile
+/// use shared memory.
 template <class Run>
 __device__ void sort_run_by_block(const Run& run, std::uint32_t count) {
   using Value = typename Run::Value;
@@ -92,7 +93,8 @@ __device__ void sort_run_by_block(const Run& run, std::uint32_t count) {
     all.put(low, second);
     all.put(high, first);
   };
-  // Of two sorted runs of 2^k, the first with the second backwards: afterwards none of it is above the other.
+  // First merge step: compares the first of two sorted runs of 2^k with the second in reverse. Afterwards no
+  // value of the first exceeds any value of the second.
   const auto merge_flipped = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
     const std::uint32_t last = (1u << k) - 1;
     for (std::uint32_t i = threadIdx.x; i >> k << (k + 1) < end; i += blockDim.x) {
@@ -101,7 +103,7 @@ __device__ void sort_run_by_block(const Run& run, std::uint32_t count) {
     }
     __syncthreads();
   };
-  // Those that are 2^k apart.
+  // Compares values at distance 2^k.
   const auto compare_apart = [&](const auto& all, std::uint32_t k, std::uint32_t end) {
     for (std::uint32_t i = threadIdx.x; i >> k << (k + 1) < end; i += blockDim.x) {
       const std::uint32_t low = (i >> k << (k + 1)) + (i & ((1u << k) - 1));

@@ -1,10 +1,10 @@
 #pragma once
-// Exponential, sine and cosine from + - x / alone, for constants that reach the state: libm's differ by
-// version. Host and compile time; double; good to some 13 digits.
+// Exponential, sine and cosine by series of + - x / only, for constants that affect the state: libm results
+// differ by version. Usable on the host and at compile time. Double, accurate to about 13 digits.
 
 namespace collidoscope {
 
-/// e^x - 1, for x <= 0 (below -700: -1). Exact near 0, too.
+/// e^x - 1 for x <= 0; -1 below -700. Accurate near 0.
 constexpr double expm1_series(double x) {
   if (!(x > -700)) return -1;
   int halvings = 0;
@@ -22,7 +22,7 @@ struct CosineSine {
   double cosine, sine;
 };
 
-/// Of an angle in radians, at most 2 in size.
+/// Cosine and sine of an angle in radians, with |x| <= 2.
 constexpr CosineSine cosine_sine(double x) {
   double even = 1, odd = x, cosine = 0, sine = 0;
   for (int k = 1; k <= 25; k += 2) {

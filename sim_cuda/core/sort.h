@@ -1,6 +1,6 @@
 #pragma once
-// Stable sort of (key, value) by unsigned keys: CUB's radix sort on a GPU (its own launch shape), a parallel
-// comparison sort on the CPU.
+// Stable sort of (key, value) by unsigned keys: CUB's radix sort on a GPU (with its own launch shape), a
+// parallel comparison sort on the CPU.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace collidoscope {
 
-/// Bytes of temporary memory that sort_by_key() needs for up to `count` records.
+/// Bytes of temporary memory for up to `count` records.
 template <class Key>
 std::size_t sort_temporary_bytes(Executor& executor, std::int64_t count, int key_bits);
 
-/// Sorts by the lowest `key_bits` bits of the keys; equal keys keep their order. Inputs and outputs must not
-/// overlap; inputs are left as they were. Key: std::uint8_t, uint32_t or uint64_t. count < 2^31.
+/// Sorts by the lowest `key_bits` bits of the keys. Stable. Inputs are not modified. Inputs and outputs must
+/// not overlap. Key: std::uint8_t, uint32_t or uint64_t. count < 2^31.
 template <class Key>
 void sort_by_key(Executor& executor, const char* stage, std::int64_t count, int key_bits, const Key* keys,
                  Key* sorted_keys, const std::uint32_t* values, std::uint32_t* sorted_values, void* temporary,

@@ -72,7 +72,7 @@ void StageRecorder::run_with_stage_callback(const StageCallback& ended, const st
   end();
   substep_ = 0;
   stage_callback_ = &ended;
-  struct ResetOnExit {  // also where `work` throws
+  struct ResetOnExit {  // also if `work` throws
     const StageCallback*& watch;
     ~ResetOnExit() { watch = nullptr; }
   } watched{stage_callback_};

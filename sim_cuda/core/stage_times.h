@@ -1,5 +1,5 @@
 #pragma once
-// How long steps and stages took: plain data, read by panels, JSON and tests alike.
+// Times of steps and stages. Plain data, read by panels, JSON export and tests.
 
 #include <string>
 #include <vector>
@@ -8,35 +8,34 @@
 
 namespace collidoscope {
 
-/// One stage's cost over the steps measured so far.
+/// Cost of one stage over the measured steps.
 struct StageTime {
-  std::string name;  ///< the same in profiler, NVTX, graphs and exports
+  std::string name;  ///< the same in the profiler panel, NVTX, graphs and exports
   double median_ms = 0, p95_ms = 0, last_ms = 0;
   int launches = 0;             ///< kernels per step (CPU: parallel loops)
-  bool library_launch = false;  ///< part of it runs in a library that ignores (B, T)
-  StageLaunch launch{};         ///< what the rest of it was launched as
-  int samples = 0;              ///< steps that were timed; 0: the times are not known
+  bool library_launch = false;  ///< partly launched by a library that ignores (B, T)
+  StageLaunch launch{};         ///< launch of the largest kernel that obeys (B, T)
+  int samples = 0;              ///< timed steps; 0: the times are unknown
 };
 
-/// Times of the whole step come from plain steps, times of stages from instrumented ones; they are never
-/// mixed.
+/// Step times come from uninstrumented steps, stage times from instrumented steps. The two are never mixed.
 struct RunTimes {
-  double step_median_ms = 0, step_p95_ms = 0;  ///< 0 while no plain step was timed
-  double step_last_ms = 0;                     ///< the newest of them
+  double step_median_ms = 0, step_p95_ms = 0;  ///< 0 before the first timed step
+  double step_last_ms = 0;                     ///< of the newest timed step
   int steps_timed = 0;
-  std::vector<StageTime> stages;  ///< in the order of the pipeline
+  std::vector<StageTime> stages;  ///< in pipeline order
 };
 
-/// How long the broad phase of one state takes, ms.
+/// Times of the broad phase of one state, ms.
 struct BroadPhaseTimes {
-  std::vector<float> whole;  ///< each repeat, nothing measured within
+  std::vector<float> whole;  ///< per repeat, uninstrumented
   struct Stage {
     std::string name;
-    std::vector<float> ms;  ///< each repeat
+    std::vector<float> ms;  ///< per repeat
     int launches = 0;
     bool library_launch = false;
   };
-  std::vector<Stage> stages;  ///< of other repeats, with a time taken after each stage
+  std::vector<Stage> stages;  ///< from separate, instrumented repeats
 };
 
 }  // namespace collidoscope

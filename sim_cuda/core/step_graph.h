@@ -1,5 +1,6 @@
 #pragma once
-// A step, recorded once and launched often.
+// Recording of a step as a CUDA graph, which is launched many times. Owns the graph and its events. The
+// executor must outlive it.
 
 #include <cstddef>
 #include <functional>
@@ -13,19 +14,18 @@ namespace collidoscope {
 
 class Executor;
 
-/// A step, recorded once and launched often: a CUDA graph, or on the CPU simply the function. If it is
-/// instrumented, it also measures each of its stages.
+/// A CUDA graph of a step; on the CPU, the function itself. An instrumented graph also measures each stage.
 class StepGraph {
  public:
-  /// `enqueue` runs stages on `executor`; it must not allocate, copy to or from the host, or wait.
+  /// `enqueue` runs stages on `executor`. It must not allocate, copy to or from the host, or wait.
   StepGraph(Executor& executor, bool instrumented, std::function<void()> enqueue);
   ~StepGraph();
   StepGraph(const StepGraph&) = delete;
   StepGraph& operator=(const StepGraph&) = delete;
 
   void launch();
-  /// After an instrumented launch has finished: adds its times to the executor's clock (which still needs
-  /// commit_step()).
+  /// Adds the times of an instrumented launch to the executor's clock. Call it after the launch has finished,
+  /// and before commit_step().
   void collect();
 
  private:
@@ -35,8 +35,8 @@ class StepGraph {
 #if SIM_CUDA
   void mark(std::size_t entry);
   cudaGraphExec_t graph_ = nullptr;
-  std::vector<cudaEvent_t> events_;         ///< one at the start of each run of a stage, one at the end
-  std::vector<std::size_t> event_entries_;  ///< index in the clock of the stage that starts there
+  std::vector<cudaEvent_t> events_;         ///< one at the start of each stage run, and one at the end
+  std::vector<std::size_t> event_entries_;  ///< clock index of the stage that starts at the event
 #endif
 };
 

@@ -1,8 +1,8 @@
 #pragma once
-// Vectorised loads and stores of records, in 16-byte words. Left to itself, a compiler loads each member
-// where it is used, and a walk from record to record then waits several times at each; and it stores each by
-// itself, which at random places costs the second-level cache as much as storing a record. A record is of
-// plain numbers, Eigen's vectors among them.
+// Vectorised loads and stores of records, in 16-byte words. Without them, the compiler loads each member at
+// its first use, and each record of a traversal causes several stalls. Stores of single members at random
+// addresses cost as much L2 bandwidth as a store of the record. Records consist of plain numbers and Eigen
+// vectors.
 
 #include <cstddef>
 #include <cstring>
@@ -33,7 +33,7 @@ __device__ T load_words(const T* source, const LoadWord& load_word) {
 }  // namespace detail
 #endif
 
-/// A record that nobody writes while this stage runs.
+/// Loads a record that is constant during this stage (read-only cache, __ldg).
 template <class T>
 SIM_HD T load_readonly(const T* source) {
 #if defined(__CUDA_ARCH__)
@@ -43,8 +43,8 @@ SIM_HD T load_readonly(const T* source) {
 #endif
 }
 
-/// A record that another thread wrote before an atomic_exchange() that this thread has seen: past the GPU's
-/// first cache, which may hold what stood there before.
+/// Loads a record that another thread published with atomic_exchange(). Bypasses L1 (ld.cg), which may hold a
+/// stale copy.
 template <class T>
 SIM_HD T load_l2(const T* source) {
 #if defined(__CUDA_ARCH__)
@@ -54,7 +54,8 @@ SIM_HD T load_l2(const T* source) {
 #endif
 }
 
-/// A record that this stage writes as well, but that no other thread writes since the last round or launch.
+/// Loads a record that this stage also writes. Precondition: no other thread has written it since the last
+/// barrier or launch.
 template <class T>
 SIM_HD T load_cached(const T* source) {
 #if defined(__CUDA_ARCH__)
@@ -77,7 +78,7 @@ SIM_HD void store_vectorized(T* target, const T& record) {
 #endif
 }
 
-/// Part of a record: four numbers of it that lie side by side, on a boundary of four.
+/// Stores four adjacent numbers of a record. Precondition: `target` is aligned to four numbers.
 template <class Real>
 SIM_HD void store_vec4(void* target, Real x, Real y, Real z, Real w) {
   struct alignas(4 * sizeof(Real)) Four {

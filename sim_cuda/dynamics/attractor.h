@@ -1,13 +1,15 @@
 #pragma once
-// Attractors: fixed points that pull every body by Newton's law, softened after Plummer (1911) so that no
-// pull is infinite:
+// Attractors: fixed points that attract every body with Newtonian gravity, with Plummer softening (1911),
+// which keeps the acceleration finite:
 //
 //   a = -mu d / (|d|^2 + eps^2)^(3/2),  potential -mu / sqrt(|d|^2 + eps^2) J/kg, 0 far away
 //
-// d from the point to the body, mu in m^3/s^2, eps > 0 in m; ranges in limits.h. Called for by a list of
-// attractors. The speculative margin of a step uses the largest acceleration, 2 mu / (3 sqrt(3) eps^2), at
-// |d| = eps / sqrt(2): an eps far below all distances that matter makes for many contacts that never come to
-// be.
+// d is the vector from the point to the body; mu in m^3/s^2; eps > 0 in m; ranges in scene/limits.h. The
+// effect is required if the scene has attractors.
+//
+// The speculative margin of a step uses the largest acceleration, 2 mu / (3 sqrt(3) eps^2), at |d| = eps /
+// sqrt(2). An eps far below all relevant distances therefore creates many speculative contacts that never
+// touch.
 
 #include <cmath>
 #include <vector>
@@ -44,14 +46,14 @@ struct PointAttractor {
   }
 };
 
-/// All that pull; in the executor's memory.
+/// All attractors of the scene, in the executor's memory.
 template <class Real>
 struct AttractorView {
   const PointAttractor<Real>* points = nullptr;
   int count = 0;
 };
 
-/// Writes the field, m/s^2, where each body is.
+/// Writes the total acceleration by attractors, m/s^2, at the position of each body.
 template <class Real>
 struct EvaluateField {
   AttractorView<Real> attractors;

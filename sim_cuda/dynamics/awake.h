@@ -1,6 +1,5 @@
 #pragma once
-// Stages over the bodies, or over the contacts, that are awake: the stage itself, and which bodies it leaves
-// out.
+// Wraps a stage over bodies or contacts so that it skips sleeping bodies.
 
 #include <cstdint>
 
@@ -12,7 +11,7 @@ namespace collidoscope {
 template <class Stage>
 struct OfAwakeBodies {
   Stage stage;
-  const std::uint8_t* asleep;  ///< by body: 1 where it sleeps; null where the effect is off
+  const std::uint8_t* asleep;  ///< by body: 1 if it sleeps; null if the effect is off
   SIM_HD bool is_awake(int body) const { return asleep == nullptr || !asleep[body]; }
   SIM_HD void operator()(int body) const {
     if (is_awake(body)) stage(body);
@@ -28,7 +27,7 @@ struct OfAwakeBodies {
 #endif
 };
 
-/// The two bodies of a contact sleep together, or neither does, except for a static body.
+/// The bodies of a contact are both asleep or both awake, except for static bodies.
 template <class Stage>
 struct OfAwakeContacts {
   Stage stage;
@@ -40,7 +39,7 @@ struct OfAwakeContacts {
 };
 
 #if !SIM_CUDA || defined(__CUDACC__)  // as Executor::run
-/// `asleep`: as OfAwakeBodies::asleep.
+/// `asleep`: see OfAwakeBodies::asleep.
 template <class Stage>
 void run_awake_bodies(Executor& executor, const char* name, std::int64_t bodies, const std::uint8_t* asleep,
                       const Stage& stage) {

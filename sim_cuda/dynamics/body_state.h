@@ -1,9 +1,9 @@
 #pragma once
-// The state of all bodies, one array per quantity, by id, in the executor's memory. Arrays that no effect
-// calls for are empty and their pointers null.
+// State of all bodies: one array per quantity, indexed by body id, in the executor's memory. Arrays that no
+// active effect needs are empty, and their pointers null.
 //
-// The paper stores momenta (Baraff 1997). Here velocities are stored, as contacts need them; momenta are
-// derived from them where they are reported (measure/measure.h, inspect.h).
+// The paper stores momenta (Baraff 1997). This code stores velocities, which contacts need. Momenta are
+// computed where they are reported (measure/measure.h, measure/inspect.h).
 
 #include <cstdint>
 
@@ -13,25 +13,26 @@
 
 namespace collidoscope {
 
-/// What stages read and write.
+/// Pointers to the state, for stages.
 template <class Real>
 struct BodyView {
   Vector3<Real>* position;                ///< m, centre of mass
   PackedVector3<Real>* velocity;          ///< m/s
-  Quaternion<Real>* orientation;          ///< principal axes to world; null where nothing turns
-  PackedVector3<Real>* angular_velocity;  ///< rad/s, world axes; null where nothing turns
+  Quaternion<Real>* orientation;          ///< principal axes to world; null without rotation
+  PackedVector3<Real>* angular_velocity;  ///< rad/s, world axes; null without rotation
   const Real* radius;                     ///< m
-  const Real* mass;                       ///< kg; 0 of a body that no force moves
-  const Real* inverse_mass;               ///< 1/kg, the same
-  const Vector3<Real>* inertia;  ///< kg m^2, principal; null where nothing turns; infinite of such a body
+  const Real* mass;                       ///< kg; 0 for kinematic and static bodies
+  const Real* inverse_mass;               ///< 1/kg; 0 for kinematic and static bodies
+  const Vector3<Real>* inertia;  ///< kg m^2, principal moments; null without rotation; infinite for kinematic
+                                 ///< and static bodies
 };
 
-/// What walls and obstacles did to a body since the start. In double, whatever the precision of the run: it
-/// is a long sum.
+/// Accumulated effect of walls and obstacles on a body since the start. Always double, because it is a long
+/// sum.
 struct StaticImpulse {
   double impulse = 0;     ///< N s, sum of magnitudes
-  double vector[3] = {};  ///< N s, given to the body
-  double push_work = 0;   ///< J, potential energy that pushing it out of walls added
+  double vector[3] = {};  ///< N s, applied to the body
+  double push_work = 0;   ///< J, potential energy added by position correction at walls
 };
 
 template <class Real>
@@ -57,8 +58,8 @@ struct BodyBuffers {
   Buffer<PackedVector3<Real>> angular_velocity;
   Buffer<Real> radius, mass, inverse_mass;
   Buffer<Vector3<Real>> inertia;
-  Buffer<std::uint16_t> material;         ///< empty where all are of material 0
-  Buffer<StaticImpulse> static_impulses;  ///< empty where there are no walls
+  Buffer<std::uint16_t> material;         ///< empty if all bodies have material 0
+  Buffer<StaticImpulse> static_impulses;  ///< empty without walls
 };
 
 }  // namespace collidoscope

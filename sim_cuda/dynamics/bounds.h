@@ -1,5 +1,5 @@
 #pragma once
-// BodyBounds: the box of each body, where it is or for a while to come.
+// Bounding boxes of bodies: at their current position, or swept over a time interval.
 
 #include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/linear_algebra.h"
@@ -7,8 +7,8 @@
 
 namespace collidoscope {
 
-/// The float box around all between `low` and `high`: double runs round outward. What is not finite gets an
-/// empty box: it meets nobody, and the tree around it stays whole.
+/// The float box around [low, high]. Double values are rounded outward. If a bound is not finite, the box is
+/// empty: it overlaps no box, and does not affect the boxes of a tree.
 template <class Real>
 SIM_HD Aabb box_around(const Vector3<Real>& low, const Vector3<Real>& high) {
   Aabb box;
@@ -33,9 +33,9 @@ struct BodyBounds {
   }
 };
 
-/// The box of all that the body will pass through in `time` while it moves smoothly: along its velocity, and
-/// aside by what an acceleration of at most `acceleration_margin` / time^2 makes of it. `anywhere`: of all
-/// that it can come to at the speed that it has, whatever turns it.
+/// Bounding box of the body's motion during `time`: linear motion along its velocity, plus
+/// `acceleration_margin` in all directions. The margin covers accelerations up to `acceleration_margin` /
+/// time^2. With `anywhere`, the box covers motion in any direction at the current speed.
 template <class Real>
 struct SweptBounds {
   const Vector3<Real>* position;

@@ -6,9 +6,9 @@
 
 namespace collidoscope {
 
-/// Round 0 lets everybody go; each round after it is over the contacts, reads one set of shares and lowers
-/// the other, so that its items are independent of each other. Where a round finds nothing, both sets agree,
-/// and the rounds that follow have no items.
+/// Round 0 resets the fractions to 1. Each later round runs over the contacts, reads one buffer of fractions
+/// and lowers the other, so that its items are independent. If a round clamps nothing, both buffers are
+/// equal, and the later rounds have no items.
 template <class Real>
 struct ClampToImpact {
   const Pair* contacts;

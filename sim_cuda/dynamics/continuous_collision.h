@@ -1,25 +1,23 @@
 #pragma once
-// The effect `continuous_collision`: no two bodies that are apart when a step begins have passed through each
-// other when it ends, whatever the sweeps of the solver have left unsolved. Called for where a body starts so
-// fast that it goes farther than the smallest radius in a substep.
+// The effect `continuous_collision`. Guarantee: two bodies that are apart at the start of a step have not
+// passed through each other at its end, for any residual of the solver. The effect is required if a body
+// starts so fast that it moves farther than the smallest radius in a substep.
 //
-// Two spheres pass through each other where their centres come nearer than half the sum of their radii: the
-// *core* of the pair. It stays free by three measures:
+// Two spheres pass through each other if their centres come nearer than half the sum of their radii: the
+// *core* of the pair. Three measures keep the core free:
 //
-//   1. Boxes and contacts cover any direction at the speed that a body has (MotionBound::any_direction):
-//   whoever may meet in
-//      the step is a contact.
-//   2. The displacement limit: no body moves farther in a step than that, and half its radius. So those whose
-//   contact was
-//      not predicted, since something hit them in the step, keep clear of their core.
-//   3. Before each move, of all contacts: straight ways that would enter the core are cut short, both by the
-//      same share, at the place where the two touch. Who is cut short may now stand in the way of a third, so
-//      it goes in rounds, until a round finds nothing, or there were `rounds` of them.
+//  1. Boxes and contacts cover motion in any direction at the current speed (MotionBound::any_direction). Any
+//     two bodies that may collide in the step have a contact.
+//  2. Displacement limit: in a step, a body moves at most its speed times the step, plus the acceleration
+//     margin, plus half its radius. Pairs without a contact, because another body hit one of them during the
+//     step, therefore cannot reach each other's core.
+//  3. Before each move, the displacements of contacts are clamped. If linear motion would enter the core,
+//     both displacements are scaled by the same fraction, at which the spheres touch. A clamped body may
+//     obstruct a third one. Clamping therefore repeats until a round clamps nothing, at most `rounds` times.
 //
-// A clamped body keeps its velocity and goes along it, so it loses time, not momentum, and no angular
-// momentum (Catto, "Continuous Collision", GDC 2013, which holds bodies at their time of impact with what
-// does not move). Bodies whose motion is prescribed go where they go. Walls, planes and boxes, stop bodies by
-// themselves (solver/soft_walls.h).
+// A clamped body keeps its velocity: it loses time, but no momentum and no angular momentum. (Compare Catto,
+// "Continuous Collision", GDC 2013, which stops bodies at their time of impact with static bodies.) Kinematic
+// bodies are never clamped. Planes and boxes stop bodies separately (solver/soft_walls.h).
 
 #include <bit>
 #include <cstdint>
@@ -33,9 +31,9 @@
 
 namespace collidoscope {
 
-/// How much of its way, 0 to 1, a sphere may go that is at `d` from another, m, and would go `path` further
-/// relative to it, so that the way does not enter the core; `reach` is the sum of their radii, m. 1 where it
-/// does not, or where the centres lie in the core already; 0 where they overlap and would go on.
+/// Fraction, 0 to 1, of the relative displacement `path` that does not enter the core. `d` is the position
+/// relative to the other sphere, m; `reach` is the sum of the radii, m. Returns 1 if the path does not enter
+/// the core, or if it starts within it. Returns 0 if the spheres overlap and approach.
 template <class Real>
 SIM_HD Real fraction_outside_core(const Vector3<Real>& d, const Vector3<Real>& path, Real reach) {
   const Real along = d.dot(path);
@@ -46,32 +44,30 @@ SIM_HD Real fraction_outside_core(const Vector3<Real>& d, const Vector3<Real>& p
   if (nearest >= core) return 1;
   const Real gap = distance - reach * reach;
   if (!(gap > 0)) return 0;
-  using std::sqrt;  // the first root of |d + s way| = reach, in the form that does not cancel
+  using std::sqrt;  // first root of |d + s path| = reach, in a form without cancellation
   return min_of(gap / (sqrt(max_of(along * along - length * gap, Real(0))) - along), Real(1));
 }
 
 template <class Real>
 struct DisplacementLimit {
-  Vector3<Real> start;  ///< m, where the body was when the step began
+  Vector3<Real> start;  ///< m, position at the start of the step
   Real length;          ///< m
 };
 
-/// What a move must know of it.
+/// Input of a move: displacement limits and clamped fractions, by body.
 template <class Real>
 struct ClampedMotion {
   const DisplacementLimit<Real>* limit = nullptr;  ///< null: the effect is off
-  const std::uint32_t* fraction =
-      nullptr;  ///< bits of a float from 0 to 1, which are in the order of the numbers
+  const std::uint32_t* fraction = nullptr;  ///< bits of a float from 0 to 1; bits compare like the numbers
 
-  /// m: what the body goes in `h` s unless a contact clamps it: along its velocity, up to the displacement
-  /// limit.
+  /// Displacement in `h` s without contact clamping, m: along the velocity, up to the displacement limit.
   SIM_HD Vector3<Real> displacement(int body, const Vector3<Real>& x, const Vector3<Real>& v, Real h) const {
     const Vector3<Real> path = h * v, off = x - limit[body].start, end = off + path;
     const Real square = limit[body].length * limit[body].length;
     const Real all = path.dot(path);
-    // Who stands still may be off by a rounding, or because a wall has pushed him there: he stays.
+    // A body at rest may lie slightly outside the limit (rounding, wall correction); leave it there.
     if (!(end.dot(end) > square) || !(all > 0)) return path;
-    // |off + s way| = length, where off lies within it; in the form that does not cancel.
+    // Solve |off + s path| = length with `off` inside the limit, in a form without cancellation.
     const Real along = off.dot(path), left = max_of(square - off.dot(off), Real(0));
     using std::sqrt;
     const Real root = sqrt(along * along + all * left);
@@ -84,22 +80,21 @@ struct ClampedMotion {
   }
 };
 
-/// Lives as long as its solver. Takes no memory, and must not be called, where the effect is off.
+/// Owned by a solver. Allocates no memory if the effect is off, and must not be called then.
 template <class Real>
 class ContinuousCollision {
  public:
-  /// Rounds of measure 3 at most.
+  /// Maximum number of clamping rounds (measure 3).
   static constexpr int rounds = 16;
   static_assert(rounds % 2 == 0, "the last of them writes the shares that motion() reads");
 
   explicit ContinuousCollision(Executor& executor);
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, const StepControl* control);
 
-  /// At the start of a step of `time` s, in which bodies go aside by at most `acceleration_margin` m, as in
-  /// SpeculativeMargin.
+  /// Call at the start of a step of `time` s. `acceleration_margin`, m, as in SpeculativeMargin.
   void begin(Real time, Real acceleration_margin);
-  /// Before a move of `h` s along the velocities of `moving`; `contacts` are those of the step, at most
-  /// `capacity`.
+  /// Call before a move of `h` s along the velocities of `moving`. `contacts`: the contacts of the step, at
+  /// most `capacity`.
   void clamp_motion(const BodyView<Real>& moving, const Pair* contacts, std::int64_t capacity, Real h);
   ClampedMotion<Real> motion() const { return {displacement_limit_.data(), fraction_.data()}; }
 
@@ -109,8 +104,8 @@ class ContinuousCollision {
   std::int64_t body_count_ = 0;
   const StepControl* control_ = nullptr;
   Buffer<DisplacementLimit<Real>> displacement_limit_;  // by body
-  Buffer<std::uint32_t> fraction_;                      // two of each body
-  Buffer<std::uint32_t> entered_;                       // by round: 1 where something would enter a core
+  Buffer<std::uint32_t> fraction_;                      // two per body
+  Buffer<std::uint32_t> entered_;                       // by round: 1 if a displacement was clamped
 };
 
 }  // namespace collidoscope

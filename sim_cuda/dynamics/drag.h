@@ -1,20 +1,20 @@
 #pragma once
-// Drag: what a medium at rest takes from a sphere of radius r that moves through it at v,
+// Drag force of a medium at rest on a sphere of radius r with velocity v:
 //
 //   F = -6 pi eta r v - 1/2 rho C pi r^2 |v| v
 //
-// Stokes (1851) for slow, Newton (Principia, II) for fast flow, added as it is usual between the two. Called
-// for by a medium of viscosity eta (Pa s) or density rho (kg/m^3) and coefficient C; ranges in limits.h. It
-// does not slow spin, and does not lift.
+// The sum of Stokes drag (1851) for slow flow and Newtonian drag (Principia, II) for fast flow, the usual
+// approximation in between. The effect is required if the medium has a viscosity eta (Pa s), or a density rho
+// (kg/m^3) and a coefficient C; ranges in scene/limits.h. Drag does not affect spin and causes no lift.
 //
-// Implicit Euler, which for a force along v is a quadratic equation for the new speed s' where s is the speed
-// that the other forces would lead to in h:
+// Integrated by implicit Euler. The force is parallel to v, so this is a quadratic equation for the new speed
+// s'. s is the speed after h with all other forces:
 //
 //   s' (1 + A) + B s'^2 = s,  A = h 6 pi eta r/m,  B = h/2 rho C pi r^2/m
 //
-// Its root lies in [0, s], for every h: no drag turns a body round, and the terminal speed is exact. What a
-// contact then stops drag has slowed before, so the contact bears 1/(1 + A) of a weight: right to first
-// order.
+// Its root lies in [0, s] for every h. Drag therefore never reverses a velocity, and the terminal speed is
+// exact. Drag also acts on motion that a contact stops afterwards, so a contact carries 1/(1 + A) of a
+// weight; this is correct to first order.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
@@ -35,9 +35,9 @@ struct DragLaw {
             static_cast<Real>(pi / 2 * medium.density * medium.coefficient)};
   }
 
-  /// The part of a speed of `speed` m/s > 0 that is lost in h seconds, 0 to 1. Without a difference of
-  /// numbers near 1: air takes a millionth at a time. Where it takes nearly all, rounding may not take more:
-  /// that would turn the body round.
+  /// The fraction, 0 to 1, of a speed of `speed` m/s > 0 that is lost in h seconds. Avoids differences of
+  /// numbers near 1, because air removes about 1e-6 per substep. The limit of 1 prevents that rounding
+  /// reverses the velocity.
   SIM_HD Real loss(Real speed, Real radius, Real inverse_mass, Real h) const {
     const Real a = bounded(linear, h * radius * inverse_mass);
     const Real b4 = 4 * bounded(quadratic, h * radius * radius * inverse_mass * speed);
@@ -46,27 +46,28 @@ struct DragLaw {
     return min_of((a + (2 * a + a * a + b4) / (root + 1)) / (1 + a + root), Real(1));
   }
 
-  /// The same if the speed stayed as it is: the rate of drag times h, from 0 to 2e18.
+  /// The explicit rate of drag at `speed`, times h; 0 to 2e18.
   SIM_HD Real decay(Real speed, Real radius, Real inverse_mass, Real h) const {
     return bounded(linear, h * radius * inverse_mass) +
            bounded(quadratic, h * radius * radius * inverse_mass * speed);
   }
 
  private:
-  /// Of 1e18 and more, which is as good as infinite. A coefficient of 0 is 0, whatever the rest would make of
-  /// it.
+  /// The product, limited to 1e18, which acts as infinity. 0 for a coefficient of 0, even if the other factor
+  /// is infinite.
   SIM_HD static Real bounded(Real coefficient, Real of) {
     return coefficient > 0 ? min_of(Real(1e18), coefficient * of) : Real(0);
   }
 };
 
-/// Takes from each velocity what drag will have taken once `gravity` and `field` have acted in the substep.
+/// Subtracts from each velocity the loss by drag, computed for the speed after `gravity` and `field` have
+/// acted in the substep.
 template <class Real>
 struct DragBodies {
   BodyView<Real> bodies;
   DragLaw<Real> law;
-  Vector3<Real> gravity;       ///< m/s^2, zero where the effect is off
-  const Vector3<Real>* field;  ///< m/s^2, by body; null without one
+  Vector3<Real> gravity;       ///< m/s^2; zero if the effect is off
+  const Vector3<Real>* field;  ///< m/s^2, by body; null without attractors
   Real h;                      ///< s
   const StepControl* control;
 

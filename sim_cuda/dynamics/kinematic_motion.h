@@ -1,14 +1,13 @@
 #pragma once
-// Kinematic and static bodies, which no force moves: kinematic ones go on at the velocity and spin that the
-// scene gives them, static ones stay. Called for by a body whose `motion` is not "dynamic".
+// Kinematic and static bodies, which forces do not move. Kinematic bodies keep the velocity and spin of the
+// scene; static bodies do not move. The effect is required if the `motion` of a body is not "dynamic".
 //
-// For solvers they are bodies of inverse mass and inverse inertia 0: they push and rub others, and nothing
-// comes back; two of them have no contact. Contacts with them are coloured like all others. Stages over all
-// bodies need not know of them: what gravity, walls or the box did to one is put back before anybody reads
-// it. In sums they have no mass: energies, momenta, depths in walls and the count of the escaped leave them
-// out.
+// Solvers treat them as bodies with inverse mass and inverse inertia 0: they exert contact and friction
+// forces without reaction. Two of them have no contact. Their contacts are coloured like all others. Stages
+// over all bodies may modify them; their state is restored after every such stage. They have no mass in sums:
+// energies, momenta, wall penetrations and the count of escaped bodies exclude them.
 //
-// Owned by a solver; without such bodies it has no memory and launches nothing.
+// Owned by a solver. Without such bodies it allocates no memory and launches nothing.
 
 #include <cstdint>
 #include <span>
@@ -26,7 +25,7 @@ struct KinematicView {
   std::int64_t count = 0;
 };
 
-/// Notes where they are and how they move.
+/// Saves their positions and velocities.
 template <class Real>
 struct SaveKinematic {
   const std::uint32_t* body;
@@ -38,8 +37,8 @@ struct SaveKinematic {
   }
 };
 
-/// Takes them `time` further, and writes what is noted. What friction gives to an infinite inertia leaves
-/// spin as it is, and orientation turns by it as that of others.
+/// Advances the saved positions by `time` and restores the saved state. Spin needs no restore, because
+/// friction does not change it at infinite inertia. Orientation is integrated like that of other bodies.
 template <class Real>
 struct RestoreKinematic {
   const std::uint32_t* body;
@@ -73,13 +72,14 @@ class KinematicMotion {
   }
 
 #if !SIM_CUDA || defined(__CUDACC__)
-  /// At the start of a run.
+  /// Call at the start of a run.
   void begin() {
     if (kinematic_.count > 0)
       executor_.run("prescribe", kinematic_.count,
                     SaveKinematic<Real>{kinematic_.body, bodies_, position_.data(), velocity_.data()});
   }
-  /// After stages that may have moved them; `time` in s, after those that move all.
+  /// Call after stages that may have moved these bodies. `time`, s: the time by which the stage has advanced
+  /// all bodies.
   void restore(Real time = 0) {
     if (kinematic_.count > 0)
       executor_.run("prescribe", kinematic_.count,

@@ -1,6 +1,6 @@
 #pragma once
-// Forwarding: the paper's FORWARDDYNAMICS (its 3.1) by semi-implicit Euler. Momentum first, then position
-// with the new velocity, then rotation by the angular momentum.
+// Position update: the paper's FORWARDDYNAMICS (section 3.1) by semi-implicit Euler. Updates velocity, then
+// position with the new velocity, then orientation.
 
 #include <optional>
 
@@ -15,10 +15,10 @@
 
 namespace collidoscope {
 
-/// One free step of rotation. The angular momentum L = R I R^T w is kept (no torque); the body turns by h w
-/// about w through a Cayley map (q' = normalised (1, h w / 2) q, second-order in the angle: it turns by 2
-/// atan(h|w|/2)), and w' follows from L in the new axes. First order in h as a whole; exact in direction for
-/// a sphere, whose w does not change. A slender body rotates as slender_body.h has it. Whether w changed.
+/// One step of torque-free rotation. The angular momentum L = R I R^T w is conserved. The body rotates by the
+/// Cayley map q' = normalised (1, h w / 2) q, second order in the angle: by 2 atan(h|w|/2) about w. w'
+/// follows from L in the new axes. First order in h overall. For a sphere the axis is exact and w is
+/// constant. Slender bodies use slender_body.h. Returns whether w changed.
 template <class Real>
 SIM_HD bool rotate_first_order(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
   const Vector3<Real> half = (h / 2) * w;
@@ -46,12 +46,12 @@ template <class Real>
 struct MoveBodies {
   BodyView<Real> bodies;
   Vector3<Real> acceleration;  ///< m/s^2
-  Vector3<Real> low, high;     ///< m, the box
+  Vector3<Real> low, high;     ///< m, the container
   Real h;                      ///< s
-  ClampedMotion<Real> motion;  ///< without continuous collision: no limit
-  bool with_acceleration;      ///< adds the acceleration
-  bool with_container;         ///< the box has walls
-  bool with_rotation;          ///< bodies rotate here
+  ClampedMotion<Real> motion;  ///< no limit without continuous collision
+  bool with_acceleration;      ///< add the acceleration to the velocity
+  bool with_container;         ///< the container has walls
+  bool with_rotation;          ///< integrate rotation in this stage
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
@@ -68,8 +68,8 @@ struct MoveBodies {
     else
       next = x + h * v;
     if (with_container) {
-      // The walls have already stopped what would leave; this catches the last rounding of a sphere smaller
-      // than that.
+      // The walls have already stopped bodies that would leave. This clamps the rounding error of a sphere
+      // smaller than that error.
       for (int k = 0; k < 3; ++k)
         if (x[k] >= low[k] && x[k] <= high[k] && finite(next[k]))
           next[k] = clamp_to(next[k], low[k], high[k]);
@@ -83,8 +83,8 @@ struct MoveBodies {
   }
 };
 
-/// Enqueues the stage "move" with the effects that are on. `gravity` in m/s^2, `h` in s; `box`: none
-/// where there are no walls; `motion`: read with continuous_collision, which goes without gravity.
+/// Enqueues the stage "move" with the active effects. `gravity` in m/s^2, `h` in s. `box`: empty without
+/// walls. `motion`: used with continuous_collision, and then gravity is not added here.
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,

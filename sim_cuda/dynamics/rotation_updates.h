@@ -1,26 +1,25 @@
 #pragma once
-// Rotation updates of the kind `lie_group`: a body that no torque acts on, over a while. Turns about its
-// principal axes, one after another, each exactly what that axis alone would do to the body (Dullweber,
-// Leimkuhler, McLachlan 1997; Touma, Wisdom 1994):
+// Rotation updates of the kind `lie_group`: torque-free rotation of a rigid body. Splitting method: a
+// sequence of rotations about the principal axes, each the exact flow of that axis' part of the kinetic
+// energy (Dullweber, Leimkuhler, McLachlan 1997; Touma, Wisdom 1994):
 //
 //   x(h/2) y(h/2) z(h) y(h/2) x(h/2)     second order, with semi_implicit_euler and velocity_verlet
 //   five of those, over 0.41 h, 0.41 h, -0.66 h, 0.41 h, 0.41 h (Suzuki 1990)     fourth order, with rk4
 //
-// Orientation stays a rotation and the angular momentum, in world axes, what it is to rounding. Energy goes
-// up and down but not away: as each turn depends on its axis's share of the momentum alone, the whole is the
-// exact motion of a body near this one (a Poisson map, which runs backwards as it ran). RKMK4 (Munthe-Kaas
-// 1999) would take four evaluations in place of 25 turns; but it drifts in energy, and bodies that tumble are
-// off 20 times as far with it at the same h, fast tops 1.2 times.
+// Orientations stay rotations, and the world angular momentum is conserved to rounding. The energy error
+// oscillates without drift, because the method is a time-reversible Poisson map: the exact motion of a nearby
+// body. RKMK4 (Munthe-Kaas 1999) needs four evaluations instead of 25 rotations. But its energy drifts, and
+// at the same h tumbling bodies have 20 times the error, fast tops 1.2 times.
 //
-// A turn by an angle is a Cayley map of fourth order in the angle (cayley.h). Slender bodies rotate as
-// slender_body.h has it. Pure functions of SI units.
+// Each rotation is a Cayley map of fourth order in the angle (cayley.h). Slender bodies use slender_body.h.
+// Pure functions of SI units.
 
 #include "sim_cuda/dynamics/cayley.h"
 #include "sim_cuda/dynamics/slender_body.h"
 
 namespace collidoscope {
 
-/// Shares of h that the parts of a turn take; symmetric, of sum 1.
+/// Fractions of h of the composed substeps. Symmetric; their sum is 1.
 struct SecondOrderRotation {
   static constexpr int parts = 1;
   static constexpr double share(int) { return 1; }
@@ -31,7 +30,7 @@ struct FourthOrderRotation {
   static constexpr double share(int part) { return part == 2 ? 1 - 4 * outer : outer; }
 };
 
-/// q, from principal axes to the world's, and w, rad/s in the world's, after h s. Whether w changed.
+/// Updates q (principal axes to world) and w (rad/s, world axes) over h s. Returns whether w changed.
 template <class Parts, class Real>
 SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
   if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
@@ -47,7 +46,7 @@ SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector
   Vector3<Real> body(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
   const Vector3<Real> momentum = q * body;
   for (int part = 0; part < Parts::parts; ++part) {
-    const Real quarter = Real(Parts::share(part)) * h / 4;  // half of the half that a first turn takes
+    const Real quarter = Real(Parts::share(part)) * h / 4;  // a half of the half step of an outer rotation
     const auto rotate = [&](int k, Real half_time) {
       rotate_about_axis(k, half_time * body[k] / inertia[k], q, body);
     };

@@ -7,9 +7,9 @@ namespace collidoscope {
 
 namespace {
 
-/// Whether a body touches others, or may soon. `with_margin`: any bound but MotionBound::none. It is a
-/// template parameter: as a run-time branch it costs 1 % of a step of the solver `impulse` (50,000 bodies of
-/// the paper, H200).
+/// Tests whether a body touches others, now or within the margin. `with_margin`: any bound except
+/// MotionBound::none. It is a template parameter because a run-time branch costs 1 % of a step of the solver
+/// `impulse` (50,000 bodies of the paper, H200).
 template <class Real, bool with_margin>
 struct TouchTest {
   SphereView<Real> spheres;
@@ -30,9 +30,9 @@ struct TouchTest {
   }
 };
 
-/// The pairs of a body, the smaller of their ids, and which of them are contacts. `excluding`: some pairs
-/// have none. It is a template parameter: as a run-time branch it costs 4 % of a step of the solver `impulse`
-/// (as above).
+/// The pairs of a body (the one with the smaller id), and the test whether they are contacts. `excluding`:
+/// some pairs are excluded. It is a template parameter because a run-time branch costs 4 % of a step of the
+/// solver `impulse` (as above).
 template <class Real, bool with_margin, bool excluding>
 struct TestedPairs {
   PairView pairs;
@@ -53,7 +53,7 @@ struct TestedPairs {
   }
 
  private:
-  /// Two bodies that no force moves, or that a joint holds, have no contact.
+  /// Two kinematic or static bodies, or two bodies connected by a joint, have no contact.
   SIM_HD bool excluded(std::uint32_t a, std::uint32_t b) const {
     const Real* inverse_mass = spheres.inverse_mass;
     if (inverse_mass != nullptr && inverse_mass[a] == 0 && inverse_mass[b] == 0) return true;

@@ -1,5 +1,6 @@
 #pragma once
-// The ordered list of contacts: the pairs whose shapes touch, in the order of the pairs (by a, then b).
+// The ordered list of contacts: pairs whose shapes touch, or may touch soon. Same order as the pairs (by a,
+// then b). Owns the list, in the executor's memory.
 
 #include <cstdint>
 
@@ -17,16 +18,16 @@ struct ContactView {
   const Vector3<Real>* normal;  ///< unit, from a to b
 };
 
-/// Positions and radii of what collides, by id.
+/// Positions and radii of the colliding spheres, by body id.
 template <class Real>
 struct SphereView {
-  const Vector3<Real>* position;       ///< m
-  const Real* radius;                  ///< m
-  const Real* inverse_mass = nullptr;  ///< 1/kg; null where every body can be moved. Two of 0 do not touch
+  const Vector3<Real>* position;  ///< m
+  const Real* radius;             ///< m
+  /// 1/kg; null if all bodies are dynamic. Two bodies of 0 have no contact.
+  const Real* inverse_mass = nullptr;
 };
 
-/// Pairs that never touch, whatever their shapes, since a joint holds them: ordered, in the executor's
-/// memory.
+/// Pairs without contacts, because a joint connects them. Ordered; in the executor's memory.
 struct ExcludedPairs {
   const Pair* pairs = nullptr;
   std::uint32_t count = 0;
@@ -40,11 +41,12 @@ template <class Real>
 class ContactList {
  public:
   explicit ContactList(Executor& executor);
-  /// Outside the step. `capacity` in contacts.
+  /// Call outside the step. `capacity` in contacts.
   void reserve(std::int64_t bodies, std::int64_t capacity);
   std::int64_t capacity() const { return static_cast<std::int64_t>(bodies_of_.size()); }
-  /// Tests all pairs but the excluded ones; those count as well that may touch within `margin`. Where the
-  /// capacity is too small: control->overflow, contacts_needed, and an empty list, as for pairs.
+  /// Tests all pairs except the excluded ones. Pairs that may touch within `margin` are contacts, too. If the
+  /// capacity is too small, sets control->overflow and contacts_needed, and leaves the list empty, as
+  /// PairList::find() does.
   void find(const PairView& pairs, const SphereView<Real>& spheres, const SpeculativeMargin<Real>& margin,
             const ExcludedPairs& excluded_pairs, StepControl* control);
   ContactView<Real> view() const { return {bodies_of_.data(), normal_.data()}; }

@@ -1,5 +1,5 @@
 #pragma once
-// Sphere against sphere: whether they touch, and along which line.
+// Collision of two spheres: touch tests, contact normal and gap. Pure functions; lengths in m.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
@@ -7,7 +7,8 @@
 
 namespace collidoscope {
 
-/// Closed: spheres that share one point touch. Squared distances, so that no square root decides.
+/// Closed: spheres that share one point touch. Compares squared distances, to avoid the rounding of a square
+/// root.
 template <class Real>
 SIM_HD bool spheres_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& b, Real radius_b) {
   const Vector3<Real> d = b - a;
@@ -15,15 +16,15 @@ SIM_HD bool spheres_touch(const Vector3<Real>& a, Real radius_a, const Vector3<R
   return d.dot(d) <= reach * reach;
 }
 
-/// What a body may do within the predicted time, beside what gravity and attractors do to it.
+/// Motion of a body in the predicted time, in addition to the acceleration by gravity and attractors.
 enum class MotionBound {
-  none,              ///< stay where it is: nothing is predicted
-  linear,            ///< go on
-  linear_with_drag,  ///< lose any part of its way to a medium
-  any_direction,     ///< turn anywhere, at the speed it has: continuous collision
+  none,              ///< no prediction
+  linear,            ///< constant velocity
+  linear_with_drag,  ///< constant direction, any loss of speed by drag
+  any_direction,     ///< any direction at the current speed; for continuous collision
 };
 
-/// How far contacts look ahead, beside what touches now.
+/// How far contacts are predicted, in addition to touching pairs.
 template <class Real>
 struct SpeculativeMargin {
   MotionBound bound = MotionBound::none;
@@ -32,13 +33,16 @@ struct SpeculativeMargin {
   Real acceleration_margin = 0;                   ///< m: |acceleration| time^2 of gravity and attractors
 };
 
-/// Whether two spheres may touch within the predicted time while they move smoothly: while each is
-/// accelerated by no more than gravity less what holds it up. The relative acceleration of two such bodies is
-/// at most |g|: frictionless support leaves of g the part within a plane, so each acceleration lies in the
-/// ball over the diameter g. So the gap shrinks by at most time |v_b - v_a| + |g| time^2 (semi-implicit
-/// Euler's own K (K + 1) / (2 K^2) is at most 1). Attractors add at most their largest pull to each of the
-/// two. Drag leaves of each body's way any part: of |l_b v_b - l_a v_a|, l between 0 and 1, the largest is
-/// at a corner. Of two bodies with MotionBound::any_direction, each may come towards the other.
+/// Whether two spheres may touch within the predicted time, as long as each acceleration is gravity minus a
+/// frictionless support force.
+///
+/// Such a support removes the component of g normal to a plane, so each acceleration lies in the ball with
+/// diameter g. The relative acceleration is therefore at most |g|, and the gap shrinks by at most time |v_b -
+/// v_a| + |g| time^2. (The factor of semi-implicit Euler, K (K + 1) / (2 K^2), is at most 1.) Attractors add
+/// at most their largest acceleration to each body.
+///
+/// Drag scales each velocity by any factor l in [0, 1]; the maximum of |l_b v_b - l_a v_a| is at a corner.
+/// With MotionBound::any_direction, the bodies may move directly towards each other.
 template <class Real>
 SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vector3<Real>& velocity_a,
                                const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
@@ -57,8 +61,8 @@ SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vect
   return spheres_touch<Real>(a, radius_a, b, radius_b + distance);
 }
 
-/// The unit normal from a to b, and the gap along it (m; negative where they overlap). Coincident centres, or
-/// centres so close that the squared distance underflows, are pushed apart along +z.
+/// Unit normal from a to b, and the gap along it (m; negative if they overlap). The normal is +z for
+/// coincident centres, and for centres so close that the squared distance underflows.
 template <class Real>
 struct Separation {
   Vector3<Real> normal;
