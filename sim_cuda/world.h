@@ -74,16 +74,17 @@ class World {
 
   /// Copies the state of the run to the host; waits for the device.
   RunState state();
-  /// Takes over the state of another world, for example after a change of settings. Copies the state of all
-  /// bodies that both worlds have, the step count, the static impulses, and the warm-start data of a solver
-  /// of the same kind. Executor, precision and settings may differ.
+  /// Takes over the state of another world, for example after a change of settings. Copies the state of
+  /// common bodies, the step count, the static impulses, and the warm-start data of a solver of the same
+  /// kind. Executor, precision and settings may differ.
   ///
   /// `ids`: id here of each body of `other`; empty: the same ids. Bodies that are not in `other` keep their
   /// initial state. With the same physical settings and bodies, the run continues bit for bit as `other`
   /// would.
   void restore(World& other);
   void restore(const RunState& other, const BodyIdMap& ids = {});
-  /// 64-bit hash of the state. Equal if all bodies are bitwise equal (-0 = 0; all NaN are equal).
+  /// 64-bit hash of the state. Equal exactly if all bodies are bitwise equal (-0 = 0; all NaN are equal),
+  /// apart from hash collisions.
   std::uint64_t state_hash();
   BodyStates bodies();
 

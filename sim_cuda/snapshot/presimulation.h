@@ -4,13 +4,13 @@
 //
 // Solver: soft_step, with the scene's settings if that is its solver, otherwise with default settings. The
 // simulation runs for the time T = sqrt(2 side / |g|) of a fall through the box. Then it runs until the
-// kinetic energy would lift all bodies by at most 1/20,000 of the largest radius (0.25 mm for 5 m, speeds
-// of 7 cm/s on Earth). This is checked every 30 steps. The limit is 20 T; then a log line reports the
-// remaining energy.
+// kinetic energy would lift all bodies by at most 1/20,000 of the largest radius. For 5 m that is 0.25 mm,
+// or speeds of 7 cm/s on Earth. Rest is checked every 30 steps. The limit is 20 T; then a log line reports
+// the remaining energy.
 //
 // Spheres that slide without friction, or roll, never stop by themselves. So from time T on, velocities are
-// damped by 1/(1 + 4 t/T) at each check, where t is the time between checks. The damping does not change
-// contact loads.
+// damped by 1/(1 + 4 t/T) at each check; t is the time between checks. The damping does not change contact
+// loads.
 //
 // The result is cached in $XDG_CACHE_HOME or ~/.cache, collidoscope/settled/<hash>.snapshot, so later
 // starts are fast. The hash covers everything that determines the result, including the behaviour of this

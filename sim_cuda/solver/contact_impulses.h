@@ -54,7 +54,7 @@ class ContactImpulses {
 
   /// Impulse per contact of the run in progress, N s; null if disabled.
   Real* data() const { return impulse_.data(); }
-  /// Copies data() with the contacts, control->contacts of them.
+  /// Copies data() and its contacts; their number is control->contacts.
   void keep(const Pair* contacts, const StepControl* control);
   /// The impulses of the last keep().
   ImpulseView<Real> view() const;

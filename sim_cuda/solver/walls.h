@@ -4,11 +4,11 @@
 //
 // A body that would penetrate a plane at the end of the step bounces now, at most h |v| before it touches.
 // If it is too slow to bounce, it gets the speed that keeps it on the plane after gravity. So spheres never
-// enter a wall at any speed (orthogonal planes, such as the box faces, do not undo each other).
+// enter a wall at any speed. Orthogonal planes, such as the box faces, do not undo each other.
 //
 // The total energy of a body does not rise over a step. A bounce keeps e <= 1 of the speed. A body at gap s
-// ends on the plane with speed s/h, and s^2/h^2 / 2 <= v^2 / 2 + g s wherever it would have crossed (convex
-// in s, true at both ends).
+// that would cross the plane ends on it with speed s/h. Then s^2/h^2 / 2 <= v^2 / 2 + g s, since this is
+// convex in s and true at both ends.
 
 #include <cstdint>
 
