@@ -189,7 +189,8 @@ template <class Real>
 void Sleeping<Real>::find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
                                   const JointView<Real>& joints) {
   executor_.run("islands", body_count_, BeginIslands{parent_.data(), island_active_.data(), asleep_.data()});
-  const Islands<Real> islands{bodies_, parent_.data(), asleep_.data()};  // scratch until FallAsleepOrWake
+  const Islands<Real> islands{bodies_, parent_.data(),
+                              asleep_.data()};  // asleep_ is scratch until FallAsleepOrWake
   executor_.run("islands", ItemCount(&control_->contacts, contact_capacity),
                 JoinByContacts<Real>{contacts.bodies, islands});
   executor_.run("islands", joints.count, JoinByJoints<Real>{joints.rows, islands});
