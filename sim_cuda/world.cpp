@@ -65,9 +65,9 @@ void World::detect() { run_->detect(); }
 std::vector<std::pair<std::uint32_t, std::uint32_t>> World::pairs() { return run_->pipeline().pairs(); }
 
 StepStats World::measure() {
-  detect();  // from here on the lists are those of the current state, without a margin
+  detect();  // the lists are now those of the current state, without speculative contacts
   const StepControl now = run_->pipeline().control();
-  const bool stepped = run_->stepped();  // else no step of this world has counted them
+  const bool stepped = run_->stepped();  // otherwise there are no committed counts
   StepStats stats;
   stats.step = run_->steps();
   stats.bodies = static_cast<std::int64_t>(run_->initial.size());
@@ -90,7 +90,7 @@ LaunchShape World::launch_shape() const { return run_->options.shape; }
 
 namespace {
 
-/// Of the stages of a step alone, with the launches of all its runs.
+/// Keeps only the stages of a step, and counts the launches of all its runs.
 RunTimes of_step(RunTimes times, int runs) {
   std::erase_if(times.stages, [](const StageTime& s) {
     return s.name == "measure" || s.name == "hash" || s.name == "publish" || s.name == "inspect" ||

@@ -1,14 +1,14 @@
 #pragma once
-// World: one scene that is being simulated, with all its buffers, on one executor. Made from a Scene,
-// stepped, measured, drawn, destroyed; owns everything it uses. Not thread-safe: one thread at a time.
+// World: a simulated scene with all its buffers on one executor. Created from a Scene; owns everything it
+// uses. Not thread-safe: use it from one thread at a time. SI units.
 //
-// World itself makes steps and has the state of the run. The rest are parts of it, each in a header of run/:
+// World makes steps and owns the state of the run. Its parts have their own headers in run/:
 //
-//   validation() findings, whether the run is paused at one, which bodies are frozen (state_validation.h)
-//   records()    impulses and residuals of contacts, recorded on request (contact_records.h)
-//   tree()       the tree of the broad phase: boxes, measures, ranked nodes, query times (tree_probe.h)
-//   publisher()  records for drawing, and the memory that a renderer needs (publisher.h)
-//   info()       the device, and what the world takes of it (world_info.h)
+//   validation() findings of guards, pause, and frozen bodies (state_validation.h)
+//   records()    optional recording of contact impulses and residuals (contact_records.h)
+//   tree()       tree of the broad phase: boxes, measures, ranked nodes, query times (tree_probe.h)
+//   publisher()  draw records, and memory for renderers (publisher.h)
+//   info()       device and memory use (world_info.h)
 
 #include <cstdint>
 #include <map>
@@ -37,10 +37,10 @@ class Simulation;
 
 class World {
  public:
-  /// At state 0, or, as restore() does it, at `start`, whose bodies have the ids `ids` here. Throws
-  /// InputError where the scene is not valid or the options name nothing known, MachineError where the
-  /// machine lacks what was asked for (the line says what and how much), or where a step would take more than
-  /// step_estimate.h allows. Throws Cancelled.
+  /// Starts at state 0, or at `start`, as by restore(); `ids` maps the bodies of `start` to ids here.
+  /// Throws InputError if the scene is invalid or an option is unknown. Throws MachineError if a required
+  /// device or resource is missing, or if a step exceeds the limits of step_estimate.h. Its line states
+  /// what is missing and how much. Throws Cancelled.
   World(const Scene& scene, const RunOptions& options, const RunState* start = nullptr,
         const BodyIdMap& ids = {});
   ~World();
@@ -48,12 +48,12 @@ class World {
   World& operator=(World&&) noexcept;
 
   const Scene& scene() const;
-  const InitialBodies& initial() const;  ///< bodies at state 0: radii, masses and meshes never change
-  const RunOptions& options() const;     ///< as asked for
+  const InitialBodies& initial() const;  ///< bodies at state 0; radii, masses and meshes never change
+  const RunOptions& options() const;     ///< as passed to the constructor
   Effects effects() const;
-  int substeps() const;  ///< of a step: as set, or what "auto" has come to
+  int substeps() const;  ///< per step: the set value, or the result of "auto"
   WorldInfo info() const;
-  std::map<std::string, std::int64_t> buffers() const;  ///< WorldInfo::allocated_bytes by what it is for
+  std::map<std::string, std::int64_t> buffers() const;  ///< WorldInfo::allocated_bytes by buffer name
 
   StateValidation& validation();
   const StateValidation& validation() const;
@@ -61,47 +61,51 @@ class World {
   TreeProbe& tree();
   Publisher& publisher();
 
-  /// Advances by `count` steps; returns when they are done (overflows grown and repeated). Stops before where
-  /// guards pause the run (state_validation.h). Odd-numbered steps run instrumented, even-numbered ones
-  /// plain, so that times() knows both.
+  /// Makes `count` steps and waits for them. Lists that overflow grow, and the step is repeated. Stops
+  /// early if guards pause the run (state_validation.h). Odd-numbered steps are timed by stage,
+  /// even-numbered steps as a whole; times() has both.
   ///
-  /// Throws Cancelled where options().cancellation was requested, as detect() and everything that detects do;
-  /// only whole steps are in the state then. On the CPU the world goes on from there once the request is
-  /// cleared; on a GPU the device is still at work, and the process is to end without waiting for it.
+  /// Throws Cancelled if options().cancellation is requested, as do detect() and all functions that call
+  /// it. The state then contains only complete steps. On the CPU, the world can continue after the request
+  /// is cleared. On a GPU, work is still in progress; the process should exit without waiting for it.
   void step(int count = 1);
   std::int64_t steps() const;
-  double time() const;  ///< s that were simulated since state 0; NaN: not known (RunState)
+  double time() const;  ///< simulated time since state 0, s; NaN: unknown (RunState)
 
-  /// Where the run stands; waits for the device.
+  /// Copies the state of the run to the host; waits for the device.
   RunState state();
-  /// Takes the state of all bodies that both worlds have, the step count, the ledgers of the walls and what a
-  /// solver of the same kind remembers from `other`, whatever executor, precision or settings it has: how a
-  /// running scene changes them. `ids` says which body of `other` is which; empty: ids are the same in both.
-  /// Bodies that `other` lacks keep their initial state. With the same physical settings and bodies, the run
-  /// goes on bit for bit as `other` would have.
+  /// Takes over the state of another world, for example after a change of settings. Copies the state of
+  /// common bodies, the step count, the static impulses, and the warm-start data of a solver of the same
+  /// kind. Executor, precision and settings may differ.
+  ///
+  /// `ids`: id here of each body of `other`; empty: the same ids. Bodies that are not in `other` keep their
+  /// initial state. With the same physical settings and bodies, the run continues bit for bit as `other`
+  /// would.
   void restore(World& other);
   void restore(const RunState& other, const BodyIdMap& ids = {});
-  /// One 64-bit hash of the state: equal exactly where all bodies are bitwise equal (-0 = 0, one NaN).
+  /// 64-bit hash of the state. Equal exactly if all bodies are bitwise equal (-0 = 0; all NaN are equal),
+  /// apart from hash collisions.
   std::uint64_t state_hash();
   BodyStates bodies();
 
-  /// Finds boxes, tree, pairs and contacts of the *current* state without moving it, so that what is drawn
-  /// fits the bodies. Changes no hash.
+  /// Finds boxes, tree, pairs and contacts of the current state without moving bodies, so that drawn
+  /// contacts match the bodies. Does not change the hash.
   void detect();
-  /// All overlapping pairs (i < j), ordered, of the last step or detect().
+  /// Overlapping pairs (i < j) of the last step or detect(), sorted.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs();
-  /// Sums, counts and penetration at the current state. Pairs and contacts are those of the last step; of the
-  /// current state where this world has made no step since it took its state.
+  /// Measures the current state. Pairs and contacts are those of the last step. Before the first step of
+  /// this world, they are those of the current state.
   StepStats measure();
-  /// One body, read from the device; `id` < N. Detects, so that contacts and path fit the current state.
+  /// Reads one body from the device. Precondition: `id` < N; throws std::out_of_range otherwise. Calls
+  /// detect(), so contacts and path match the current state.
   BodyReport inspect(std::uint32_t id);
 
-  /// (B, T) for the steps from now on. Throws MachineError beyond the device's limits, and changes nothing
+  /// Sets (B, T) for the following steps. Throws MachineError beyond the device's limits; nothing changes
   /// then.
   void set_launch_shape(LaunchShape shape);
-  LaunchShape launch_shape() const;  ///< what was asked for; zeros are "auto"
+  LaunchShape launch_shape() const;  ///< as set; 0: automatic
   RunTimes times() const;
-  /// times() without medians and percentiles, which need all samples: for every frame of a live run.
+  /// times() without medians and percentiles, which are slow. For each frame of a live run.
   RunTimes latest_times() const;
 
  private:

@@ -11,7 +11,7 @@ std::int64_t generated_count(const BoxCollider& generator) {
   return generator.count - static_cast<std::int64_t>(generator.excluded.size());
 }
 
-/// Of the body that is the `place`-th that the generator makes.
+/// Generator number of the `place`-th body that exists.
 std::int64_t generated_number(const BoxCollider& generator, std::int64_t place) {
   std::int64_t number = place;
   for (const std::int64_t left_out : generator.excluded) {
@@ -21,7 +21,7 @@ std::int64_t generated_number(const BoxCollider& generator, std::int64_t place) 
   return number;
 }
 
-/// Without the body of this id, which the scene has; ids above it move down.
+/// Removes a body; higher ids move down. Precondition: the id exists.
 void remove_body(Scene& scene, std::int64_t id) {
   const auto erase = [&](std::vector<Body>& list) { list.erase(list.begin() + id); };
   if (id < std::ssize(scene.bodies)) return erase(scene.bodies);
@@ -38,7 +38,7 @@ void remove_body(Scene& scene, std::int64_t id) {
   erase(scene.extra_bodies);
 }
 
-/// N of the only generator, and what becomes of the bodies: those that were added come last.
+/// Sets N of the only generator and updates `ids`. Added bodies come last.
 void set_count(Scene& scene, std::int64_t count, BodyIdMap& ids) {
   BoxCollider& generator = scene.generators.at(0);
   const auto first = static_cast<std::size_t>(std::ssize(scene.bodies));
@@ -63,7 +63,7 @@ void remove_bodies(Scene& scene, std::vector<std::int64_t> gone, BodyIdMap& ids)
   }
 }
 
-/// Joints go with their bodies.
+/// Updates the bodies of joints; removes joints of removed bodies.
 void remap_joints(Scene& scene, const BodyIdMap& ids) {
   const auto gone = [&](std::int64_t& id) {
     const std::uint32_t now = ids.at(static_cast<std::size_t>(id));
@@ -119,7 +119,7 @@ bool requires_restart(const Scene& before, const Scene& after) {
       if (setting.live == Live::restart && a.*setting.member != b.*setting.member) other_bodies = true;
     });
     if (other_bodies) return true;
-    // Where spheres start apart, or at rest, each place depends on all the others.
+    // With this spawn or variant, each position depends on all others.
     if (a.count != b.count && (a.spawn == Spawn::apart || a.variant == Variant::settled)) return true;
   }
   return false;

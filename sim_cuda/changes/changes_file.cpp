@@ -29,7 +29,7 @@ class ChangesReader {
         materials_(scene.materials),
         start_(start) {}
 
-  /// All faults.
+  /// Reads the document into `list` and returns all faults.
   std::vector<JsonFault> read(ChangeList& list) {
     ObjectReader root(reading_, document_.root(), "a list of changes");
     if (root.is_object()) {
@@ -79,7 +79,7 @@ class ChangesReader {
     const JsonNode* freeze = reader.member("freeze", JsonKind::array);
     if (freeze != nullptr) read_ids(*freeze, "freeze", change.freeze);
     reader.finish();
-    if (!reading_.faults.empty()) return;  // what follows would be faults of these
+    if (!reading_.faults.empty()) return;  // avoid consequential faults
     if (freeze != nullptr && !can_freeze(change, *freeze)) return;
     try_change(node, change, remove);
     changes.push_back(std::move(change));
@@ -118,7 +118,7 @@ class ChangesReader {
     }
   }
 
-  /// Makes it, and says what is wrong with what comes out.
+  /// Applies a change and reports faults of the resulting scene.
   void try_change(const JsonNode& node, const Change& change, const JsonNode* remove) {
     if (!fits_generators(node, change) || !ids_exist(change, remove)) return;
     const Scene before = scene_;
@@ -172,7 +172,7 @@ class ChangesReader {
     return reading_.faults.empty();
   }
 
-  /// Only a body that forces move can be frozen. Those of generators are such.
+  /// Checks that all bodies to freeze are dynamic. Generated bodies always are.
   bool can_freeze(const Change& change, const JsonNode& freeze) {
     const std::int64_t bodies = bodies_of(scene_), listed = std::ssize(scene_.bodies),
                        first_added = bodies - std::ssize(scene_.extra_bodies);
@@ -190,9 +190,10 @@ class ChangesReader {
     return reading_.faults.empty();
   }
 
-  /// What only the bodies themselves show: meshes, masses that follow from densities.
+  /// Checks that need the bodies themselves: meshes, masses from densities.
   void try_bodies(const JsonNode& node) {
-    if (bodies_of(scene_) > limits::max_listed) return;  // the run itself says so, then
+    if (bodies_of(scene_) > limits::max_listed)
+      return;  // too many to create here; the run reports such faults
     try {
       initial_bodies(scene_);
     } catch (const InputError& error) {
@@ -200,8 +201,8 @@ class ChangesReader {
     }
   }
 
-  /// Of a fault in the scene that the change made; the change itself where no member of it is to blame. The
-  /// path becomes the one in the change.
+  /// JSON node for a fault in the changed scene, or the change itself if no member matches. Converts `path`
+  /// to the path within the change.
   const JsonNode* place_of(std::string& path, const JsonNode& change, std::size_t added_before) {
     const JsonNode* found = nullptr;
     for_each_setting([&]<auto member>(const Field<member>& setting) {
@@ -227,13 +228,14 @@ class ChangesReader {
         return locate(document_, body, member).first;
       }
     }
-    if (const JsonNode* solver = document_.find(change, "solver")) return solver;  // most faults are of it
+    if (const JsonNode* solver = document_.find(change, "solver"))
+      return solver;  // the solver causes most of these faults
     return &change;
   }
 
   const JsonDocument& document_;
   Reading reading_;
-  Scene scene_;  ///< as the changes so far have made it
+  Scene scene_;  ///< after the changes so far
   RunOptions options_;
   KnownMaterials materials_;
   std::int64_t start_, last_ = 0;
@@ -245,7 +247,7 @@ std::string text_of(const Change& change, const Scene& scene) {
   change.settings.for_each_set(
       [&](const auto& setting, const auto& value) { put(settings, setting.name, setting, value); });
   std::string text = json_line(settings);
-  text.pop_back();  // the brace
+  text.pop_back();  // closing brace
   if (!change.remove.empty()) text += fmt::format(", \"remove\": [{}]", fmt::join(change.remove, ", "));
   std::vector<std::string> bodies;
   for (const Body& body : change.add) bodies.push_back(write_body(body, scene));

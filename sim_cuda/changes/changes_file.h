@@ -1,6 +1,6 @@
 #pragma once
-// Files of changes: JSON with comments, `"format": "collidoscope-changes", "version": 1`. README.md of
-// this folder lists what a change may hold. Free functions over plain data.
+// Files of changes: JSON with comments, `"format": "collidoscope-changes", "version": 1`. The README.md of
+// this folder lists the members of a change. Free functions over plain data.
 
 #include <cstdint>
 #include <optional>
@@ -11,27 +11,28 @@
 
 namespace collidoscope {
 
-/// Where a recorded run stood when it was written down.
+/// Last state of a recorded run.
 struct RecordedEnd {
   std::int64_t step = 0;
   std::uint64_t state_hash = 0;
 };
 
 struct ChangeList {
-  std::vector<Change> changes;  ///< steps ascending
+  std::vector<Change> changes;  ///< in ascending order of steps
   std::optional<RecordedEnd> end;
 };
 
-/// Reads, and tries every change on `scene`, which is at state `start`, so that all faults are known before
-/// anything is simulated; a change of state 0 begins the run anew, wherever it is. Throws InputError with one
-/// line per fault, `file:line:column: what, and what would be right`.
+/// Reads a file and applies every change to a copy of `scene`, which is at state `start`. So all faults are
+/// found before the simulation. A change of state 0 restarts the run. Throws InputError with one line per
+/// fault: `file:line:column: what, and what would be right`.
 ChangeList read_changes(const std::string& file, const Scene& scene, const RunOptions& options,
                         std::int64_t start);
-/// The same from text; `name` stands where the file would.
+/// The same from text; `name` replaces the file name in messages.
 ChangeList parse_changes(std::string text, const std::string& name, const Scene& scene,
                          const RunOptions& options, std::int64_t start);
 
-/// The list as a file. `scene` has the materials that bodies name. Reading it gives the same, bit for bit.
+/// Formats the list as a file. `scene` contains the materials of added bodies. Reading the file gives the
+/// same list bit for bit.
 std::string write_changes(const ChangeList& list, const Scene& scene);
 
 }  // namespace collidoscope

@@ -1,4 +1,4 @@
-// A list of changes of state 0 as one change: what a run needs that begins again with all of them.
+// Merges a list of changes of state 0 into one change, for a restarted run.
 
 #include <algorithm>
 
@@ -9,15 +9,15 @@
 namespace collidoscope {
 namespace {
 
-/// What decides the state, as text: a rate and its time step are the same, and guards decide nothing.
+/// Text of all settings that determine the state: rates as time steps, without guards.
 std::string scene_text(Scene scene) {
   disable_guards(scene.physics);
   scene.physics.time_step = scene.physics.time_step.seconds();
   return write_scene(scene);
 }
 
-/// Both lists are in the order of ids. Adds the ids of those of `before` that `after` lacks; `first` is the
-/// id of the first. Returns how many of `after` are left of `before`.
+/// Adds the ids of bodies in `before` that are not in `after`. Both lists are in id order; `first` is the
+/// id of before[0]. Returns the number of bodies in `after` that are from `before`.
 std::size_t find_removed(const std::vector<Body>& before, const std::vector<Body>& after, const Scene& scene,
                          std::int64_t first, std::vector<std::int64_t>& removed) {
   std::size_t kept = 0;

@@ -6,7 +6,7 @@
 namespace collidoscope {
 namespace {
 
-/// Whether the change, which makes `after` of the scene, leads to state 0.
+/// True if the change, which turns `before` into `after`, restarts the run at state 0.
 bool leads_to_restart(std::int64_t steps, const Scene& before, const Change& change, const Scene& after) {
   return (steps == 0 && change.physical()) || requires_restart(before, after);
 }
@@ -15,7 +15,7 @@ bool is_frozen(const RunState& state, std::uint32_t body) {
   return std::ranges::binary_search(state.frozen, body);
 }
 
-/// At state 0, where all bodies are as the scene has them: those frozen so far, and those of the change.
+/// Freezes bodies at state 0: those frozen so far, and those of the change.
 void freeze_at_start(World& world, const SavedRun& run, const Change& change, const BodyIdMap& ids) {
   std::vector<std::uint32_t> frozen = run.state.frozen;
   for (const std::int64_t body : change.freeze) frozen.push_back(static_cast<std::uint32_t>(body));

@@ -1,5 +1,5 @@
 #pragma once
-// What a guard has found: the first value of a step that is not finite, or absurd. Plain data, SI units.
+// Result of a guard: the first value of a step that is not finite or exceeds a limit. Plain data, SI units.
 
 #include <cstdint>
 #include <string>
@@ -10,23 +10,23 @@ namespace collidoscope {
 enum class FindingQuantity { box, normal, acceleration, velocity, spin, position, orientation };
 
 std::string_view name_of(FindingQuantity quantity);  ///< "velocity"
-std::string_view unit_of(FindingQuantity quantity);  ///< "m/s", or "" where it has none
+std::string_view unit_of(FindingQuantity quantity);  ///< "m/s"; "" for dimensionless quantities
 
 struct Finding {
-  std::int64_t step = 0;   ///< that failed; it leads to the state of this number
-  int substep = 1;         ///< of it, from 1; what follows all substeps counts to the last
-  std::string stage;       ///< the first, in the order of the step, after which something was found
-  std::uint32_t body = 0;  ///< the lowest id of what was found there; of a contact, its lower one
+  std::int64_t step = 0;   ///< the failed step; it leads to the state of this number
+  int substep = 1;         ///< from 1; stages after the last substep count as the last substep
+  std::string stage;       ///< first stage of the step whose output failed a check
+  std::uint32_t body = 0;  ///< lowest id of the failed values; for a contact, its lower id
   FindingQuantity quantity = FindingQuantity::velocity;
-  /// A component that is not finite, or the magnitude; of a box its farthest coordinate, and not a number
-  /// where the box holds nothing, as that of a body does whose position or velocity is not finite.
+  /// Non-finite component, or magnitude. Box: largest coordinate, or NaN if the box is empty. The box of a
+  /// body whose position or velocity is not finite is empty.
   double value = 0;
-  /// The body was bad in the state before the step already: what it shows is no fault of that stage.
+  /// The body was already invalid in the state before the step, so the stage is not the cause.
   bool invalid_before = false;
 };
 
-/// "stage forces of step 8, substep 2: body 3 has the velocity 3.2e+10 m/s", and where it was so before: ",
-/// as it had in state 7".
+/// "stage forces of step 8, substep 2: body 3 has the velocity 3.2e+10 m/s". With invalid_before, followed
+/// by "; it was bad in state 7 already".
 std::string describe(const Finding& finding);
 
 }  // namespace collidoscope

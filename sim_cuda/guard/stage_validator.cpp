@@ -11,7 +11,7 @@
 namespace collidoscope {
 namespace {
 
-/// What a stage writes.
+/// Output of a stage, as bits.
 enum Part : unsigned { nothing = 0, boxes = 1, normals = 2, field = 4, motion = 8, pose = 16 };
 
 struct Writes {
@@ -31,10 +31,10 @@ unsigned parts_of(std::string_view stage) {
   return known == std::end(known_stages) ? motion | pose : known->parts;
 }
 
-/// Who has found something bids for the first place.
+/// Reports a violation of the current stage.
 struct ViolationReport {
   FirstViolation* first_violation;
-  std::uint64_t stage;  ///< its number in the run
+  std::uint64_t stage;  ///< stage number in the run
   SIM_HD bool is_final() const { return first_violation->is_final != 0; }
   SIM_HD void submit(std::uint32_t body) const { atomic_min(&first_violation->key, stage << 32 | body); }
 };
@@ -77,7 +77,7 @@ struct CheckBodies {
   unsigned parts;
   const StepControl* control;
   SIM_HD void operator()(int body) const {
-    if (control->overflow || report.is_final()) return;  // what stopped has written nothing
+    if (control->overflow || report.is_final()) return;  // the stage has written nothing
     bool good = true;
     if (parts & motion) {
       good = limits.within(bodies.velocity[body], limits.speed);
@@ -92,7 +92,7 @@ struct CheckBodies {
   }
 };
 
-/// A run has ended: what it found, if anything, was first.
+/// Ends a run. If it has a violation, the violation is final.
 struct FinishRun {
   FirstViolation* first_violation;
   const StepControl* control;
@@ -175,7 +175,7 @@ void StageValidator<Real>::check(const ValidationSource<Real>& view, const char*
                   CheckBodies<Real>{report, limits_, view.bodies, parts, view.control});
 }
 
-/// The first quantity of the body that a look at these parts minds.
+/// Finds the first quantity of the body that fails a check of these parts.
 template <class Real>
 void StageValidator<Real>::describe(const ValidationSource<Real>& view, unsigned parts) {
   const std::size_t body = finding_.body;

@@ -1,22 +1,22 @@
 #pragma once
-// The effect `guards`: after each stage that writes quantities with units, a look at all that it wrote. The
-// first value that is not finite, or beyond what the scene's `guards` allow, is kept: first in the order of
-// the stages of a step, and among those of one stage of the lowest body. Called for by a scene's `guards`.
+// The effect `guards`: checks the output of each stage of a step. Keeps the first value that is not finite
+// or exceeds a limit of the scene's `guards`. The order is by stage, then by body id. Required if a scene
+// has `guards`.
 //
-// No stage and no solver knows of it: the executor tells of each stage that ends
-// (Executor::run_with_stage_callback), so that stages to come are looked at, too. A look is a launch of its
-// own, of the stage "guard". It reads, and bids by an integer atomic: the minimum of (number of the stage
-// within the run, body), which is the same whatever runs it. It never changes the state.
+// Solvers and stages contain no check. The executor reports each finished stage
+// (Executor::run_with_stage_callback), so new stages are checked automatically. A check is a launch of the
+// stage "guard". It only reads, and reports a violation by an integer atomic minimum of (stage number in
+// the run, body). The result is the same on every executor, and the state never changes. Checked values by
+// stage:
 //
-//   bounds               the box of each body: a body that is not finite has an empty one
-//   contacts             the normals
-//   attractor            the accelerations
-//   forces, drag, joints, relax, bounce, friction: velocities and spins
-//   keys, sort, build, pairs, colour, prepare, continuous, residual, keep: nothing. They write ids, order and
-//                        copies, which come to light where a velocity is made of them
-//   all others           velocities, spins, positions and orientations
+//   bounds               boxes; the box of a non-finite body is empty
+//   contacts             normals
+//   attractor            accelerations
+//   forces, drag, joints, relax, bounce, friction: velocities and angular velocities
+//   keys, sort, build, pairs, colour, prepare, continuous, residual, keep: nothing (ids, order and copies)
+//   all others           velocities, angular velocities, positions and orientations
 //
-// Lives with its pipeline; without the effect there is none.
+// Lives with its pipeline, which creates one only with the effect.
 
 #include <cstdint>
 #include <functional>
@@ -32,31 +32,30 @@
 
 namespace collidoscope {
 
-/// Where stages write. Pointers are in the executor's memory.
+/// Buffers that the stages write, in the executor's memory.
 template <class Real>
 struct ValidationSource {
   BodyView<Real> bodies;
   std::int64_t body_count;
   const Aabb* boxes;              ///< by body
-  const Vector3<Real>* field;     ///< m/s^2, by body; null where nothing pulls
-  ContactView<Real> contacts;     ///< control->contacts of them
+  const Vector3<Real>* field;     ///< acceleration by attractors, m/s^2, by body; null without attractors
+  ContactView<Real> contacts;     ///< control->contacts contacts
   std::int64_t contact_capacity;  ///< in contacts
   const StepControl* control;
 };
 
-/// What was found first, as the device keeps it.
+/// The first violation, as stored on the device.
 struct FirstViolation {
   static constexpr std::uint64_t none = ~std::uint64_t{0};
-  std::uint64_t key = none;    ///< number of the stage in the run << 32 | body
-  std::uint32_t run = 0;       ///< StepControl::committed when that run began
-  std::uint32_t is_final = 0;  ///< 1: of a run that has ended; those behind it look no more
+  std::uint64_t key = none;    ///< stage number in the run << 32 | body
+  std::uint32_t run = 0;       ///< StepControl::committed at the start of that run
+  std::uint32_t is_final = 0;  ///< 1: that run has ended; later runs are not checked
 
   std::uint32_t stage() const { return static_cast<std::uint32_t>(key >> 32); }
   std::uint32_t body() const { return static_cast<std::uint32_t>(key); }
 };
 
-/// Squares of what is still sane, as they are compared. A square that overflows is larger than all of them,
-/// and NaN is not smaller.
+/// Squared limits. A square that overflows exceeds every limit, and NaN fails every comparison.
 template <class Real>
 struct ValidationLimits {
   explicit ValidationLimits(const ValidationSettings& guards)
@@ -70,7 +69,7 @@ struct ValidationLimits {
   static SIM_HD bool finite(const Vector3<Real>& v) {
     return collidoscope::finite(v.x()) && collidoscope::finite(v.y()) && collidoscope::finite(v.z());
   }
-  /// Of length 1, but for what rounding makes of it and a factor of sqrt(2).
+  /// True if the length is 1 within a factor of sqrt(2).
   static SIM_HD bool about_unit(Real square) { return square >= Real(0.5) && square <= 2; }
   static SIM_HD bool unit(const Vector3<Real>& v) { return about_unit(v.dot(v)); }
   static SIM_HD bool unit(const Quaternion<Real>& q) {
@@ -83,10 +82,10 @@ struct ValidationLimits {
     return good;
   }
 
-  Real speed;          ///< m^2/s^2
-  Real distance;       ///< m^2
-  Real angular_speed;  ///< rad^2/s^2
-  float reach;         ///< m, of a box along an axis
+  Real speed;     ///< m^2/s^2
+  Real distance;  ///< m^2
+  Real angular_speed;      ///< rad^2/s^2
+  float reach;    ///< largest coordinate of a box, m
 };
 
 template <class Real>
@@ -94,15 +93,16 @@ class StageValidator {
  public:
   StageValidator(Executor& executor, const ValidationSettings& guards);
 
-  /// Enqueues a run, `work`, with looks at what its stages leave in `view`.
+  /// Enqueues the run `work`, with a check after each of its stages.
   void run_validated(const ValidationSource<Real>& view, const std::function<void()>& work);
 
-  /// Since clear(); waits for the device. In runs that an overflow stopped, boxes alone are looked at.
+  /// First violation since clear(); waits for the device. In a run that stopped at an overflow, only boxes
+  /// are checked.
   FirstViolation first_violation() const { return first_violation_.download()[0]; }
   void clear();
 
-  /// Reads what was found, of one and the same run: the next that is enqueued, which waits for the device
-  /// and must not be recorded. Stage, substep, body, quantity and value.
+  /// Fills finding() with stage, substep, body, quantity and value of a violation. The next enqueued run
+  /// must be the same run again. It waits for the device and must not be recorded.
   void describe(const FirstViolation& first_violation) { described_ = first_violation; }
   const Finding& finding() const { return finding_; }
 
@@ -113,7 +113,7 @@ class StageValidator {
   Executor& executor_;
   ValidationLimits<Real> limits_;
   Buffer<FirstViolation> first_violation_;
-  std::uint32_t stages_ = 0;  ///< of the run being enqueued, that have ended
+  std::uint32_t stages_ = 0;  ///< number of finished stages of the run being enqueued
   FirstViolation described_;
   Finding finding_;
 };

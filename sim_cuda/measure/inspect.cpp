@@ -19,7 +19,7 @@ struct FindBody {
   }
 };
 
-/// The contacts of one body, in any order; `count` goes beyond the capacity where there are more.
+/// Contacts of one body in any order. `count` may exceed the capacity; excess contacts are only counted.
 struct Found {
   std::uint32_t other;
   double impulse;  ///< N s
@@ -65,14 +65,14 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
     inertia = read(bodies.inertia, id).template cast<double>();
   }
   const Matrix3d r = report.q.toRotationMatrix();
-  if (report.mass > 0) {  // else no force moves it, and it has no momentum either
+  if (report.mass > 0) {  // static and kinematic bodies have no momentum
     report.inverse_inertia = r * inertia.cwiseInverse().asDiagonal() * r.transpose();
     report.L = r * inertia.asDiagonal() * r.transpose() * report.w;
   }
 
   constexpr std::uint32_t capacity = 1024;
   Buffer<Found> found(executor, "contacts of a body");
-  Buffer<std::uint32_t> counts(executor, "contacts of a body");  // {contacts, place in order, node}
+  Buffer<std::uint32_t> counts(executor, "contacts of a body");  // {contacts, index in leaf order, node}
   found.resize_discarding(capacity);
   counts.resize_discarding(3);
   counts.fill_zero();

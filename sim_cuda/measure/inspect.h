@@ -1,5 +1,5 @@
 #pragma once
-// Looks one body up on the device: its quantities, its contacts, its place in the tree (World::inspect).
+// Reads one body from the device: quantities, contacts, position in the tree (World::inspect).
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/executor.h"
@@ -10,7 +10,7 @@
 
 namespace collidoscope {
 
-/// Where the body and what touches it stand. All pointers are in the executor's memory.
+/// Data of a world for inspect(), in the executor's memory.
 template <class Real>
 struct InspectSource {
   BodyView<Real> bodies;
@@ -22,7 +22,8 @@ struct InspectSource {
   TreeView tree;
 };
 
-/// Waits for the device. `id` < body_count. Lists the first 1,024 contacts by the other's id, and counts all.
+/// Waits for the device. Precondition: `id` < body_count. Lists the first 1,024 contacts by the other's id,
+/// and counts all contacts.
 template <class Real>
 BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::uint32_t id);
 

@@ -1,5 +1,5 @@
 #pragma once
-// StageLaunch as JSON, the same in all files that say it. A free function.
+// JSON form of StageLaunch, shared by all files that contain it. A free function.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace collidoscope {
 
-/// An object; null where nothing of the stage obeys (B, T). What the executor does not have is null.
+/// An object; null if no launch of the stage uses (B, T). Values that the executor lacks are null.
 nlohmann::ordered_json launch_json(const StageLaunch& launch);
 
 }  // namespace collidoscope

@@ -28,20 +28,20 @@ SIM_HD inline BodySums combine(const BodySums& a, const BodySums& b) {
 template <class Real>
 struct MeasureBody {
   BodyView<Real> bodies;
-  const StaticImpulse* static_impulses;  ///< null where there are no walls
+  const StaticImpulse* static_impulses;  ///< null without walls
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
   Vector3d gravity;  ///< m/s^2
   AttractorView<Real> attractors;
-  double ground;  ///< m, z at which potential energy is zero
+  double ground;  ///< z of zero potential energy, m
   bool with_container;
-  Vector3d low, high;  ///< m, the box
+  Vector3d low, high;  ///< corners of the box, m
 
   SIM_HD BodySums operator()(std::int64_t body) const {
     const Vector3d x = bodies.position[body].template cast<double>(),
                    v = bodies.velocity[body].load().template cast<double>();
-    const bool moved = bodies.inverse_mass[body] == 0;  // by nothing that is counted
+    const bool moved = bodies.inverse_mass[body] == 0;  // static or kinematic
     const double m = static_cast<double>(bodies.mass[body]), r = static_cast<double>(bodies.radius[body]);
     BodySums s;
     bool whole = true;
@@ -94,7 +94,7 @@ struct MeasureBody {
 
 SIM_HD inline Largest combine(Largest a, Largest b) { return {max_of(a.value, b.value)}; }
 
-/// How deep the two bodies of a contact overlap at the current poses.
+/// Overlap depth of the two bodies of a contact at the current poses.
 template <class Real>
 struct MeasureDepth {
   const Pair* contacts;

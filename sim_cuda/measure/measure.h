@@ -1,6 +1,6 @@
 #pragma once
-// Sums over all bodies at one state: energy, momenta, extremes, and the hash by which runs are compared. In
-// double, in the fixed order of core/reduce.h, so that they too are the same everywhere.
+// Sums over all bodies at one state: energy, momenta, maxima, and the state hash. Computed in double in the
+// fixed order of core/reduce.h, so the results are the same on every executor.
 
 #include <cstdint>
 #include <optional>
@@ -21,12 +21,12 @@ namespace collidoscope {
 
 struct BodySums {
   double kinetic, potential;            ///< J
-  Vector3d momentum, angular_momentum;  ///< kg m/s; kg m^2/s about the origin
+  Vector3d momentum, angular_momentum;  ///< kg m/s; about the origin, kg m^2/s
   double wall_impulse;                  ///< N s
   Vector3d wall_vector;                 ///< N s
   double push_work;                     ///< J
   double max_speed_squared;             ///< m^2/s^2
-  double max_depth;                     ///< m, into walls
+  double max_depth;                     ///< into walls, m
   std::int64_t non_finite, escaped;
 };
 struct Largest {
@@ -36,12 +36,12 @@ struct HashSum {
   std::uint64_t value;
 };
 
-/// What is measured. All pointers are in the executor's memory.
+/// Data of a world to be measured, in the executor's memory.
 template <class Real>
 struct MeasureSource {
   BodyView<Real> bodies;
   std::int64_t body_count;
-  const StaticImpulse* static_impulses;  ///< null where there are no walls
+  const StaticImpulse* static_impulses;  ///< null without walls
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
@@ -54,21 +54,21 @@ struct MeasureSource {
   ImpulseView<Real> impulses;  ///< of the last step
 };
 
-/// Adds what joints, `count` of them, and sleepers say of the state.
+/// Adds the sums of `count` joints, or of sleeping bodies, to `stats`.
 void add(const JointSums& sums, std::int64_t count, StepStats& stats);
 void add(const SleepSums& sums, StepStats& stats);
 
-/// Owns the scratch of the sums; one per world. Both calls wait for the device.
+/// Owns the scratch buffers of the sums; one per world. measure() and state_hash() wait for the device.
 template <class Real>
 class Measurer {
  public:
   explicit Measurer(Executor& executor);
-  /// Outside of a step, whenever a capacity changed.
+  /// Call outside of steps, after each change of a capacity.
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Fills all of `stats` but the counts of the step. No bodies: leaves it as it is.
+  /// Fills `stats` except the counts of the step. Without bodies, `stats` stays unchanged.
   void measure(const MeasureSource<Real>& source, StepStats& stats);
-  /// A sum modulo 2^64 over bodies of a mix of (id, x, q, v, w as bits), so that it does not depend on order.
-  /// Quantities that are not stored count as q = 1, w = 0; no bodies: 0.
+  /// Sum modulo 2^64 over the bodies of a hash of (id, x, q, v, w as bits), independent of the order of
+  /// summation. Quantities that are not stored count as q = 1, w = 0. 0 without bodies.
   std::uint64_t state_hash(const BodyView<Real>& bodies, std::int64_t body_count);
 
  private:

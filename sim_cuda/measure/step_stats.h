@@ -1,5 +1,5 @@
 #pragma once
-// What a run reports of a state: plain data, SI units, read by panels, JSON and tests alike. No CUDA, no GL.
+// Measurements of a state, for panels, JSON and tests. Plain data, SI units, without CUDA or GL.
 
 #include <cstdint>
 
@@ -7,34 +7,34 @@ namespace collidoscope {
 
 /// Sums over all bodies at one state, and counts of the last step.
 struct StepStats {
-  std::int64_t step = 0;  ///< states are numbered by the steps that led to them
+  std::int64_t step = 0;  ///< number of the state: steps since state 0
   std::int64_t bodies = 0;
-  std::int64_t pairs = 0;     ///< boxes that overlap, last step (before the first step: as found there)
-  std::int64_t touching = 0;  ///< pairs whose shapes touch (gap <= 0) at this state
-  /// Contacts of the last step: pairs that touched at its start, or that its motion could bring together.
-  /// Before the first step: as touching. With the solver impulse: of the last substep, without a margin.
+  std::int64_t pairs = 0;     ///< overlapping boxes in the last step; before the first step, at this state
+  std::int64_t touching = 0;  ///< pairs with gap <= 0 at this state
+  /// Contacts of the last step, including speculative ones. Before the first step: equal to touching. With
+  /// the solver impulse: contacts of the last substep, without speculative ones.
   std::int64_t speculative = 0;
-  std::int64_t uncoloured_contacts = 0;  ///< contacts that the colours left over, solved by mass splitting
-  double kinetic_energy = 0;             ///< J, translation and rotation
-  double potential_energy = 0;           ///< J, zero at z = box.min.z (or z = 0 without a box)
-  double push_work = 0;                  ///< J, potential energy added by the positional push since the start
+  std::int64_t uncoloured_contacts = 0;  ///< contacts without a colour, solved by mass splitting
+  double kinetic_energy = 0;             ///< translation and rotation, J
+  double potential_energy = 0;           ///< J; zero at z = box.min.z, or at z = 0 without a box
+  double push_work = 0;                  ///< potential energy added by the positional push since state 0, J
   double momentum[3] = {};               ///< kg m/s
-  double angular_momentum[3] = {};       ///< kg m^2/s about the origin
-  double wall_impulse = 0;  ///< N s, sum of normal impulses given to walls and obstacles since the start
-  double wall_impulse_vector[3] = {};  ///< N s, what walls and obstacles gave to the bodies, as a vector
-  double max_penetration = 0;          ///< m, deepest overlap of two bodies or body and wall at this state
-  double max_speed = 0;                ///< m/s
-  double max_impulse = 0;              ///< N s, of a contact in the last step; 0 where it is not recorded
-  std::int64_t joints = 0;             ///< that are simulated
-  double max_joint_error = 0;          ///< m, that what a joint holds is too far apart, or too near
-  double max_joint_angle = 0;          ///< rad, about: between a hinge's axes, or beyond its limits
-  double spring_energy = 0;            ///< J, of joints; part of the potential energy
-  bool can_sleep = false;              ///< the scene calls for sleeping; else the next three are 0
-  std::int64_t asleep = 0;             ///< bodies that slept in the last step
-  std::int64_t islands = 0;            ///< of bodies that forces move, in the last step; one may be alone
-  std::int64_t islands_asleep = 0;     ///< of these
-  std::int64_t non_finite = 0;         ///< bodies with a component that is not finite
-  std::int64_t escaped = 0;            ///< centres outside the box
+  double angular_momentum[3] = {};       ///< about the origin, kg m^2/s
+  double wall_impulse = 0;               ///< sum of normal impulses on walls and obstacles since state 0, N s
+  double wall_impulse_vector[3] = {};    ///< vector sum of impulses by walls and obstacles on bodies, N s
+  double max_penetration = 0;       ///< largest overlap of two bodies or of body and wall at this state, m
+  double max_speed = 0;             ///< m/s
+  double max_impulse = 0;           ///< largest contact impulse in the last step, N s; 0 if not recorded
+  std::int64_t joints = 0;          ///< number of simulated joints
+  double max_joint_error = 0;       ///< largest anchor distance outside the allowed range, m
+  double max_joint_angle = 0;       ///< largest approximate angle between hinge axes or beyond limits, rad
+  double spring_energy = 0;         ///< energy of springs, J; part of potential_energy
+  bool can_sleep = false;           ///< the scene has sleeping; otherwise the next three are 0
+  std::int64_t asleep = 0;          ///< bodies asleep in the last step
+  std::int64_t islands = 0;         ///< islands of dynamic bodies in the last step, including single bodies
+  std::int64_t islands_asleep = 0;  ///< sleeping islands
+  std::int64_t non_finite = 0;      ///< bodies with a non-finite component
+  std::int64_t escaped = 0;         ///< bodies whose centre is outside the box
   double energy() const { return kinetic_energy + potential_energy; }
 };
 

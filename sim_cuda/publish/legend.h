@@ -1,6 +1,5 @@
 #pragma once
-// What the colours of a picture mean. Plain data, for the renderer, which makes it, and for the panels, which
-// draw it.
+// Legend of the colours in a picture. Plain data; the renderer fills it, the panels draw it.
 
 #include <cstdint>
 #include <string>
@@ -9,13 +8,13 @@
 namespace collidoscope {
 
 struct Legend {
-  std::string title, unit;  ///< no title: nothing to explain
+  std::string title, unit;  ///< empty title: no legend
   double min = 0, max = 1;
-  bool clamped_above = false;         ///< larger values are drawn as the greatest
-  bool clamped_below = false;         ///< smaller values are drawn as the least
-  bool logarithmic = false;           ///< even steps of the logarithm
-  std::vector<std::uint32_t> colors;  ///< from least to greatest, 0xAABBGGRR
-  std::string low_word, high_word;    ///< in place of min and max
+  bool clamped_above = false;         ///< larger values have the colour of max
+  bool clamped_below = false;         ///< smaller values have the colour of min
+  bool logarithmic = false;           ///< logarithmic scale
+  std::vector<std::uint32_t> colors;  ///< from min to max, 0xAABBGGRR
+  std::string low_word, high_word;    ///< labels instead of min and max; empty: none
 };
 
 }  // namespace collidoscope

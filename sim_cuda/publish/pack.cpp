@@ -57,10 +57,10 @@ struct ColorByOrder {
   SIM_HD void operator()(int leaf) const { out[leaf_body[leaf]].value = static_cast<float>(leaf); }
 };
 
-/// Nodes of one level.
+/// Processes the nodes of one level.
 struct ColorByDepth {
   const std::uint32_t* body;
-  float depth;  ///< levels below the root
+  float depth;  ///< level of the nodes, 0: root
   BodyInstance* out;
   SIM_HD void operator()(int node) const {
     if (body[node] != TreeView::inner) out[body[node]].value = depth;
@@ -88,9 +88,9 @@ struct ColorByError {
 struct PackBoxes {
   const Aabb* boxes;
   const std::uint32_t* children;
-  const float* values;  ///< null: the level
-  bool leaves;          ///< have values, too
-  float depth;          ///< levels below the root
+  const float* values;  ///< by node; null: use the level
+  bool leaves;          ///< leaves have values
+  float depth;          ///< level of the nodes, 0: root
   BoxInstance* out;
   SIM_HD void operator()(int node) const {
     BoxInstance record{};
@@ -163,8 +163,7 @@ struct PackJoints {
       if (joint.kind == JointKind::spring) {
         look = JointLook::spring;
       } else if (joint.low < joint.high && length < joint.high && finite(joint.high) && pull > 0) {
-        // The sag of a parabola of that length: right for a rope that is nearly taut, and for one that hangs
-        // double.
+        // Sag of a parabola of the rope's length. Exact for nearly taut ropes and for folded ropes.
         look = JointLook::rope;
         put(record.aside, sqrt((joint.high - length) * (joint.high / 4 + length / 8)) / pull * gravity);
       }

@@ -1,5 +1,5 @@
 #pragma once
-// Packs what is drawn (publish.h) from the buffers of a world, on the device.
+// Packs draw records (publish.h) from the buffers of a world, on the device.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/buffer.h"
@@ -12,24 +12,24 @@
 
 namespace collidoscope {
 
-/// What there is to draw. All pointers are in the executor's memory.
+/// Data of a world to be drawn, in the executor's memory.
 template <class Real>
 struct PackSource {
   BodyView<Real> bodies;
   std::int64_t body_count;
-  const std::uint32_t* mesh;  ///< null: all are spheres
+  const std::uint32_t* mesh;  ///< by body, 0: sphere; null: all are spheres
   ContactView<Real> contacts;
   ItemCount contact_count;
   ImpulseView<Real> impulses;  ///< of the last step
-  TreeView tree;               ///< needed for boxes, and for bodies coloured by it
+  TreeView tree;               ///< used for boxes, and for body colours from the tree
   TreeValues values;
   JointView<Real> joints;
-  Vector3<Real> gravity;  ///< m/s^2, which ropes sag along
+  Vector3<Real> gravity;  ///< direction of rope sag, m/s^2
   SleepView sleep;
-  const float* errors;  ///< m, by id; null: 0
+  const float* errors;  ///< by id, m; null: all 0
 };
 
-/// Only enqueues. `counts` is scratch, sized here where bodies are coloured by their contacts.
+/// Enqueues the packing; does not wait. `counts`: scratch, resized if bodies are coloured by contacts.
 template <class Real>
 void pack(Executor& executor, const PublishTarget& target, const PackSource<Real>& source,
           Buffer<std::uint32_t>& counts);

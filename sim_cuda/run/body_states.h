@@ -1,5 +1,5 @@
 #pragma once
-// Bodies on the host, as a World gives and takes them. Plain data.
+// State of all bodies on the host, as exchanged with a World. Plain data.
 
 #include <cstdint>
 #include <vector>
@@ -8,14 +8,13 @@
 
 namespace collidoscope {
 
-/// The state of all bodies on the host, widened to double; bit-exact. Arrays that are not stored are filled
-/// in (q = 1, w = 0).
+/// State of all bodies in double; bit-exact. Quantities that are not stored are q = 1, w = 0.
 struct BodyStates {
   std::vector<Vector3d> position, velocity, angular_velocity;
   std::vector<Quaterniond> orientation;
 };
 
-/// What became of bodies: the new id of each, or `no_body`. Ascending.
+/// New id of each body, or `no_body` if it was removed. Ascending.
 using BodyIdMap = std::vector<std::uint32_t>;
 inline constexpr std::uint32_t no_body = 0xffffffffu;
 

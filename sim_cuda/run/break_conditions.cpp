@@ -22,7 +22,7 @@ std::string all_shapes() {
   return fmt::format("{}", fmt::join(shapes, ", "));
 }
 
-/// What is wrong with one part of a list; empty: nothing.
+/// Reads one part of a list. Returns the error, or an empty string.
 std::string read_condition(std::string_view part, BreakConditions& conditions) {
   const std::size_t equals = part.find('=');
   const auto* known =

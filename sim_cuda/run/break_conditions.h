@@ -1,7 +1,7 @@
 #pragma once
-// Where a run is to stop for somebody to look: conditions on what is measured of a state, and of the step
-// that led to it. Plain data and functions over plain data; who asks measures each state, which costs about
-// as much as finding its contacts once more.
+// Break conditions: conditions on a state and its last step at which a run stops. Plain data and functions
+// over plain data. The caller measures each state, which costs about as much as finding its contacts once
+// more.
 
 #include <array>
 #include <cstdint>
@@ -18,11 +18,11 @@ enum class BreakCondition { non_finite, energy_rise, penetration, speed, stage_m
 
 struct BreakConditionName {
   BreakCondition condition;
-  std::string_view name;     ///< as --break has it
+  std::string_view name;     ///< as in --break
   std::string_view unit;     ///< of value and limit
-  bool has_limit;            ///< else its limit is 0
-  double max_limit;          ///< a limit is 0 to this
-  std::string_view meaning;  ///< for people: "the fastest body is faster"
+  bool has_limit;            ///< false: the limit is 0
+  double max_limit;          ///< largest allowed limit; the smallest is 0
+  std::string_view meaning;  ///< description for users: "the fastest body is faster"
 };
 inline constexpr auto break_condition_names = std::to_array<BreakConditionName>({
     {BreakCondition::non_finite, "non-finite", "bodies", false, 0, "a body is not finite"},
@@ -38,7 +38,7 @@ constexpr const BreakConditionName& name_of(BreakCondition condition) {
   return break_condition_names[static_cast<std::size_t>(condition)];
 }
 
-/// The limit of each condition; unset: nobody asks.
+/// Limit of each condition; unset: the condition is off.
 struct BreakConditions {
   std::array<std::optional<double>, break_condition_names.size()> limits{};
   std::optional<double>& limit(BreakCondition condition) {
@@ -51,36 +51,37 @@ struct BreakConditions {
   }
 };
 
-/// "non-finite,energy-rise=5,penetration=0.1". Throws InputError, a line for each part that is none, after
-/// "--break: ".
+/// Parses a list such as "non-finite,energy-rise=5,penetration=0.1". Throws InputError with one line per
+/// invalid part, prefixed by "--break: ".
 BreakConditions parse_break_conditions(const std::string& list);
 
-/// A condition that is met.
+/// A condition that was met.
 struct BreakpointHit {
   BreakCondition condition = BreakCondition::non_finite;
-  std::int64_t step = 0;  ///< that led to the state
-  std::string stage;      ///< of stage_ms; else empty: it is the state that is measured
+  std::int64_t step = 0;  ///< the step that led to the state
+  std::string stage;      ///< name of the stage for stage_ms; otherwise empty
   double value = 0, limit = 0;
-  std::optional<std::uint32_t> body;  ///< stability/offending_body.h; where there is one
+  std::optional<std::uint32_t> body;  ///< see stability/offending_body.h; unset if not applicable
 };
 
-/// Watches one run from a state on.
+/// Checks the conditions along one run.
 class BreakpointMonitor {
  public:
   explicit BreakpointMonitor(const StepStats& start);
-  /// Each state in turn, with the times of its step. The first condition that is met, in the order of the
-  /// table: a value above its limit, or not a number. Energy is what it is without the work of pushes; its
-  /// rise is over the largest kinetic energy and change of the potential one, together, of all states so far.
+  /// Checks a state and the times of its step; call for each state in order. Returns the first condition,
+  /// in the order of the table, whose value exceeds its limit or is NaN. Energy excludes push_work. The
+  /// rise is relative to the largest sum of kinetic energy and |change of potential energy| so far.
   std::optional<BreakpointHit> check(const BreakConditions& conditions, const StepStats& stats,
                                      const RunTimes& times);
-  /// The run was changed at a state, measured before and after: energy that the change added is no rise.
+  /// Call after a change of the run, with the measurements before and after it. Energy added by the change
+  /// does not count as a rise.
   void change(const StepStats& before, const StepStats& after);
 
  private:
   double energy_, potential_, scale_ = 0;  ///< J
 };
 
-/// "speed: after step 12 body 3 has 103 m/s, over 100 m/s".
+/// One line: "speed: after step 12 body 3 has 103 m/s, over 100 m/s".
 std::string describe(const BreakpointHit& hit);
 
 }  // namespace collidoscope

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int warm_up = 3;
 
-/// Of each repeat, in ms; those before the first do not count.
+/// Time of each repeat, ms, after some warm-up runs.
 std::vector<float> times_of(Executor& executor, int repeats, const std::function<void()>& work) {
   std::vector<float> times;
   for (int k = -warm_up; k < repeats; ++k) {

@@ -1,5 +1,5 @@
 #pragma once
-// How long a broad phase takes by itself, on the state at hand, which stays as it is.
+// Times a broad phase on the current state, which stays unchanged.
 
 #include <vector>
 
@@ -9,11 +9,11 @@
 
 namespace collidoscope {
 
-/// Finds the pairs `repeats` times, from positions to the ordered list, plain and then with a time taken
-/// after each stage. The lists must be long enough: after a detection.
+/// Finds the pairs `repeats` times from positions to the sorted list: without timing of stages, then with
+/// it. Precondition: the lists have sufficient capacity, as after a detection.
 BroadPhaseTimes time_broad_phase(Executor& executor, Pipeline& pipeline, int repeats);
 
-/// One and the same query for whatever method's tree, of every body; `repeats` times, in ms.
+/// Times the same query of every body in the tree of any method, `repeats` times, in ms.
 std::vector<float> time_tree_queries(Executor& executor, const TreeView& tree, BvhStatistics& statistics,
                                      int repeats);
 

@@ -1,10 +1,10 @@
 #pragma once
-// Brings a run back to a state that it came through. Keeps one copy of where the run stood, on the host, and
-// steps again from there, which leads to the same bits (the first promise). Copies are made so seldom that
-// they take at most a fiftieth of the time that passes; going back takes fifty times as long as one copy,
-// about, and the step that was under way.
+// Returns a run to an earlier state. Keeps one copy of the run's state on the host, and repeats the steps
+// from there, which gives the same bits. A new copy is made only after 50 times the duration of the last
+// copy, so copies take at most 1/50 of the time. A return takes about 50 times the duration of a copy, plus
+// the step in progress.
 //
-// Follows one run of one world; owned by who steps it.
+// Used for one run of one world; owned by the class that steps it.
 
 #include <chrono>
 #include <concepts>
@@ -17,7 +17,7 @@
 
 namespace collidoscope {
 
-/// A World, or what steps as one.
+/// A World, or a class with the same interface.
 template <class Run>
 concept Steppable = requires(Run& run, const RunState& state, int count) {
   { run.state() } -> std::same_as<RunState>;
@@ -27,20 +27,21 @@ concept Steppable = requires(Run& run, const RunState& state, int count) {
 
 class Checkpoint {
  public:
-  /// Before each step: copies where the world stands, if that is due.
+  /// Call before each step. Copies the state if a copy is due.
   void save_if_due(Steppable auto& world) {
-    constexpr int copy_interval_factor = 50;  // times as long as a copy takes, until the next
+    constexpr int copy_interval_factor = 50;  // interval between copies, in durations of a copy
     const Clock::time_point now = Clock::now();
     if (restoring_ || (copy_ && now - made_ < copy_interval_factor * cost_)) return;
     copy_ = world.state();
     made_ = Clock::now();
     cost_ = made_ - now;
   }
-  /// To a state that is no older than the last forget(), and no newer than the world.
+  /// Returns to state `step`. Precondition: it is not older than the copy and not newer than the current
+  /// state. Throws std::logic_error without such a copy.
   void restore(Steppable auto& world, std::int64_t step) {
     if (!copy_ || step < copy_->steps)
       throw std::logic_error("rewind: state " + std::to_string(step) + " was not followed");
-    struct ResetOnExit {  // however it ends
+    struct ResetOnExit {  // also on exceptions
       bool& on;
       ~ResetOnExit() { on = false; }
     } back{restoring_};
@@ -48,7 +49,7 @@ class Checkpoint {
     world.restore(*copy_);
     world.step(static_cast<int>(step - copy_->steps));
   }
-  /// The world is another, or in another state, than its steps have led to. Does nothing within to().
+  /// Discards the copy. Call if the world is replaced or its state is set. No effect during restore().
   void clear() {
     if (!restoring_) copy_.reset();
   }

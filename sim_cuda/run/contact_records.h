@@ -1,6 +1,6 @@
 #pragma once
-// What steps record of their contacts on request: impulses and residuals. Off at first, and then it costs
-// nothing. Recording never changes the state.
+// Optional recording of contact impulses and residuals during steps. Off by default, without cost.
+// Recording does not change the state.
 
 #include <vector>
 
@@ -12,41 +12,41 @@ namespace collidoscope {
 class Pipeline;
 class Simulation;
 
-/// A part of World: World::records().
+/// Part of World: World::records().
 class ContactRecords {
  public:
   explicit ContactRecords(Simulation& run) : run_(run) {}
 
-  /// Whether steps record the normal impulse of each contact: for impulses(), Publisher::publish(),
+  /// Enables recording of the normal impulse of each contact. Used by impulses(), Publisher::publish(),
   /// World::inspect() and World::measure().
   void record_impulses(bool on);
-  /// The contacts of the last step, by a, then b, each with the sum over the iterations: with `impulse`, of
-  /// the last substep; with `soft_step`, of all of them, including contacts without an impulse. Empty where
-  /// that step was not recorded.
+  /// Contacts of the last step, sorted by (a, b), including contacts without an impulse. Solver `impulse`:
+  /// sums over the iterations of the last substep. `soft_step`: sums over the step. Empty if the step was
+  /// not recorded.
   std::vector<ContactImpulse> impulses();
 
-  /// Whether steps measure what each sweep of the solver left of its contacts' errors.
+  /// Enables recording of residuals after each solver iteration.
   void record_residuals(bool on);
-  /// Of the last step, in the order of its sweeps; empty where that step was not recorded.
+  /// Residuals of the last step in iteration order; empty if the step was not recorded.
   std::vector<Residual> residuals();
 
  private:
   friend class Simulation;
-  /// A pipeline that was made just now.
+  /// Applies the settings to a new pipeline.
   void set_up(Pipeline& pipeline) const;
   void step_made();
-  /// The pipeline has another state than its steps have led to.
+  /// Call after the state was set other than by a step.
   void state_replaced() { residuals_known_ = false; }
-  /// A cancelled step is undone, and the pipeline is another.
+  /// Call after a cancelled step was undone and the pipeline replaced.
   void recovered() { impulses_new_ = false; }
-  /// Keeps the impulses of the last step, before the list of contacts becomes another.
+  /// Keeps the impulses of the last step. Call before the contact list changes.
   void keep();
 
   Simulation& run_;
-  bool impulses_ = false;         ///< steps record them
-  bool residuals_ = false;        ///< steps record them
-  bool residuals_known_ = false;  ///< the last step did
-  bool impulses_new_ = false;     ///< they belong to the contacts in the list, and are not kept yet
+  bool impulses_ = false;         ///< recording is on
+  bool residuals_ = false;        ///< recording is on
+  bool residuals_known_ = false;  ///< the last step was recorded
+  bool impulses_new_ = false;     ///< the impulses match the contact list and are not kept yet
 };
 
 }  // namespace collidoscope

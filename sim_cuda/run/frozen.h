@@ -1,5 +1,5 @@
 #pragma once
-// Bodies that were fixed where they are since a step of theirs failed. Free functions over plain data.
+// Frozen bodies: bodies that guards have made static after a failed step. Free functions over plain data.
 
 #include <cstdint>
 
@@ -9,15 +9,14 @@
 
 namespace collidoscope {
 
-/// Whether a body is finite and nothing about it beyond what guards allow.
+/// True if the state of a body is finite and within the limits of `guards`.
 bool is_valid_state(const BodyStates& bodies, std::uint32_t body, const ValidationSettings& guards);
 
-/// Adds a body to those of `state` that are frozen, at rest where it is; or where it started, if it is
-/// nowhere that makes sense.
+/// Adds a body to the frozen bodies of `state`. If its pose is invalid, it is set to the initial pose.
 void freeze(RunState& state, std::uint32_t body, const InitialBodies& initial,
             const ValidationSettings& guards);
 
-/// The bodies with those of `frozen` (ids) as what no force moves.
+/// Returns the bodies with those of `frozen` (ids) made static.
 InitialBodies with_static_bodies(InitialBodies initial, const std::vector<std::uint32_t>& frozen);
 
 }  // namespace collidoscope

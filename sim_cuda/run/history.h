@@ -1,6 +1,6 @@
 #pragma once
-// The last steps of a run, for graphs, tables and files: what was measured and what each stage took. A ring:
-// old steps make room for new ones. Plain data on the host, owned by whoever steps the World.
+// Ring buffer of the last steps of a run, for graphs, tables and files: measurements and stage times. Plain
+// data on the host, owned by the class that steps the World.
 
 #include <cstdint>
 #include <string>
@@ -11,18 +11,19 @@
 
 namespace collidoscope {
 
-/// One step. A step is timed plain or stage by stage, never both; what was not measured is negative.
+/// One step. A step is timed as a whole or by stage, never both. Times that were not measured are negative.
 struct HistoryStep {
-  std::int64_t step = 0;        ///< the state that it led to
-  double plain_ms = -1;         ///< the whole step, without a clock inside
-  std::vector<float> stage_ms;  ///< by History::stages(); empty in a plain step, -1 for a stage it lacks
-  bool measured = false;        ///< whether `stats` is set
-  StepStats stats;              ///< at the state that it led to
-  std::int64_t nodes = 0;       ///< of the hierarchy
+  std::int64_t step = 0;  ///< number of the resulting state
+  double plain_ms = -1;   ///< whole step without stage timing, ms
+  std::vector<float>
+      stage_ms;  ///< by History::stages(), ms; empty without stage timing; -1 for a stage that did not run
+  bool measured = false;   ///< `stats` is set
+  StepStats stats;         ///< of the resulting state
+  std::int64_t nodes = 0;  ///< nodes of the tree
   std::int64_t allocated_bytes = 0;
 
   bool instrumented() const { return !stage_ms.empty(); }
-  /// ms, of all stages; -1 for a plain step.
+  /// Sum of the stage times, ms; -1 without stage timing.
   double stage_sum() const {
     double sum = 0;
     for (float ms : stage_ms) sum += ms > 0 ? static_cast<double>(ms) : 0.0;
@@ -30,7 +31,7 @@ struct HistoryStep {
   }
 };
 
-/// What the steps that are kept say of one quantity, in ms; all 0 where there was none.
+/// Statistics of one time over a window of steps, ms; all 0 without samples.
 struct TimeSummary {
   double now = 0, median = 0, p95 = 0;
   int samples = 0;
@@ -41,27 +42,27 @@ class History {
   struct Stage {
     std::string name;
     int launches = 0;             ///< per step
-    bool library_launch = false;  ///< part of it ignores (B, T)
-    StageLaunch launch{};         ///< of the newest step that was timed stage by stage
+    bool library_launch = false;  ///< a part of it ignores (B, T)
+    StageLaunch launch{};         ///< of the newest step with stage timing
   };
 
   explicit History(std::size_t capacity = 3600) : capacity_(capacity > 0 ? capacity : 1) {}
 
-  /// Adds a step. `stages`: of an instrumented step, their times in StageTime::last_ms; empty for a plain
-  /// one. Names that are new are added to stages(); their order of appearance stays.
+  /// Adds a step. `stages`: stage times of an instrumented step (StageTime::last_ms); empty for a plain
+  /// step. New stage names are appended to stages().
   void add(HistoryStep step, const std::vector<StageTime>& stages);
   void clear();
 
   std::size_t size() const { return steps_.size(); }
   std::size_t capacity() const { return capacity_; }
-  /// 0 is the oldest that is kept.
+  /// Step i; 0 is the oldest.
   const HistoryStep& operator[](std::size_t i) const { return steps_[(first_ + i) % steps_.size()]; }
   const std::vector<Stage>& stages() const { return stages_; }
 
-  /// Whether the newest step that was timed stage by stage has that stage: broad phases differ in theirs.
+  /// True if the newest step with stage timing has this stage. Broad phases have different stages.
   bool current(std::size_t stage) const;
 
-  /// Over the newest `window` steps that have that time.
+  /// Over the newest `window` steps that have this time.
   TimeSummary summarize_stage(std::size_t stage, std::size_t window) const;
   TimeSummary summarize_plain(std::size_t window) const;
   TimeSummary summarize_sum(std::size_t window) const;
@@ -75,11 +76,11 @@ class History {
   std::vector<Stage> stages_;
 };
 
-/// The newest `window` steps: a line of names, then a row for each step; empty fields for what was not
-/// measured.
+/// CSV of the newest `window` steps: a header line, then one row per step. Fields without a measurement are
+/// empty.
 std::string history_csv(const History& history, std::size_t window);
-/// The same as one JSON object: "stages" (name, launches, own_shape, launch, median_ms, p95_ms), "step" and
-/// "steps".
+/// The newest `window` steps as a JSON object: "stages" (name, launches, own_shape, launch, median_ms,
+/// p95_ms), "step" and "steps".
 std::string history_json(const History& history, std::size_t window);
 
 }  // namespace collidoscope

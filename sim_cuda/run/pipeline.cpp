@@ -17,7 +17,7 @@ namespace collidoscope {
 
 namespace {
 
-/// The run is in the state: count it, and keep what it found.
+/// Commits a run: counts it and copies its counts, unless it overflowed.
 struct Commit {
   StepControl* control;
   SIM_HD void operator()(int) const {
@@ -41,7 +41,8 @@ class TypedPipeline final : public Pipeline {
     const auto stages = [&] {
       detect(speculative_margin());
       if (before_writing_ && !executor_.on_device()) before_writing_(*control_.data());
-      // colour, prepare, forces, solve, move, relax, bounce, friction, keep; or those of another solver
+      // colour, prepare, forces, solve, move, relax, bounce, friction, keep; other solvers have other
+      // stages
       solver_->advance(contacts_.view(), impulses_.data());
     };
     validator_ ? validator_->run_validated(guarded(), stages) : stages();
@@ -55,16 +56,16 @@ class TypedPipeline final : public Pipeline {
   void detect() override { detect({}); }
   void detect(const SpeculativeMargin<Real>& margin) {
     find_pairs(margin);
-    // contacts
+    // stage: contacts
     contacts_.find(pairs_.view(), state_.spheres(), margin, excluded_pairs(), control_.data());
   }
 
   void find_pairs() override { find_pairs({}); }
   void find_pairs(const SpeculativeMargin<Real>& margin) {
     find_bounds(margin);
-    // keys, sort, build; or those of another broad phase
+    // stages: keys, sort, build; other broad phases have other stages
     broad_phase_->update(boxes_.data(), extent());
-    // pairs
+    // stage: pairs
     pairs_.find(*broad_phase_, control_.data());
   }
 
@@ -80,13 +81,13 @@ class TypedPipeline final : public Pipeline {
                             margin.acceleration_margin, boxes_.data(), effects_.continuous_collision});
   }
 
-  /// Of all bodies: the box, or a reduction over their bounds.
+  /// Extent of all bodies: the scene's box, or a reduction over the body boxes.
   const Aabb* extent() {
     if (state_.box() || body_count_ == 0) return extent_.data();
     return reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
   }
 
-  /// For how long, and along what courses, contacts are foreseen.
+  /// Time span and motion bound for speculative contacts.
   SpeculativeMargin<Real> speculative_margin() const {
     const Real time = solver_->prediction_time();
     if (!(time > 0)) return {};
@@ -135,7 +136,7 @@ class TypedPipeline final : public Pipeline {
   WarmStart save_warm_start() override { return solver_->save_warm_start(); }
   void load_warm_start(const WarmStart& warm_start) override { solver_->load_warm_start(warm_start); }
 
-  StepControl control() override {  // without memory of its own: what a step has done is known in any case
+  StepControl control() override {  // no allocation, so it works after an out-of-memory error
     StepControl now;
     executor_.copy_to_host(&now, control_.data(), sizeof now);
     return now;
@@ -204,16 +205,16 @@ class TypedPipeline final : public Pipeline {
   const Effects effects_;
   SimulationState<Real> state_;
   const std::int64_t body_count_;
-  Buffer<Aabb> boxes_, extent_;  // extent: the box, or scratch for the extent of all boxes
+  Buffer<Aabb> boxes_, extent_;  // extent_: the scene's box, or scratch for the reduction
   std::unique_ptr<BroadPhase> broad_phase_;
   std::int64_t broad_phase_bytes_ = 0;
   PairList pairs_;
   ContactList<Real> contacts_;
-  std::unique_ptr<Joints<Real>> joints_;  // null where the effect is off
+  std::unique_ptr<Joints<Real>> joints_;  // null if the effect is off
   std::unique_ptr<ContactSolver<Real>> solver_;
   ContactImpulses<Real> impulses_;
   Buffer<StepControl> control_;
-  std::unique_ptr<StageValidator<Real>> validator_;  // null where the effect is off
+  std::unique_ptr<StageValidator<Real>> validator_;  // null if the effect is off
   std::function<void(const StepControl&)> before_writing_;
   Measurer<Real> measurer_;
   Buffer<std::uint32_t> publish_counts_;

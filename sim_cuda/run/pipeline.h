@@ -1,7 +1,7 @@
 #pragma once
-// The pipeline: the stages of one run, in order, over the buffers of one world. Each method only enqueues
-// work on the executor, so that a run can be recorded once and replayed; step_runner.h decides when to run
-// and grow. One interface for both precisions.
+// The pipeline: the stages of one run, in order, over the buffers of one world. Stage methods only enqueue
+// work on the executor, so a run can be recorded once and replayed. step_runner.h decides when to run and
+// to grow lists. One interface for both precisions.
 
 #include <functional>
 #include <memory>
@@ -26,7 +26,7 @@
 
 namespace collidoscope {
 
-/// Capacities of the lists whose length the scene does not fix.
+/// Capacities of the lists of variable length.
 struct Capacity {
   std::int64_t pairs = 0, contacts = 0;
 };
@@ -35,71 +35,72 @@ class Pipeline {
  public:
   virtual ~Pipeline() = default;
 
-  /// Outside of runs; what runs have recorded must be recorded again afterwards.
+  /// Sets the capacities. Call outside of runs; runs must be recorded again afterwards.
   virtual void reserve(Capacity capacity) = 0;
   virtual Capacity capacity() const = 0;
 
-  /// How many runs make a step: all substeps, or one, where the solver substeps within it.
+  /// Runs per step: one, or the number of substeps if the solver has no substeps within a run.
   virtual int runs_per_step() const = 0;
-  /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, and what the solver makes of them.
+  /// Enqueues one run: bounds, keys, sort, build, pairs, contacts, and the stages of the solver.
   virtual void run() = 0;
-  /// On the CPU, what each run calls once contacts are known, before it writes anything that outlives it.
+  /// Sets a callback for CPU runs. It is called after contacts are found, before persistent arrays are
+  /// written.
   virtual void before_writing(std::function<void(const StepControl&)> callback) = 0;
-  /// Enqueues bounds to contacts only: nothing moves.
+  /// Enqueues bounds to contacts only; does not move bodies.
   virtual void detect() = 0;
-  /// Enqueues bounds to pairs only: from positions to the ordered list of pairs.
+  /// Enqueues bounds to pairs only: from positions to the sorted list of pairs.
   virtual void find_pairs() = 0;
 
-  /// Outside of runs; what runs have recorded must be recorded again afterwards.
+  /// Call outside of runs; runs must be recorded again afterwards.
   virtual void record_impulses(bool on) = 0;
-  /// Puts the impulses of the last run aside, with its contacts: before detect() finds others.
+  /// Keeps the impulses of the last run with its contacts. Call before detect() replaces the contacts.
   virtual void keep_impulses() = 0;
-  virtual std::vector<ContactImpulse> impulses() = 0;  ///< what was kept last
+  virtual std::vector<ContactImpulse> impulses() = 0;  ///< impulses of the last keep_impulses()
 
-  /// As ContactSolver has them.
+  /// See ContactSolver.
   virtual void record_residuals(bool on) = 0;
   virtual std::vector<Residual> residuals() = 0;
 
-  /// What guards have found since clear_violation(); waits for the device. Nothing where nobody looks.
+  /// First violation since clear_violation(); waits for the device. Empty without guards.
   virtual std::optional<FirstViolation> first_violation() const = 0;
   virtual void clear_violation() = 0;
-  /// Does the runs of a step up to the one in which this was found, `runs_before` of them, and that one, and
-  /// reads it on its way. Waits for the device.
+  /// Repeats the runs of a step up to the violation (`runs_before` runs, then the run with the violation)
+  /// and reads it. Waits for the device.
   virtual Finding describe_violation(const FirstViolation& found, int runs_before) = 0;
-  /// From here on nobody looks; what runs have recorded must be recorded again.
+  /// Disables guards from now on; runs must be recorded again.
   virtual void disable_guards() = 0;
 
-  virtual StepControl control() = 0;  ///< read from the device; waits for it
+  virtual StepControl control() = 0;  ///< copy of the device's values; waits for the device
   virtual void clear_overflow() = 0;
-  virtual void set_counts(const StepControl& control) = 0;  ///< of the last committed run, as they are there
-  /// The arrays that runs write and that outlive them: the state, and what is remembered of it.
+  virtual void set_counts(const StepControl& control) = 0;  ///< sets the counts of the last committed run
+  /// Visits the persistent arrays that runs write: the state and the warm-start data.
   virtual void visit_persistent_arrays(const ArrayVisitor& visit) = 0;
   virtual BroadPhase& broad_phase() = 0;
-  virtual std::int64_t broad_phase_bytes() const = 0;  ///< that the method took when it was made
+  virtual std::int64_t broad_phase_bytes() const = 0;  ///< allocated by the method at its creation
 
-  /// Energy, momenta and extremes at the current state; `contacts` must be those of the current state
-  /// (detect()).
+  /// Measures energy, momenta and maxima at the current state. Precondition: the contacts are those of the
+  /// current state (detect()).
   virtual void measure(StepStats& stats) = 0;
   virtual std::uint64_t state_hash() = 0;
   virtual BodyStates bodies() = 0;
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
-  /// `errors`: m, by id, or null.
+  /// `errors`: by id, m; null: none.
   virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
                        const float* errors) = 0;
 
-  virtual std::int64_t joints() const = 0;                   ///< that are simulated
-  virtual std::vector<StaticImpulse> static_impulses() = 0;  ///< empty where there are no walls
-  /// Overwrites the state of bodies 0 .. states.position.size()-1 (at most N), and their ledgers where both
-  /// worlds have walls.
+  virtual std::int64_t joints() const = 0;                   ///< number of simulated joints
+  virtual std::vector<StaticImpulse> static_impulses() = 0;  ///< empty without walls
+  /// Overwrites the state of bodies 0 to states.position.size() - 1 (at most N). Also sets their static
+  /// impulses if both worlds have walls.
   virtual void set_bodies(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses) = 0;
-  /// What the solver remembers of the steps before, and the same of another world, put in its place.
+  /// Warm-start data of the solver; load replaces them by those of another world.
   virtual WarmStart save_warm_start() = 0;
   virtual void load_warm_start(const WarmStart& warm_start) = 0;
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };
 
-/// Uploads the bodies; reserves nothing yet. `broad_phase`: a name of broad_phase_methods.h; `substeps` of a
-/// step, whatever the scene says.
+/// Creates a pipeline and uploads the bodies, without capacity for pairs and contacts. `broad_phase`: a
+/// name of broad_phase_methods.h. `substeps`: per step; overrides the scene.
 std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const std::string& broad_phase,
                                         const Scene& scene, const InitialBodies& bodies, Effects effects,
                                         int substeps);

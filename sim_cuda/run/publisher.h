@@ -1,6 +1,6 @@
 #pragma once
-// Writes what is drawn of a world into memory of the caller (sim_cuda/publish/publish.h), and has the memory
-// that a renderer needs for that.
+// Writes draw records of a world into memory of the caller (sim_cuda/publish/publish.h). Provides executor
+// memory for renderers.
 
 #include <cstddef>
 #include <memory>
@@ -14,7 +14,7 @@ template <class T>
 class Buffer;
 class Simulation;
 
-/// A part of World: World::publisher().
+/// Part of World: World::publisher().
 class Publisher {
  public:
   explicit Publisher(Simulation& run);
@@ -22,19 +22,20 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// Of the current state, which it detects; contacts are the pairs that touch. An empty range: no boxes.
+  /// Record counts of the current state; calls detect(). Contacts are touching pairs. An empty level range
+  /// gives no boxes.
   PublishCounts counts(int first_level, int last_level);
-  /// Packs what is drawn into the target's memory; returns when the device has written it. Throws
-  /// std::logic_error where the target is smaller than counts() says.
+  /// Packs the draw records into the target's memory and waits for the device. Throws std::logic_error if a
+  /// capacity is below counts().
   void publish(const PublishTarget& target);
 
-  /// How far each body is from where it should be, m, by id, according to a reference: what BodyColor::error
-  /// shows from now on. Other than N of them: 0 for all.
+  /// Sets the distance of each body from a reference, m, by id, for BodyColor::error. If the size is not N,
+  /// all are 0.
   void set_errors(std::vector<float> errors);
-  const std::vector<float>& errors() const { return errors_; }  ///< as they were set
+  const std::vector<float>& errors() const { return errors_; }  ///< as set by set_errors()
 
-  /// Memory in the executor's space for a renderer that cannot map its own: a device allocation on a GPU,
-  /// else plain memory. Freed with the World.
+  /// Memory in the executor's space for a renderer that cannot map its own: device memory on a GPU,
+  /// otherwise host memory. Freed with the World.
   void* scratch(std::size_t bytes, int slot);
   /// Copies from the executor's memory space to the host.
   void copy_to_host(void* host, const void* source, std::size_t bytes);
@@ -42,8 +43,8 @@ class Publisher {
  private:
   Simulation& run_;
   std::vector<std::unique_ptr<Buffer<std::byte>>> scratch_;
-  std::vector<float> errors_;                    ///< of bodies, m
-  std::unique_ptr<Buffer<float>> drawn_errors_;  ///< made when they are first drawn
+  std::vector<float> errors_;                    ///< by body, m
+  std::unique_ptr<Buffer<float>> drawn_errors_;  ///< created at the first use
 };
 
 }  // namespace collidoscope

@@ -8,7 +8,7 @@
 namespace collidoscope {
 namespace {
 
-/// One value for each body, or `blank` where it is new; empty stays empty.
+/// Values by new id; `blank` for new bodies. An empty input gives an empty result.
 template <class Value>
 std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIdMap& ids, std::size_t count,
                              const Value& blank, std::size_t first = 0) {

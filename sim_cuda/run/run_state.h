@@ -1,7 +1,7 @@
 #pragma once
-// Where a run stands: all that, beside its scene, decides how it goes on. On the host and in double, whatever
-// the run's precision; bit-exact. Taken by World::state(), given to another world by World::restore(), kept
-// in files by snapshot.h.
+// State of a run: all data that, together with the scene, determine its continuation. On the host, in
+// double for every precision; bit-exact. Created by World::state(), used by World::restore(), stored in
+// files by snapshot.h.
 
 #include <cstdint>
 #include <vector>
@@ -16,21 +16,21 @@ namespace collidoscope {
 struct RunState {
   std::int64_t steps = 0;
   BodyStates bodies;
-  std::vector<StaticImpulse> static_impulses;  ///< by body; empty where there are no walls
+  std::vector<StaticImpulse> static_impulses;  ///< by body; empty without walls
   WarmStart warm_start;
-  /// Of all settings but N: a world of others lets nothing sleep on.
+  /// settings_hash() of the scene. If it differs from that of the restoring world, all bodies wake.
   std::uint64_t settings = 0;
-  std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed where they are
-  /// s that were simulated since state 0; NaN: not known, of a snapshot that an older version wrote.
+  std::vector<std::uint32_t> frozen;  ///< ids of frozen bodies, ascending
+  /// Simulated time since state 0, s. NaN: unknown, from a snapshot of an older version.
   double time = 0;
 };
 
-/// RunState::settings of a scene: a hash of all settings, but not of the bodies; 0 if nothing can sleep.
+/// Hash of all settings except the bodies; 0 if the scene has no sleeping.
 std::uint64_t settings_hash(Scene scene);
 
-/// The same with other bodies: those of `ids` (see World::restore) with what is known of them, all others as
-/// they are in `fresh`, which holds all there are then. What was between a body that is gone and another goes
-/// with it, and the other has not been slow yet: it may have rested on what is gone.
+/// Maps a state to other bodies. `ids`: new ids, see World::restore. Bodies not in `ids` have the state in
+/// `fresh`, which contains all bodies. Contacts and joints of a removed body are removed, and their other
+/// bodies get a zero sleep timer, since they may have lost support.
 RunState remap_bodies(const RunState& state, const BodyIdMap& ids, BodyStates fresh);
 
 }  // namespace collidoscope

@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::size_t block = 1024;  // boxes that are tested before a look at which of them overlap
+constexpr std::size_t block = 1024;  // number of boxes per vectorized test
 
 class Sample {
  public:
@@ -25,7 +25,7 @@ class Sample {
     for (std::size_t i = 0; i < spheres.position.size(); ++i) find_box(i);
   }
 
-  /// Of one body of the sample.
+  /// Counts pairs and contacts of one body of the sample.
   void test_sample(std::int64_t sample) {
     const std::size_t body = chosen(sample);
     Found& found = found_[static_cast<std::size_t>(sample)];
@@ -74,14 +74,15 @@ class Sample {
       high_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x + r + ahead);
     }
   }
-  /// One of each of `samples_` equal stretches of ids.
+  /// A pseudo-random body from each of `samples_` equal ranges of ids.
   std::size_t chosen(std::int64_t sample) const {
     const std::int64_t first = sample * count_ / samples_, last = (sample + 1) * count_ / samples_;
     const std::uint64_t offset =
         mix64(static_cast<std::uint64_t>(sample)) % static_cast<std::uint64_t>(last - first);
     return static_cast<std::size_t>(first) + offset;
   }
-  /// How many overlap that of the body, and which. Without branches, so that it runs in vectors.
+  /// Marks the boxes that overlap the body's box and returns their number. Branch-free, so that the
+  /// compiler vectorizes it.
   int test_boxes(std::size_t body, std::size_t from, std::size_t to,
                  std::array<std::uint8_t, block>& hit) const {
     const float lx = low_[0][body], ly = low_[1][body], lz = low_[2][body];

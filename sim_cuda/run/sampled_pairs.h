@@ -1,6 +1,7 @@
 #pragma once
-// How many pairs and contacts a step will find, from a sample of its bodies against all others. The same
-// sample for the same bodies, whatever runs it. Free functions over plain data.
+// Estimates the number of pairs and contacts of a step by testing a sample of bodies against all others.
+// The sample depends only on the bodies, so the estimate is the same on every executor. Free functions over
+// plain data.
 
 #include <cstdint>
 #include <vector>
@@ -10,21 +11,21 @@
 
 namespace collidoscope {
 
-/// Spheres, and what a step foresees of their motion (narrow_phase/sphere_sphere.h).
+/// Spheres and their motion in a step, for speculative contacts (narrow_phase/sphere_sphere.h).
 struct MovingSpheres {
   std::vector<Vector3d> position;  ///< m
   std::vector<double> radius;      ///< m
-  std::vector<Vector3d> velocity;  ///< m/s, or empty: all at rest
-  double time = 0;                 ///< s; 0: nothing is foreseen
+  std::vector<Vector3d> velocity;  ///< m/s; empty: all at rest
+  double time = 0;                 ///< prediction time, s; 0: no speculative contacts
   double acceleration_margin = 0;  ///< m
-  bool anywhere = false;           ///< they may turn: continuous collision
+  bool anywhere = false;           ///< motion in any direction: continuous collision
 };
 
 struct SampledPairs {
-  double pairs = 0, contacts = 0;  ///< of all bodies
+  double pairs = 0, contacts = 0;  ///< estimate for all bodies
 };
 
-/// `samples` bodies, or all where they are no more. Takes samples x N tests of boxes. Throws Cancelled.
+/// Tests `samples` bodies, or all if there are fewer. Costs samples x N box tests. Throws Cancelled.
 SampledPairs sample_pairs(ThreadTeam& team, const MovingSpheres& spheres, std::int64_t samples);
 
 }  // namespace collidoscope

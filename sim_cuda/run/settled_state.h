@@ -1,6 +1,6 @@
 #pragma once
-// Where a scene of the variant `settled` begins. World's constructor asks for it. It is found by a World of
-// its own, and so written above World: snapshot/presimulation.cpp.
+// Initial state of a scene of the variant `settled`, for World's constructor. It is computed by a separate
+// World, so the implementation is in a higher layer: snapshot/presimulation.cpp.
 
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/run_options.h"
@@ -8,7 +8,8 @@
 
 namespace collidoscope {
 
-/// The state at rest, as step 0; from the cache, or made and kept. The scene is valid. Throws as World does.
+/// Returns the state at rest as state 0, from the cache or by simulation. Precondition: the scene is valid.
+/// Throws as World does.
 RunState settled_state(const Scene& scene, const RunOptions& options);
 
 }  // namespace collidoscope

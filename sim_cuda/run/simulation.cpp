@@ -25,8 +25,7 @@ RunOptions with_key_bits(RunOptions options, const InitialBodies& bodies, const 
   return options;
 }
 
-/// How long the lists of a pipeline are at first: about four times what a packing of such spheres shows, so
-/// that most scenes never grow.
+/// Initial list capacities: about four times the pairs of a sphere packing, so most scenes never grow.
 Capacity first_capacity(const RunOptions& options, const InitialBodies& bodies) {
   const auto usual = std::max<std::int64_t>(1024, 4 * static_cast<std::int64_t>(bodies.size()));
   const std::int64_t guess = options.initial_pair_capacity > 0 ? options.initial_pair_capacity : usual;
@@ -82,7 +81,7 @@ void Simulation::replace_pipeline() {
 void Simulation::set_launch_shape(LaunchShape shape) {
   executor.set_shape(shape);
   options.shape = shape;
-  runner_.discard_graphs();  // a recorded step has the old shape in it
+  runner_.discard_graphs();  // recorded steps contain the old shape
 }
 
 // ---- steps ----
@@ -102,7 +101,7 @@ void Simulation::step(int count) {
 std::optional<FirstViolation> Simulation::advance() {
   const bool with_events = steps_ % 2 == 1;
   detected_ = false;
-  struct CountStepOnExit {  // even where the clock then finds no memory to note its time in
+  struct CountStepOnExit {  // also if the clock then fails to allocate memory
     Simulation& run;
     std::uint32_t target;
     bool found = false;
@@ -170,7 +169,7 @@ void Simulation::restore(const RunState& other, const BodyIdMap& ids) {
   recover();
   const Executor::Uninterrupted whole(executor);
   RunState state = remap_bodies(other, ids, pipeline().bodies());
-  runner_.discard_graphs();  // what the solver remembers may move
+  runner_.discard_graphs();  // buffers of the warm-start data may be reallocated
   validation.set_frozen(state.frozen);
   for (const std::uint32_t body : state.frozen) {
     state.bodies.velocity[body].setZero();
@@ -186,7 +185,7 @@ void Simulation::write_state(const RunState& state) {
   runner_.pipeline().set_bodies(state.bodies, state.static_impulses);
   runner_.pipeline().load_warm_start(state.warm_start);
   steps_ = state.steps;
-  // Where all steps were of this length, their number alone says it, without a sum's rounding.
+  // If all steps had this length, time is step count * length, without accumulated rounding.
   const bool one_length = state.time == static_cast<double>(state.steps) * scene.physics.time_step;
   known_time_ = one_length ? KnownTime{} : KnownTime{state.steps, state.time};
   detected_ = false;

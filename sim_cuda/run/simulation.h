@@ -1,6 +1,6 @@
 #pragma once
-// What World and its parts work on: the scene, the executor, the pipeline and where the run stands. Internal;
-// programs include world.h.
+// Implementation of World and its parts: scene, executor, pipeline and run state. Lives as long as its
+// World. Internal; programs include world.h.
 
 #include <cstdint>
 #include <memory>
@@ -25,12 +25,12 @@ namespace collidoscope {
 
 class Simulation {
  public:
-  /// `start`: the state that it starts from, or null.
+  /// `start`: initial state, or null.
   Simulation(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIdMap& ids);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // As World has them.
+  // See World.
   void step(int count);
   RunState state();
   void restore(const RunState& other, const BodyIdMap& ids = {});
@@ -39,40 +39,39 @@ class Simulation {
   std::int64_t steps() const { return steps_; }
   double time() const;
 
-  /// Whether a step of this world led to the current state.
+  /// True if the current state is the result of a step of this world.
   bool stepped() const { return stepped_; }
-  /// The pipeline; after a cancelled step, once the state before it is restored. Throws Cancelled while it
-  /// cannot be restored.
+  /// The pipeline. After a cancelled step, restores the state before it first. Throws Cancelled if that is
+  /// not possible yet.
   Pipeline& pipeline();
   StepRunner& runner() { return runner_; }
-  /// Makes the pipeline again, with the bodies that are frozen now. Where memory is lacking, nothing has
-  /// changed.
+  /// Creates the pipeline again with the current frozen bodies. If memory is insufficient, nothing changes.
   void replace_pipeline();
   BvhCache& bvh_cache() { return bvh_cache_; }
-  /// The tree over the boxes of the last step or detect(). Built at the first call after each.
+  /// Tree over the boxes of the last step or detect(). Cached until the next of them.
   const TreeView& level_ordered_tree() { return bvh_cache_.level_ordered(pipeline().broad_phase()); }
   void keep_impulses() { records.keep(); }
 
   const Scene scene;
-  RunOptions options;  ///< as asked for
+  RunOptions options;  ///< as passed to the constructor
   const InitialBodies initial;
-  Executor executor;  // before everything that lives on it
+  Executor executor;  // declared before all members that use it
   const Effects effects;
-  const int substeps;  ///< as the pipeline takes them
+  const int substeps;  ///< substeps per step in the pipeline
   ContactRecords records{*this};
   StateValidation validation;
   TreeProbe tree{*this};
   Publisher publisher{*this};
 
  private:
-  /// A pipeline that has reserved nothing yet.
+  /// Creates a pipeline without capacity.
   std::unique_ptr<Pipeline> make();
-  /// Puts the pipeline into this state, of which it has the frozen bodies already.
+  /// Writes a state into the pipeline. Precondition: the pipeline has the frozen bodies of the state.
   void write_state(const RunState& state);
-  /// Does one step; or returns what guards found in it. Then the step is not counted, and the state is
+  /// Makes one step. If guards find a violation, returns it; the step is then not counted and the state is
   /// undefined.
   std::optional<FirstViolation> advance();
-  /// After a cancelled step: restores the state before it.
+  /// Restores the state before a cancelled step, if there was one.
   void recover();
 
   StepUndo undo_;
@@ -80,7 +79,7 @@ class Simulation {
   struct KnownTime {
     std::int64_t step = 0;
     double time = 0;  // s
-  } known_time_;      // of a state from which on all steps are of the same length
+  } known_time_;      // of a state after which all steps have the same length
   BvhCache bvh_cache_;
   bool detected_ = false;  // pairs and contacts are those of the current state
   bool stepped_ = false;

@@ -56,8 +56,8 @@ std::vector<WallPlane<Real>> wall_planes(const Scene& scene, const std::optional
   return planes;
 }
 
-/// The approach speed below which nothing bounces; "auto": twice what gravity adds in a run, so that resting
-/// contacts rest.
+/// Restitution threshold, m/s. "auto": twice the velocity change by gravity per substep, so that resting
+/// contacts settle.
 double bounce_threshold(const Physics& physics, int substeps, bool gravity) {
   if (physics.restitution_threshold) return *physics.restitution_threshold;
   return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step / substeps : 0;
@@ -169,7 +169,7 @@ void SimulationState<Real>::upload_attractors(const Scene& scene) {
   field_.resize_discarding(static_cast<std::size_t>(body_count_));
 }
 
-/// Planes, boxes, their rolling resistance, and the ledgers of what they give.
+/// Uploads planes and boxes with their rolling resistance, and clears the static impulses.
 template <class Real>
 void SimulationState<Real>::upload_surfaces(const Scene& scene) {
   planes_.upload(wall_planes<Real>(scene, box_));
@@ -180,7 +180,7 @@ void SimulationState<Real>::upload_surfaces(const Scene& scene) {
     std::vector<Real> by_material, by_plane;
     for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) by_material.push_back(of(k));
     for (const Plane& plane : scene.obstacles) by_plane.push_back(of(plane.material));
-    by_plane.resize(planes_.size(), of(0));  // the box
+    by_plane.resize(planes_.size(), of(0));  // faces of the box
     for (const BoxObstacle& box : scene.boxes) by_plane.push_back(of(box.material));
     rolling_of_material_.upload(by_material);
     rolling_of_plane_.upload(by_plane);

@@ -1,6 +1,6 @@
 #pragma once
-// The buffers that one world simulates: bodies, materials, planes, boxes and attractors, as a scene has them
-// at its start. No stages.
+// Simulation buffers of one world: bodies, materials, planes, boxes and attractors, initialized from the
+// scene. Owned by the pipeline. Contains no stages.
 
 #include <cstdint>
 #include <optional>
@@ -27,10 +27,12 @@ class SimulationState {
   std::int64_t body_count() const { return body_count_; }
   const BodyBuffers<Real>& bodies() const { return bodies_; }
   BodyView<Real> view() const { return bodies_.view(); }
-  const std::uint32_t* meshes() const { return mesh_.data(); }  ///< by body, 0: a sphere; null where all are
+  const std::uint32_t* meshes() const { return mesh_.data(); }  ///< by body, 0: sphere; null: all are spheres
   const std::optional<Box>& box() const { return box_; }
-  const Vector3<Real>& gravity() const { return gravity_; }     ///< m/s^2, zero where the effect is off
-  const Vector3<Real>* field() const { return field_.data(); }  ///< m/s^2, of attractors, by body; or null
+  const Vector3<Real>& gravity() const { return gravity_; }  ///< m/s^2, zero if the effect is off
+  const Vector3<Real>* field() const {
+    return field_.data();
+  }  ///< acceleration by attractors, m/s^2, by body; or null
   const WallPlane<Real>* planes() const { return planes_.data(); }
   int plane_count() const { return static_cast<int>(planes_.size()); }
   BoxView<Real> boxes() const { return {box_surfaces_.data(), static_cast<int>(box_surfaces_.size())}; }
@@ -41,15 +43,16 @@ class SimulationState {
     return {bodies_.position.data(), bodies_.radius.data(),
             kinematic_.size() > 0 ? bodies_.inverse_mass.data() : nullptr};
   }
-  /// m: what gravity and attractors add to the relative motion of two bodies in `time` s.
+  /// Upper bound on the relative displacement of two bodies in `time` s by gravity and attractors, m.
   Real acceleration_margin_in(Real time) const;
-  /// What a solver works on. `joints`: null where the effect is off.
+  /// Input of a solver. `joints`: null if the effect is off.
   SolverScene<Real> solver_scene(const Scene& scene, int substeps, StepControl* control,
                                  Joints<Real>* joints) const;
 
-  // Copies from and to the host; outside of runs.
+  // Copies from and to the host; call outside of runs.
   BodyStates download() const;
-  /// Overwrites bodies 0 .. states.position.size() - 1, and their ledgers if both worlds have walls.
+  /// Overwrites bodies 0 to states.position.size() - 1. Also sets their static impulses if both worlds have
+  /// walls.
   void upload(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses);
 
  private:
@@ -63,16 +66,16 @@ class SimulationState {
   const std::int64_t body_count_;
   const Effects effects_;
   const std::optional<Box> box_;
-  const Vector3<Real> gravity_;              // m/s^2, zero where the effect is off
-  Buffer<PointAttractor<Real>> attractors_;  // empty where the effect is off, as is
-  Buffer<Vector3<Real>> field_;              // their pull on each body, m/s^2
-  Real max_field_ = 0;                       // m/s^2, of all attractors together
+  const Vector3<Real> gravity_;              // m/s^2, zero if the effect is off
+  Buffer<PointAttractor<Real>> attractors_;  // empty if the effect is off
+  Buffer<Vector3<Real>> field_;  // acceleration by attractors, by body, m/s^2; empty if the effect is off
+  Real max_field_ = 0;           // upper bound over all attractors together, m/s^2
   BodyBuffers<Real> bodies_;
   Buffer<std::uint32_t> kinematic_;  // ids of static and kinematic bodies
-  Buffer<std::uint32_t> mesh_;       // by body, 0: a sphere; empty where all are
+  Buffer<std::uint32_t> mesh_;       // by body, 0: sphere; empty: all are spheres
   Buffer<Real> restitution_of_material_;
-  Buffer<Real> friction_of_material_;                    // empty where the effect is off
-  Buffer<Real> rolling_of_material_, rolling_of_plane_;  // as well
+  Buffer<Real> friction_of_material_;                    // empty if the effect is off
+  Buffer<Real> rolling_of_material_, rolling_of_plane_;  // empty if the effect is off
   Buffer<WallPlane<Real>> planes_;
   Buffer<BoxSurface<Real>> box_surfaces_;
   Restitution<Real> restitution_;

@@ -1,9 +1,14 @@
 #pragma once
-// What a run does about what guards find (scene/effects.h). The step in which they find something is never in
-// the state. The run pauses: it stands at the state before, bit for bit, and makes no more steps until
-// resume_without_guards() or World::restore(). Or the body is frozen: it is fixed where it was in the state
-// before, and the step is made again; everything that it never touches goes on as if there had been no
-// finding. A body that no force moves cannot be frozen, and the run pauses.
+// Handling of guard findings (scene/effects.h). A failed step never enters the state.
+//
+// on_failure pause: the run returns to the state before the step, bit for bit. It makes no more steps until
+// resume_without_guards() or World::restore().
+//
+// on_failure freeze: the body becomes static at its state before the step, and the step is repeated. Bodies
+// that never touch it continue bit for bit as without the failure. Static and kinematic bodies cannot be
+// frozen; the run pauses instead.
+//
+// Owned by a Simulation.
 
 #include <cstdint>
 #include <memory>
@@ -19,7 +24,7 @@ class Checkpoint;
 class Simulation;
 struct FirstViolation;
 
-/// A part of World: World::validation().
+/// Part of World: World::validation().
 class StateValidation {
  public:
   StateValidation(Simulation& run, bool is_enabled);
@@ -27,36 +32,36 @@ class StateValidation {
   StateValidation(const StateValidation&) = delete;
   StateValidation& operator=(const StateValidation&) = delete;
 
-  /// The last one since the start, World::restore() or resume_without_guards().
+  /// The last finding. Cleared by World::restore() and resume_without_guards().
   const std::optional<Finding>& finding() const { return finding_; }
-  bool paused() const { return paused_; }  ///< at the finding
-  /// Bodies that are frozen, ascending, by ids of now. Other settings do not free them; a start at state 0
-  /// does.
+  bool paused() const { return paused_; }  ///< true: stopped at the finding
+  /// Current ids of frozen bodies, ascending. Changes of settings keep them; a restart at state 0 clears
+  /// them.
   const std::vector<std::uint32_t>& frozen() const { return frozen_; }
-  /// The run goes on from the state that it stands at, without guards.
+  /// Continues from the current state with guards disabled.
   void resume_without_guards();
 
  private:
   friend class Simulation;
-  /// A pipeline that was made just now.
+  /// Applies the settings to a new pipeline.
   void set_up(Pipeline& pipeline) const;
   void before_step();
-  /// Goes back to the state before the step, makes the step again up to the finding, and reads it. Then
-  /// freezes the body, or pauses.
+  /// Handles a violation: returns to the state before the step, repeats the step up to the violation and
+  /// reads it. Then freezes the body or pauses.
   void resolve(const FirstViolation& found, std::uint32_t first_run);
-  /// These bodies are what no force moves, and no others. Where memory is lacking, nothing has changed.
+  /// Replaces the set of frozen bodies. If memory is insufficient, nothing changes.
   void set_frozen(const std::vector<std::uint32_t>& bodies);
-  /// The run is at a restored state.
+  /// Call after a state was restored.
   void restored();
-  /// A cancelled step is undone: returns to where resolve() was cancelled.
+  /// Call after a cancelled step was undone. If resolve() was cancelled, returns to its state.
   void recovered();
 
   Simulation& run_;
-  bool is_enabled_;  ///< guards look
+  bool is_enabled_;  ///< guards are enabled
   bool paused_ = false;
   std::optional<Finding> finding_;
   std::vector<std::uint32_t> frozen_;
-  std::optional<std::int64_t> return_to_;  ///< the state that resolve() was cancelled at
+  std::optional<std::int64_t> return_to_;  ///< state at which resolve() was cancelled
   std::unique_ptr<Checkpoint> checkpoint_;
 };
 

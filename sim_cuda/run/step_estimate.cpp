@@ -14,16 +14,16 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::int64_t few_bodies = 3000;  // all pairs of them fit, and are found in seconds
-constexpr double long_step = 5;            // s, that a warning is due for
+constexpr std::int64_t few_bodies = 3000;  // all their pairs fit in memory and are found in seconds
+constexpr double long_step = 5;            // limit for a warning, s
 constexpr std::int64_t longest_list = 2147483647;
 
-// Of any solver, in any precision, with all effects: no more than so many bytes each.
+// Upper bounds in bytes for every solver and precision, with all effects.
 constexpr double most_bytes_of_body = 4096, most_bytes_of_pair = 64, most_bytes_of_contact = 1024;
-// Of any, no less: on the host as the scene has them, and in buffers.
+// Lower bounds in bytes per body: scene data on the host, and buffers.
 constexpr std::int64_t least_bytes_on_host = 60, least_bytes_in_buffers = 100;
 
-// What one core of a CPU takes, ns (Xeon at 2.x GHz, float).
+// Times on one CPU core, ns (Xeon at 2.x GHz, float).
 constexpr double ns_of_body = 500, ns_of_body_in_substep = 300, ns_of_pair = 130, ns_of_contact = 700,
                  ns_of_contact_in_substep = 100, ns_of_contact_in_sweep = 130;
 
@@ -51,8 +51,8 @@ MovingSpheres spheres_of(const WorldSetup& setup) {
   return spheres;
 }
 
-/// What one core takes to find pairs, ns: from the pairs, and where all bodies are compared, from their
-/// square.
+/// Time for finding pairs on one core, ns: linear in the pairs, plus a quadratic term for methods that
+/// compare all bodies.
 double ns_to_find(const std::string& broad_phase, double bodies, double pairs) {
   const BroadPhaseMethod* method = find_broad_phase(broad_phase);
   const double each = method != nullptr ? method->ns_of_comparison : 0;
@@ -71,7 +71,7 @@ double seconds_of(const Executor& executor, const WorldSetup& setup, const StepE
           estimate_solve_seconds(executor, physics, static_cast<double>(of.bodies), of.contacts, substeps));
 }
 
-/// Of buffers that hold so many pairs and contacts.
+/// Bytes of all buffers for the estimated numbers of pairs and contacts.
 std::int64_t bytes_of(Executor& executor, const WorldSetup& setup, const StepEstimate& of) {
   const auto entries = [](double count, std::int64_t at_first) {
     return std::max(at_first,
@@ -83,21 +83,21 @@ std::int64_t bytes_of(Executor& executor, const WorldSetup& setup, const StepEst
     pipeline->reserve(
         {entries(of.pairs, setup.capacity.pairs), entries(of.contacts, setup.capacity.contacts)});
   });
-  // What is beyond the longest list there may be takes as much as the rest of it.
+  // Entries beyond the longest possible list are extrapolated.
   const double beyond = std::max(1.0, of.pairs / static_cast<double>(longest_list));
   return static_cast<std::int64_t>(std::min(static_cast<double>(listed) * beyond, 1e18));
 }
 
 std::string in_bytes(double bytes) { return fmt::format("{:.0f} bytes ({})", bytes, short_bytes(bytes)); }
 
-/// Of an estimate, three digits count.
+/// Rounds an estimate to three digits.
 double rounded(double number) {
   if (number < 1000) return number;
   const double unit = std::pow(10, std::floor(std::log10(number)) - 2);
   return std::round(number / unit) * unit;
 }
 
-/// 12345678 as "12,345,678".
+/// Formats 12345678 as "12,345,678".
 std::string in_groups(double number) {
   std::string digits = fmt::format("{:.0f}", number);
   for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
@@ -161,7 +161,7 @@ StepEstimate estimate_step(Executor& executor, const WorldSetup& setup, bool tho
   };
   constexpr std::int64_t few_samples = 64, most_samples = 4000, most_tests = 400'000'000;
   sample(few_samples);
-  constexpr double safe = 4;  // that a small sample is not off by
+  constexpr double safe = 4;  // safety factor for a small sample
   const double most_bytes =
       static_cast<double>(bodies) * most_bytes_of_body +
       safe * (expected.pairs * most_bytes_of_pair + expected.contacts * most_bytes_of_contact);
@@ -191,7 +191,7 @@ void require_memory_for_bodies(const Scene& scene, const RunOptions& options) {
   auto bodies = static_cast<std::int64_t>(scene.bodies.size() + scene.extra_bodies.size());
   for (const BoxCollider& generator : scene.generators) bodies += generator.count;
   if (bodies <= few_bodies || options.allow_large) return;
-  // A GPU's own memory is asked about later.
+  // GPU memory is checked in require_memory_for_step().
   const bool limited = options.memory_limit > 0,
              on_gpu = options.executor != ExecutorKind::cpu && cuda_available();
   const std::int64_t room = limited ? options.memory_limit : free_host_bytes() / 5 * 4;

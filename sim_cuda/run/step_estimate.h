@@ -1,8 +1,8 @@
 #pragma once
-// What a step will take before it is made: bytes and seconds, from a sample of the bodies. World refuses a
-// step that would take more than 80 % of the memory that is available, or than RunOptions::memory_limit,
-// unless RunOptions::allow_large is set; about one that would take long it only gives a warning. Few bodies
-// are not asked about: what their lists take is found when they grow (step_runner.h).
+// Estimates memory and time of a step from a sample of the bodies, before it is made. World refuses a step
+// above 80 % of the available memory or above RunOptions::memory_limit, unless RunOptions::allow_large is
+// set. A long step causes only a warning. Scenes with few bodies are not estimated; their limits are
+// checked when lists grow (step_runner.h).
 
 #include <cstdint>
 #include <functional>
@@ -20,39 +20,40 @@ namespace collidoscope {
 struct StepEstimate {
   std::int64_t bodies = 0;
   double pairs = 0, contacts = 0;
-  double seconds = 0;      ///< of a step, about
-  std::int64_t bytes = 0;  ///< of all buffers of the executor; 0: so few that they were not counted
+  double seconds = 0;      ///< estimated duration of a step
+  std::int64_t bytes = 0;  ///< of all executor buffers; 0: not computed, since it is small
 };
 
-/// Where and how a world is about to begin.
+/// Parameters of a world to be created.
 struct WorldSetup {
   const std::string& broad_phase;
   const Scene& scene;
   const InitialBodies& initial;
   Effects effects;
   int substeps;
-  const RunState* start = nullptr;  ///< as World's constructor has it
+  const RunState* start = nullptr;  ///< initial state, see World's constructor
   const BodyIdMap& ids;
-  Capacity capacity;  ///< of its lists at first
+  Capacity capacity;  ///< initial list capacities
 };
 
-/// Of a world's first step. `thorough`: a larger sample, and bytes in any case. Throws Cancelled.
+/// Estimates the first step of a world. `thorough`: larger sample, and always computes bytes. Throws
+/// Cancelled.
 StepEstimate estimate_step(Executor& executor, const WorldSetup& setup, bool thorough);
 
-/// Throws MachineError, with the figures, where the estimate is more than the executor has room for.
+/// Throws MachineError with the figures if the estimate exceeds the executor's available memory.
 void require_memory_for_step(Executor& executor, const WorldSetup& setup);
-/// The same by the number of bodies alone, before there are any.
+/// The same check from the number of bodies alone, before they are created.
 void require_memory_for_bodies(const Scene& scene, const RunOptions& options);
 
-/// s, about: what solving the contacts of one pipeline run takes.
+/// Estimated time for solving the contacts of one pipeline run, s.
 double estimate_solve_seconds(const Executor& executor, const Physics& physics, double bodies,
                               double contacts, int substeps);
 
-/// Is told, in a line, of steps that are expected to take long. One for the program; set before worlds are
-/// made.
+/// Sets the callback for warnings about long steps; `line`: one line of text. Global; set it before any
+/// World is created.
 void set_slow_step_callback(std::function<void(const std::string& line)> callback);
 
-/// "93.1 GB".
+/// Formats a size: "93.1 GB".
 std::string short_bytes(double bytes);
 
 }  // namespace collidoscope

@@ -11,7 +11,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::int64_t max_list_length = 2147483647;  // pairs and contacts are counted in 32 bits
+constexpr std::int64_t max_list_length = 2147483647;  // counts have 32 bits
 
 std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what, std::size_t bytes_each) {
   if (needed <= static_cast<std::uint64_t>(capacity)) return capacity;
@@ -91,20 +91,20 @@ void StepRunner::reserve(Capacity capacity) {
     pipeline_->reserve(capacity);
   } catch (...) {
     is_unusable_ = true;
-    pipeline_->reserve(before);  // what was given back for more
+    pipeline_->reserve(before);  // reallocate freed buffers
     is_unusable_ = false;
     throw;
   }
 }
 
-/// Bytes beyond those that are free; 0: there is room.
+/// Bytes missing for a capacity; 0 if there is enough memory.
 std::int64_t StepRunner::missing_bytes(Capacity capacity) {
   const std::int64_t more = executor_.dry_run_allocation([&] { pipeline_->reserve(capacity); });
   executor_.dry_run_allocation([&] { pipeline_->reserve(pipeline_->capacity()); });
   return std::max<std::int64_t>(more - executor_.room_bytes(), 0);
 }
 
-/// After an overflow: grows what was too small. Returns whether there was one.
+/// Grows the lists after an overflow. Returns true if there was one.
 bool StepRunner::grow() {
   const StepControl control = pipeline_->control();
   if (!control.overflow) return false;
@@ -113,7 +113,7 @@ bool StepRunner::grow() {
   Capacity wanted{grown(control.pairs_needed, now.pairs, "pairs", sizeof(std::uint32_t)),
                   grown(control.contacts_needed, now.contacts, "contacts", 64)};
   if (missing_bytes(wanted) > 0) {
-    // Without room to spare, then. Where even that is too much, nothing has changed.
+    // Retry with the exact lengths. If they do not fit either, nothing changes.
     wanted = {std::max(now.pairs, static_cast<std::int64_t>(control.pairs_needed)),
               std::max(now.contacts, static_cast<std::int64_t>(control.contacts_needed))};
     if (const std::int64_t bytes = missing_bytes(wanted); bytes > 0) {
@@ -141,7 +141,8 @@ bool StepRunner::grow() {
 
 // ---- runs ----
 
-/// What ends in the middle of it leaves no state; what is cancelled, World undoes.
+/// Launches a run. If it fails halfway, the state is lost. If it is cancelled, Simulation restores the
+/// state.
 void StepRunner::launch(StepGraph& graph) {
   is_unusable_ = true;
   try {
@@ -160,7 +161,7 @@ StepGraph& StepRunner::graph(bool timed) {
   return *wanted;
 }
 
-/// Runs until `target` runs are committed; false where an overflow stopped it before.
+/// Runs until `target` runs are committed. Returns false if a run overflowed.
 bool StepRunner::run_timed(std::uint32_t target) {
   while (committed_ != target) {
     StepGraph& g = graph(true);

@@ -1,7 +1,7 @@
 #pragma once
-// Runs the pipeline of a world step by step. A step is recorded once and replayed: plain, or with a time
-// taken after each stage. Lists that turn out too small grow, and the run that they stopped is done again, so
-// that nothing is ever dropped.
+// Runs the pipeline of a world step by step. A step is recorded once and replayed, as a whole or with stage
+// timing. A list that overflows grows, and the stopped run is repeated, so no pair or contact is lost.
+// Owned by a Simulation.
 
 #include <cstdint>
 #include <functional>
@@ -15,34 +15,33 @@ namespace collidoscope {
 
 class StepRunner {
  public:
-  /// `pipeline` has reserved nothing yet; its lists begin at `capacity`.
+  /// `pipeline`: without capacity. `capacity`: initial capacities.
   StepRunner(Executor& executor, std::unique_ptr<Pipeline> pipeline, Capacity capacity);
 
   Pipeline& pipeline() { return *pipeline_; }
   const Pipeline& pipeline() const { return *pipeline_; }
-  /// Whatever changes what a step does comes after this.
+  /// Discards recorded steps. Call before each change of the stages or buffers of a step.
   void discard_graphs();
-  /// Goes on with another, which has reserved what it needs.
+  /// Replaces the pipeline. Precondition: the new one has its capacities.
   void replace(std::unique_ptr<Pipeline> pipeline);
-  /// The same after a run was cancelled in its middle: with one that `make` makes, for which the lists of the
-  /// old one, whose contents are lost, make room.
+  /// Replaces the pipeline after a run was cancelled halfway. The lists of the old pipeline are freed
+  /// first, then `make` creates the new one.
   void recreate(const std::function<std::unique_ptr<Pipeline>()>& make);
 
-  /// Pipeline runs whose result is in the state, modulo 2^32.
+  /// Number of committed pipeline runs, modulo 2^32.
   std::uint32_t committed() const { return committed_; }
-  /// What committed() is after one more step.
+  /// Value of committed() after one more step.
   std::uint32_t next() const { return committed_ + static_cast<std::uint32_t>(pipeline_->runs_per_step()); }
-  /// Does one step, up to next() at the time of the call, `timed` or plain; or, with what guards found in it,
-  /// a part of one. Throws MachineError where memory does not suffice: then nothing has changed, unless a run
-  /// ended in its middle, after which no step can be made. Throws Cancelled, after which recreate() comes
-  /// next.
+  /// Makes one step; `timed`: with stage timing. If guards find a violation, returns it after part of the
+  /// step. Throws MachineError if memory is insufficient; the state is then unchanged. Exception: if a run
+  /// failed halfway, no further step is possible. Throws Cancelled; the caller must then call recreate().
   std::optional<FirstViolation> step(bool timed);
-  /// Finds boxes, pairs and contacts, which grow as for a step.
+  /// Finds boxes, pairs and contacts of the current state; lists grow as in a step.
   void detect();
-  /// After runs that are not to be in the state.
+  /// Call after runs that must not enter the state.
   void discard_runs();
 
-  /// Throws MachineError where no step can be made.
+  /// Throws MachineError if no step is possible.
   void require_memory() const;
 
  private:
@@ -58,7 +57,7 @@ class StepRunner {
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<StepGraph> plain_, timed_;
   std::uint32_t committed_ = 0;
-  bool is_unusable_ = false;  ///< no state to go on from, or no memory for what was already there
+  bool is_unusable_ = false;  ///< the state is lost, or memory for existing lists is missing
 };
 
 }  // namespace collidoscope

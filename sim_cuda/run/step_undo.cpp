@@ -14,9 +14,9 @@ void StepUndo::begin_step(int runs) {
 
 void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, double solve_seconds) {
   if (!in_step_ || backup_.has_copy() || to_the_end_) return;
-  if (control.overflow) return;  // such a run writes nothing
+  if (control.overflow) return;  // an overflowed run writes nothing
   double rest = runs_ * solve_seconds;
-  if (runs_ > 1) {  // later ones find their contacts anew, which takes as long as it took the first
+  if (runs_ > 1) {  // later runs find contacts again, in about the same time
     const std::chrono::duration<double> found = Cancellation::Clock::now() - start_;
     rest += (runs_ - 1) * found.count();
   }
@@ -29,7 +29,7 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
   try {
     backup_.save(executor_.team(),
                  [&](const ArrayVisitor& visit) { pipeline.visit_persistent_arrays(visit); });
-  } catch (const std::bad_alloc&) {  // no room for a copy
+  } catch (const std::bad_alloc&) {  // no memory for a copy
     backup_.clear();
     to_the_end_.emplace(executor_);
   }

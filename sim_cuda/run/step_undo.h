@@ -1,7 +1,7 @@
 #pragma once
-// How a cancelled step commits nothing, on the CPU, where stages write to the state itself. Up to its
-// contacts a step writes nothing that outlives it. What follows is not interrupted where it is short; where
-// it may be long, a copy of what it writes is put aside first. Belongs to a World.
+// Undo of a cancelled step on the CPU, where stages write directly to the state. Stages up to the contacts
+// write no persistent data. The rest of the step is not interrupted if it is short. If it may be long, the
+// persistent arrays are copied first. Owned by a Simulation.
 
 #include <optional>
 
@@ -16,21 +16,21 @@ class StepUndo {
  public:
   explicit StepUndo(Executor& executor) : executor_(executor) {}
 
-  /// A step of so many pipeline runs begins. Nothing happens without a cancellation.
+  /// Starts a step of `runs` pipeline runs. No effect without a cancellation object.
   void begin_step(int runs);
-  /// The first of its runs, or a later one, is about to write; `solve_seconds`: what solving a run's contacts
-  /// is expected to take.
+  /// Call before a run writes persistent arrays. `solve_seconds`: expected time for solving the contacts of
+  /// a run, s.
   void before_writing(Pipeline& pipeline, const StepControl& control, double solve_seconds);
-  /// The step is done, or has failed otherwise than by being cancelled.
+  /// Ends a step that succeeded or failed, but was not cancelled.
   void end_step();
-  /// The step was cancelled.
+  /// Ends a cancelled step.
   void cancel_step();
-  /// After that: the state is as it was before that step; all that does not outlive steps is lost.
+  /// Call after cancel_step(). Restores the persistent arrays of before the step; other data are lost.
   void undo();
 
  private:
   Executor& executor_;
-  Cancellation::Clock::time_point start_{};  ///< of a step of several runs
+  Cancellation::Clock::time_point start_{};  ///< start of a step with several runs
   int runs_ = 1;
   bool in_step_ = false;
   HostBackup backup_;

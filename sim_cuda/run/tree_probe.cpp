@@ -86,7 +86,7 @@ std::int64_t TreeProbe::visits_of(std::uint32_t id) {
 }
 
 BroadPhaseTimes TreeProbe::time_broad_phase(int repeats) {
-  run_.detect();  // grows what is too small
+  run_.detect();  // grows lists if needed
   return collidoscope::time_broad_phase(run_.executor, run_.pipeline(), repeats);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// Looks into the broad phase of a world: the tree of the current state, its measures, and how long the method
-// takes. Detects where the boxes are not those of the current state (World::detect), and measures the tree
-// once for each state. Changes no state and no hash.
+// Inspection of the broad phase of a world: tree, measures, and times at the current state. Calls
+// World::detect() if the boxes are not those of the current state. The tree is measured once per state.
+// Does not change the state or the hash.
 
 #include <cstdint>
 #include <vector>
@@ -14,44 +14,42 @@ namespace collidoscope {
 
 class Simulation;
 
-/// A part of World: World::tree().
+/// Part of World: World::tree().
 class TreeProbe {
  public:
   explicit TreeProbe(Simulation& run) : run_(run) {}
 
-  std::int64_t nodes() const;  ///< in all; 0: no tree
+  std::int64_t nodes() const;  ///< number of nodes; 0: no tree
   TreeLevels levels();
-  std::vector<std::int64_t> level_sizes();  ///< boxes of each level, from the root; empty: no tree
-  /// Leaves at each level, without a measure of the tree.
+  std::vector<std::int64_t> level_sizes();  ///< boxes per level, from the root; empty: no tree
+  /// Leaves per level; does not measure the tree.
   const std::vector<std::int64_t>& leaves();
 
-  /// Measures the tree, by sums over its nodes and a query of every body. All zero where the method has no
-  /// tree.
+  /// Measures the tree by sums over its nodes and one query per body. All zero if the method has no tree.
   const TreeQuality& quality();
-  /// Nodes that the method's own traversal reads for a query, on average: TreeQuality::own, without the rest
-  /// of the measures. 0 where the method has no tree.
+  /// Mean number of nodes per query that the method's own traversal reads (TreeQuality::own). Does not
+  /// compute the other measures. 0 if the method has no tree.
   double own_visits();
 
-  /// Nodes of the tree, the greatest by `metric` first; of those of the levels `from` to `to` the ones from
-  /// `first` on, at most `count`.
+  /// Nodes of levels `from` to `to`, in descending order of `metric`. Returns at most `count` nodes, from
+  /// index `first`.
   std::vector<NodeReport> ranked(NodeMetric metric, std::int64_t first, std::int64_t count, int from = 0,
                                  int to = 63);
-  NodeReport node(std::uint32_t place);  ///< place < nodes()
-  /// At these places, each < nodes().
+  NodeReport node(std::uint32_t place);  ///< Precondition: place < nodes(). Throws std::out_of_range.
+  /// Precondition: each place < nodes(). Throws std::out_of_range.
   std::vector<NodeReport> nodes_at(const std::vector<std::uint32_t>& places);
-  /// Of the nodes in the selection's levels; `inside` counts those within its range, too.
+  /// Histogram over the nodes in the selected levels; `inside` counts those in the selected range.
   NodeHistogram node_histogram(NodeMetric metric, const NodeSelection& selection);
 
-  /// The places of the nodes that the query of a body tests, in its order; the first `limit`.
+  /// Nodes that the query of a body tests, in order; at most `limit`.
   std::vector<std::uint32_t> visited(std::uint32_t id, std::int64_t limit);
-  std::int64_t visits_of(std::uint32_t id);  ///< how many they are; 0 without a tree
+  std::int64_t visits_of(std::uint32_t id);  ///< number of these nodes; 0 without a tree
 
-  /// Finds the pairs of the current state `repeats` times, from positions to the ordered list, plain and then
-  /// with a time taken after each stage; in ms. Moves nothing.
+  /// Finds the pairs of the current state `repeats` times from positions to the sorted list: without stage
+  /// timing, then with it; in ms. Does not move bodies.
   BroadPhaseTimes time_broad_phase(int repeats);
-  /// Of the tree of the current state: one and the same query for the tree of every method, of every body;
-  /// `repeats` times in ms. What remains of a method's own time is its layout and its traversal. No tree:
-  /// none.
+  /// Times the same query of every body in the current tree, for any method; `repeats` times, in ms. The
+  /// difference to a method's own time is due to its layout and traversal. Empty without a tree.
   std::vector<float> time_queries(int repeats);
 
  private:

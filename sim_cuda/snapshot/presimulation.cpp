@@ -21,10 +21,10 @@
 namespace collidoscope {
 namespace {
 
-constexpr int stride = 30;              // steps between two looks
-constexpr double lift = 1.0 / 20'000;   // of the largest radius
-constexpr double longest_falls = 20;    // from the top of the box
-constexpr double slower_in_a_fall = 4;  // of the drag
+constexpr int stride = 30;              // steps between checks
+constexpr double lift = 1.0 / 20'000;   // lift height at rest, in largest radii
+constexpr double longest_falls = 20;    // upper limit of the time, in T
+constexpr double slower_in_a_fall = 4;  // damping: velocity ratio 1/(1 + this * t/T)
 
 PresimulationCallbacks& presimulation_callbacks() {
   static PresimulationCallbacks for_all;
@@ -35,7 +35,7 @@ void log_presimulation(const std::string& line) {
   if (presimulation_callbacks().log) presimulation_callbacks().log(line);
 }
 
-/// What is simulated to rest. Names and views do not decide it.
+/// The scene for the pre-simulation. Name and camera are removed, since they do not affect the result.
 Scene falling(const Scene& scene) {
   Scene inner = scene;
   inner.name = "";
@@ -58,7 +58,7 @@ std::uint64_t hash_of(const std::string& text, std::uint64_t hash = 0) {
   return hash;
 }
 
-/// What a small scene comes to under such physics: it changes with the program where steps do.
+/// State hash of a small scene under the same physics. Changes if the simulation code changes its results.
 std::uint64_t stepping_fingerprint(const Physics& physics) {
   Scene probe;
   probe.box = Box{{0, 0, 0}, {30, 30, 30}};
@@ -73,7 +73,7 @@ std::uint64_t stepping_fingerprint(const Physics& physics) {
   return world.state_hash();
 }
 
-/// Empty where the user has no such folder.
+/// Empty if the user has no cache folder.
 std::filesystem::path cache_file(const Scene& inner) {
   const auto folder_of = [](const char* variable) {
     const char* value = std::getenv(variable);
@@ -117,7 +117,7 @@ double largest(const std::vector<double>& radii) {
   return radii.empty() ? 0 : *std::ranges::max_element(radii);
 }
 
-/// `share` of all velocities and spins stays.
+/// Multiplies all velocities and angular velocities by `share`.
 void slow_down(World& world, double share) {
   RunState state = world.state();
   for (Vector3d& v : state.bodies.velocity) v *= share;
@@ -134,7 +134,7 @@ struct Presimulation::Impl {
     state = cached(file, inner);
     if (!state) fall(options);
   }
-  /// Begins to.
+  /// Starts the simulation.
   void fall(const RunOptions& options) {
     world = std::make_unique<World>(inner, options);
     const InitialBodies& bodies = world->initial();
@@ -148,12 +148,12 @@ struct Presimulation::Impl {
   }
   std::int64_t next_look() const { return std::min((world->steps() / stride + 1) * stride, max_steps); }
 
-  /// Whether it lies, and if not, slower.
+  /// Checks for rest. If not at rest, damps the velocities.
   void look() {
     const double energy = world->measure().kinetic_energy;
     if (presimulation_callbacks().progress) presimulation_callbacks().progress(world->steps(), max_steps);
     const double time = static_cast<double>(world->steps()) * inner.physics.time_step;
-    const bool fallen = time > fall_time;  // else it has hardly begun
+    const bool fallen = time > fall_time;  // otherwise bodies are still slow at the start of the fall
     const bool rests = fallen && energy <= at_rest;
     if (!rests && world->steps() < max_steps) {
       if (fallen) slow_down(*world, share);
@@ -172,11 +172,11 @@ struct Presimulation::Impl {
 
   Scene inner;
   std::filesystem::path file;
-  std::optional<RunState> state;  // once it lies
-  std::unique_ptr<World> world;   // while it falls
+  std::optional<RunState> state;  // set when done
+  std::unique_ptr<World> world;   // null when done
   double at_rest = 0;             // J
-  double fall_time = 0;           // s, from the top of the box
-  double share = 1;               // of the velocities, that a look leaves
+  double fall_time = 0;           // T, s
+  double share = 1;               // velocity ratio per check
   std::int64_t max_steps = 0;
 };
 

@@ -1,19 +1,20 @@
 #pragma once
-// The variant `settled`: the scene as `scaled`, simulated to rest before its state 0. World's constructor
-// asks for it; free functions.
+// Pre-simulation for the variant `settled`: the scene as `scaled`, simulated to rest before its state 0.
+// Used by World's constructor.
 //
-// It runs with soft_step (the scene's own settings, where that is its solver, else the solver's), for the
-// time T = sqrt(2 side / |g|) of a fall through the box, and then until the kinetic energy would lift all
-// bodies by no more than 1/20,000 of the largest radius (0.25 mm for 5 m, speeds of 7 cm/s on Earth), looked
-// at every 30 steps; at most for 20 T, after which a line says how far from rest it is. Spheres that slide
-// without friction, or roll, never stop by themselves; so from T on, at each look, all speeds are divided by
-// 1 + 4 t/T, t being the time between two looks: a drag that holds nothing up and leaves the piles their
-// weight.
+// Solver: soft_step, with the scene's settings if that is its solver, otherwise with default settings. The
+// simulation runs for the time T = sqrt(2 side / |g|) of a fall through the box. Then it runs until the
+// kinetic energy would lift all bodies by at most 1/20,000 of the largest radius. For 5 m that is 0.25 mm,
+// or speeds of 7 cm/s on Earth. Rest is checked every 30 steps. The limit is 20 T; then a log line reports
+// the remaining energy.
 //
-// What it came to stays in the user's cache folder, so that the next start is instant: $XDG_CACHE_HOME or
-// ~/.cache, collidoscope/settled/<hash>.snapshot. The hash is of all that decides it, this program's way of
-// stepping included: what a small scene comes to in it. A cache that cannot be read or written costs time,
-// and ends nothing.
+// Spheres that slide without friction, or roll, never stop by themselves. So from time T on, velocities are
+// damped by 1/(1 + 4 t/T) at each check; t is the time between checks. The damping does not change contact
+// loads.
+//
+// The result is cached in $XDG_CACHE_HOME or ~/.cache, collidoscope/settled/<hash>.snapshot, so later
+// starts are fast. The hash covers everything that determines the result, including the behaviour of this
+// program on a small test scene. Errors of the cache are not fatal; the result is then computed again.
 
 #include <cstdint>
 #include <functional>
@@ -26,21 +27,21 @@
 
 namespace collidoscope {
 
-/// settled_state() in slices, for callers that work in between, such as a window.
+/// settled_state() in time slices, for callers with other work, such as a window.
 class Presimulation {
  public:
-  /// Done at once where the cache has it.
+  /// done() is true at once if the result is cached.
   Presimulation(const Scene& scene, const RunOptions& options);
   ~Presimulation();
   Presimulation(Presimulation&&) noexcept;
   Presimulation& operator=(Presimulation&&) noexcept;
 
   bool done() const;
-  /// Steps for about so many milliseconds, and one at least, until it is done. Throws as World does.
+  /// Simulates for about `milliseconds`, at least one step, or until done. Throws as World does.
   void advance(double milliseconds);
-  std::int64_t steps() const;      ///< so far
-  std::int64_t max_steps() const;  ///< steps after which it ends, at rest or not
-  /// The state at rest, once it is done.
+  std::int64_t steps() const;      ///< steps made so far
+  std::int64_t max_steps() const;  ///< upper limit of steps
+  /// Returns the state at rest. Precondition: done().
   RunState take();
 
  private:
@@ -48,13 +49,13 @@ class Presimulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The kinetic energy in J at which bodies of `mass` kg in all are at rest; g in m/s^2, `radius` the largest.
+/// Limit of the kinetic energy at rest, J. `mass`: total, kg; `g`: m/s^2; `radius`: largest, m.
 double energy_at_rest(double mass, double g, double radius);
 
-/// Who is told while a world settles, since that takes long. One for the program; set before worlds are made.
+/// Global progress and log callbacks for pre-simulation. Set once, before any World is created.
 struct PresimulationCallbacks {
   std::function<void(std::int64_t steps, std::int64_t max_steps)>
-      progress;  ///< `steps` = `max_steps` at the end
+      progress;  ///< at the end, `steps` = `max_steps`
   std::function<void(const std::string& line)> log;
 };
 void set_presimulation_callbacks(PresimulationCallbacks callbacks);

@@ -37,7 +37,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 40);
 
-/// Over whole words, one after the other.
+/// Hash over 8-byte words in order.
 class Fingerprint {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -53,7 +53,7 @@ class Fingerprint {
   std::uint64_t hash_ = 0;
 };
 
-/// The members of a file in their order, for who writes and who reads them alike.
+/// Visits the members of a snapshot in file order, for reading and writing.
 template <class Archive, class SnapshotOrConst>
 void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
   auto& [steps, bodies, static_impulses, warm_start, settings, frozen, time] = snapshot.state;
@@ -138,7 +138,7 @@ class Reader {
       refuse("cannot be opened (" + std::generic_category().message(errno) + "); " + what_writes_one);
     check_header();
     check_hash();
-    left_ -= word;  // the hash
+    left_ -= word;  // hash at the end
     seek(sizeof(Header));
   }
 
@@ -211,7 +211,7 @@ class Reader {
     if (hash != fingerprint.value()) damaged("its contents are not those it was saved with");
   }
 
-  /// Of the list that follows, in items of so many bytes each: never more than the file still has.
+  /// Reads the length of a list with items of `item_bytes`. Fails if it exceeds the rest of the file.
   std::size_t length(std::size_t item_bytes) {
     std::uint64_t items = 0;
     number(items);
@@ -243,11 +243,11 @@ class Reader {
   std::string file_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
   std::uint32_t version_ = 0;
-  std::uint64_t left_ = 0;   ///< bytes that are not read yet, the hash not counted
-  Fingerprint fingerprint_;  ///< of what was read, this time
+  std::uint64_t left_ = 0;   ///< unread bytes, without the hash
+  Fingerprint fingerprint_;  ///< hash of the bytes read so far
 };
 
-/// Whether the lists fit together, so that whoever uses them need not ask.
+/// Checks that the lists have consistent lengths and valid ids.
 bool fits(const RunState& state) {
   const std::size_t n = state.bodies.position.size();
   const WarmStart& warm_start = state.warm_start;
@@ -287,7 +287,7 @@ std::uint64_t hash_of_bodies(const InitialBodies& bodies) {
 void write_snapshot(const Snapshot& snapshot, const std::function<void(std::string_view)>& write) {
   std::string scene = write_scene(snapshot.scene), directory;
   for (const Body& body : snapshot.scene.bodies)
-    if (body.shape == Shape::mesh)  // their files stay where they are
+    if (body.shape == Shape::mesh)  // mesh files are stored by path, not copied
       directory = std::filesystem::absolute(snapshot.scene.directory).string();
   Header header;
   const auto write_all = [&](Writer& writer) {
@@ -313,7 +313,7 @@ Snapshot read_snapshot(const std::string& file) {
       snapshot.state.time = std::numeric_limits<double>::quiet_NaN();
     if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
     snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
-    // It is a hash of the scene's text, which another version may have written in another form.
+    // Recomputed, since another version may have formatted the scene's text differently.
     snapshot.state.settings = settings_hash(snapshot.scene);
     return snapshot;
   });

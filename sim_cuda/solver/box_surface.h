@@ -1,22 +1,25 @@
 #pragma once
-// Box obstacles against spheres. To one sphere and for one substep, a box is the half-space beyond its
-// supporting plane where they touch, or would: whatever else happens to the sphere, it cannot pass a box
-// whose plane it does not pass. Which plane that is, `contact_plane_at` says of a sphere that touches (the
-// nearest point; inside, the nearest face), and `first_plane_on_path` of one under way: it goes from
-// supporting plane to supporting plane, each of which the way is free to, until it is at the box grown by the
-// radius, or past it.
+// Contact planes between box obstacles and spheres. For one sphere and one substep, a box is replaced by a
+// supporting plane of the box. The half-space behind that plane contains the box, so a sphere that stays in
+// front of the plane cannot pass the box.
 //
-// Called for by a list of boxes among the obstacles. Every body looks at every box: meant for dozens.
+// `contact_plane_at` returns the plane for a sphere that touches: at the nearest point, or at the nearest
+// face if the centre is inside. `first_plane_on_path` returns the plane that a moving sphere meets first.
+// It advances the sphere from supporting plane to supporting plane until it reaches or passes the box
+// enlarged by the radius.
+//
+// Required if the scene has box obstacles. Each body tests each box, so the cost is bodies x boxes;
+// intended for dozens of boxes. Pure functions.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
 
 namespace collidoscope {
 
-/// Bodies stay where normal . x >= offset; none: they are nowhere near.
+/// The half-space normal . x >= offset, in which a body must stay. none(): no contact.
 template <class Real>
 struct ContactPlane {
-  Vector3<Real> normal;  ///< unit; 0: none
+  Vector3<Real> normal;  ///< unit; 0 for none()
   Real offset;           ///< m
 
   SIM_HD static ContactPlane none() { return {Vector3<Real>::Zero(), Real(-1e30)}; }
@@ -26,14 +29,14 @@ struct ContactPlane {
 template <class Real>
 struct BoxSurface {
   Vector3<Real> center, half;  ///< m
-  Vector3<Real> side[3];       ///< unit, its axes in the world's
-  Real restitution, friction;  ///< 0 to 1; 0 to 100
+  Vector3<Real> side[3];       ///< box axes in world axes, unit
+  Real restitution, friction;  ///< restitution 0 to 1; friction 0 to 100
 
-  /// The nearest point, seen from `p` in the box's own axes: which way out, and how far.
+  /// The nearest point of the surface to `p`, in the box's own axes.
   struct Nearest {
-    Vector3<Real> normal;  ///< unit, in the box's axes
-    Real distance;         ///< m, < 0 inside
-    Real support;          ///< m, normal . x of the supporting plane
+    Vector3<Real> normal;  ///< outward, unit, in the box's axes
+    Real distance;         ///< m, < 0 if `p` is inside
+    Real support;          ///< offset of the supporting plane (normal . x), m
   };
   SIM_HD Nearest nearest(const Vector3<Real>& p) const {
     Vector3<Real> at;
@@ -68,7 +71,7 @@ struct BoxSurface {
     return {normal, normal.dot(center) + near.support};
   }
 
-  /// m between the box and a sphere, < 0 where they overlap.
+  /// Distance between the box and a sphere, m; < 0 if they overlap.
   SIM_HD Real gap(const Vector3<Real>& x, Real radius) const {
     return nearest(own(x - center)).distance - radius;
   }
@@ -76,11 +79,10 @@ struct BoxSurface {
     return plane_of(nearest(own(x - center)));
   }
 
-  /// Of a sphere at x that will go by `displacement`, m.
+  /// The plane that a sphere at x meets along `displacement` (m). none() if it misses the box.
   SIM_HD ContactPlane<Real> first_plane_on_path(const Vector3<Real>& x, const Vector3<Real>& displacement,
                                                 Real radius) const {
-    constexpr int max_iterations =
-        16;  // two or three are usual; where that is not enough, the plane is near enough
+    constexpr int max_iterations = 16;  // two or three are usual; after 16 the plane is accurate enough
     const Vector3<Real> from = own(x - center), along = own(displacement);
     const Real touching = Real(1e-5) * radius;
     Real t = 0;
@@ -95,19 +97,19 @@ struct BoxSurface {
   }
 };
 
-/// In the executor's memory.
+/// Box obstacles of the scene; `boxes` is in the executor's memory.
 template <class Real>
 struct BoxView {
   const BoxSurface<Real>* boxes = nullptr;
   int count = 0;
 };
 
-/// What a step keeps of bodies and boxes; box by box, all bodies of each. Null without boxes.
+/// Contact state of bodies with boxes: index box * body count + body. Null without boxes.
 template <class Real>
 struct BoxContacts {
   BoxView<Real> view;
-  ContactPlane<Real>* plane;  ///< of this substep
-  Vector3<Real>* normal;      ///< unit, along which it touched last in this step
+  ContactPlane<Real>* plane;  ///< contact plane in this substep
+  Vector3<Real>* normal;      ///< contact normal of the last touch in this step, unit
 };
 
 }  // namespace collidoscope

@@ -9,23 +9,23 @@ namespace collidoscope {
 
 namespace {
 
-// Sort keys: 0 .. colours-1 are colours; the split set follows, then the unused part of the buffers.
+// Sort keys: 0 to colours-1 are colours. The mass-split set follows, then the unused entries.
 constexpr std::uint8_t uncoloured = Colouring::colours;
 constexpr std::uint8_t no_colour_free = Colouring::colours + 1;
 constexpr std::uint8_t unused = Colouring::colours + 2;
 constexpr int key_bits = 6;
 static_assert(unused < (1 << key_bits));
 
-/// Beside a colour: one that a contact has proposed.
+/// Bit beside a colour: proposed, not decided yet.
 constexpr std::uint8_t tentative = 0x80;
 
-/// Unique, and independent of how contacts are numbered up to order: ties of the hash go by ids. Later rounds
-/// outrank earlier ones, so that the proposals need not be cleared between rounds.
+/// Priority of a proposal. It is unique: ties of the hash are broken by the contact number, which depends
+/// only on the ids. Later rounds have higher values, so proposals need no clearing between rounds.
 SIM_HD inline std::uint64_t proposal(std::uint64_t hash, std::uint32_t round, std::uint32_t contact) {
   return static_cast<std::uint64_t>(round + 1) << 56 | (hash & 0x00ffffff00000000u) | contact;
 }
 
-/// The n-th of the bits that are set, from the lowest on; there are more than n.
+/// Index of the n-th set bit, from the lowest. Precondition: more than n bits are set.
 SIM_HD inline std::uint8_t nth_set_bit(std::uint32_t bits, std::uint32_t n) {
   while (n-- > 0) bits &= bits - 1;
   std::uint8_t bit = 0;
@@ -42,17 +42,16 @@ struct BeginBodies {
   }
 };
 
-/// Where contacts propose a colour at a body: it has twice as many places as contacts, and no more than
-/// colours.
+/// The proposal slot of a colour at a body. A body has min(2 * degree, colours) slots.
 SIM_HD inline std::uint64_t* proposal_slot(std::uint64_t* proposals, const ColouredBody& body,
                                            std::uint8_t colour) {
   const std::uint32_t places = min_of(2 * body.degree, static_cast<std::uint32_t>(Colouring::colours));
   return proposals + body.proposals + colour % places;
 }
-constexpr std::uint32_t proposals_per_contact = 4;  // twice, and at both bodies
+constexpr std::uint32_t proposals_per_contact = 4;  // two per contact end, two ends
 
 struct ClearContacts {
-  std::uint8_t first;  // the colour to start from
+  std::uint8_t first;  // initial colour
   const StepControl* control;
   std::uint8_t* colour;
   std::uint32_t* contact;
@@ -76,10 +75,10 @@ struct ExcludeSleeping {
   }
 };
 
-/// Whether a round has contacts to look at. Thousands of warps say so at about the same time: each of them in
-/// one of some places, far enough apart for the memory to take them side by side.
+/// Flags: does a round have uncoloured contacts? Thousands of warps set the flag at about the same time.
+/// Each round has 16 copies in separate sectors, so that the stores do not serialize.
 struct Pending {
-  static constexpr std::uint32_t places = 16, apart = 8;  // 32 bytes: a sector
+  static constexpr std::uint32_t places = 16, apart = 8;  // 8 words = 32 bytes, one sector
 
   std::uint32_t* flags;
 
@@ -105,7 +104,8 @@ struct ClearRounds {
   }
 };
 
-/// A round has two halves: all propose; then those that won at both their bodies take the colour.
+/// Each round has two halves. First all contacts propose; then those that won at both bodies take the
+/// colour.
 struct ProposeInRounds {
   const Pair* contacts;
   const StepControl* control;
@@ -139,7 +139,7 @@ struct ProposeInRounds {
       colour[contact] = no_colour_free;
       return;
     }
-    // Each contact that is coloured took one bit.
+    // Each coloured contact has set one bit in `used`.
     const std::uint32_t left = max_of(a.degree - count_bits(a.used), b.degree - count_bits(b.used));
     const std::uint32_t choices = min_of((left + 1) / 2, count_bits(free));
     const std::uint64_t hash = hash_of(pair);
@@ -169,7 +169,7 @@ struct ProposeInRounds {
 };
 static_assert(Colouring::colours == 32, "one bit of a word per colour");
 
-/// Where each colour starts in the sorted keys: a lower bound.
+/// Finds the start of each colour in the sorted keys, by lower bound.
 struct FindColours {
   const std::uint8_t* sorted;
   std::uint32_t size;

@@ -1,15 +1,18 @@
 #pragma once
-// Colours contacts so that no two of one colour share a body: each colour can then be solved in parallel, one
-// colour after the other, with the same result in any order. The colouring is physics (it decides the order
-// of impulses), so it is a pure function of the contacts.
+// Graph colouring of contacts: no two contacts of a colour share a body. Colours are solved one after the
+// other, the contacts of a colour in parallel, with the same result in any order. The colouring decides the
+// order of impulses, so it is a pure function of the contacts.
 //
-// In each round, an uncoloured contact proposes a colour that is free at both its bodies: by its hash and the
-// round, one of the lowest half as many as the busier body has uncoloured contacts. It gets the colour where
-// no other proposal has a higher priority at either body (Luby 1986, for each body and colour); the highest
-// of all always does. So a body hands out many colours at once, where a matching a colour (Jones & Plassmann
-// 1993, on the line graph) would take as many rounds as the busiest body has contacts: a pile of 50,000 needs
-// 7 rounds instead of 33, for as many colours. What is left after `rounds` rounds, or finds no
-// free colour, is the mass-split set, solved last.
+// In each round, an uncoloured contact proposes one colour that is free at both its bodies. The candidates
+// are its lowest free colours, half as many as the busier body has uncoloured contacts. A hash of the pair
+// and the round selects one. A contact gets the colour if no other proposal for it has a higher priority at
+// either body (Luby 1986, per body and colour). The highest priority of all always wins, so each round
+// makes progress.
+//
+// A body can hand out many colours in a round. One matching per colour (Jones & Plassmann 1993, on the line
+// graph) takes as many rounds as the busiest body has contacts. A pile of 50,000 needs 7 rounds instead of
+// 33, with as many colours. Contacts without a colour after `rounds` rounds, or without a free colour, form
+// the mass-split set, which is solved last.
 
 #include <cstdint>
 
@@ -20,22 +23,22 @@
 
 namespace collidoscope {
 
-/// A body while its contacts are coloured.
+/// State of a body during colouring.
 struct alignas(16) ColouredBody {
-  std::uint32_t used;       ///< bit c is set where colour c is taken
-  std::uint32_t degree;     ///< contacts that it takes part in
-  std::uint32_t proposals;  ///< where those of its contacts start
+  std::uint32_t used;       ///< bit c: colour c is used at this body
+  std::uint32_t degree;     ///< number of contacts
+  std::uint32_t proposals;  ///< index of its first proposal slot
 };
 
 struct ColourView {
-  const std::uint32_t* order;  ///< contact numbers, colour by colour, the split set last
-  const std::uint32_t* begin;  ///< where colour c starts in `order`; c = Colouring::colours: the split set
-  const std::uint32_t* count;  ///< how many contacts it has
-  const std::uint8_t* colour;  ///< as `order`; `colours` or more: none
-  const ColouredBody* bodies;  ///< what they used
+  const std::uint32_t* order;  ///< contact numbers, sorted by colour; the mass-split set is last
+  const std::uint32_t* begin;  ///< start of colour c in `order`; c = Colouring::colours: mass-split set
+  const std::uint32_t* count;  ///< number of contacts of colour c
+  const std::uint8_t* colour;  ///< in the order of `order`; `colours` or more: uncoloured
+  const ColouredBody* bodies;  ///< colours used at each body
 };
 
-/// For Executor::run_rounds: stage(contact) for all contacts of one colour before the next.
+/// For Executor::run_rounds: calls stage(contact) for all contacts of a colour before the next colour.
 template <class Stage>
 struct ColourByColour {
   ColourView view;
@@ -52,13 +55,13 @@ class Colouring {
   static constexpr int colours = 32;
   static constexpr int rounds = 24;
 
-  /// `enabled` false: nothing is coloured, and all contacts are the mass-split set.
+  /// `enabled` false: all contacts are in the mass-split set (solver `jacobi_split`).
   explicit Colouring(Executor& executor, bool enabled = true);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Colours control->contacts contacts; sets control->uncoloured_contacts. Those of bodies that are `asleep`
-  /// (by body, or null) get no colour and stand behind all others in `order`.
+  /// Colours control->contacts contacts and sets control->uncoloured_contacts. Contacts of sleeping bodies
+  /// (`asleep`, by body, or null) get no colour and come last in `order`.
   void colour(const Pair* contacts, StepControl* control, const std::uint8_t* asleep = nullptr);
-  /// Of all contacts.
+  /// Contacts per body, of all contacts.
   const ContactDegrees& degrees() const { return degrees_; }
   ColourView view() const {
     return {order_.data(), begin_.data(), count_.data(), sorted_colour_.data(), coloured_.data()};
@@ -68,9 +71,10 @@ class Colouring {
   Executor& executor_;
   const bool enabled_;
   ContactDegrees degrees_;
-  Buffer<std::uint64_t> proposals_;  ///< by body, then by colour
+  Buffer<std::uint64_t> proposals_;  ///< by body, then by colour slot
   Buffer<ColouredBody> coloured_;
-  Buffer<std::uint32_t> pending_;  ///< per round: whether there are contacts to look at
+  Buffer<std::uint32_t>
+      pending_;  ///< per round, Pending::places flags: nonzero if uncoloured contacts remain
   Buffer<std::uint8_t> colour_, sorted_colour_;
   Buffer<std::uint32_t> contact_, order_;
   Buffer<std::uint32_t> begin_, count_;

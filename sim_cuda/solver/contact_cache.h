@@ -1,6 +1,6 @@
 #pragma once
-// The contact cache of `soft_step`: the contacts of the last committed step and their impulses, from which
-// the next step starts (warm starting). An overflow leaves it as it is.
+// Contact cache of `soft_step`: contacts of the last committed step with their impulses, for warm starting.
+// Owned by the solver. A step that overflows leaves the cache unchanged.
 
 #include <cstdint>
 #include <vector>
@@ -16,7 +16,7 @@
 
 namespace collidoscope {
 
-/// What the next run starts from.
+/// Copies contacts and impulses into the cache at the end of a step.
 template <class Real>
 struct KeepContacts {
   const Pair* contacts;
@@ -24,7 +24,7 @@ struct KeepContacts {
   const PackedContact<Real>* soft;
   const ContactSums<Real>* sums;
   Vector3<Real>* previous_friction;  ///< null without friction
-  Real* total;                       ///< N s, of the step; null: not recorded
+  Real* total;                       ///< N s, per contact, over the step; null: not recorded
   Pair* previous_contacts;
   std::uint32_t* previous_first;
   Real* previous_impulse;
@@ -57,23 +57,29 @@ class ContactCache {
  public:
   ContactCache(Executor& executor, std::int64_t body_count, bool with_friction);
 
-  /// `contact_capacity`: of the step. Keeps what is there.
+  /// Sets the contact capacity of a step. Keeps the cached contacts.
   void reserve(std::int64_t contact_capacity);
-  /// In contacts; at least what load() was given.
+  /// Capacity in contacts; at least the number passed to load().
   std::size_t capacity() const { return previous_contacts_.size(); }
 
   PreviousContacts view() const {
     return {previous_contacts_.data(), previous_count_.data(), previous_first_.data()};
   }
-  const Real* impulse() const { return previous_impulse_.data(); }             ///< N s, along the normal
-  const Vector3<Real>* friction() const { return previous_friction_.data(); }  ///< N s; null without friction
-  /// The stage that fills it. `total`: as KeepContacts::total.
+  const Real* impulse() const {
+    return previous_impulse_.data();
+  }  ///< N s, along the normal, by cached contact
+  const Vector3<Real>* friction() const {
+    return previous_friction_.data();
+  }  ///< N s, by cached contact; null without friction
+  /// The stage that fills the cache. `total`: see KeepContacts::total.
   KeepContacts<Real> keeping(const Pair* contacts, const std::uint32_t* place_of,
                              const PackedContact<Real>* soft, const ContactSums<Real>* sums,
                              Real* total) const;
   std::uint32_t* count() const { return previous_count_.data(); }
 
-  std::size_t size() const { return previous_count_.download()[0]; }  ///< waits for the device
+  std::size_t size() const {
+    return previous_count_.download()[0];
+  }  ///< number of cached contacts; waits for the device
   void save(WarmStart& warm_start) const;
   void load(const WarmStart& warm_start);
   void visit(const ArrayVisitor& visit) const;
@@ -82,12 +88,12 @@ class ContactCache {
   const std::int64_t body_count_;
   const bool with_friction_;
   std::int64_t contact_capacity_ = 0;
-  std::size_t loaded_ = 0;                   ///< contacts that load() was given
+  std::size_t loaded_ = 0;                   ///< number of contacts passed to load()
   Buffer<Pair> previous_contacts_;           ///< ordered by (a, b)
-  Buffer<std::uint32_t> previous_first_;     ///< of each body a, the first
+  Buffer<std::uint32_t> previous_first_;     ///< first contact of each body a
   Buffer<Real> previous_impulse_;            ///< N s
   Buffer<Vector3<Real>> previous_friction_;  ///< N s; empty without friction
-  Buffer<std::uint32_t> previous_count_;     ///< one
+  Buffer<std::uint32_t> previous_count_;     ///< one element
 };
 
 }  // namespace collidoscope

@@ -31,7 +31,7 @@ struct CountContactsOfBodies {
   }
 };
 
-/// Where a body's entries stand is free: only what they say reaches the state.
+/// The order of the segments is not deterministic. It does not affect the state.
 struct PlaceEntries {
   const std::uint32_t* count;
   std::uint32_t *allocated, *begin;

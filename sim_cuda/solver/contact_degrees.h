@@ -1,6 +1,6 @@
 #pragma once
-// For each body, how many contacts of a set it takes part in, and room for as many entries in a list that all
-// bodies share. Owned by whoever lists or colours contacts; made anew for each list of them.
+// Number of contacts per body in a contact set, and a segment for each body in a shared list. Owned by the
+// class that lists or colours the contacts; recomputed for each contact list.
 
 #include <cstdint>
 
@@ -10,8 +10,8 @@
 
 namespace collidoscope {
 
-/// Some contacts of a list: those numbered order[*begin], ..., order[*begin + *count - 1]; without an order,
-/// 0 to *count - 1.
+/// A subset of a contact list: contacts order[*begin] to order[*begin + *count - 1]. Without `order`:
+/// contacts 0 to *count - 1.
 struct ContactSet {
   const Pair* contacts;
   const std::uint32_t *order, *begin, *count;
@@ -23,24 +23,24 @@ struct ContactSet {
 
 struct DegreeView {
   const std::uint32_t* count;  ///< per body
-  const std::uint32_t* begin;  ///< per body, where its entries start; undefined where it has none
+  const std::uint32_t* begin;  ///< per body, start of its segment; undefined if count is 0
 };
 
 class ContactDegrees {
  public:
   explicit ContactDegrees(Executor& executor);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// As part of that stage.
+  /// Counts the contacts of `set` per body. `stage`: name of the stage for timing.
   void count(const char* stage, const ContactSet& set);
   DegreeView view() const { return {count_.data(), begin_.data()}; }
-  /// All bodies, or none where the set is empty; the view means nothing then.
+  /// Number of bodies, or 0 if the set is empty; view() is undefined then.
   ItemCount bodies() const { return ItemCount(items_.data(), bodies_); }
-  const std::uint32_t* body_items() const { return items_.data(); }  ///< the same, on the device
+  const std::uint32_t* body_items() const { return items_.data(); }  ///< bodies(), on the device
 
  private:
   Executor& executor_;
   std::int64_t bodies_ = 0, contact_capacity_ = 0;
-  Buffer<std::uint32_t> items_;  ///< {bodies or 0, entries handed out}
+  Buffer<std::uint32_t> items_;  ///< {bodies() value, allocated entries}
   Buffer<std::uint32_t> count_, begin_;
 };
 

@@ -1,11 +1,10 @@
 #pragma once
-// The normal impulses of contacts, in a list that belongs to a list of contacts: what a step gave, kept for
-// whoever draws forces (and, one day, starts the next solve from them). Off, it has no memory, and solvers
-// are compiled without it.
+// Optional per-contact normal impulses for display. Allocates nothing when disabled. Lives as long as the
+// pipeline.
 //
-// A solver adds to data()[i] for contact i of the run in progress. What is drawn are contacts of another
-// list, that of the state the run led to: keep() puts impulses aside with the contacts they belong to, and
-// view() finds them again by their bodies.
+// A solver adds to data()[i] for contact i of the run in progress. The displayed contacts are those of the
+// resulting state, which is another list. keep() copies the impulses with their contacts, and view() looks
+// them up by body pair.
 
 #include <cstdint>
 
@@ -15,28 +14,28 @@
 
 namespace collidoscope {
 
-/// A list of contacts, ordered by (a, b), and their impulses, in the executor's memory.
+/// Contacts ordered by (a, b) with their impulses, in the executor's memory.
 template <class Real>
 struct ImpulseView {
   const Pair* contacts = nullptr;
   const Real* impulse = nullptr;         ///< N s, >= 0
-  const std::uint32_t* count = nullptr;  ///< null: none are known
+  const std::uint32_t* count = nullptr;  ///< one element; null: no impulses recorded
 
-  /// Where a pair stands in the list, or `no_pair`.
+  /// Index of a pair in the list, or `no_pair`.
   SIM_HD std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     return count == nullptr ? no_pair : find_pair(contacts, 0, *count, a, b);
   }
-  /// 0 for a pair that the list lacks.
+  /// Impulse of a pair, N s; 0 if the pair is not in the list.
   SIM_HD Real of(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t place = find(a, b);
     return place == no_pair ? Real(0) : impulse[place];
   }
 };
 
-/// Adds up the impulse of each contact, where that is recorded.
+/// Accumulates contact impulses; does nothing if recording is off.
 template <class Real>
 struct ImpulseSum {
-  Real* impulse;  ///< N s; null: nothing is recorded
+  Real* impulse;  ///< N s, by contact; null: recording is off
   SIM_HD void add(std::uint32_t contact, Real more) const {
     if (impulse != nullptr) impulse[contact] += more;
   }
@@ -47,17 +46,17 @@ class ContactImpulses {
  public:
   explicit ContactImpulses(Executor& executor);
 
-  /// All that follows is outside of steps. Off gives all memory back.
+  /// Call all functions below outside of steps. Disabling releases the memory.
   void enable(bool on);
   bool enabled() const { return enabled_; }
-  /// `capacity` in contacts.
+  /// Sets the capacity in contacts.
   void reserve(std::int64_t capacity);
 
-  /// One for each contact of the run in progress, N s; null while off.
+  /// Impulse per contact of the run in progress, N s; null if disabled.
   Real* data() const { return impulse_.data(); }
-  /// Puts data() aside, for control->contacts contacts.
+  /// Copies data() and its contacts; their number is control->contacts.
   void keep(const Pair* contacts, const StepControl* control);
-  /// What was kept last.
+  /// The impulses of the last keep().
   ImpulseView<Real> view() const;
 
  private:
@@ -67,7 +66,7 @@ class ContactImpulses {
   Buffer<Real> impulse_;
   Buffer<Pair> kept_contacts_;
   Buffer<Real> kept_impulse_;
-  Buffer<std::uint32_t> kept_count_;  ///< one; empty: nothing was kept yet
+  Buffer<std::uint32_t> kept_count_;  ///< one element; empty before the first keep()
 };
 
 }  // namespace collidoscope

@@ -1,7 +1,7 @@
 #pragma once
-// What takes a scene from its contacts to its next state: one interface for all solvers. The pipeline owns
-// bodies and contacts and finds the latter anew before each run; a solver owns its lists and what it
-// remembers from step to step. Lives as long as the pipeline.
+// Common interface of the solvers: from the contacts of a scene to its next state. The pipeline owns bodies
+// and contacts, and finds the contacts anew before each run. A solver owns its lists and its warm-start
+// data. Lives as long as the pipeline.
 
 #include <memory>
 #include <optional>
@@ -26,38 +26,37 @@
 
 namespace collidoscope {
 
-/// What every solver works on. Pointers are in the executor's memory and stay for as long as the solver
-/// lives.
+/// Input of every solver. Pointers are in the executor's memory and stay valid for the solver's lifetime.
 template <class Real>
 struct SolverScene {
   BodyView<Real> bodies;
   std::int64_t body_count;
   KinematicView kinematic;
   Restitution<Real> restitution;
-  Friction<Real> friction;   ///< of no meaning where the effect is off
-  RollingLaw<Real> rolling;  ///< of no meaning where the effect is off
+  Friction<Real> friction;   ///< unused if the effect is off
+  RollingLaw<Real> rolling;  ///< unused if the effect is off
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
-  StaticImpulse* static_impulses;  ///< null where there are no planes or boxes
-  Vector3<Real> gravity;           ///< m/s^2, zero where the effect is off
-  DragLaw<Real> drag;              ///< of no meaning where the effect is off
+  StaticImpulse* static_impulses;  ///< by body; null without planes and boxes
+  Vector3<Real> gravity;           ///< m/s^2, zero if the effect is off
+  DragLaw<Real> drag;              ///< unused if the effect is off
   AttractorView<Real> attractors;
-  Vector3<Real>* field;  ///< m/s^2, of the attractors, by body; null where the effect is off
+  Vector3<Real>* field;  ///< acceleration by attractors, m/s^2, by body; null if the effect is off
   Effects effects;
   std::optional<Box> box;
   Real time_step;            ///< s
-  Real acceleration_margin;  ///< m, by which a body goes aside in a step at most, for gravity and attractors
+  Real acceleration_margin;  ///< largest displacement in a step by gravity and attractors, m
   int substeps;              ///< >= 1
-  int iterations;            ///< sweeps over all contacts, >= 1
+  int iterations;            ///< iterations over all contacts per solve, >= 1
   Integrator integrator;
-  RotationUpdate rotation_update;  ///< of no meaning where the effect rotation is off
-  Sleep sleep;                     ///< of no meaning where the effect is off
+  RotationUpdate rotation_update;  ///< unused without the effect rotation
+  Sleep sleep;                     ///< unused if the effect is off
   StepControl* control;
 
-  /// What each body rests on by itself: planes, then boxes.
+  /// Number of static surfaces: planes, then boxes.
   int surfaces() const { return plane_count + boxes.count; }
-  Joints<Real>* joints;  ///< null where the effect is off
+  Joints<Real>* joints;  ///< null if the effect is off
 };
 
 template <class Real>
@@ -65,31 +64,33 @@ class ContactSolver {
  public:
   virtual ~ContactSolver() = default;
 
-  /// Runs of the pipeline, each with contacts of its own, that make one step.
+  /// Pipeline runs per step. Each run finds its own contacts.
   virtual int runs_per_step() const = 0;
-  /// s of motion that the contacts of a run must cover; 0: they are those of the bodies where they are.
+  /// Time span that the contacts of a run must cover, s; 0: contacts at the current positions only.
   virtual Real prediction_time() const = 0;
-  /// Outside of runs. `contact_capacity` in contacts; what is remembered stays.
+  /// Sets the capacity in contacts. Call outside of runs. Keeps the warm-start data.
   virtual void reserve(std::int64_t contact_capacity) = 0;
-  /// Enqueues all that changes velocities and poses in one run. `impulses`, unless null: receives what each
-  /// contact gave, N s.
+  /// Enqueues all stages that change velocities and poses in one run. `impulses`: output, impulse per
+  /// contact, N s; may be null.
   virtual void advance(const ContactView<Real>& contacts, Real* impulses) = 0;
 
-  /// Outside of runs, which must be recorded again afterwards: whether each sweep is followed by a measure of
-  /// what it left (residual.h). Off at first, and then it costs nothing; never changes the state.
+  /// Enables a residual measurement after each iteration (residual.h). Call outside of runs; runs must be
+  /// recorded again afterwards. Off by default. No cost when off, and no effect on the state.
   virtual void record_residuals(bool on) = 0;
-  /// Of the last step, in the order of sweeps; waits for the device. Empty where they were not recorded.
+  /// Residuals of the last step, in iteration order. Waits for the device. Empty if recording is off.
   virtual std::vector<Residual> residuals() const = 0;
 
-  /// Who sleeps; null where nothing can.
+  /// Sleep state; null without the effect sleeping.
   virtual const Sleeping<Real>* sleeping() const { return nullptr; }
 
-  /// What it knows from the runs before; waits for the device. Nothing, where it does not remember.
+  /// Copies the warm-start data to the host; waits for the device. Empty for a solver without warm
+  /// starting.
   virtual WarmStart save_warm_start() const { return {}; }
-  /// Outside of runs, which must be recorded again afterwards. Takes over what another solver of a scene with
-  /// these bodies knew: of contacts, all; of planes, if they are as many.
+  /// Loads the warm-start data of another solver of a scene with these bodies. Contact impulses are always
+  /// used; plane impulses only if the number of planes agrees. Call outside of runs; runs must be recorded
+  /// again afterwards.
   virtual void load_warm_start(const WarmStart&) {}
-  /// On the CPU: the arrays that save_warm_start() is made of, as runs write them.
+  /// CPU executors only: visits the arrays behind save_warm_start(), to back them up.
   virtual void visit_warm_start(const ArrayVisitor&) {}
 };
 

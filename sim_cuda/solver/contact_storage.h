@@ -1,7 +1,7 @@
 #pragma once
-// How the contacts of `soft_step` lie in memory, by place: what the same stages read lies together, in words
-// of 16 bytes in float. What two stages in turn ask for at random, body by body, is one sector of 32 bytes,
-// the least that a GPU fetches.
+// Memory layout of the contacts of `soft_step`, indexed by place in solve order. Data that a stage reads
+// together are stored together, in 16-byte words for float. Data that two stages fetch at random per body
+// fit one 32-byte sector, the smallest GPU memory transaction. Plain data.
 
 #include <cstdint>
 
@@ -15,14 +15,13 @@
 
 namespace collidoscope {
 
-/// All that a substep needs to start from the one before it.
+/// Contact data that a substep takes over from the previous substep.
 template <class Real>
 struct alignas(4 * sizeof(Real)) PackedContact {
-  Vector3<Real> normal;  ///< as SoftContact's
+  Vector3<Real> normal;  ///< see SoftContact
   Real gap;
   Real impulse;
-  Vector3<Real>
-      friction_impulse;  ///< FrictionImpulse's impulse; without friction it is neither written nor read
+  Vector3<Real> friction_impulse;  ///< N s, see FrictionImpulse; unused without friction
 
   SIM_HD static void store_geometry(PackedContact* target, const Separation<Real>& now) {
     store_vec4(static_cast<void*>(target), now.normal.x(), now.normal.y(), now.normal.z(), now.gap);
@@ -35,19 +34,20 @@ struct alignas(4 * sizeof(Real)) PackedContact {
 };
 static_assert(sizeof(PackedContact<float>) == 32 && sizeof(PackedContact<double>) == 64);
 
-/// What the ends of substeps add up.
+/// Sums over the substeps of a step.
 template <class Real>
 struct alignas(2 * sizeof(Real)) ContactSums {
-  Real total, approach;  ///< as SoftContact's
+  Real total, approach;  ///< see SoftContact
 };
 
 template <class Real>
 struct alignas(4 * sizeof(Real)) FrictionSums {
-  Vector3<Real> total;  ///< as FrictionImpulse's
+  Vector3<Real> total;  ///< see FrictionImpulse
   Real coefficient;
 };
 
-/// The bodies of a contact, as the step does not change them: beside it, so that no iteration looks them up.
+/// Body data of a contact that are constant in a step. A copy per contact saves the lookup by body in each
+/// iteration.
 template <class Real>
 struct alignas(4 * sizeof(Real)) ContactBodies {
   Real inverse_mass_a, inverse_mass_b;  ///< 1/kg
@@ -58,13 +58,13 @@ struct alignas(4 * sizeof(Real)) ContactBodies {
   }
 };
 
-/// The same, as friction asks for it.
+/// Additional body data of a contact for friction.
 template <class Real>
 struct alignas(2 * sizeof(Real)) ContactInertia {
-  Real inverse_inertia_a, inverse_inertia_b;  ///< as BodyFriction's
+  Real inverse_inertia_a, inverse_inertia_b;  ///< see BodyFriction
 };
 
-/// A body as a step finds it: what all its contacts ask for as they are prepared.
+/// Body data at the start of a step, read when contacts are prepared.
 template <class Real>
 struct alignas(4 * sizeof(Real)) StepBody {
   Vector3<Real> position;  ///< m
@@ -74,12 +74,11 @@ struct alignas(4 * sizeof(Real)) StepBody {
 };
 static_assert(sizeof(StepBody<float>) == 32 && sizeof(StepBody<double>) == 64);
 
-/// The same, as friction asks for it.
+/// Additional body data for friction.
 template <class Real>
 struct alignas(2 * sizeof(Real)) BodyFriction {
-  Real inverse_inertia;  ///< 1/(kg m^2), as AngularState::inverse_inertia_max(); < 0: minus that of a body
-                         ///< that is no ball
-  Real coefficient;      ///< of friction
+  Real inverse_inertia;  ///< 1/(kg m^2), inverse_inertia_max(); negative if the inertia is not isotropic
+  Real coefficient;      ///< friction coefficient
 
   SIM_HD static BodyFriction of(const BodyView<Real>& bodies, const Friction<Real>& friction,
                                 std::uint32_t body) {

@@ -25,7 +25,8 @@ struct FillLists {
   }
 };
 
-/// Contacts are numbered by (a, b), so ascending contact numbers are ascending ids of the other body.
+/// Contact numbers increase with (a, b). So increasing contact numbers are increasing ids of the other
+/// body.
 struct SortLists {
   DegreeView degrees;
   const std::uint32_t* place;

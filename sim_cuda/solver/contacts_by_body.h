@@ -1,7 +1,6 @@
 #pragma once
-// For each body, the contacts of a set that it takes part in, in increasing id of the other body: so a body
-// can add up what they do to it, in an order that nothing changes. Owned by a solver; made anew for each list
-// of contacts.
+// For each body, its contacts in a contact set, in increasing id of the other body. The fixed order makes
+// sums over the contacts of a body deterministic. Owned by a solver; rebuilt for each contact list.
 
 #include <cstdint>
 
@@ -10,10 +9,10 @@
 
 namespace collidoscope {
 
-/// A body's part in a contact.
+/// One end of a contact.
 struct ContactEnd {
-  std::uint32_t contact;  ///< number, or place
-  bool second;            ///< the body is the contact's b, which gets what a gives
+  std::uint32_t contact;  ///< contact number or place
+  bool second;            ///< true: the body is b, which gets the positive impulse
 
   template <class Real>
   SIM_HD Real sign() const {
@@ -23,8 +22,8 @@ struct ContactEnd {
 
 struct ContactsByBodyView {
   const std::uint32_t* count;  ///< per body
-  const std::uint32_t* begin;  ///< per body, where its contacts start in `entry`; undefined where it has none
-  const std::uint32_t* entry;  ///< twice the contact, and 1 more at its second body
+  const std::uint32_t* begin;  ///< per body, start of its contacts in `entry`; undefined if count is 0
+  const std::uint32_t* entry;  ///< 2 * contact; + 1 if the body is b
 
   SIM_HD ContactEnd end(int body, std::uint32_t k) const {
     const std::uint32_t packed = entry[begin[body] + k];
@@ -36,8 +35,8 @@ class ContactsByBody {
  public:
   explicit ContactsByBody(Executor& executor);
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
-  /// Lists the set, whose degrees are counted already, as part of that stage. `place`: what to list instead
-  /// of a contact's number; null: the number.
+  /// Builds the lists of `set`. Precondition: `degrees` has counted `set`. `stage`: name for timing.
+  /// `place`: values stored instead of contact numbers, by contact; null: contact numbers.
   void list(const char* stage, const ContactSet& set, const ContactDegrees& degrees,
             const std::uint32_t* place = nullptr);
   ContactsByBodyView view(const ContactDegrees& degrees) const {

@@ -16,11 +16,12 @@ struct SaveVelocities {
   SIM_HD void operator()(int body) const { before[body] = velocity[body].load(); }
 };
 
-/// The forces on all free bodies.
+/// Smooth forces on free bodies.
 template <class Real>
 struct SmoothField {
   AttractorView<Real> attractors;
-  const Vector3<Real>* start_field;  ///< m/s^2, of attractors, by body; null where the effect is off
+  const Vector3<Real>* start_field;  ///< acceleration by attractors at the start of the substep, m/s^2, by
+                                     ///< body; null without attractors
   DragLaw<Real> drag;
   bool with_drag;
   Vector3<Real> gravity;  ///< m/s^2
@@ -31,7 +32,8 @@ struct SmoothField {
   SIM_HD Vector3<Real> acceleration(int body) const {
     return start_field != nullptr ? Vector3<Real>(gravity + start_field[body]) : gravity;
   }
-  /// What the stages "drag" and "forces" make of v; or "drag" and "move".
+  /// Velocity after drag, gravity and attractors. Repeats the arithmetic of the stages "drag" and "forces"
+  /// (or "drag" and "move").
   SIM_HD Vector3<Real> predicted_velocity(const BodyView<Real>& bodies, int body, Vector3<Real> v,
                                           Real h) const {
     if (with_drag) v = DragBodies<Real>{bodies, drag, gravity, start_field, h, nullptr}.after_drag(body, v);
@@ -39,7 +41,7 @@ struct SmoothField {
   }
 };
 
-/// The integrate stage: along which velocity each body goes, and which it has then.
+/// Computes the drift velocity and the final velocity of each body.
 template <class Real, Integrator integrator>
 struct IntegrateFree {
   SmoothField<Real> field;
@@ -149,7 +151,7 @@ void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t*
                                 const ClampedMotion<Real>& clamped) {
   const bool lie_group = scene_.effects.rotation && scene_.rotation_update == RotationUpdate::lie_group;
   Effects move_effects = scene_.effects;
-  if (forces_applied || uses_higher_order()) move_effects.gravity = false;  // it is in the velocities
+  if (forces_applied || uses_higher_order()) move_effects.gravity = false;  // already in the velocities
   if (lie_group) move_effects.rotation = false;
   move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
                     scene_.box, h, scene_.control, asleep, clamped);

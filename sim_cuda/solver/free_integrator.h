@@ -1,23 +1,25 @@
 #pragma once
-// How bodies move in a substep once the solver has spoken: by the scene's integrator and rotation update.
+// Position and orientation update of a substep after the solver has run, by the scene's integrator and
+// rotation update.
 //
-// Contacts and joints are impulses: where one acts, a velocity jumps, and no scheme of an order above the
-// first knows what that means (Acary, Brogliato 2008, 10). So the two are split (Chen, Acary, Virlez, Bruls
-// 2013): a body whose velocity at the end of the sweeps is bit for bit what smooth forces alone made of it
-// was touched by nothing, and its step is that of dynamics/integrators.h, from where and how fast it was
-// when the substep began; all others move as with semi_implicit_euler, bit for bit. Piles, joints and what
-// rests are therefore the same under every integrator; between its bounces a ball flies to the order of its
-// own.
+// Contacts and joints act as impulses, which make velocities jump. Schemes of order above one are not valid
+// across such jumps (Acary, Brogliato 2008, 10). So bodies are split into two sets (Chen, Acary, Virlez,
+// Bruls 2013).
 //
-// A step of higher order may not create a contact: one that would end deeper in a plane than Euler's way is
-// Euler's. In other bodies and boxes a step may end deeper by |a| h^2 / 2, until the next substep; clamped
-// bodies (continuous_collision.h) are clamped on their steps. Sleeping bodies have none, and those that no
-// force moves are put back on their courses.
+// Free bodies: the velocity after the iterations equals, bit for bit, the velocity by smooth forces alone.
+// They are integrated by dynamics/integrators.h from the state at the start of the substep. All other
+// bodies move as with semi_implicit_euler, bit for bit. So piles, joints and resting bodies are the same
+// under every integrator, and a ball between bounces moves with the order of its integrator.
 //
-// Turning is free in every body, since torques come as impulses: dynamics/rotation_updates.h.
+// A higher-order step must not create a contact. If it would penetrate a plane deeper than the Euler step,
+// the Euler step is used. Into other bodies and boxes, a step may penetrate deeper by |a| h^2 / 2 until the
+// next substep. With continuous collision (continuous_collision.h), the higher-order step is clamped.
+// Sleeping bodies do not move. Kinematic bodies are restored to their prescribed motion.
 //
-// Owned by a solver. With semi_implicit_euler and first_order it takes no memory, and launches what
-// dynamics/move.h does and nothing else.
+// Rotation is torque-free between impulses for all bodies: dynamics/rotation_updates.h.
+//
+// Owned by a solver. With semi_implicit_euler and first_order it uses no memory and launches only the
+// stages of dynamics/move.h.
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
@@ -30,14 +32,16 @@ class FreeIntegrator {
  public:
   FreeIntegrator(Executor& executor, const SolverScene<Real>& scene);
 
-  /// Before anything changes velocities in a substep; `impulse`: before anything but contacts does.
+  /// Saves velocities at the start of a substep. Call before any stage changes velocities. The solver
+  /// `impulse` calls it after its contact iterations.
   void begin();
-  /// After all that changes velocities before bodies move, for `h` s. `forces_applied`: gravity is in them.
+  /// Computes drift velocities and final velocities. Call after all velocity changes, before move(). `h`:
+  /// substep, s. `forces_applied`: velocities already include gravity.
   void integrate(Real h, bool forces_applied);
-  /// The bodies, along whose velocities they now go.
+  /// Bodies whose velocity is the drift velocity of this substep.
   BodyView<Real> bodies_with_drift_velocity() const;
-  /// Moves and turns who is awake for `h` s: along bodies_with_drift_velocity(), as far as `clamped` lets
-  /// them. `forces_applied` as before.
+  /// Moves and rotates awake bodies for `h` s along the drift velocity, limited by `clamped`.
+  /// `forces_applied`: see integrate().
   void move(Real h, bool forces_applied, const std::uint8_t* asleep = nullptr,
             const ClampedMotion<Real>& clamped = {});
 
@@ -46,8 +50,8 @@ class FreeIntegrator {
 
   Executor& executor_;
   const SolverScene<Real> scene_;
-  Buffer<PackedVector3<Real>> before_;          ///< m/s, when the substep began
-  Buffer<PackedVector3<Real>> drift_velocity_;  ///< m/s, what bodies_with_drift_velocity() has
+  Buffer<PackedVector3<Real>> before_;          ///< velocity at the start of the substep, m/s
+  Buffer<PackedVector3<Real>> drift_velocity_;  ///< m/s, see bodies_with_drift_velocity()
 };
 
 }  // namespace collidoscope

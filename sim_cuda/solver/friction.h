@@ -1,9 +1,10 @@
 #pragma once
-// Coulomb's friction: a contact resists sliding with at most mu times its normal impulse. Called for by a
-// material whose coefficient is not 0; turns bodies, so it comes with rotation. A pair takes the geometric
-// mean of its two coefficients (as in Box2D and box3d): ice is slippery under any sole.
+// Coulomb friction: the tangential impulse of a contact is at most mu times its normal impulse. Required if
+// a material has a nonzero coefficient; needs rotation. The coefficients of a pair are combined as
+// sqrt(mu_a mu_b), as in Box2D and box3d.
 //
-// Clamped as a vector: clamping two axes each by itself would let a body creep across the diagonal.
+// The impulse is clamped as a vector. Separate clamping of two axes would let bodies creep across the
+// diagonal.
 
 #include <cstdint>
 
@@ -14,8 +15,8 @@ namespace collidoscope {
 
 template <class Real>
 struct Friction {
-  const Real* of_material = nullptr;        ///< 0 to 100, by material
-  const std::uint16_t* material = nullptr;  ///< by body; null where all bodies are of material 0
+  const Real* of_material = nullptr;        ///< coefficient by material, 0 to 100
+  const std::uint16_t* material = nullptr;  ///< by body; null: all bodies have material 0
 
   SIM_HD Real of_body(std::uint32_t body) const {
     return of_material[material == nullptr ? 0 : material[body]];
@@ -26,7 +27,7 @@ struct Friction {
   }
 };
 
-/// `impulse`, no longer than `limit` >= 0.
+/// Returns `impulse` clamped to length `limit` >= 0.
 template <class Real>
 SIM_HD Vector3<Real> clamp_length(const Vector3<Real>& impulse, Real limit) {
   const Real squared = impulse.dot(impulse);
@@ -35,8 +36,8 @@ SIM_HD Vector3<Real> clamp_length(const Vector3<Real>& impulse, Real limit) {
   return (limit / sqrt(squared)) * impulse;
 }
 
-/// Works against a slip of `slip` m/s with `mass` kg; `accumulated` in N s is what was given so far, and at
-/// most `limit` long afterwards. Returns what is new.
+/// Friction impulse against a slip velocity (m/s) with effective mass `mass` (kg). Updates `accumulated` (N
+/// s), whose length is at most `limit` afterwards. Returns the change.
 template <class Real>
 SIM_HD Vector3<Real> solve_friction(const Vector3<Real>& slip, Real mass, Real limit,
                                     Vector3<Real>& accumulated) {
@@ -46,29 +47,30 @@ SIM_HD Vector3<Real> solve_friction(const Vector3<Real>& slip, Real mass, Real l
   return change;
 }
 
-/// The part of a vector across a unit normal.
+/// Component of a vector perpendicular to a unit normal.
 template <class Real>
 SIM_HD Vector3<Real> tangential_part(const Vector3<Real>& vector, const Vector3<Real>& normal) {
   return vector - vector.dot(normal) * normal;
 }
 
-/// How a body turns, and what an angular impulse makes of it.
+/// Rotational state of a body, and its response to angular impulses.
 template <class Real>
 struct AngularState {
   Vector3<Real> velocity;  ///< rad/s
-  Vector3<Real> inertia;   ///< kg m^2, principal
-  Quaternion<Real> axes;   ///< principal axes to world; not read for a ball
+  Vector3<Real> inertia;   ///< principal moments, kg m^2
+  Quaternion<Real> axes;   ///< principal axes to world; unused for isotropic inertia
 
   SIM_HD static AngularState of(const BodyView<Real>& bodies, std::uint32_t body) {
     return {bodies.angular_velocity[body], bodies.inertia[body], bodies.orientation[body]};
   }
   SIM_HD bool is_isotropic() const { return inertia.x() == inertia.y() && inertia.y() == inertia.z(); }
-  /// 1/(kg m^2), about the axis that turns most easily: what a slip is divided by must not be less.
+  /// Largest inverse principal moment, 1/(kg m^2). An upper bound makes the effective mass a lower bound,
+  /// which keeps the solver stable.
   SIM_HD Real inverse_inertia_max() const {
     const Real least = inertia.x() < inertia.y() ? inertia.x() : inertia.y();
     return 1 / (least < inertia.z() ? least : inertia.z());
   }
-  /// `impulse` in N m s, world axes.
+  /// `impulse` in N m s, in world axes.
   SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {
     if (is_isotropic()) {
       velocity += impulse / inertia.x();

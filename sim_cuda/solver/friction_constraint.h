@@ -1,7 +1,8 @@
 #pragma once
-// What friction gives at one contact of `soft_step`: solved after the normal impulse whenever that is
-// relaxed, within mu times it, and, where it bounced, once more after all bounces, within mu times the normal
-// impulse of the whole step, for a bounce presses harder than the substep in which it began.
+// Friction constraint of one contact of `soft_step`. It is solved after each relaxed normal impulse,
+// limited by mu times that impulse. After restitution it is solved once more for contacts that bounced,
+// limited by mu times the normal impulse of the whole step. Reason: a bounce has a larger normal impulse
+// than the substep in which it began.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/solver/contact_storage.h"
@@ -10,22 +11,23 @@
 
 namespace collidoscope {
 
-/// Beside each SoftContact.
+/// Friction part of a SoftContact.
 template <class Real>
 struct FrictionImpulse {
-  Vector3<Real> impulse;  ///< N s, across the normal, given to b and taken from a; of the substep
-  Vector3<Real> total;    ///< N s, of the step so far
-  Real coefficient;       ///< of the pair
+  Vector3<Real>
+      impulse;  ///< accumulated in the substep, N s, perpendicular to the normal; applied to b, negative to a
+  Vector3<Real> total;  ///< sum over the step so far, N s
+  Real coefficient;     ///< friction coefficient of the pair
 };
 
-/// Two bodies at a contact. The arms end in the middle of the overlap, so that what friction gives to both
-/// leaves their angular momentum as it is.
+/// Two bodies at a contact. Both arms end at the middle of the overlap, so friction conserves angular
+/// momentum.
 template <class Real>
 struct FrictionConstraint {
   Vector3<Real> angular_velocity_a, angular_velocity_b;  ///< rad/s
   Vector3<Real> normal;
   Real arm_a, arm_b;                          ///< m
-  Real inverse_inertia_a, inverse_inertia_b;  ///< as in ContactInertia
+  Real inverse_inertia_a, inverse_inertia_b;  ///< see ContactInertia
 
   SIM_HD FrictionConstraint(const Vector3<Real>& initial_a, const Vector3<Real>& initial_b,
                             const SoftContact<Real>& contact, const ContactBodies<Real>& pair,
@@ -38,19 +40,19 @@ struct FrictionConstraint {
         inverse_inertia_a(inertia.inverse_inertia_a),
         inverse_inertia_b(inertia.inverse_inertia_b) {}
 
-  /// m/s, of b's surface on a's; `velocity` of b's centre relative to a's.
+  /// Slip velocity of b's surface relative to a's, m/s. `velocity`: of b's centre relative to a's, m/s.
   SIM_HD Vector3<Real> slip(const Vector3<Real>& velocity) const {
     return tangential_part<Real>(
         velocity - (arm_a * angular_velocity_a + arm_b * angular_velocity_b).cross(normal), normal);
   }
-  /// 1/kg, that a slip has to move beside the inverse masses of a and b.
+  /// Rotational part of the inverse effective mass against slip, 1/kg.
   SIM_HD Real angular_inverse_mass_a() const {
     return arm_a * arm_a * (inverse_inertia_a < 0 ? -inverse_inertia_a : inverse_inertia_a);
   }
   SIM_HD Real angular_inverse_mass_b() const {
     return arm_b * arm_b * (inverse_inertia_b < 0 ? -inverse_inertia_b : inverse_inertia_b);
   }
-  /// What an impulse at the contact, N s, makes of the spins.
+  /// Updates the angular velocities for an impulse at the contact, N s.
   SIM_HD void apply_impulse(const BodyView<Real>& bodies, Pair ids, const Vector3<Real>& impulse) {
     const Vector3<Real> moment = normal.cross(impulse);
     angular_velocity_a =

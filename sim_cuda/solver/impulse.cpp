@@ -8,14 +8,14 @@ namespace collidoscope {
 
 namespace {
 
-/// Of contacts of one colour at a time: no two share a body.
+/// Resolves one contact. The contacts of a launch have one colour, so no two share a body.
 template <class Real>
 struct ResolveContact {
   ContactView<Real> contacts;
   BodyView<Real> bodies;
   Restitution<Real> restitution;
   ImpulseSum<Real> impulses;
-  bool correct_positions;  ///< overlaps apart
+  bool correct_positions;  ///< also push overlapping bodies apart
 
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts.bodies[contact];
@@ -51,9 +51,9 @@ struct ClearImpulses {
 
 // ---- the mass-split set (Tonge, Benevolenski, Voroshilov 2012) ----
 //
-// A body with n contacts in the set counts as n bodies of 1/n of its mass that all move alike. Each contact
-// is resolved between such parts, all at once; then the parts of a body are averaged. Neither resolving nor
-// averaging raises the energy.
+// A body with n contacts in the set is split into n equal parts of 1/n of its mass. Each contact is
+// resolved between two parts, all contacts in parallel. Then the parts of each body are averaged. Neither
+// step raises the energy.
 
 template <class Real>
 struct ResolveUncoloured {
@@ -63,7 +63,7 @@ struct ResolveUncoloured {
   const std::uint32_t *order, *begin, *count;
   Real *impulse, *shift;
   ImpulseSum<Real> impulses;
-  bool correct_positions;  ///< overlaps apart
+  bool correct_positions;  ///< also push overlapping bodies apart
 
   SIM_HD void operator()(int item) const {
     const std::uint32_t contact = order[*begin + static_cast<std::uint32_t>(item)];
@@ -83,7 +83,7 @@ struct ResolveUncoloured {
   }
 };
 
-/// A body's share of all its contacts in the set, added in increasing id of the other body.
+/// Applies the impulses of a body's contacts in the set, summed in increasing id of the other body.
 template <class Real>
 struct ApplyUncoloured {
   ContactView<Real> contacts;
@@ -105,7 +105,7 @@ struct ApplyUncoloured {
 #endif
 
  private:
-  /// Momentum and, where overlaps are pushed, mass times displacement.
+  /// Sums: momentum, and mass times displacement if positions are corrected.
   using ImpulseSums = OrderedSums<Real, 0, 1>;
 
   SIM_HD auto entry(int body) const {
@@ -124,7 +124,7 @@ struct ApplyUncoloured {
   }
 };
 
-/// residual.h, of what ResolveContact would do once more.
+/// Residual of a contact (residual.h): the effect of another ResolveContact.
 template <class Real>
 struct ImpulseResidual {
   ContactView<Real> contacts;
@@ -208,7 +208,7 @@ void ImpulseSolver<Real>::iterate(const ContactView<Real>& contacts, const Impul
   const ColourView colours = colouring_.view();
   const ContactsByBodyView uncoloured = uncoloured_.view(uncoloured_degrees_);
   const BodyView<Real>& bodies = scene_.bodies;
-  // Contacts of one colour share no body, so there are at most half as many as bodies.
+  // Contacts of one colour share no body, so a colour has at most body_count / 2 contacts.
   const std::int64_t colour_capacity =
       contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
   executor_.run_rounds("solve", Colouring::colours, colour_capacity,

@@ -1,13 +1,13 @@
 #pragma once
-// The solver `impulse`: the paper's immediate resolution ("directly resolve the collision by modifying the
-// dynamics attribute for each colliding object pair"), made independent of order: colour by colour, then what
-// the colours left over by mass splitting, then the walls.
+// The solver `impulse`: immediate resolution as in the paper ("directly resolve the collision by modifying
+// the dynamics attribute for each colliding object pair"), independent of processing order. Order: contacts
+// colour by colour, the mass-split set, walls.
 //
-// Energy: at fixed positions no stage raises the kinetic energy where restitution <= 1 (each impulse
-// separates, with at most the speed of approach; a split body is an average of such). Forwarding by
-// semi-implicit Euler then takes 1/2 m g^2 h^2 from each free body (its drift in the ballistic energy). What
-// can add energy is the positional push, against walls only: pushes between bodies keep the centre of mass,
-// and with it the potential energy. That part is measured (`push_work`).
+// Energy: at fixed positions, no stage raises the kinetic energy if restitution <= 1. Each impulse
+// separates with at most the approach speed, and a split body is an average of such results. Semi-implicit
+// Euler then removes 1/2 m g^2 h^2 from each free body (its drift in the ballistic energy). Only the
+// positional push against walls can add energy, which is measured as `push_work`. Pushes between bodies
+// keep the centre of mass, and with it the potential energy.
 
 #include <cstdint>
 
@@ -21,15 +21,15 @@
 
 namespace collidoscope {
 
-/// The positional push of two overlapping spheres: a fraction of what exceeds the slop, bounded. Lengths
-/// scale with the smaller sphere, so that dust and boulders behave alike.
+/// Position correction of two overlapping spheres: a fraction of the depth beyond the slop, with an upper
+/// limit. Lengths scale with the smaller sphere, so the behaviour is independent of size.
 template <class Real>
 struct PositionCorrection {
   static constexpr double fraction =
-      0.2;  ///< of the excess depth, per step (Baumgarte's usual range is 0.1 to 0.3)
-  static constexpr double slop = 0.01;  ///< depth left alone, in radii of the smaller sphere
+      0.2;  ///< of the depth beyond the slop, per step (usual Baumgarte range: 0.1 to 0.3)
+  static constexpr double slop = 0.01;  ///< depth without correction, in radii of the smaller sphere
   static constexpr double limit = 0.2;  ///< largest correction per step, in radii of the smaller sphere
-  /// `depth` > 0 in m, `radius` of the smaller sphere in m; returns m, >= 0.
+  /// Correction distance, m, >= 0. `depth` > 0 in m; `radius` of the smaller sphere in m.
   SIM_HD static Real distance(Real depth, Real radius) {
     return clamp_to(Real(fraction) * (depth - Real(slop) * radius), Real(0), Real(limit) * radius);
   }
@@ -42,20 +42,20 @@ class ImpulseSolver final : public ContactSolver<Real> {
   int runs_per_step() const override { return scene_.substeps; }
   Real prediction_time() const override { return 0; }
   void reserve(std::int64_t contact_capacity) override;
-  /// `iterations` sweeps over all colours; the push is made in the last.
+  /// Runs `iterations` iterations over all colours. Positions are corrected in the last one.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
-  /// Of bodies alone: walls come after the sweeps.
+  /// Residuals cover contacts between bodies only; walls are resolved after the iterations.
   void record_residuals(bool on) override { residuals_.enable(on, scene_.substeps, scene_.iterations + 1); }
   std::vector<Residual> residuals() const override;
 
  private:
-  /// `correct_positions`: overlaps apart, too.
+  /// `correct_positions`: also pushes overlapping bodies apart.
   void iterate(const ContactView<Real>& contacts, const ImpulseSum<Real>& impulses, bool correct_positions);
   void record_iteration(const ContactView<Real>& contacts, int iteration);
 
   Executor& executor_;
   const SolverScene<Real> scene_;
-  const Real h_;  ///< s, of a run
+  const Real h_;  ///< length of a run, s
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
   ContactDegrees uncoloured_degrees_;  ///< of the mass-split set

@@ -1,23 +1,24 @@
 #pragma once
-// What one joint does to its two bodies. Called for by a scene's list of joints.
+// Constraint solver of one joint. Required if the scene has joints.
 //
-// Solving looks at where the anchors will be when the substep has moved them, curvature included; relaxing,
-// after the move, leaves them no speed against each other. For a joint by itself this is RATTLE (Andersen
-// 1983) with the kick in front: the period is right to second order in h, and energy does not drift. Where
-// bodies have n > 1 joints, these are iterated (Gauss, Seidel) and yield: 0.4/n of an error is pulled in per
-// substep, and a tenth of the impulse that was carried over is let go of. A load F at rest makes such a joint
-// give way by F h^2 n / (4 m), m being the mass that it feels, and some four times that when it swings; asked
-// for faster, what the sweeps have
-// not passed on yet would be asked for twice, and swing up. Errors go at no more than 50 radii of the smaller
-// body a second. Impulses act in pairs along one line or at one place: momenta are kept to rounding.
+// Solve uses the anchor positions at the end of the substep, including curvature. Relax, after the move,
+// removes the relative velocity of the anchors. For a single joint this is RATTLE (Andersen 1983) with the
+// kick first: the period is second-order accurate in h, and energy does not drift.
 //
-// A spring is solved once a substep, by an impulse that depends on stretch and speed just so that a pair by
-// itself swings as the closed form does, whatever h: x'' = -w^2 x - 2 z w x', sampled every h, has the roots
-// p = exp(h w (-z +- sqrt(z^2 - 1))), and so has the substep v' = v - mass_scale v - bias_rate x, x' = x + h
-// v' with mass_scale = 1 - p1 p2 and bias_rate = (1 - p1) (1 - p2) / h. (v is without what the spring gives,
-// so impulse_scale = 1 - mass_scale.) Stretch acts explicitly. For nets of springs to be stable, h w counts
-// as no more than 1 / sqrt(n): then none of a net's frequencies is above sqrt(2) / h (Gershgorin), and 2 / h
-// is the limit.
+// If a body has n > 1 joints, they are iterated (Gauss-Seidel) and compliant. Each substep corrects 0.4/n
+// of the error, and warm starting uses 0.9 of the accumulated impulse. Under a static load F, such a joint
+// stretches by F h^2 n / (4 m), where m is its effective mass. Under a swinging load it stretches about
+// four times as much. A stiffer correction would be applied again before the iterations have propagated it,
+// and oscillate. Errors are corrected at no more than 50 radii of the smaller body per second. Impulses act
+// in pairs along one line or at one point, so momenta are conserved to rounding.
+//
+// A spring is solved once per substep. Its impulse depends on stretch and speed so that a single pair
+// follows the closed form for every h. Sampled every h, x'' = -w^2 x - 2 z w x' has the roots p = exp(h w
+// (-z +- sqrt(z^2 - 1))). The substep v' = v - mass_scale v - bias_rate x, x' = x + h v' has the same roots
+// with mass_scale = 1 - p1 p2 and bias_rate = (1 - p1) (1 - p2) / h. v excludes the spring's own impulse,
+// so impulse_scale = 1 - mass_scale. Stretch acts explicitly. For stability of spring nets, h w is limited
+// to 1 / sqrt(n). Then no frequency of a net exceeds sqrt(2) / h (Gershgorin); the stability limit is 2 /
+// h.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/solver/friction.h"
@@ -30,7 +31,7 @@ struct JointConstraint {
   const JointRow<Real>& joint;
   JointImpulse<Real>& accumulated;
   JointEnds<Real, with_rotation>& ends;
-  Real h;  ///< s, of a substep
+  Real h;  ///< substep, s
 
   SIM_HD JointConstraint(const JointRow<Real>& row, JointImpulse<Real>& impulse,
                          JointEnds<Real, with_rotation>& both, Real substep)
@@ -71,8 +72,8 @@ struct JointConstraint {
   }
 
  private:
-  /// It turns so far in a substep, by half a radian, that an impulse of the substep before is none for this
-  /// one: carried over all the same, joints that contradict each other would bring energy without end.
+  /// True if the body rotates by more than 0.5 rad per substep. The impulse direction of the last substep
+  /// is then no longer valid, and warm starting with it would add energy in redundant joints.
   SIM_HD bool rotates_too_fast(const JointEnd<Real, with_rotation>& end) const {
     if constexpr (with_rotation) return h * h * end.angular_velocity.dot(end.angular_velocity) > Real(0.25);
     return false;
@@ -81,7 +82,7 @@ struct JointConstraint {
     using std::sqrt;
     return sqrt(v.dot(v));
   }
-  /// From a's anchor to b's; up, where they are in one place.
+  /// Unit vector from a's anchor to b's; (0, 0, 1) if they coincide.
   SIM_HD Vector3<Real> direction(Real length) const {
     return length > 0 ? Vector3<Real>(ends.separation / length) : Vector3<Real>(0, 0, 1);
   }
@@ -99,7 +100,7 @@ struct JointConstraint {
   SIM_HD Real clamp_speed(Real speed) const {
     return clamp_to(speed, -joint.max_correction_speed, joint.max_correction_speed);
   }
-  /// What is held from both sides: the new part of `impulse`.
+  /// Two-sided constraint. Returns the change of the accumulated `impulse`.
   template <JointPhase phase>
   SIM_HD Real bilateral_impulse(Real error, Real speed, Real mass, Real impulse) const {
     const JointStiffness<Real>& s = joint.stiffness;
@@ -108,7 +109,9 @@ struct JointConstraint {
         joint.kind == JointKind::spring ? s.bias_rate * error : clamp_speed(s.bias_rate * error);
     return -mass * (s.mass_scale * speed + bias) - s.impulse_scale * impulse;
   }
-  /// What is held from one side, by a gap that `speed` opens; < 0: too far. May close, and not more.
+  /// One-sided constraint on a gap >= 0; `speed`: rate of the gap, > 0 opens. Updates the accumulated
+  /// `impulse` and returns its change. A positive gap may close within the substep, but not become
+  /// negative.
   template <JointPhase phase>
   SIM_HD Real unilateral_impulse(Real gap, Real speed, Real mass, Real& impulse) const {
     if (phase == JointPhase::relax && gap > 0 && !(impulse > 0)) return 0;
@@ -119,7 +122,7 @@ struct JointConstraint {
     return applied;
   }
 
-  // ---- along the line from anchor to anchor ----
+  // ---- distance and spring: along the line between the anchors ----
 
   template <JointPhase phase>
   SIM_HD void solve_line() {
@@ -135,7 +138,7 @@ struct JointConstraint {
       const Vector3<Real> mean =
           ends.b.mean_velocity_at(ends.b.arm, h) - ends.a.mean_velocity_at(ends.a.arm, h);
       const Vector3<Real> then = ends.separation + h * mean;
-      if (ends.separation.dot(then) > 0)  // else it passes through 0, which is no curve
+      if (ends.separation.dot(then) > 0)  // otherwise the line passes through 0, where curvature is undefined
         speed += clamp_speed(mean.dot(ends.separation + then) / (length + length_of(then)) - speed);
     }
     Real change = 0;
@@ -152,10 +155,9 @@ struct JointConstraint {
     apply_impulse_along(normal, change);
   }
 
-  // ---- one point in common ----
+  // ---- ball and hinge: one common point ----
 
-  // Impulses act midway between the anchors, on both bodies at one place, so that they keep the angular
-  // momentum.
+  // Impulses act on both bodies midway between the anchors, so they conserve angular momentum.
   SIM_HD Vector3<Real> arm_a() const {
     return joint.b == JointRow<Real>::world ? ends.a.arm : Vector3<Real>(ends.a.arm + ends.separation / 2);
   }
@@ -182,10 +184,11 @@ struct JointConstraint {
     apply_point_impulse(change);
   }
 
-  // ---- one axis in common ----
+  // ---- hinge: one common axis ----
 
   struct Hinge {
-    Vector3<Real> axis, axis_b, side, other;  ///< world; axis, side and other are a's, right-handed
+    Vector3<Real> axis, axis_b, side,
+        other;  ///< world axes; axis, side and other are a's frame, right-handed
     SIM_HD explicit Hinge(const JointConstraint& work)
         : axis(work.ends.a.axes * work.joint.axis_a),
           axis_b(work.ends.b.axes * work.joint.axis_b),

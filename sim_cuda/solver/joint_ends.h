@@ -1,10 +1,10 @@
 #pragma once
-// The two ends of a joint while it is solved: the bodies, the anchors, and the effect of an impulse there.
-// Static bodies and the world take none. `with_rotation`: with the effect rotation; without it, bodies are
-// held at their centres.
+// The two ends of a joint during a solve: body state, anchor, and response to impulses. Static bodies and
+// the world do not respond. Without the effect rotation (`with_rotation` false), anchors are the body
+// centres. Short-lived; loaded and stored per visit.
 //
-// `with_rotation` and the phase are template parameters of the sweeps: as run-time branches they cost 2 %
-// each of a step of the scene `bridge` on an H200.
+// `with_rotation` and the phase are template parameters of the stages. As run-time branches, each costs 2 %
+// of a step of the scene `bridge` on an H200.
 
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/joint_state.h"
@@ -17,7 +17,7 @@ struct JointEnd {
   Vector3<Real> center, velocity;  ///< m, m/s
   Real inverse_mass;               ///< 1/kg
   Vector3<Real> arm;               ///< m, from the centre to the anchor
-  // Read only where bodies turn:
+  // Used only with rotation:
   Vector3<Real> angular_velocity;  ///< rad/s
   Vector3<Real> inverse_inertia;   ///< 1/(kg m^2), principal
   Quaternion<Real> axes;           ///< principal axes to world
@@ -53,14 +53,15 @@ struct JointEnd {
     if constexpr (with_rotation) bodies.angular_velocity[body] = angular_velocity;
   }
 
-  /// m/s, of a point of the body, `from` its centre.
+  /// Velocity of a point of the body, m/s; `from`: offset from the centre, m.
   SIM_HD Vector3<Real> velocity_at(const Vector3<Real>& from) const {
     if constexpr (with_rotation)
       return velocity + angular_velocity.cross(from);
     else
       return velocity;
   }
-  /// The same, as a mean over the next move of h seconds, which turns bodies by a Cayley map of h rate.
+  /// Mean velocity of the point over the next move of h seconds, m/s. The move rotates by a Cayley map of h
+  /// * angular velocity.
   SIM_HD Vector3<Real> mean_velocity_at(const Vector3<Real>& from, Real h) const {
     if constexpr (with_rotation)
       return velocity + mean_rotation_velocity(from, h);
@@ -71,7 +72,7 @@ struct JointEnd {
     const Vector3<Real> half = (h / 2) * angular_velocity, change = angular_velocity.cross(vector);
     return (change + half.cross(change)) / (1 + half.dot(half));
   }
-  /// rad/s, that an angular impulse of so many N m s adds.
+  /// Change of the angular velocity by an angular impulse `moment` (N m s), rad/s.
   SIM_HD Vector3<Real> apply_inverse_inertia(const Vector3<Real>& moment) const {
     const bool isotropic =
         inverse_inertia.x() == inverse_inertia.y() && inverse_inertia.y() == inverse_inertia.z();
@@ -80,7 +81,7 @@ struct JointEnd {
     return axes * Vector3<Real>(inverse_inertia.x() * own.x(), inverse_inertia.y() * own.y(),
                                 inverse_inertia.z() * own.z());
   }
-  /// 1/kg, against an impulse along a unit vector, `from` the centre.
+  /// Inverse effective mass against an impulse along a unit vector at `from` (m from the centre), 1/kg.
   SIM_HD Real inverse_effective_mass(const Vector3<Real>& direction, const Vector3<Real>& from) const {
     if constexpr (with_rotation) {
       const Vector3<Real> moment = from.cross(direction);
@@ -89,7 +90,7 @@ struct JointEnd {
       return inverse_mass;
     }
   }
-  /// 1/kg, against any impulse there.
+  /// Adds the inverse mass matrix against an impulse at `from`, 1/kg.
   SIM_HD void add_inverse_mass_matrix(const Vector3<Real>& from, Symmetric3<Real>& matrix) const {
     matrix.xx += inverse_mass;
     matrix.yy += inverse_mass;
@@ -118,7 +119,7 @@ struct JointEnd {
 template <class Real, bool with_rotation>
 struct JointEnds {
   JointEnd<Real, with_rotation> a, b;
-  Vector3<Real> separation;  ///< m, from a's anchor to b's
+  Vector3<Real> separation;  ///< from a's anchor to b's, m
 
   SIM_HD JointEnds(const BodyView<Real>& bodies, const JointRow<Real>& joint)
       : a(JointEnd<Real, with_rotation>::of(bodies, joint.a, joint.anchor_a)),

@@ -1,23 +1,23 @@
 #pragma once
-// How far a joint is from what it should hold, at the current state.
+// Position error of a joint at the current state, for reports and displays. Pure functions.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/solver/joint_ends.h"
 
 namespace collidoscope {
 
-/// The worst, and the sum, over all joints at one state.
+/// Maxima (errors) and sum (energy) over joints.
 struct JointSums {
-  double error;   ///< m, that anchors are too far from each other, or too near
-  double angle;   ///< rad, about: between the axes of a hinge, or beyond its limits
-  double energy;  ///< J, in springs
+  double error;   ///< anchor distance outside the allowed range, m
+  double angle;   ///< approximate angle between the hinge axes or beyond the limits, rad
+  double energy;  ///< potential energy of springs, J
 };
 
 SIM_HD inline JointSums combine(const JointSums& a, const JointSums& b) {
   return {max_of(a.error, b.error), max_of(a.angle, b.angle), a.energy + b.energy};
 }
 
-/// What is left of a hinge's way to its limits, rad: twice the sine of half of it; < 0 beyond.
+/// Remaining angles of a hinge to its limits, rad, as twice the sine of half the angle; < 0 beyond a limit.
 template <class Real>
 struct HingeLimitGap {
   Real above, below;

@@ -1,6 +1,6 @@
 #pragma once
-// A joint as the stages of `soft_step` see it: what it is, which no run changes, and what it gives, which
-// lives on from substep to substep.
+// Data of a joint in `soft_step`: constant parameters (JointRow), and accumulated impulses (JointImpulse),
+// which are kept from substep to substep. Plain data.
 
 #include <cstdint>
 
@@ -9,53 +9,53 @@
 
 namespace collidoscope {
 
-/// Whether an iteration comes before bodies move or after.
+/// Position of an iteration in the substep: solve before bodies move, relax after.
 enum class JointPhase { solve, relax };
 
-/// How hard a joint works against its error C (m) while it is solved: the impulse so far, p, changes by
-/// -mass (mass_scale speed + bias_rate C) - impulse_scale p. Rigid: 1, 1/h, 0.
+/// Softness of a joint with error C (m) in solve. The accumulated impulse p changes by -mass (mass_scale
+/// speed + bias_rate C) - impulse_scale p. Rigid: 1, 1/h, 0.
 template <class Real>
 struct JointStiffness {
   Real mass_scale;
   Real bias_rate;  ///< 1/s
   Real impulse_scale;
-  Real warm_start_factor;  ///< of the impulse of the substep before, as a start
+  Real warm_start_factor;  ///< fraction of the last substep's impulse
 };
 
 template <class Real>
 struct JointRow {
   static constexpr std::uint32_t world = 0xffffffffu;
 
-  std::uint32_t a, b;  ///< ids; b: or `world`
+  std::uint32_t a, b;  ///< body ids; b may be `world`
   JointKind kind;
-  bool limited;  ///< a hinge with limits
+  bool limited;  ///< hinge with limits
   Vector3<Real> anchor_a,
-      anchor_b;  ///< m, along principal axes from the centre; a place, where b is the world
+      anchor_b;  ///< in principal axes from the centre, m; anchor_b is a world position if b is `world`
   JointStiffness<Real> stiffness;
-  Real max_correction_speed;                       ///< m/s, at which an error goes
-  static constexpr Real max_correction_rate = 50;  ///< rad/s, at which axes come together
-  Real low, high;                                  ///< m, of a distance; a rod's and a spring's are equal
-  Real spring;                                     ///< 1/s^2, stiffness of a spring over its mass
-  Vector3<Real> axis_a, axis_b, side;  ///< of a hinge, along principal axes; side: of a, across the axis
-  Quaternion<Real> start;              ///< turns b's principal axes into a's where the hinge's angle is 0
-  Real low_cosine, low_sine, high_cosine, high_sine;  ///< of half the angles of the limits
+  Real max_correction_speed;                       ///< upper limit of the correction speed, m/s
+  static constexpr Real max_correction_rate = 50;  ///< upper limit of the axis correction, rad/s
+  Real low, high;  ///< allowed distance, m; equal for a rod and for a spring's rest length
+  Real spring;     ///< stiffness over effective mass, 1/s^2
+  Vector3<Real> axis_a, axis_b, side;  ///< of a hinge, in principal axes; side: perpendicular to a's axis
+  Quaternion<Real> start;              ///< rotation from b's to a's principal axes at hinge angle 0
+  Real low_cosine, low_sine, high_cosine, high_sine;  ///< of half the limit angles
 };
 
-/// What a joint gives to b and takes from a. 32 bytes in float.
+/// Accumulated impulse of a joint, applied to b and negative to a. 32 bytes in float.
 template <class Real>
 struct alignas(4 * sizeof(Real)) JointImpulse {
-  Vector3<Real> linear;   ///< N s; of a rod or spring, x: along it, > 0 apart
-  Real lower, upper;      ///< of limits, >= 0; N s of a distance, N m s of a hinge
-  Real perpendicular[2];  ///< N m s, of a hinge, across its axis
+  Vector3<Real> linear;   ///< N s; rod and spring: x only, along the line, > 0 pushes apart
+  Real lower, upper;      ///< limits, >= 0; N s for a distance, N m s for a hinge
+  Real perpendicular[2];  ///< hinge: perpendicular to its axis, N m s
 };
 static_assert(sizeof(JointImpulse<float>) == 32 && sizeof(JointImpulse<double>) == 64);
 
-/// All joints, colour by colour: no two of a colour share a body that moves.
+/// All joints, sorted by colour. No two joints of a colour share a dynamic body.
 template <class Real>
 struct JointView {
   const JointRow<Real>* rows = nullptr;
   JointImpulse<Real>* impulses = nullptr;
-  const std::uint32_t* begin = nullptr;  ///< of each colour, and the end
+  const std::uint32_t* begin = nullptr;  ///< start of each colour, and the end
   std::int64_t count = 0;
 };
 

@@ -15,18 +15,18 @@ namespace collidoscope {
 
 namespace {
 
-// See joint_constraint.h. A rigid joint by itself is right after one visit; what it lets go of bounds what
-// piles up where something else resists it.
+// See joint_constraint.h. A single rigid joint is exact after one visit. A warm-start factor below 1 bounds
+// the accumulated impulse if another constraint resists it.
 constexpr double alone_warm_start_factor = 0.95;
 constexpr double coupled_error_fraction =
-    0.4;  ///< of the error, per substep, over the most joints at one body
+    0.4;  ///< of the error, per substep; divided by the largest number of joints at a body
 constexpr double coupled_warm_start_factor = 0.9;
 constexpr double radii_per_second = 50;
 
 constexpr double full_turn = 6.283185307179586;
 
-/// rad, that a spring turns in a substep; `joint_count`: the most joints at one of its bodies. See
-/// joint_constraint.h.
+/// Phase angle of a spring per substep, rad. `joint_count`: largest number of joints at one of its bodies.
+/// See joint_constraint.h.
 double spring_angle(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
   return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(joint_count));
 }
@@ -44,7 +44,7 @@ JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_coun
     bias = expm1_series(-angle * fast) * expm1_series(-angle / fast);
   }
   const double factor =
-      joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of what damps
+      joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of the damping part
   return {scale, bias / h, 1 - scale, 1 - (1 - factor) * scale};
 }
 
@@ -55,7 +55,7 @@ JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t joint_c
                          : JointStiffness<double>{1, 1 / h, 0, alone_warm_start_factor};
 }
 
-/// A unit vector across another.
+/// A unit vector perpendicular to `axis`.
 Vector3d perpendicular_to(const Vector3d& axis) {
   const Vector3d other = std::abs(axis.x()) < 0.6 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
   const Vector3d side = other - other.dot(axis) * axis;
@@ -93,7 +93,7 @@ JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, doubl
   return row;
 }
 
-/// Of each joint, first fit, in order. `moves`: by body.
+/// Colour of each joint, first fit in scene order. `moves`: by body, true if dynamic.
 std::vector<std::size_t> colour(const std::vector<PlacedJoint>& joints, const std::vector<bool>& moves) {
   std::vector<std::vector<std::uint64_t>> taken(moves.size());
   std::vector<std::size_t> colours;
@@ -129,7 +129,7 @@ struct JointRounds {
   BodyView<Real> bodies;
   Real h;
   const StepControl* control;
-  const std::uint8_t* asleep;  ///< by body; null where the effect sleeping is off
+  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
   static constexpr bool static_item_counts = true;
   SIM_HD std::int64_t items(int round) const {
     return control->overflow ? 0 : joints.begin[round + 1] - joints.begin[round];
@@ -304,7 +304,7 @@ void Joints<Real>::load_warm_start(const std::vector<WarmStartJoint>& warm_start
   if (count() == 0) return;
   const std::vector<JointRow<Real>> rows = rows_.download();
   std::vector<JointImpulse<Real>> impulses(rows.size());
-  // Both are in the order of their scenes; what only one of them has is passed over.
+  // Both lists are in scene order. Joints in only one of them are skipped.
   std::size_t known = 0;
   for (const std::size_t place : scene_order_) {
     const JointRow<Real>& row = rows[place];

@@ -1,8 +1,8 @@
 #pragma once
-// The joints of a scene, and how `soft_step` iterates over them: colour by colour, where colours are shared
-// out once, first fit in the order of the scene; what nothing moves, the world among it, is of every colour.
-// Made with the pipeline and as long-lived; each iteration is one call of the executor. An overflow leaves
-// all as it is.
+// The joints of a scene and their iterations in `soft_step`, colour by colour. Colours are assigned once,
+// first fit in scene order. Static and kinematic bodies and the world may occur several times in a colour.
+// Created with the pipeline and has its lifetime. Each iteration is one call of the executor. After an
+// overflow, nothing changes.
 
 #include <cstdint>
 #include <utility>
@@ -26,7 +26,7 @@ struct JointRounds;
 template <class Real>
 class Joints {
  public:
-  /// `h`: s, of a substep. `control` and what `bodies` points to stay.
+  /// `h`: substep, s. `control` and the memory of `bodies` must outlive this object.
   Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
          const BodyView<Real>& bodies, Real h, const StepControl* control);
 
@@ -34,31 +34,31 @@ class Joints {
   int colours() const { return colours_; }
   JointView<Real> view() const { return {rows_.data(), impulses_.data(), begin_.data(), count()}; }
 
-  /// Those whose bodies do not touch each other.
+  /// Body pairs whose contacts are excluded by a joint.
   ExcludedPairs excluded_pairs() const {
     return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())};
   }
 
-  /// Joints of bodies that are asleep, 1 by body, are left as they are from now on.
+  /// Skips joints of sleeping bodies from now on. `asleep`: by body, 1 if asleep.
   void exclude_sleeping(const std::uint8_t* asleep) { asleep_ = asleep; }
 
-  // In each substep, in this order, with bodies that move between solve and relax.
+  // Call once per substep each, in this order; bodies move between solve and relax.
   void warm_start();
   void solve();
   void relax();
 
-  /// What joints say of the current state; waits for the device.
+  /// Errors and energy at the current state; waits for the device.
   JointSums measure();
 
-  /// By the scene's order; waits for the device.
+  /// Impulses in scene order; waits for the device.
   std::vector<WarmStartJoint> save_warm_start() const;
-  /// Outside of runs. Joints that `warm_start` does not know start from nothing.
+  /// Call outside of runs. Joints that are not in `warm_start` start with zero impulse.
   void load_warm_start(const std::vector<WarmStartJoint>& warm_start);
   void visit_warm_start(const ArrayVisitor& visit) const { visit(impulses_.data(), impulses_.bytes()); }
 
  private:
   JointRounds<Real> rounds() const;
-  /// `StageWithRotation` where bodies turn, else `Stage`.
+  /// Runs `StageWithRotation` with the effect rotation, otherwise `Stage`.
   template <class Stage, class StageWithRotation>
   void run();
 
@@ -68,8 +68,8 @@ class Joints {
   const StepControl* control_;
   const std::uint8_t* asleep_ = nullptr;
   int colours_ = 0;
-  std::int64_t max_joints_per_colour_ = 0;  ///< joints of one colour
-  std::vector<std::size_t> scene_order_;    ///< where each joint of the scene stands
+  std::int64_t max_joints_per_colour_ = 0;  ///< largest number of joints in a colour
+  std::vector<std::size_t> scene_order_;    ///< index in rows_ of each joint of the scene
   Buffer<JointRow<Real>> rows_;
   Buffer<JointImpulse<Real>> impulses_;
   Buffer<std::uint32_t> begin_;

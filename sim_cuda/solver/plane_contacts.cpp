@@ -32,7 +32,7 @@ PlaneContacts<Real>::PlaneContacts(Executor& executor, const SolverScene<Real>& 
   normal_impulse_sum_.upload(std::vector<Real>(entries, 0));
 }
 
-/// Before the first step, each body may be at any surface.
+/// Marks all surfaces of all bodies as active. Used before the first step and after load().
 template <class Real>
 void PlaneContacts<Real>::activate_all() {
   const auto bodies = static_cast<std::size_t>(scene_.surfaces() > 0 ? scene_.body_count : 0);

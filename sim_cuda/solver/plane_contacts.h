@@ -1,6 +1,6 @@
 #pragma once
-// What `soft_step` keeps of planes and box obstacles: one entry for each surface and body. SoftWalls is the
-// view of it that stages take.
+// Persistent contact state of `soft_step` at planes and box obstacles: one entry per surface and body.
+// Owned by the solver. SoftWalls is the view for stages.
 
 #include <cstdint>
 
@@ -17,7 +17,7 @@ class PlaneContacts {
  public:
   PlaneContacts(Executor& executor, const SolverScene<Real>& scene);
 
-  /// `inverse_h`: 1/s, of a substep.
+  /// `inverse_h`: 1 / substep, 1/s.
   template <bool with_friction, bool with_box_obstacles>
   SoftWalls<Real, with_friction, with_box_obstacles> view(Real inverse_h) const {
     return {scene_.bodies,
@@ -35,10 +35,10 @@ class PlaneContacts {
             BoxContacts<Real>{scene_.boxes, box_planes_.data(), box_normals_.data()},
             scene_.static_impulses};
   }
-  const Real* impulse() const { return impulse_.data(); }  ///< N s, as SoftWalls::impulse
+  const Real* impulse() const { return impulse_.data(); }  ///< N s, see SoftWalls::impulse
 
   void save(WarmStart& warm_start) const;
-  /// Of a scene with other surfaces: nothing is loaded.
+  /// Loads nothing if the number of surfaces differs.
   void load(const WarmStart& warm_start);
   void visit(const ArrayVisitor& visit) const;
 
@@ -47,9 +47,9 @@ class PlaneContacts {
 
   const SolverScene<Real> scene_;
   Buffer<Real> impulse_, bounce_;                    ///< surfaces x bodies; empty without surfaces
-  Buffer<std::uint32_t> active_mask_;                ///< surfaces of a body, as bits; empty without surfaces
+  Buffer<std::uint32_t> active_mask_;                ///< by body, one bit per surface; empty without surfaces
   Buffer<Vector3<Real>> friction_, friction_total_;  ///< surfaces x bodies; empty without friction
-  Buffer<Real> normal_impulse_sum_;                  ///< as friction_
+  Buffer<Real> normal_impulse_sum_;                  ///< surfaces x bodies; empty without friction
   Buffer<ContactPlane<Real>> box_planes_;            ///< boxes x bodies; empty without boxes
   Buffer<Vector3<Real>> box_normals_;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// The contacts of the run before, and where one of them stands: what it gave then is a start for what it
-// gives now (warm starting by the ids of its bodies).
+// Contacts of the previous run, with lookup by body pair. The impulses of a found contact are used for warm
+// starting. A view; does not own memory.
 
 #include <cstdint>
 
@@ -9,14 +9,14 @@
 
 namespace collidoscope {
 
-/// Ordered by (a, b), in the executor's memory.
+/// Sorted by (a, b), in the executor's memory.
 struct PreviousContacts {
   const Pair* contacts;
-  const std::uint32_t* count;  ///< one
-  const std::uint32_t* first;  ///< by body a; of no meaning where it has none
+  const std::uint32_t* count;  ///< one element
+  const std::uint32_t* first;  ///< first contact of body a; undefined if a has none
 
-  /// Where a pair stands, or `no_pair`. Looks in steps that double from a's first contact on: most bodies
-  /// have a few, and one may have thousands.
+  /// Index of a pair, or `no_pair`. Galloping search from a's first contact: most bodies have few contacts,
+  /// some have thousands.
   SIM_HD std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t size = *count;
     std::uint32_t low = first[a], high = low;
@@ -26,7 +26,7 @@ struct PreviousContacts {
     }
     return find_pair(contacts, low, high < size ? high + 1 : size, a, b);
   }
-  /// Whether contact k is the first of its body a: what `first` is made from.
+  /// True if contact k is the first of its body a. Defines the entries of `first`.
   SIM_HD static bool is_first(const Pair* contacts, std::uint32_t k) {
     return k == 0 || contacts[k - 1].a != contacts[k].a;
   }

@@ -1,18 +1,16 @@
 #pragma once
-// How well a solver's sweeps have solved their contacts: the residual of the velocity constraints. Plain
-// data.
+// Residual of the velocity constraints after a solver iteration. Plain data.
 //
-// A contact's residual is the speed, in m/s, by which it would change the motion of its two bodies against
-// each other if it were solved once more,
+// The residual of a contact is the change of relative speed, in m/s, that another solve of it would cause,
 //
 //   r = |delta| / m,   delta = proj(lambda - m (w + yield)) - lambda,
 //
-// delta the impulse that the solver would add to lambda, m the mass that it works against, proj onto what a
-// contact may give (no pull; friction within its cone). It is 0 exactly where the contact's complementarity
-// problem is solved: without softness r = |min(w, lambda / m)|, the natural residual of an LCP (Facchinei and
-// Pang 2003; Erleben 2013, "Numerical Methods for Linear Complementarity Problems in Physics-Based
-// Animation"). The parts along and across the normal are added as squares. Planes and boxes count as
-// contacts; joints and rolling resistance are not looked at.
+// with the impulse delta that the solver would add to lambda, and the effective mass m. proj projects onto
+// the allowed impulses (no pull; friction within its cone). The residual is 0 exactly if the contact's
+// complementarity problem is solved. Without softness r = |min(w, lambda / m)|, the natural residual of an
+// LCP (Facchinei and Pang 2003; Erleben 2013, "Numerical Methods for Linear Complementarity Problems in
+// Physics-Based Animation"). Normal and tangential parts are added as squares. Planes and boxes count as
+// contacts; joints and rolling resistance do not.
 
 #include <cstdint>
 #include <string>
@@ -20,11 +18,11 @@
 
 namespace collidoscope {
 
-/// Over the contacts that press or would begin to, after one sweep over all of them.
+/// Statistics over active contacts after one iteration.
 struct Residual {
-  std::string stage;  ///< "solve" or "relax", as the stage that made the iteration
+  std::string stage;  ///< "solve" or "relax"
   int substep = 0;    ///< from 0
-  int iteration = 0;  ///< from 1; 0: before the first, from what the substep before left
+  int iteration = 0;  ///< from 1; 0: before the first iteration
   std::int64_t contacts = 0;
   double rms = 0, max = 0;  ///< m/s
 

@@ -1,7 +1,7 @@
 #pragma once
-// Records what each iteration of a solver left (residual.h): sums over contacts by the fixed tree of
-// core/reduce.h, so the same on every executor, kept on the device until somebody asks. Owned by a solver;
-// off, it has no memory and launches nothing.
+// Records the residual of each solver iteration (residual.h). Sums use the fixed tree of core/reduce.h, so
+// the result is the same on every executor. Values stay on the device until kept(). Owned by a solver.
+// Disabled, it uses no memory and launches nothing.
 
 #include <cstdint>
 
@@ -16,7 +16,7 @@ struct ResidualSum {
   double squares = 0, largest = 0;  ///< m^2/s^2
   std::int64_t contacts = 0;
 
-  /// A contact that is looked at; `squared` in m^2/s^2.
+  /// Adds a contact; `squared`: squared residual, m^2/s^2.
   SIM_HD void add(double squared) {
     squares += squared;
     largest = squared > largest ? squared : largest;
@@ -27,7 +27,7 @@ SIM_HD inline ResidualSum combine(ResidualSum a, ResidualSum b) {
   return {a.squares + b.squares, b.largest > a.largest ? b.largest : a.largest, a.contacts + b.contacts};
 }
 
-/// A step is `runs` runs of the pipeline, each with `places` sums.
+/// Stores a sum. A step has `runs` pipeline runs, each with `places` sums.
 struct KeepResidual {
   const ResidualSum* sum;
   const StepControl* control;
@@ -41,7 +41,7 @@ class Residuals {
   explicit Residuals(Executor& executor)
       : executor_(executor), scratch_(executor, "residuals"), kept_(executor, "residuals of a step") {}
 
-  /// Outside of runs.
+  /// Call outside of runs.
   void enable(bool on, int runs, int places) {
     runs_ = static_cast<std::uint32_t>(runs);
     places_ = static_cast<std::uint32_t>(places);
@@ -49,15 +49,15 @@ class Residuals {
     scratch_.resize_discarding(on ? reduce_scratch_size(items_) : 0);
   }
   bool on() const { return kept_.size() > 0; }
-  /// Outside of runs: as many items at most are looked at.
+  /// Call outside of runs. `items`: largest number of items per sum.
   void reserve(std::int64_t items) {
     items_ = items;
     if (on()) scratch_.resize_discarding(reduce_scratch_size(items));
   }
 
-#if !SIM_CUDA || defined(__CUDACC__)  // as Executor::run
-  /// Enqueues a sum over items 0 .. `items` - 1 of `load(item)`, a ResidualSum. What lies beyond the contacts
-  /// there are adds nothing, so that the result does not depend on their capacity.
+#if !SIM_CUDA || defined(__CUDACC__)  // as for Executor::run
+  /// Enqueues a sum over items 0 to `items` - 1 of `load(item)`, a ResidualSum. Precondition: items beyond
+  /// the number of contacts add nothing. So the result does not depend on the capacity.
   template <class Load>
   void record(int place, std::int64_t items, const Load& load, const StepControl* control) {
     if (!on() || items == 0) return;
@@ -68,9 +68,9 @@ class Residuals {
   }
 #endif
 
-  /// Run by run, by place; waits for the device.
+  /// Sums by run, then by place; waits for the device.
   std::vector<ResidualSum> kept() const { return kept_.download(); }
-  /// Fills in what the sums are of.
+  /// Converts a sum to a Residual.
   static Residual residual(const char* stage, int substep, int iteration, const ResidualSum& sum);
 
  private:

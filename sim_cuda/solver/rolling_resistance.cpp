@@ -28,8 +28,8 @@ struct PrepareRolling {
   }
 };
 
-/// A body's share of what its contacts give, in increasing id of the other body; `accumulated(place)` in N m
-/// s.
+/// Sum over the contacts of a body, in increasing id of the other body, with the sign of its end.
+/// `impulse_of(place)`: N m s.
 template <class ImpulseOf, class Real>
 SIM_HD Vector3<Real> sum_of(const RollingSource<Real>& source, int body, const ImpulseOf& impulse_of) {
   Vector3<Real> sum = Vector3<Real>::Zero();
@@ -62,7 +62,8 @@ struct WarmStartRolling {
       moment = sum_of(source, body, [&](std::uint32_t place) { return rolling[place].impulse; });
     for (int p = 0; p < plane_count; ++p) {
       const std::int64_t at = p * body_count + body;
-      if (!(source.wall_impulse[at] > 0)) wall_impulse[at] = Vector3<Real>::Zero();  // it has bounced
+      if (!(source.wall_impulse[at] > 0))
+        wall_impulse[at] = Vector3<Real>::Zero();  // reset: no contact, or bounced
       moment += wall_impulse[at];
     }
     if (moment.dot(moment) == 0) return;
@@ -72,7 +73,8 @@ struct WarmStartRolling {
   }
 };
 
-/// Each contact between its share of the two bodies: one with n contacts counts as n of 1/n of its inertia.
+/// Solves each contact between parts of its bodies. A body with n contacts is split into n parts of 1/n of
+/// its inertia.
 template <class Real>
 struct SolveRollingContacts {
   RollingSource<Real> source;
@@ -97,7 +99,7 @@ struct SolveRollingContacts {
   }
 };
 
-/// What its contacts give, and then its planes.
+/// Applies the changes of a body's contacts, then solves its planes.
 template <class Real>
 struct SolveRollingBodies {
   RollingSource<Real> source;
@@ -232,7 +234,7 @@ void RollingResistance<Real>::load_warm_start(const WarmStart& warm_start, std::
   narrow<Real>(warm_start.rolling, previous);
   const auto n = static_cast<std::size_t>(body_count_), planes = static_cast<std::size_t>(plane_count_);
   if (warm_start.walls.size() == planes && !warm_start.wall_rolling.empty()) {
-    const std::size_t bodies = warm_start.wall_rolling.size() / planes;  // of the other world
+    const std::size_t bodies = warm_start.wall_rolling.size() / planes;  // of the loaded state
     for (std::size_t p = 0; p < planes; ++p)
       for (std::size_t body = 0; body < std::min(n, bodies); ++body)
         for (std::size_t axis = 0; axis < 3; ++axis)

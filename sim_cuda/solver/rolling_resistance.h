@@ -1,17 +1,16 @@
 #pragma once
-// Rolling resistance: what touches resists turning against each other, by at most
+// Rolling resistance: a contact resists the relative rotation of its bodies by a torque of at most
 //
 //   |M| <= c R N,  1/R = 1/R_a + 1/R_b (a plane: R = R_a),
 //
-// N the normal force: the law of Coulomb (1785), with the lever of the pressure as a share c of the radius.
-// It works against the whole relative spin, so against drilling, too, by the same measure. Called for by a
-// material whose `rolling_resistance` is not 0; c is 0 to 10, and a pair takes the larger of its two, for the
-// softer one yields. Comes with friction, without which nothing rolls.
+// with the normal force N (Coulomb 1785). The lever is c times the radius. The torque acts against the
+// whole relative angular velocity, rolling and drilling. Required if a material has a nonzero
+// `rolling_resistance`. c is 0 to 10; a pair takes the larger of its two coefficients. Needs friction.
 //
-// Solved after friction whenever that is relaxed, implicitly and within c R times the normal impulse, and
-// warm-started like it; pairs by mass splitting (Tonge et al. 2012), all at once, since no load rests on it;
-// planes by each body itself. What a bounce adds to N is not counted. Owned by the solver; without the effect
-// it has no memory.
+// Solved after each friction solve in relax, implicitly, limited by c R times the normal impulse, with warm
+// starting. Body pairs use mass splitting (Tonge et al. 2012), all in parallel, since no load depends on
+// them. Each body solves its own planes. The impulse of restitution is not part of N. Owned by the solver;
+// without the effect it uses no memory.
 
 #include <cstdint>
 
@@ -26,57 +25,57 @@
 
 namespace collidoscope {
 
-/// The coefficients of what touches.
+/// Coefficients of materials and planes.
 template <class Real>
 struct RollingLaw {
-  const Real* of_material = nullptr;        ///< 0 to 10, by material
-  const std::uint16_t* material = nullptr;  ///< by body; null where all bodies are of material 0
-  const Real* of_plane = nullptr;           ///< 0 to 10, as the planes
+  const Real* of_material = nullptr;        ///< by material, 0 to 10
+  const std::uint16_t* material = nullptr;  ///< by body; null: all bodies have material 0
+  const Real* of_plane = nullptr;           ///< by plane, 0 to 10
 
   SIM_HD Real of_body(std::uint32_t body) const {
     return of_material[material == nullptr ? 0 : material[body]];
   }
 };
 
-/// What one contact gives.
+/// Rolling state of one contact.
 template <class Real>
 struct alignas(4 * sizeof(Real)) RollingImpulse {
-  Vector3<Real> impulse;  ///< N m s, given to b and taken from a; of the substep
-  Real lever;             ///< m, c R
+  Vector3<Real> impulse;  ///< accumulated in the substep, N m s; applied to b, negative to a
+  Real lever;             ///< c R, m
 };
 
-/// The contacts of a step and the planes, as the solver has them: by place in the order of sweeps.
+/// Contacts and planes of a step in solve order, from the solver.
 template <class Real>
 struct RollingSource {
   const Pair* contacts;
   const PackedContact<Real>* soft;
   const std::uint32_t* place_of;  ///< by contact number
   ContactsByBodyView by_body;
-  ItemCount count;             ///< of contacts
-  const Real* wall_impulse;    ///< N s, plane by plane, all bodies of each
-  const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
+  ItemCount count;             ///< number of contacts
+  const Real* wall_impulse;    ///< N s, index plane * body count + body
+  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
 };
 
 template <class Real>
 class RollingResistance {
  public:
   explicit RollingResistance(Executor& executor);
-  /// Once, where the effect is on.
+  /// Call once, if the effect is on.
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, int plane_count,
               const RollingLaw<Real>& law, const StepControl* control);
-  /// Outside of runs. `previous`, in contacts: of the run before; what is remembered stays.
+  /// Call outside of runs. `previous`: capacity in contacts of the previous run. Keeps the warm-start data.
   void reserve(std::int64_t contact_capacity, std::size_t previous);
 
-  /// In each run, once its contacts are known: `previous` are those of the run before.
+  /// Call in each run after contacts are found. `previous`: contacts of the previous run.
   void prepare(const RollingSource<Real>& source, const PreviousContacts& previous);
-  /// In each substep, before any other impulse.
+  /// Call in each substep, before any other impulse.
   void warm_start(const RollingSource<Real>& source);
-  /// After friction.
+  /// Call after each friction solve.
   void solve(const RollingSource<Real>& source);
-  /// At the end of a run.
+  /// Call at the end of a run; stores the impulses for the next run.
   void keep(const RollingSource<Real>& source);
 
-  /// As ContactSolver has them; `contacts` remembered ones.
+  /// See ContactSolver. `contacts`: number of cached contacts.
   void save_warm_start(std::size_t contacts, WarmStart& warm_start) const;
   void load_warm_start(const WarmStart& warm_start, std::size_t contact_capacity);
   void visit_warm_start(std::size_t contacts, const ArrayVisitor& visit) const {
@@ -94,8 +93,8 @@ class RollingResistance {
   const StepControl* control_ = nullptr;
   Buffer<RollingImpulse<Real>> rolling_impulses_;  ///< by place
   Buffer<Vector3<Real>> change_;                   ///< by place, N m s
-  Buffer<Vector3<Real>> wall_impulse_;             ///< plane by plane, all bodies of each, N m s
-  Buffer<Vector3<Real>> previous_impulse_;         ///< of the run before, by its contacts, N m s
+  Buffer<Vector3<Real>> wall_impulse_;             ///< N m s, index plane * body count + body
+  Buffer<Vector3<Real>> previous_impulse_;         ///< by contact of the previous run, N m s
 };
 
 }  // namespace collidoscope

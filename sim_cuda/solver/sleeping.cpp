@@ -23,25 +23,25 @@ struct BeginIslands {
   }
 };
 
-/// The root of a body's component as it is so far, while others join.
+/// Current root of a body's component. Other threads may join components concurrently.
 SIM_HD inline std::uint32_t root_of(std::uint32_t* parent, std::uint32_t body) {
   std::uint32_t at = atomic_load(&parent[body]);
   for (std::uint32_t before = body; at != before;) {
     const std::uint32_t above = atomic_load(&parent[at]);
     if (above == at) break;
-    atomic_store(&parent[before], above);  // whoever stores here, stores an ancestor
+    atomic_store(&parent[before], above);  // benign race: every thread stores an ancestor
     before = at;
     at = above;
   }
   return at;
 }
 
-/// Makes one island of two bodies.
+/// Joins the islands of two bodies.
 template <class Real>
 struct Islands {
   BodyView<Real> bodies;
   std::uint32_t* parent;
-  std::uint8_t* disturbed;  ///< by body: something that no force stops moves at it
+  std::uint8_t* disturbed;  ///< by body: a moving kinematic body touches it
 
   SIM_HD bool moves(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
@@ -65,7 +65,7 @@ struct Islands {
       const std::uint32_t low = min_of(a, b), high = max_of(a, b);
       a = low;
       b = atomic_compare_exchange(&parent[high], high, low);
-      if (b == high) return;  // it was a root, and is none any more
+      if (b == high) return;  // `high` was a root and is linked now
     }
   }
 };
@@ -86,7 +86,7 @@ struct JoinByJoints {
   }
 };
 
-/// The components are whole; one body that is not at rest keeps all awake.
+/// Marks islands with a body that is not at rest. Components are complete.
 struct MarkActiveIslands {
   const std::uint32_t* sleep_timer;
   std::uint32_t steps_to_sleep;
@@ -140,7 +140,7 @@ struct UpdateSleepTimers {
   }
 };
 
-/// An island is counted at its root.
+/// Counts each island once, at its root.
 template <class Real>
 struct CountSleepers {
   BodyView<Real> bodies;
@@ -153,7 +153,7 @@ struct CountSleepers {
   }
 };
 
-/// Before the first run: no body is the root of an island.
+/// Parents before the first run: no body is a root.
 std::vector<std::uint32_t> no_islands(std::int64_t bodies) {
   return std::vector<std::uint32_t>(static_cast<std::size_t>(bodies), 0xffffffffu);
 }

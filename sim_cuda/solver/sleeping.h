@@ -1,20 +1,22 @@
 #pragma once
-// The effect `sleeping`: islands at rest are neither solved nor moved. Called for by a scene's `sleep`: a
+// The effect `sleeping`: islands at rest are neither solved nor moved. Required if a scene has `sleep`: a
 // speed in m/s and a time in s.
 //
-// An island is a connected component of bodies over joints and over the contacts of a step, which are all
-// that its motion may bring together. Walls, and bodies that no force moves, join nothing and never sleep;
-// one of the latter that moves keeps awake what it touches. It sleeps in a step where each of its bodies has
-// been slow, in speed and in radius times spin, for at least the time; where one has not, all are awake, so
-// that no contact ever has one side asleep. So an island wakes in the very step in which something that moves
-// may touch it, before that does; and who is woken is slow from then on anew. Who falls asleep loses what
-// speed is left; who sleeps keeps its state, and what is remembered of its contacts, bit for bit.
+// An island is a connected component of dynamic bodies over joints and the contacts of a step. Contacts
+// include all pairs that the motion of the step may bring together. Walls, static and kinematic bodies
+// connect nothing and never sleep. A moving kinematic body keeps awake the bodies that it touches.
 //
-// Components: ECL-CC (Jaiganesh & Burtscher, 2018). Each body points to one with a lower id; a contact hangs
-// the greater of its two roots under the lesser by compare-and-swap, halving paths on its way. The last root
-// is the least id of its component, whatever the order of arrival.
+// An island sleeps in a step if the sleep timer of each body has reached the time. The timer runs while
+// speed and radius times angular speed are below the limit. Otherwise all its bodies are awake, so no
+// contact has only one sleeping body. An island wakes in the step in which a moving body may touch it,
+// before contact. Waking resets the sleep timer. A body that falls asleep gets zero velocity. A sleeping
+// body keeps its state and cached impulses bit for bit.
 //
-// Owned by the solver; without the effect it has no memory.
+// Components: ECL-CC (Jaiganesh & Burtscher, 2018). Each body has a parent with a lower or equal id. A
+// contact links the larger of its two roots to the smaller by compare-and-swap; lookups halve the path. The
+// final root is the least id of its component, independent of thread order.
+//
+// Owned by the solver; without the effect it uses no memory.
 
 #include <cstdint>
 #include <vector>
@@ -30,16 +32,16 @@
 
 namespace collidoscope {
 
-/// In place of a number of steps: the body sleeps.
+/// Value of a sleep timer: the body is asleep.
 inline constexpr std::uint32_t asleep_marker = 0xffffffffu;
 
-/// For pictures: how far each body is from sleep.
+/// Sleep state of bodies, for display.
 struct SleepView {
   const std::uint32_t* sleep_timer =
-      nullptr;                       ///< by body, steps for which it was slow; null: nothing can sleep
-  std::uint32_t steps_to_sleep = 1;  ///< of these, before an island may sleep
+      nullptr;                       ///< by body, steps below the speed limit; null without the effect
+  std::uint32_t steps_to_sleep = 1;  ///< timer value at which an island may sleep
 
-  /// 0: asleep; 1/4 to 1: awake, and at rest for all of the time to not at all.
+  /// 0: asleep. 1/4 to 1: awake; 1/4 if the timer has reached the time, 1 if it is zero.
   SIM_HD float distance(int body) const {
     if (sleep_timer == nullptr || sleep_timer[body] == 0) return 1;
     if (sleep_timer[body] == asleep_marker) return 0;
@@ -48,7 +50,7 @@ struct SleepView {
   }
 };
 
-/// What is counted of all bodies.
+/// Counts of sleeping bodies and of islands.
 struct SleepSums {
   std::int64_t asleep, islands, islands_asleep;
 };
@@ -60,26 +62,26 @@ template <class Real>
 class Sleeping {
  public:
   explicit Sleeping(Executor& executor);
-  /// Once, where the effect is on; `time_step` in s.
+  /// Call once, if the effect is on; `time_step` in s.
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, const Sleep& sleep, double time_step,
               const StepControl* control);
 
-  /// By body, 1: asleep in this run; null without the effect.
+  /// By body, 1 if asleep in this run; null without the effect.
   const std::uint8_t* asleep() const { return asleep_.data(); }
 
-  /// In each run, once its contacts are known, `contact_capacity` at most: who sleeps.
+  /// Call in each run after contacts are found (`contact_capacity` at most). Decides which islands sleep.
   void find_islands(const ContactView<Real>& contacts, std::int64_t contact_capacity,
                     const JointView<Real>& joints);
-  /// At the end of a run: counts for how long each body has been slow.
+  /// Call at the end of a run. Updates the sleep timers.
   void update_timers();
 
-  /// Counts who sleeps, and the islands of the last run: none before the first.
+  /// Counts sleeping bodies, and islands of the last run; 0 islands before the first run.
   SleepSums measure() const;
   SleepView view() const { return {sleep_timer_.data(), steps_to_sleep_}; }
 
-  /// Steps for which each body has been slow, or asleep_marker; empty without the effect.
+  /// Sleep timers in steps, or asleep_marker; empty without the effect.
   std::vector<std::uint32_t> save_warm_start() const { return sleep_timer_.download(); }
-  /// Bodies beyond those that are known, all of them if none are, have not been slow yet.
+  /// Bodies that are not in `sleep_timer` start with 0.
   void load_warm_start(std::vector<std::uint32_t> sleep_timer);
   void visit_warm_start(const ArrayVisitor& visit) const { visit(sleep_timer_.data(), sleep_timer_.bytes()); }
 
@@ -90,8 +92,8 @@ class Sleeping {
   Real speed_ = 0;                    ///< m/s
   std::uint32_t steps_to_sleep_ = 1;  ///< steps
   const StepControl* control_ = nullptr;
-  Buffer<std::uint32_t> sleep_timer_;            ///< by body
-  Buffer<std::uint32_t> parent_;                 ///< by body; at the root itself
+  Buffer<std::uint32_t> sleep_timer_;            ///< by body, steps
+  Buffer<std::uint32_t> parent_;                 ///< by body; a root is its own parent
   Buffer<std::uint8_t> island_active_, asleep_;  ///< by root; by body
   Buffer<SleepSums> sums_;
 };

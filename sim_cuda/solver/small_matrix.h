@@ -1,5 +1,5 @@
 #pragma once
-// Symmetric 3 x 3 equations, solved in one fixed order of operations.
+// Symmetric 3 x 3 linear systems with a fixed order of operations. Pure functions.
 
 #include "sim_cuda/core/host_device.h"
 #include "sim_cuda/core/linear_algebra.h"
@@ -10,7 +10,7 @@ template <class Real>
 struct Symmetric3 {
   Real xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
-  /// x of A x = b for a positive definite A (LDL^T); 0 along what A does not reach.
+  /// Solves A x = b for a positive semidefinite A (LDL^T). Components with a zero pivot are 0.
   SIM_HD Vector3<Real> solve(const Vector3<Real>& b) const {
     const Real d0 = inverse(xx), l1 = xy * d0, l2 = xz * d0;
     const Real d1 = inverse(yy - l1 * xy), c = yz - l2 * xy, l3 = c * d1;

@@ -1,5 +1,5 @@
 #pragma once
-// The stage of `soft_step` that begins a substep. A functor.
+// The first stage of a substep of `soft_step`. A functor.
 
 #include <cstdint>
 #include <type_traits>
@@ -14,7 +14,7 @@
 
 namespace collidoscope {
 
-/// Forces, the impulses of the substep before, and the first sweep over the planes.
+/// Applies forces and warm starting, then solves the planes once.
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct BeginSubstep {
   BodyView<Real> bodies;
@@ -22,8 +22,8 @@ struct BeginSubstep {
   ContactsByBodyView by_body;
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
   Vector3<Real> gravity;       ///< m/s^2
-  const Vector3<Real>* field;  ///< m/s^2, of attractors, by body; null where the effect is off
-  bool with_field;             ///< gravity or attractors are on
+  const Vector3<Real>* field;  ///< acceleration by attractors, m/s^2, by body; null if the effect is off
+  bool with_field;             ///< true if gravity or attractors are on
   Real h;                      ///< s
   const StepControl* control;
 
@@ -41,7 +41,7 @@ struct BeginSubstep {
 #endif
 
  private:
-  /// The impulses of its contacts: momentum, with friction also across the normal, and moment.
+  /// Sums over a body's contacts: momentum, with friction included, and moment.
   using ImpulseSums = std::conditional_t<with_friction, OrderedSums<Real, 0, 0, 1>, OrderedSums<Real, 0>>;
 
   SIM_HD std::uint32_t contacts_of(int id) const { return control->contacts > 0 ? by_body.count[id] : 0; }

@@ -1,30 +1,31 @@
 #pragma once
-// One contact of `soft_step`: a spring and damper that is stiff for the substep at hand, so that overlap goes
-// away at a bounded speed; without the spring ("relaxed"), so that no speed stays that overlap gave; and,
-// once in a step, its bounce. Equations: Catto, "Solver2D" (2024), Soft Step.
+// One contact of `soft_step`. In solve it is a soft constraint: a spring and damper, stiff on the scale of
+// the substep, that removes overlap at a bounded speed. In relax it has no spring, which removes the
+// velocity added by overlap. Restitution is applied once per step. Equations: Catto, "Solver2D" (2024),
+// Soft Step.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
 
 namespace collidoscope {
 
-/// How stiff a contact is in a substep of h seconds: frequency omega (rad/s) and damping ratio zeta as
-/// coefficients of implicit Euler, which is stable for all of them.
+/// Soft-constraint coefficients for a substep of h seconds, from frequency omega (rad/s) and damping ratio
+/// zeta. They are those of implicit Euler, which is stable for all values.
 template <class Real>
 struct Softness {
   Real inverse_h;              ///< 1/s
   Real bias_rate;              ///< 1/s, omega / (2 zeta + h omega)
   Real mass_scale;             ///< a / (1 + a), a = h omega (2 zeta + h omega)
   Real impulse_scale;          ///< 1 / (1 + a)
-  Real correction_per_radius;  ///< 1/s: overlap goes at no more than so many radii of the smaller sphere a
+  Real correction_per_radius;  ///< 1/s: limit of the overlap correction, in radii of the smaller sphere per
                                ///< second
 
-  // The stiffest and least damped at which columns and piles were found to come to rest. A contact at rest
-  // yields by load / (mass omega^2): at a quarter of a turn a substep by a quarter of what an eighth, the
-  // usual value, would make of it; at half a turn, a column of 20 under a mass of 100 flies apart.
+  // The stiffest and least damped values with which columns and piles came to rest in tests. A contact at
+  // rest yields by load / (mass omega^2). At 1/4 turn per substep this is a quarter of the yield at 1/8,
+  // the usual value. At 1/2, a column of 20 under a mass of 100 flies apart.
   static constexpr double cycles_per_substep = 0.25;
   static constexpr double damping_ratio = 5;
-  /// Less than some 5 could not carry that mass.
+  /// Values below about 5 cannot carry that mass.
   static constexpr double correction_limit = 10;
 
   static Softness of(Real h) {
@@ -35,25 +36,27 @@ struct Softness {
   }
 };
 
-/// A contact at hand; how it lies in memory: contact_storage.h.
+/// A contact during an iteration. Memory layout: contact_storage.h.
 template <class Real>
 struct SoftContact {
   Vector3<Real> normal;  ///< unit, from a to b
-  Real gap;              ///< m, < 0 where they overlap
-  Real impulse;          ///< N s, of the substep, >= 0
-  Real total;            ///< N s, of the step so far
-  Real approach;         ///< m/s, at which they came together; of no meaning before total > 0; < 0: bounced
+  Real gap;              ///< m, < 0 if the bodies overlap
+  Real impulse;          ///< accumulated in the substep, N s, >= 0
+  Real total;            ///< sum over the step so far, N s
+  Real approach;         ///< approach speed, m/s; undefined before total > 0; < 0: has bounced
   Real radius;           ///< m, of the smaller sphere
 
-  /// How much more impulse this contact gives, N s, where the bodies part at `speed` m/s and `mass` is what
-  /// it works against, kg. `soft`: with the spring. Relaxing, without it, begins no contact ahead of the move
-  /// that closes it: what is to bounce bounces where it touches.
+  /// Solves the normal constraint. Updates the accumulated impulse and returns its change, N s. `speed`:
+  /// separation speed along the normal, m/s. `mass`: effective mass, kg. `soft`: solve with the spring.
+  ///
+  /// Without `soft`, a speculative contact without impulse stays inactive, so restitution applies where the
+  /// bodies touch.
   template <bool soft>
   SIM_HD Real solve(Real speed, Real mass, const Softness<Real>& softness) {
     Real bias = 0, scale = 1, impulse_scale = 0;
     if (gap > 0) {
       if (!soft && !(impulse > 0)) return 0;
-      bias = gap * softness.inverse_h;  // may close, and not more
+      bias = gap * softness.inverse_h;  // the gap may close, but not become negative
     } else if (soft) {
       bias = max_of(softness.mass_scale * softness.bias_rate * gap, -softness.correction_per_radius * radius);
       scale = softness.mass_scale;
@@ -65,16 +68,16 @@ struct SoftContact {
     return change;
   }
 
-  /// At the end of a substep that leaves b moving at `velocity` relative to a: counts the impulse, or says
-  /// how fast they would meet. `reach()` is the sum of their radii, m, and asked for only then.
+  /// Ends a substep after which b moves at `velocity` relative to a, m/s. Adds the impulse to `total`, and
+  /// updates `approach` while total is 0. `reach()`: sum of the radii, m; called only if needed.
   template <class Reach>
   SIM_HD void end_substep(const Vector3<Real>& velocity, const Reach& reach) {
     total += impulse;
     if (!(total > 0)) approach = impact_speed(velocity, reach());
   }
 
-  /// m/s along the normal that they will have where they touch, if both go on straight; 0 where they part or
-  /// miss each other. Of a glancing impact it is less than along today's normal, and no bounce may gain.
+  /// Normal speed at impact, m/s, if both bodies move on in straight lines; 0 if they separate or miss. For
+  /// a glancing impact it is below the speed along the current normal, so restitution adds no energy.
   SIM_HD Real impact_speed(const Vector3<Real>& velocity, Real reach) const {
     const Real speed = -velocity.dot(normal);
     if (!(speed > 0) || !(gap > 0)) return max_of(speed, Real(0));
@@ -85,8 +88,8 @@ struct SoftContact {
     return squared > 0 ? sqrt(squared) / reach : Real(0);
   }
 
-  /// Whether b, moving at `velocity` relative to a, gets by a or does not reach it in `time` s; they are
-  /// apart now.
+  /// True if b, moving at `velocity` relative to a, misses a or does not reach it in `time` s.
+  /// Precondition: gap > 0.
   SIM_HD bool passes(const Vector3<Real>& velocity, Real reach, Real time) const {
     const Real distance = reach + gap, speed = -velocity.dot(normal);
     if (!(speed > 0)) return true;
@@ -98,8 +101,8 @@ struct SoftContact {
 
   SIM_HD bool bounced() const { return approach < 0; }
 
-  /// The impulse of the bounce, N s, >= 0; `e` is the pair's coefficient, 0 where it does not bounce. What
-  /// has bounced parts, and starts the next step from nothing.
+  /// Restitution impulse, N s, >= 0. `e`: coefficient of the pair, 0 if it does not bounce. A contact that
+  /// bounced separates, so its impulse is reset and not used for warm starting.
   SIM_HD Real bounce(Real speed, Real mass, Real e) {
     const Real bounce_speed = e * approach;
     if (!(total > 0 && bounce_speed > 0 && bounce_speed > speed)) return 0;

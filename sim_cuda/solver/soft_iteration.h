@@ -1,12 +1,13 @@
 #pragma once
-// One iteration of `soft_step` over all pairs of bodies in contact, colour by colour, then the mass-split
-// set: the stages, and what they do with one contact. An act with has_friction also gives friction, after
-// what it gives along the normal.
+// One iteration of `soft_step` over all contacts between bodies: colour by colour, then the mass-split set.
+// Contains the stages and the acts (operations on one contact). Acts with has_friction also solve friction,
+// after the normal impulse.
 //
-// On a GPU nobody waits for a colour to be done: beside a body's velocity stands how many of its contacts
-// have been, and a contact goes ahead when it is the next at both its bodies. The order at each body is that
-// of the colours, so the result is the same to the bit (as Liu et al. 2016, "A synchronization-free algorithm
-// for parallel sparse triangular solves", do away with levels).
+// On a GPU, an iteration has no barrier between colours. A tag beside each body's velocity counts its
+// contacts that are done. A contact is solved when it is next at both its bodies. The order at each body is
+// the order of the colours, so the result is the same bit for bit. (Liu et al. 2016, "A
+// synchronization-free algorithm for parallel sparse triangular solves", replace level barriers in this
+// way.)
 
 #include <cstdint>
 #include <type_traits>
@@ -25,15 +26,15 @@
 
 namespace collidoscope {
 
-// ---- acts: b moves at `velocity` relative to a, and `mass`, in kg, is what it works against; returns the
-// impulse, N s. `sums`: changes what a contact remembers of the step ----
+// ---- acts: functions return the change of the impulse, N s. `velocity`: of b relative to a, m/s; `mass`:
+// effective mass, kg; `sums`: the act updates ContactSums ----
 
-/// A speculative contact stops what would close its gap along today's normal, also of two that will fly past
-/// each other. `with_ccd`: with continuous collision, which has many such, and keeps them apart should they
-/// not: those are left alone.
+/// Soft solve of the normal constraint. A speculative contact limits the approach along the current normal,
+/// even if the bodies will miss each other. `with_ccd`: contacts that miss are skipped; continuous
+/// collision creates many of them and prevents penetration by itself.
 ///
-/// `with_ccd` is a template parameter: as a run-time branch it costs 3 % of a step in double (50,000 bodies,
-/// H200).
+/// `with_ccd` is a template parameter: as a run-time branch it costs 3 % of a step in double (50,000
+/// bodies, H200).
 template <class Real, bool with_ccd>
 struct Solve {
   static constexpr bool has_friction = false, sums = false;
@@ -56,10 +57,10 @@ struct Relax {
   static constexpr bool has_friction = with_friction, sums = true;
   Softness<Real> softness;
   const Real* radius;
-  bool last;  ///< of the iterations of this substep
+  bool last;  ///< last iteration of this substep
   Restitution<Real> restitution;
-  std::uint32_t*
-      bounces;  ///< null, but in the last iteration of a step: to be set where something will bounce
+  std::uint32_t* bounces;  ///< one element, set to 1 if a contact will bounce; null except in the last
+                           ///< iteration of a step
   SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
                            Real mass) const {
     const Real change = contact.template solve<false>(velocity.dot(contact.normal), mass, softness);
@@ -82,7 +83,7 @@ template <class Real>
 struct Bounce {
   static constexpr bool has_friction = false, sums = true;
   Restitution<Real> restitution;
-  const std::uint32_t* bounces;  ///< 0: nothing will bounce
+  const std::uint32_t* bounces;  ///< one element; 0: no contact bounces
   SIM_HD bool is_needed() const { return read_only(bounces) != 0; }
   SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
                            Real mass) const {
@@ -90,7 +91,7 @@ struct Bounce {
   }
 };
 
-/// Friction once more, where a contact bounced, within the normal impulse of the whole step.
+/// Friction after restitution, for contacts that bounced. Limited by the normal impulse of the whole step.
 template <class Real>
 struct FrictionAfterBounce {
   static constexpr bool has_friction = true, sums = false;
@@ -106,12 +107,12 @@ struct FrictionAfterBounce {
 
 // ---- one iteration ----
 
-/// When a contact may be solved at its bodies a and b: how many contacts of a body come before it, and
-/// the count that it leaves there, which is 0 after the last.
+/// Position of a contact in the solve order of its bodies. `a`, `b`: number of contacts solved before it at
+/// that body. `next_a`, `next_b`: counter value after it; 0 after the last.
 struct DependencyCounters {
   std::uint8_t a, b, next_a, next_b;
 
-  /// `used`: the colours of a body's contacts, as bits.
+  /// `used`: bit mask of the colours at a body.
   SIM_HD static std::uint8_t before(std::uint32_t used, int colour) {
     return static_cast<std::uint8_t>(count_bits(used & ((std::uint32_t{1} << colour) - 1)));
   }
@@ -123,30 +124,30 @@ struct DependencyCounters {
   }
 };
 
-/// The contacts of a step in the order in which they are solved: colour by colour, then the mass-split set. A
-/// contact's place in it is not its number in the list of contacts.
+/// The contacts of a step in solve order: colour by colour, then the mass-split set. The place of a contact
+/// is its index in this order; its number is its index in the contact list.
 template <class Real, bool with_friction>
 struct OrderedContacts {
   const Pair* ids;
   const ContactBodies<Real>* bodies;
   PackedContact<Real>* soft;
   ContactSums<Real>* sums;
-  FrictionSums<Real>* friction_sums;              ///< null without friction, as
-  const ContactInertia<Real>* inertia;            ///< these
-  const DependencyCounters* dependency_counters;  ///< of those with a colour
-  const std::uint32_t* begin;              ///< where colour c starts; c = Colouring::colours: the split set
-  const std::uint32_t* count;              ///< how many it has
-  ContactsByBodyView uncoloured;           ///< places of the split set, by body
-  const std::uint32_t* uncoloured_bodies;  ///< all bodies, or 0 where the set is empty
-  Vector3<Real>* uncoloured_friction;      ///< N s, across the normal; null without friction
-  Real* uncoloured_change;                 ///< N s, along it
+  FrictionSums<Real>* friction_sums;              ///< null without friction
+  const ContactInertia<Real>* inertia;            ///< null without friction
+  const DependencyCounters* dependency_counters;  ///< for coloured contacts
+  const std::uint32_t* begin;              ///< start of colour c; c = Colouring::colours: mass-split set
+  const std::uint32_t* count;              ///< number of contacts of colour c
+  ContactsByBodyView uncoloured;           ///< places of the mass-split contacts, by body
+  const std::uint32_t* uncoloured_bodies;  ///< number of bodies, or 0 if the set is empty
+  Vector3<Real>* uncoloured_friction;      ///< change of friction impulse, N s; null without friction
+  Real* uncoloured_change;                 ///< change of normal impulse, N s
 
-  /// A contact, loaded with all that an iteration reads of it.
+  /// All data of a contact that an iteration reads.
   struct LoadedContact {
     Pair ids;
     ContactBodies<Real> bodies;
     SoftContact<Real> contact;
-    FrictionImpulse<Real> friction;  // this and the next: read only with friction
+    FrictionImpulse<Real> friction;  // this and inertia: only with friction
     ContactInertia<Real> inertia;
     std::uint32_t place;
   };
@@ -166,7 +167,7 @@ struct OrderedContacts {
     }
     return k;
   }
-  /// `acted`: it gave something, or took it back.
+  /// `acted`: an impulse has changed.
   template <bool with_sums>
   SIM_HD void store(const LoadedContact& k, bool acted) const {
     if constexpr (with_sums) sums[k.place] = {k.contact.total, k.contact.approach};
@@ -180,9 +181,9 @@ struct OrderedContacts {
   }
 };
 
-/// For Executor::run_rounds: a round for each colour, whose contacts share no body; then the mass-split set
-/// (Tonge, Benevolenski, Voroshilov 2012), all at once: a body with n contacts in it counts as n bodies of
-/// 1/n of its mass; then what they make of each body.
+/// For Executor::run_rounds. One round per colour; then one round for the mass-split set (Tonge,
+/// Benevolenski, Voroshilov 2012), all contacts in parallel; then one round that applies its sums to the
+/// bodies. A body with n contacts in the set is split into n parts of 1/n of its mass.
 template <class Real, class Act>
 struct Iteration {
   static constexpr bool static_item_counts = true;
@@ -197,7 +198,7 @@ struct Iteration {
       if (!act.is_needed()) return 0;
     return read_only(round <= Colouring::colours ? contacts.count + round : contacts.uncoloured_bodies);
   }
-  /// What a round reads of a contact, which nothing else in the iteration writes.
+  /// Data of a contact that no other item of the iteration writes.
   using Operands = typename OrderedContacts<Real, Act::has_friction>::LoadedContact;
   static constexpr int prefetched_rounds = Colouring::colours;
   SIM_HD Operands fetch(int round, int item) const {
@@ -216,7 +217,7 @@ struct Iteration {
   }
 
   struct Motion {
-    Vector3<Real> angular_velocity;  ///< rad/s; read only with friction
+    Vector3<Real> angular_velocity;  ///< rad/s; used only with friction
     Vector3<Real> v;                 ///< m/s
   };
   SIM_HD Motion load(std::uint32_t body) const {
@@ -230,7 +231,7 @@ struct Iteration {
     if constexpr (Act::has_friction) bodies.angular_velocity[body] = motion.angular_velocity;
   }
 
-  /// Whether it gave something, or took it back.
+  /// Solves a contact. Returns true if an impulse has changed.
   SIM_HD bool resolve(Operands& k, Motion& a, Motion& b) const {
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Real change = act.solve_normal(k.contact, k.ids, b.v - a.v, 1 / (w_a + w_b));
@@ -254,11 +255,11 @@ struct Iteration {
     return change != 0;
   }
 
-  // ---- on a GPU, in float: all colours without a pause ----
+  // ---- on a GPU, in float: all colours without a barrier ----
 
   static constexpr int sync_free_rounds = PackedVector3<Real>::has_tag ? Colouring::colours : 0;
-  /// With friction, waiting for colours is sooner done where they have more contacts than there are threads:
-  /// at 1,000,000 bodies `relax` takes 2.6 ms a step, and 2.9 ms with dependency counters.
+  /// With friction, barriers between colours are faster if a colour has more contacts than there are
+  /// threads. At 1,000,000 bodies `relax` takes 2.6 ms per step, and 2.9 ms with dependency counters.
   static constexpr bool sync_free_beyond_threads = !Act::has_friction;
 
   SIM_HD std::int64_t sync_free_items() const {
@@ -267,7 +268,7 @@ struct Iteration {
     return read_only(contacts.begin + Colouring::colours);
   }
 #if defined(__CUDACC__)
-  /// Whether it was the contact's turn at both bodies, and is done.
+  /// Solves the contact if it is next at both bodies. Returns true if it was solved.
   __device__ bool try_process(Operands& k) const {
     const DependencyCounters counters = contacts.dependency_counters[k.place];
     Motion a, b;
@@ -313,7 +314,7 @@ struct Iteration {
     contacts.template store<Act::sums>(k, true);
   }
 
-  // ---- the last round: a body's share of all its contacts in the set, in increasing id of the other ----
+  // ---- last round: sum of a body's contacts in the set, in increasing id of the other body ----
 
   static constexpr int large_item_round = Colouring::colours + 1;
   SIM_HD void operator()(int body) const {
@@ -330,7 +331,7 @@ struct Iteration {
 #endif
 
  private:
-  /// Momentum, with friction also across the normal, and moment.
+  /// Sums: momentum, with friction included, and moment.
   using ImpulseSums = std::conditional_t<Act::has_friction, OrderedSums<Real, 0, 0, 1>, OrderedSums<Real, 0>>;
 
   SIM_HD auto entry(int body) const {

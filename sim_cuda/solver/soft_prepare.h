@@ -1,5 +1,5 @@
 #pragma once
-// The stages of `soft_step` that prepare contacts: at the start of a step, and after each move. All functors.
+// Stages of `soft_step` that prepare contacts, at the start of a step and after each move. Functors.
 
 #include <cstdint>
 
@@ -11,7 +11,7 @@
 
 namespace collidoscope {
 
-/// Packs what contacts read of each body.
+/// Packs the body data that contacts read.
 template <class Real>
 struct PackBodies {
   Friction<Real> friction;
@@ -26,14 +26,14 @@ struct PackBodies {
   }
 };
 
-/// Puts contacts in the order in which they are solved. New ones start from rest, previous ones from what
-/// they last gave.
+/// Copies contacts into solve order. Contacts of the previous step start with their cached impulses, new
+/// ones with zero.
 template <class Real>
 struct PrepareContacts {
   const Pair* contacts;
   const StepBody<Real>* bodies;
   const BodyFriction<Real>*
-      body_friction;  ///< null without friction, as previous_friction, friction_sums and inertia
+      body_friction;  ///< null without friction, like previous_friction, friction_sums and inertia
   PreviousContacts previous;
   const Real* previous_impulse;
   const Vector3<Real>* previous_friction;

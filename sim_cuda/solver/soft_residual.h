@@ -1,6 +1,6 @@
 #pragma once
-// The residual (residual.h) of one contact of `soft_step`, and of the planes that one body touches: what the
-// next sweep would give, by the very equations that it would use, and nothing is changed.
+// Residual (residual.h) of one contact of `soft_step`, or of the planes of one body. Computes the change of
+// the next iteration with the same equations, without changing any state. A functor.
 
 #include <cstdint>
 
@@ -10,15 +10,15 @@
 
 namespace collidoscope {
 
-/// Items: all bodies, for what each touches by itself, then contacts by place.
+/// Items: all bodies (for their planes), then contacts by place.
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct SoftResidual {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
   OrderedContacts<Real, with_friction> contacts;
   Softness<Real> softness;
-  bool soft;  ///< of a sweep that solves; else of one that relaxes, with friction where there is any
-  const std::uint8_t* asleep;  ///< by body; null where nothing sleeps
-  bool with_ccd;               ///< as of Solve
+  bool soft;                   ///< true: solve with softness; false: relax, with friction
+  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
+  bool with_ccd;               ///< continuous collision is on; see Solve
   const StepControl* control;
 
   SIM_HD ResidualSum operator()(std::int64_t item) const {
@@ -70,7 +70,7 @@ struct SoftResidual {
     const typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     for (int p = 0; p < walls.count(); ++p) {
       const WallPlane<Real> plane = walls.plane(p, id);
-      if (!(plane.normal.dot(plane.normal) > 0)) continue;  // a box that it does not touch
+      if (!(plane.normal.dot(plane.normal) > 0)) continue;  // box without contact
       const std::int64_t entry = walls.index(p, id);
       const Real gap = max_of(plane.normal.dot(body.x) - plane.offset - body.radius, Real(0));
       const Real accumulated = walls.impulse[entry];

@@ -132,7 +132,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   end_step(contacts, impulses);
 }
 
-/// Islands, colours, warm starts, and the bounds of continuous collision.
+/// Finds islands and colours, prepares contacts, and starts continuous collision.
 template <class Real>
 void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
   kinematic_.begin();
@@ -143,7 +143,7 @@ void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
   if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.acceleration_margin);
 }
 
-/// Forces and warm starts.
+/// Applies forces and warm starting.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::begin_substep(int substep) {
@@ -155,7 +155,7 @@ void SoftStepSolver<Real>::begin_substep(int substep) {
   if (scene_.effects.joints) scene_.joints->warm_start();
 }
 
-/// Sweeps over joints, contacts and planes, with soft constraints.
+/// Iterations over joints, contacts and planes with soft constraints.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::solve(int substep) {
@@ -170,7 +170,7 @@ void SoftStepSolver<Real>::solve(int substep) {
   }
 }
 
-/// Moves bodies, and takes normals and gaps of contacts from the new positions.
+/// Moves bodies, then updates normals and gaps of contacts.
 template <class Real>
 void SoftStepSolver<Real>::move() {
   free_integrator_.integrate(h_, true);
@@ -184,7 +184,7 @@ void SoftStepSolver<Real>::move() {
       PlaceContacts<Real>{ordered_contacts_.data(), bodies_of_.data(), scene_.bodies.position, soft_.data()});
 }
 
-/// Sweeps with rigid constraints, and friction.
+/// Iterations with rigid constraints and friction.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::relax(int substep) {
@@ -230,7 +230,7 @@ void SoftStepSolver<Real>::end_step(const ContactView<Real>& contacts, Real* imp
   if (scene_.effects.sleeping) sleeping_.update_timers();
 }
 
-// ---- its parts ----
+// ---- parts of the phases ----
 
 template <class Real>
 template <class Stage>
@@ -308,14 +308,13 @@ OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts() co
 template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
-  // Contacts of one colour share no body, so there are at most half as many as bodies.
+  // Contacts of one colour share no body, so a colour has at most body_count / 2 contacts.
   executor_.run_rounds(stage, Iteration<Real, Act>::rounds,
                        std::min(contact_capacity_, scene_.body_count / 2),
                        Iteration<Real, Act>{ordered_contacts<Act::has_friction>(), scene_.bodies, act});
 }
 
-/// In each substep: before the first of the sweeps that solve, after each of them, and the same of those that
-/// relax.
+/// Records residuals of a substep: before and after each iteration of solve, then of relax.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::record_iteration(int substep, bool soft, int iteration) {

@@ -1,16 +1,15 @@
 #pragma once
-// The solver `soft_step` (Macklin et al. 2019: substeps beat iterations; Catto, "Solver2D", 2024): contacts
-// are found once a step, with all that its motion may bring together; then K substeps of
+// The solver `soft_step` (Macklin et al. 2019: substeps beat iterations; Catto, "Solver2D", 2024). Contacts
+// are found once per step, including all that its motion may bring together. Then K substeps follow,
 //
-//   begin (forces, warm starts) -> solve -> move -> relax
+//   begin (forces, warm starting) -> solve -> move -> relax
 //
-// and at last the bounces, and the friction that they add. Impulses live on: within a step in the contact,
-// from step to step by the ids of its bodies. In the sweeps, contacts go colour by colour, then what the
-// colours left over by mass splitting; planes are swept first, and once more before bodies move, so that none
-// enters one.
+// and finally restitution and its friction. Impulses are warm-started: within a step per contact, from step
+// to step by body ids. Iterations process contacts colour by colour, then the mass-split set. Planes come
+// first, and once more before bodies move, so no body enters a plane.
 //
-// What is remembered changes only in a run that is committed: an overflow leaves no contacts, and every stage
-// over bodies looks at control->overflow.
+// Warm-start data change only in a committed run. After an overflow there are no contacts, and every stage
+// over bodies checks control->overflow.
 
 #include <cstdint>
 
@@ -36,12 +35,13 @@ namespace collidoscope {
 template <class Real>
 class SoftStepSolver final : public ContactSolver<Real> {
  public:
-  /// `coloured` false: the solver `jacobi_split`, which sweeps all contacts at once, as the mass-split set.
+  /// `coloured` false: the solver `jacobi_split`, with all contacts in the mass-split set.
   SoftStepSolver(Executor& executor, const SolverScene<Real>& scene, bool coloured);
   int runs_per_step() const override { return 1; }
   Real prediction_time() const override { return scene_.time_step; }
   void reserve(std::int64_t contact_capacity) override;
-  /// `iterations` sweeps in each solve and in each relax. `impulses`: of all substeps and the bounce.
+  /// Runs `iterations` iterations in each solve and each relax. `impulses`: sum over all substeps and
+  /// restitution.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
   void record_residuals(bool on) override;
   std::vector<Residual> residuals() const override;
@@ -51,7 +51,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void visit_warm_start(const ArrayVisitor& visit) override;
 
  private:
-  // The parts of a step, in order. `with_friction`: with friction.
+  // Phases of a step, in order.
   template <bool with_friction>
   void advance(const ContactView<Real>& contacts, Real* impulses);
   void begin_step(const ContactView<Real>& contacts);
@@ -67,7 +67,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void friction_of_bounces();
   void end_step(const ContactView<Real>& contacts, Real* impulses);
 
-  // What these are made of.
+  // Parts of the phases.
   void prepare(const ContactView<Real>& contacts);
   template <bool with_friction>
   void apply_forces();
@@ -79,7 +79,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void iterate_walls(const char* stage, bool relaxing, bool last);
   template <bool with_friction>
   void record_iteration(int substep, bool soft, int iteration);
-  /// A stage over the bodies that are awake.
+  /// Runs a stage over awake bodies.
   template <class Stage>
   void run_bodies(const char* name, const Stage& stage);
   template <bool with_friction>
@@ -89,25 +89,25 @@ class SoftStepSolver final : public ContactSolver<Real> {
 
   Executor& executor_;
   const SolverScene<Real> scene_;
-  const Real h_;  ///< s, of a substep
+  const Real h_;  ///< substep, s
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
   ContactDegrees uncoloured_degrees_;
-  ContactsByBody all_, uncoloured_;  ///< of all contacts; of the mass-split set
-  Buffer<Pair> ordered_contacts_;    ///< in the order in which they are solved, as all that follows by place
-  Buffer<std::uint32_t> place_of_;   ///< by contact
+  ContactsByBody all_, uncoloured_;  ///< all contacts; the mass-split set
+  Buffer<Pair> ordered_contacts_;    ///< contacts in solve order; so are all buffers by place
+  Buffer<std::uint32_t> place_of_;   ///< by contact number
   Buffer<ContactBodies<Real>> bodies_of_;
   Buffer<DependencyCounters> dependency_counters_;
   Buffer<StepBody<Real>> step_bodies_;        ///< by body
   Buffer<BodyFriction<Real>> body_friction_;  ///< by body; empty without friction
   Buffer<PackedContact<Real>> soft_;
   Buffer<ContactSums<Real>> sums_;
-  Buffer<FrictionSums<Real>> friction_sums_;  ///< empty without friction, as all that follows of it
+  Buffer<FrictionSums<Real>> friction_sums_;  ///< empty without friction
   Buffer<ContactInertia<Real>> contact_inertia_;
   Buffer<Real> uncoloured_change_;             ///< N s
   Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
-  Buffer<std::uint32_t> bounces_;              ///< one
+  Buffer<std::uint32_t> bounces_;              ///< one element; nonzero if a contact will bounce
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;

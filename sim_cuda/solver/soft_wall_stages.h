@@ -1,6 +1,6 @@
 #pragma once
-// The stages of `soft_step` over the planes of all bodies: a sweep, the bounce, and the friction of bounces.
-// Functors.
+// Stages of `soft_step` over the planes of all bodies: iteration, restitution, and friction after
+// restitution. Functors.
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@
 
 namespace collidoscope {
 
-/// One sweep over all bodies' planes. `last`: of those that relax.
+/// One iteration over the planes of all bodies. `last`: last iteration of relax.
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct SolveWalls {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
@@ -26,7 +26,7 @@ struct SolveWalls {
   }
 };
 
-/// The bounce off every plane that the step has touched; makes the next step start afresh.
+/// Restitution at every plane touched in the step. Resets the plane's state for the next step.
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct BounceOffWalls {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
@@ -46,7 +46,7 @@ struct BounceOffWalls {
       if (!(bounce_speed > 0 && bounce_speed > speed)) continue;
       const Real change = body.mass * (bounce_speed - speed);
       walls.apply_normal_impulse(id, body, normal, change);
-      walls.impulse[place] = 0;  // it leaves
+      walls.impulse[place] = 0;  // the body separates from the plane
       if constexpr (with_friction) {
         walls.friction.impulse[place] = Vector3<Real>::Zero();
         walls.friction.normal_impulse_sum[place] += change;
@@ -57,7 +57,7 @@ struct BounceOffWalls {
   }
 };
 
-/// What a bounce adds to the friction of the step; after all bounces.
+/// Friction after restitution. Run after all restitution impulses.
 template <class Real, bool with_box_obstacles>
 struct WallFrictionAfterBounce {
   SoftWalls<Real, true, with_box_obstacles> walls;

@@ -1,17 +1,16 @@
 #pragma once
-// The planes of `soft_step`: contacts like all others, but that each body resolves its own, obstacles first,
-// then the faces of the box, then box obstacles, each as the plane that it is to this body in this substep
-// (box_surface.h). Nothing behind a plane pushes back, so the planes are rigid: a body is at once
-// out of them, and ends no substep inside.
+// Plane contacts of `soft_step`. Each body solves its own planes in order: half-space obstacles, box faces
+// of the scene, box obstacles. A box obstacle acts as one plane per body and substep (box_surface.h).
+// Planes are rigid: overlap is removed at once, and no substep ends with a body inside a plane. A view;
+// does not own memory.
 //
-// A bounce takes the speed at which the body reaches the plane, sqrt(v^2 + 2 g s) after a fall through the
-// gap s that is left, not that of the substep's end: so the height of a rebound does not depend on how the
-// time steps fall, and no bounce gains energy. Only what a body brings along bounces: the speeds that sweeps
-// give it on their way to a solution are no impacts, and taken for such kept whole piles from their rest.
+// Restitution uses the speed sqrt(v^2 + 2 g s) at which the body reaches the plane after a fall through the
+// remaining gap s. So the rebound height does not depend on the phase of the time steps, and no bounce
+// gains energy. Restitution uses only the velocity before the solver iterations. Using intermediate solver
+// velocities kept piles from settling.
 //
-// Most bodies are at no plane. What a step remembers of body and plane is therefore looked up only where a
-// bit of `active_mask` says that there may be something, and the rest of the body only where a plane may act
-// on it.
+// Most bodies touch no plane. Plane data are read only if a bit of `active_mask` is set, and the remaining
+// body data only if a plane may act.
 
 #include <cstdint>
 #include <type_traits>
@@ -26,13 +25,13 @@
 
 namespace collidoscope {
 
-/// Friction impulses at planes, plane by plane, all bodies of each; null without friction.
+/// Friction impulses at planes, index plane * body count + body. Null without friction.
 template <class Real>
 struct WallFriction {
   Friction<Real> coefficients;
-  Vector3<Real>* impulse;    ///< N s, of the substep
-  Vector3<Real>* total;      ///< N s, of the step so far
-  Real* normal_impulse_sum;  ///< N s, along the normal, of the step so far
+  Vector3<Real>* impulse;    ///< accumulated in the substep, N s
+  Vector3<Real>* total;      ///< sum over the step so far, N s
+  Real* normal_impulse_sum;  ///< sum of normal impulses over the step so far, N s
 };
 
 template <class Real, bool with_friction, bool with_box_obstacles>
@@ -44,24 +43,25 @@ struct SoftWalls {
   Restitution<Real> restitution;
   Vector3<Real> gravity;  ///< m/s^2
   Real inverse_h;         ///< 1/s
-  Real* impulse;          ///< N s, of the substep; plane by plane, all bodies of each
-  Real* bounce;           ///< m/s, at which the body will leave the plane; < 0: not touched in this step
+  Real* impulse;          ///< accumulated in the substep, N s; index plane * body count + body
+  Real* bounce;           ///< separation speed after restitution, m/s; < 0: not touched in this step
   std::uint32_t*
-      active_mask;  ///< by body: bit p where plane p gives something, or did since the step began; or null
-  WallFriction<Real> friction;  ///< read only with friction
-  BoxContacts<Real> boxes;      ///< none unless `with_box_obstacles`
+      active_mask;  ///< by body: bit p is set if plane p has impulses or had some in this step; may be null
+  WallFriction<Real> friction;  ///< used only with friction
+  BoxContacts<Real> boxes;      ///< empty unless `with_box_obstacles`
   StaticImpulse* static_impulses;
 
-  /// A body while its planes are resolved.
+  /// State of a body while its planes are solved.
   struct Body {
     Vector3<Real> x, v;
     Real radius, mass, inverse_mass;
-    AngularState<Real> angular;  ///< read only with friction
+    AngularState<Real> angular;  ///< used only with friction
     std::uint32_t active_mask;
     bool moved = false, velocity_changed = false;
   };
 
-  /// Whether body and plane p may have something to remember. Planes beyond the bits are always asked.
+  /// True if the body may have impulses at plane p. Planes from mask_bits on have no bit and are always
+  /// active.
   static constexpr int mask_bits = 32;
   SIM_HD static bool is_active(const Body& body, int p) {
     return p >= mask_bits || (body.active_mask >> p & 1) != 0;
@@ -71,8 +71,8 @@ struct SoftWalls {
     body.active_mask |= std::uint32_t{1} << p;
     active_mask[id] = body.active_mask;
   }
-  /// At the end of a step: leaves the planes that give nothing any more, nor what is no number: that would be
-  /// in a snapshot, and who goes on from one asks all planes.
+  /// Call at the end of a step. Clears planes with zero or NaN impulse from the active mask. Reason: a
+  /// loaded snapshot activates all planes and must give the same result.
   SIM_HD void deactivate_unused(int id, Body& body) const {
     if (body.active_mask == 0) return;
     std::uint32_t still_active = 0;
@@ -93,7 +93,7 @@ struct SoftWalls {
     }
     if (still_active != body.active_mask) active_mask[id] = still_active;
   }
-  /// Whether a sweep would do anything: exact, but for planes where it is asked.
+  /// True if an iteration may change the body. Exact if no plane is active and there are no box obstacles.
   SIM_HD bool may_touch(const Body& body, bool relaxing) const {
     if constexpr (with_box_obstacles) return true;
     if (plane_count > mask_bits || body.active_mask != 0) return true;
@@ -113,7 +113,7 @@ struct SoftWalls {
       return plane_count;
   }
 
-  /// Plane p of a body; those from plane_count on are boxes.
+  /// Plane p of a body. Indices from plane_count on are box obstacles.
   SIM_HD WallPlane<Real> plane(int p, int body) const {
     if constexpr (with_box_obstacles) {
       if (p >= plane_count) {
@@ -124,13 +124,13 @@ struct SoftWalls {
     }
     return planes[p];
   }
-  /// Its normal when it touched last in this step.
+  /// Normal of plane p at its last contact in this step.
   SIM_HD Vector3<Real> contact_normal(int p, int body) const {
     if constexpr (with_box_obstacles)
       if (p >= plane_count) return boxes.normal[index(p - plane_count, body)];
     return planes[p].normal;
   }
-  /// At the start of a substep: the planes of boxes that it touches.
+  /// Call at the start of a substep. Sets the contact planes of the boxes that the body touches.
   SIM_HD void update_box_planes(int id, const Body& body) const {
     for (int b = 0; b < boxes.view.count; ++b) {
       const BoxSurface<Real>& box = boxes.view.boxes[b];
@@ -138,16 +138,16 @@ struct SoftWalls {
       boxes.plane[index(b, id)] = touches ? box.contact_plane_at(body.x) : ContactPlane<Real>::none();
     }
   }
-  /// Of a box that it does not touch, the plane that it would meet in this substep as it moves now; whether
-  /// there is one.
+  /// For a box without contact, predicts the plane that the body meets in this substep. Returns true if the
+  /// box has a plane.
   SIM_HD bool predict_contact(int b, int id, const Body& body) const {
     ContactPlane<Real>& box_plane = boxes.plane[index(b, id)];
     if (box_plane.is_none())
       box_plane = boxes.view.boxes[b].first_plane_on_path(body.x, (1 / inverse_h) * body.v, body.radius);
     return !box_plane.is_none();
   }
-  /// After a sweep: what the last plane gave may lead through a box that came before it. A body that finds no
-  /// way out between boxes stops.
+  /// Call after an iteration. The impulse of a later plane may push the body through an earlier box. A body
+  /// that still penetrates after all rounds is stopped.
   SIM_HD void resolve_boxes(int id, Body& body) const {
     if (!(body.inverse_mass > 0)) return;
     constexpr int rounds = 8;
@@ -182,7 +182,7 @@ struct SoftWalls {
     for (int k = 0; k < 3; ++k) sum.vector[k] += static_cast<double>(momentum[k]);
   }
 
-  /// An impulse across the normal, where the body touches the plane.
+  /// Applies a tangential impulse at the contact point of the plane.
   SIM_HD void apply_friction_impulse(int id, Body& body, const Vector3<Real>& normal,
                                      const Vector3<Real>& change) const {
     if constexpr (with_friction) {
@@ -193,22 +193,21 @@ struct SoftWalls {
     }
   }
 
-  /// The impulses of the substep before, as a start.
+  /// Applies the accumulated impulses of the last substep.
   SIM_HD void warm_start(int id, Body& body) const {
     for (int p = 0; p < count(); ++p) {
       if (!is_active(body, p)) continue;
       const Real start = impulse[index(p, id)];
       if (!(start > 0)) continue;
       const Vector3<Real> normal = plane(p, id).normal;
-      if constexpr (with_box_obstacles)  // what the step before remembers is in no snapshot
+      if constexpr (with_box_obstacles)  // snapshots do not store normals of the last step
         if (p >= plane_count && bounce[index(p, id)] < 0) boxes.normal[index(p - plane_count, id)] = normal;
       apply_normal_impulse(id, body, normal, start);
       if constexpr (with_friction) apply_friction_impulse(id, body, normal, friction.impulse[index(p, id)]);
     }
   }
 
-  /// Friction at one plane within `normal_impulse` N s times its coefficient, of which `accumulated` is
-  /// already there.
+  /// Solves friction at one plane, limited by mu times `normal_impulse` (N s). Updates `accumulated`.
   SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
                                    Real normal_impulse, Vector3<Real>& accumulated) const {
     if constexpr (with_friction) {
@@ -223,7 +222,8 @@ struct SoftWalls {
                              solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated));
     }
   }
-  /// After the normal impulses are relaxed; `last`: for the last time in this substep, which is counted.
+  /// Call after the normal impulses of relax. `last`: last iteration of the substep; adds to the sums of
+  /// the step.
   SIM_HD void apply_friction(int id, Body& body, bool last) const {
     if constexpr (with_friction) {
       for (int p = 0; p < count(); ++p) {
@@ -237,8 +237,8 @@ struct SoftWalls {
     }
   }
 
-  /// One sweep. `relaxing`: after the move, when no contact may begin that the next move closes. `before`:
-  /// the velocity before forces acted in this substep, where this is the first.
+  /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive. `before`:
+  /// velocity before the forces of this substep, m/s, in the first iteration; otherwise null.
   SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>* before) const {
     for (int p = 0; p < count(); ++p) {
       if constexpr (with_box_obstacles)
@@ -284,7 +284,7 @@ struct SoftWalls {
     load_rest(id, body);
     return body;
   }
-  /// What may_touch() asks for.
+  /// Loads the data that may_touch() needs.
   SIM_HD Body load_motion(int id) const {
     Body body;
     body.x = bodies.position[id];

@@ -1,12 +1,14 @@
 #pragma once
-// Spheres against planes that never move: the six faces of the box, and half-space obstacles.
+// Spheres against static planes, for the solver `impulse`: the six faces of the box and half-space
+// obstacles.
 //
-// A body that would be beyond a plane at the end of the step bounces now, at most h |v| before it touches;
-// one that has too little speed to bounce is given just what keeps it on the plane once gravity has acted. So
-// spheres never enter a wall, however fast (planes at right angles, as the box's, do not undo each other).
-// The energy of body and gravity over the whole step does not rise: a bounce keeps e <= 1 of the speed; a
-// body kept at gap s ends on the plane at speed s/h, and s^2/h^2 / 2 <= v^2 / 2 + g s wherever it would have
-// crossed (convex in s, true at both ends).
+// A body that would penetrate a plane at the end of the step bounces now, at most h |v| before it touches.
+// If it is too slow to bounce, it gets the speed that keeps it on the plane after gravity. So spheres never
+// enter a wall at any speed. Orthogonal planes, such as the box faces, do not undo each other.
+//
+// The total energy of a body does not rise over a step. A bounce keeps e <= 1 of the speed. A body at gap s
+// that would cross the plane ends on it with speed s/h. Then s^2/h^2 / 2 <= v^2 / 2 + g s, since this is
+// convex in s and true at both ends.
 
 #include <cstdint>
 
@@ -18,7 +20,7 @@
 
 namespace collidoscope {
 
-/// Bodies stay where normal . x >= offset.
+/// The half-space normal . x >= offset, in which bodies stay.
 template <class Real>
 struct WallPlane {
   Vector3<Real> normal;  ///< unit
@@ -27,15 +29,16 @@ struct WallPlane {
   Real friction;         ///< 0 to 100
 };
 
-/// Obstacles first, then the box's faces, so that the box has the last word.
+/// Resolves the planes of a body in order: obstacles, then box faces. Box faces are last, so no body leaves
+/// the box.
 template <class Real>
 struct ResolveWalls {
   BodyView<Real> bodies;
   const WallPlane<Real>* planes;
   int plane_count;
   Restitution<Real> restitution;
-  Vector3<Real> gravity;  ///< m/s^2, zero where the effect is off
-  Real h;                 ///< s
+  Vector3<Real> gravity;  ///< m/s^2, zero if the effect is off
+  Real h;                 ///< length of a run, s
   StaticImpulse* static_impulses;
   const StepControl* control;
 
@@ -56,7 +59,7 @@ struct ResolveWalls {
       const WallPlane<Real> plane = planes[p];
       Real gap = plane.normal.dot(x) - plane.offset - r;
       if (gap < 0) {
-        // Nothing behind a wall pushes back, so the whole depth can go at once.
+        // A static plane absorbs any correction, so the whole depth is removed at once.
         const Vector3<Real> shift = -gap * plane.normal;
         x += shift;
         gap = 0;
@@ -71,7 +74,7 @@ struct ResolveWalls {
       const Real target = max_of(bounce, -gap / h - gain);
       if (target > speed) apply_impulse(plane.normal, target - speed);
     }
-    // A bounce that would cross the whole box within this step ends on the wall opposite.
+    // A bounce that would cross the whole box in this step ends on the opposite wall.
     for (int p = 0; hit && p < plane_count; ++p) {
       const WallPlane<Real> plane = planes[p];
       const Real gap = max_of(plane.normal.dot(x) - plane.offset - r, Real(0));

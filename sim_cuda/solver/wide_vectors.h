@@ -1,5 +1,5 @@
 #pragma once
-// Vectors between the precision of a run and the doubles of snapshots. Pure functions.
+// Conversion of vectors between the precision of a run and double, for snapshots. Pure functions.
 
 #include <array>
 #include <vector>
