@@ -1,7 +1,6 @@
 #pragma once
 // JSON readers shared by scene files and change files: bodies, effect lists, material names and paths.
-// Stateless functions. Faults are appended to the Reading; an invalid value leaves the result partly or
-// wholly unset.
+// Stateless functions. Faults are appended to the Reading.
 
 #include <optional>
 #include <string>

@@ -11,8 +11,9 @@ struct Effects {
   bool gravity = false;    ///< uniform acceleration; required if gravity != 0
   bool attractor = false;  ///< attracting points; required if the scene lists attractors
   bool drag = false;       ///< drag of the medium; required if the medium is not vacuum
-  bool rotation = false;   ///< orientation and spin are stored and integrated; required if a body can rotate
-  bool friction = false;   ///< Coulomb friction, needs rotation; required if a material has friction > 0
+  bool rotation =
+      false;  ///< orientation and spin are stored and integrated; required by spin, friction and joints
+  bool friction = false;  ///< Coulomb friction, needs rotation; required if a material has friction > 0
   bool rolling_resistance = false;  ///< needs friction; required if a material has rolling_resistance > 0
   bool joints = false;              ///< solver/joint_constraint.h; required if the scene lists joints
   /// Prevents tunnelling: dynamics/continuous_collision.h. Required if a body starts so fast that it crosses

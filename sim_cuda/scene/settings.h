@@ -88,7 +88,7 @@ inline constexpr auto physics_settings = std::tuple{
                                            .live = Live::new_world},
 };
 
-/// Settings of each material. The setting flags and panels edit the material "default".
+/// Settings of each material. Flags and panels set the material "default".
 inline constexpr auto material_settings = std::tuple{
     Field<&Material::density>{.key = "density",
                               .help = "mass per volume",
@@ -117,7 +117,7 @@ inline constexpr auto material_settings = std::tuple{
                                          .live = Live::new_world},
 };
 
-/// Settings of each generator. The setting flags and panels edit a scene's only generator.
+/// Settings of each generator. Flags and panels set a scene's only generator.
 inline constexpr auto generator_settings = std::tuple{
     Field<&BoxCollider::count>{.key = "count",
                                .help = "bodies of the scene's generator",

@@ -7,7 +7,7 @@ namespace collidoscope {
 SphereGrid::SphereGrid(const Vector3d& low, const Vector3d& high, double largest_radius, std::size_t expected)
     : low_(low), cells_per_metre_(0, 0, 0), cells_{1, 1, 1}, largest_radius_(largest_radius) {
   // A cell is at least as wide as the largest diameter, so overlaps lie within 27 cells. The number of cells
-  // is about that of spheres.
+  // is at most 32 times that of spheres.
   int most = 1;
   while (most < 512 && static_cast<double>(most) * most * most < 4.0 * static_cast<double>(expected))
     most *= 2;
