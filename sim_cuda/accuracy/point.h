@@ -46,7 +46,7 @@ struct AccuracyCost {
 
 /// Invariants, each the worst value of the sampled states.
 struct AccuracyInvariants {
-  double energy_drift = not_known;  ///< |E(end) - E(start)| over the reference's maximum kinetic energy
+  double energy_drift = not_known;  ///< (E(end) - E(start)) over the reference's maximum kinetic energy
   double energy_error = not_known;  ///< difference to the reference's energy at the same time, over the same
                                     ///< scale
   /// Change of momentum minus the impulses of walls and gravity, over the sum of m |v|.
