@@ -16,7 +16,7 @@
 namespace collidoscope {
 namespace {
 
-/// Number of pairs of steps. In each pair, one step has stage timing.
+/// Number of repeats. A repeat has two steps; the second has stage timing.
 struct Repeats {
   std::int64_t exactly = 0;  ///< 0: as many as fit in two seconds, at most 20
   bool enough(std::int64_t done, std::chrono::steady_clock::time_point start) const {
@@ -105,7 +105,7 @@ int bench_paper(const CommandLine& line) {
   // Tables 2, 4 and 5 share their runs.
   std::map<std::tuple<std::string, PaperQuery, std::int64_t, int, int>, PaperTiming> known;
   const std::int64_t asked = options.bench.repeats_given ? options.bench.repeats : 0;
-  std::map<std::int64_t, std::int64_t> repeats;  // by N; without --repeats, the first run determines it
+  std::map<std::int64_t, std::int64_t> repeats;  // by number of bodies; default: set by the first run
   PaperResults results;
   {
     const World world(scene, options.run);

@@ -27,8 +27,7 @@ using Json = nlohmann::ordered_json;
 struct PredictorRow {
   std::string method, variant;
   TreeQuality quality;
-  double own_ns = 0, same_ns = 0;  ///< per query: the method's own, including the ordering of pairs; the
-                                   ///< common query
+  double own_ns = 0, same_ns = 0;  ///< ns per query: own query with pair ordering; common query
 };
 
 /// A value of individual queries; NaN if the method does not provide them.
