@@ -22,9 +22,9 @@ using Json = nlohmann::ordered_json;
 
 struct MeasuredTree {
   std::string method;
-  int key_bits = 0;  ///< 0: it has none
+  int key_bits = 0;  ///< 0: no Morton keys
   TreeQuality quality;
-  double build_us = 0, query_us = 0;  ///< medians; the query with the ordering of its pairs
+  double build_us = 0, query_us = 0;  ///< medians; the query includes the ordering of its pairs
 };
 
 MeasuredTree measure_tree_of(World& world, int repeats) {
@@ -72,7 +72,7 @@ Json json_of(const MeasuredTree& m) {
 }
 
 std::string depth_histogram(const TreeQuality& q) {
-  // One digit a level, 0 to 9 by the share of the fullest, '.' where there is none.
+  // One character per level: 0 to 9 relative to the fullest level, '.' for an empty one.
   std::string text;
   const std::int64_t most = *std::max_element(q.leaves.begin(), q.leaves.end());
   for (const std::int64_t leaves : q.leaves)
@@ -138,7 +138,7 @@ int bvh_command(const CommandLine& line) {
       options.bench.methods.empty() ? broad_phase_names(options.run.executor) : options.bench.methods;
 
   std::vector<MeasuredTree> trees;
-  std::optional<World> first;  // makes the steps; the others take its state
+  std::optional<World> first;  // makes the steps; the other worlds start from its state
   std::string device;
   std::size_t bodies = 0;
   Progress progress("methods", std::ssize(methods));

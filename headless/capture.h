@@ -1,5 +1,5 @@
 #pragma once
-// The `capture` command: steps a world to each state asked for and writes a picture of it.
+// The `capture` command: advances a world to the requested states and writes a picture of each.
 
 #include <cstdint>
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace collidoscope {
 
-/// A scene's name as part of a file's: letters in lower case, digits, '-' and '_'; never empty.
+/// A scene's name for use in a file name: lower-case letters, digits, '-' and '_'; not empty.
 std::string file_stem(const std::string& scene);
 
-/// Of a run that starts at state `first`, as the request has it.
+/// The requested states of a run that starts at state `first`.
 std::vector<std::int64_t> states_to_draw(const CaptureRequest& request, std::int64_t first);
 std::string picture_file(const CaptureRequest& request, const Scene& scene, std::int64_t state);
 
-/// Writes OUT/<scene>_<state>.png for each state, whole or not at all, and prints one line per picture on
-/// stdout; says on stderr which renderer and display path drew them. Returns 0; 1 where a guard paused the
-/// run, after a line on stderr. Throws InputError and MachineError.
+/// Writes OUT/<scene>_<state>.png for each state; each file is written atomically. Prints one line per
+/// picture on stdout, and the renderer and display path on stderr.
+/// Returns 0, or 1 if a guard paused the run (with a line on stderr). Throws InputError and MachineError.
 int run_capture(const CaptureRequest& request, World& world);
 
 }  // namespace collidoscope

@@ -13,9 +13,9 @@
 #include "sim_cuda/core/error.h"
 
 // The perceptual measure follows FLIP (Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom and Fairchild
-// 2020) for pictures of 8 bits, seen at 67 pixels a degree (0.7 m from a 0.7 m wide screen of 3840 pixels).
-// Simplified: alpha is ignored, the constants of white are rounded, and sums run in float, so that values
-// agree with the published program's to about three digits, not bit for bit.
+// 2020) for 8-bit pictures at 67 pixels per degree (0.7 m from a 0.7 m wide screen of 3840 pixels).
+// Simplifications: alpha is ignored, the white point constants are rounded, and sums are in float. Values
+// agree with the published program to about three digits.
 
 namespace collidoscope {
 namespace {
@@ -33,7 +33,7 @@ float to_linear(std::uint8_t byte) {
   return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
 }
 
-Pixel to_xyz(const Pixel& c) {  // relative to the white of D65
+Pixel to_xyz(const Pixel& c) {  // relative to white D65
   return {(0.4124564f * c[0] + 0.3575761f * c[1] + 0.1804375f * c[2]) / 0.9504559f,
           0.2126729f * c[0] + 0.7151522f * c[1] + 0.0721750f * c[2],
           (0.0193339f * c[0] + 0.1191920f * c[1] + 0.9503041f * c[2]) / 1.0890578f};
@@ -53,7 +53,7 @@ Pixel from_opponent(const Pixel& o) {
           unit(0.0556434f * x - 0.2040259f * y + 1.0572252f * z)};
 }
 
-// L*a*b* with chroma scaled by lightness (Hunt's effect).
+// L*a*b* with chroma scaled by lightness (Hunt effect).
 Pixel to_hunt_lab(const Pixel& rgb) {
   Pixel f = to_xyz(rgb);
   for (float& v : f) v = v > 0.008856452f ? std::cbrt(v) : v / 0.12841855f + 0.13793103f;
@@ -65,7 +65,7 @@ float hyab(const Pixel& a, const Pixel& b) {
   return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-// One kernel a channel, along x, then along y; the edge repeats.
+// One kernel per channel, applied along x, then along y. The edge pixels are repeated.
 using Kernels = std::array<std::vector<float>, 3>;
 ImagePlane filtered(const ImagePlane& source, const Kernels& along_x, const Kernels& along_y) {
   ImagePlane current = source;
@@ -94,7 +94,7 @@ ImagePlane filtered(const ImagePlane& source, const Kernels& along_x, const Kern
   return current;
 }
 
-// A Gaussian of the contrast sensitivity function: exp(-pi^2 x^2 / b), x in degrees; sums to `weight`.
+// Gaussian of the contrast sensitivity function: exp(-pi^2 x^2 / b), x in degrees. Sums to `weight`.
 std::vector<float> sensitivity(double b, double weight) {
   const int radius =
       std::max(1, static_cast<int>(std::ceil(3 * std::sqrt(b / (2 * std::numbers::pi * std::numbers::pi)) *
@@ -112,8 +112,8 @@ std::vector<float> sensitivity(double b, double weight) {
 }
 
 ImagePlane seen(const ImagePlane& opponent) {
-  // Luminance and red-green are one Gaussian each; blue-yellow is the sum of two, each weighed by its volume
-  // a (pi / b)^(1/2) * (b / pi) in both directions.
+  // Luminance and red-green use one Gaussian each. Blue-yellow is the sum of two, weighted by their volumes a
+  // (pi / b)^(1/2) * (b / pi) in both directions.
   const double volume_1 = 34.1 * std::sqrt(std::numbers::pi / 0.04) * 0.04,
                volume_2 = 13.5 * std::sqrt(std::numbers::pi / 0.025) * 0.025;
   const double share_1 = volume_1 / (volume_1 + volume_2);
@@ -127,12 +127,13 @@ ImagePlane seen(const ImagePlane& opponent) {
   return result;
 }
 
-// Edges and points of luminance: |gradient| and |second derivative| of a Gaussian, in x and y.
+// Edge and point features of luminance: |gradient| and |second derivative| of a Gaussian, in x and y.
 std::vector<std::array<float, 2>> features(const ImagePlane& opponent) {
   const double deviation = 0.5 * 0.082 * pixels_per_degree;
   const int radius = static_cast<int>(std::ceil(3 * deviation));
   std::vector<float> blur, edge, point;
-  const auto balance = [](std::vector<float>& kernel) {  // what is positive sums to 1, what is negative to -1
+  const auto balance = [](std::vector<float>& kernel) {  // scales positive values to the sum 1, negative
+                                                         // values to -1
     float up = 0, down = 0;
     for (float v : kernel) (v > 0 ? up : down) += std::abs(v);
     for (float& v : kernel) v /= v > 0 ? up : down > 0 ? down : 1;

@@ -1,5 +1,5 @@
 #pragma once
-// How different two pictures are: the measures behind `compare` and the screenshot tests.
+// Difference measures of two pictures. Used by `compare` and the screenshot tests.
 
 #include <string>
 
@@ -13,13 +13,13 @@ struct ImageDifference {
   double perceptual_mean = 0;  ///< mean over pixels of a FLIP-like difference, 0 to 1; see compare.cpp
 };
 
-/// Throws InputError where the sizes differ.
+/// Throws InputError if the sizes differ.
 ImageDifference compare_images(const Image& a, const Image& b);
-/// The perceptual difference of each pixel, 0 to 1, as a picture from black to bright.
+/// A picture of the perceptual difference per pixel, 0 (black) to 1 (bright).
 Image difference_picture(const Image& a, const Image& b);
 
-/// The `compare` command: prints the measures on stdout (with `json`, as one JSON object). Returns 0 if no
-/// pixel differs, else 1. Throws InputError where a file is no PNG or the sizes differ. Writes nothing.
+/// The `compare` command: prints the measures on stdout, as a JSON object if `json` is set. Writes no file.
+/// Returns 0 if no pixel differs, else 1. Throws InputError if a file is not a PNG or the sizes differ.
 int run_compare(const std::string& a, const std::string& b, bool json = false);
 
 }  // namespace collidoscope

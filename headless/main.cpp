@@ -1,6 +1,5 @@
-// collidoscope-headless: the program without a window. Results go to stdout, all else to stderr; the exit
-// status is 0 where the work was done, 1 where a check failed, 2 for bad input, 3 where the machine lacks
-// something.
+// collidoscope-headless: the program without a window. Results go to stdout, messages to stderr. Exit status:
+// 0 success, 1 failed check, 2 bad input, 3 missing hardware, memory or display.
 
 #include <string>
 
@@ -48,7 +47,7 @@ int perform(const CommandLine& line) {
     case Command::stability:
       return stability_command(line);
     case Command::view:
-      break;  // no word of the command line means it
+      break;  // not reachable from the command line
   }
   return bad_input;
 }

@@ -9,7 +9,7 @@ Replay::Replay(const std::string& file, Start& start, RunOptions& options) {
   list_ = read_changes(file, start.scene, options, start.snapshot ? start.snapshot->state.steps : 0);
   const std::vector<Change>& changes = list_.changes;
   if (!changes.empty() && changes[0].step == 0) start.snapshot.reset();
-  // Bodies are frozen in a world, which there is not yet: the rest is left to make_due().
+  // Freezing bodies needs a world, which does not exist yet. make_due() applies the remaining changes.
   for (; next_ < changes.size() && changes[next_].step == 0 && changes[next_].freeze.empty(); ++next_)
     apply_change(changes[next_], start.scene, options);
 }

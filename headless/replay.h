@@ -1,5 +1,5 @@
 #pragma once
-// The changes of `run --changes`, made as the run comes to their states.
+// Applies the changes of `run --changes` when the run reaches their states.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,15 +14,16 @@ namespace collidoscope {
 
 class Replay {
  public:
-  /// Reads the file and tries all of it; "" has no changes. Those of state 0 go into `start`, which then is
-  /// at that state, and `options`. Throws InputError.
+  /// Reads and validates the file; "" means no changes. Applies the changes of state 0 to `start`, which is
+  /// then at state 0, and to `options`. Throws InputError.
   Replay(const std::string& file, Start& start, RunOptions& options);
 
-  /// Steps that can be made before the next change.
+  /// Number of steps until the next change.
   std::int64_t steps_to_next(const World& world) const;
-  /// Makes the changes of the state that the world is in; whether there were any. Throws as World does.
+  /// Applies the changes of the world's current state. Returns true if there were any. Throws the same
+  /// exceptions as World.
   bool make_due(World& world);
-  std::size_t left() const { return list_.changes.size() - next_; }  ///< not made yet
+  std::size_t left() const { return list_.changes.size() - next_; }  ///< changes not applied yet
   const std::optional<RecordedEnd>& end() const { return list_.end; }
 
  private:

@@ -34,7 +34,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The files of a run, each tried before anything is simulated. Throws one InputError for all.
+/// Output files of a run, all opened before the simulation starts. Throws one InputError for all files.
 struct Outputs {
   std::optional<OutputFile> json, bodies, dynamics, energy, snapshot;
 
@@ -58,11 +58,11 @@ struct Outputs {
   bool any() const { return json || bodies || dynamics || energy || snapshot; }
 };
 
-/// A signal ends the stepping of a run that writes files, and not the program: on the CPU within the step,
-/// which then is not in the state; on a GPU, which cannot go on after that, behind it.
+/// Ends a run with output files at a signal, without ending the program. On the CPU the current step is
+/// cancelled and is not part of the state. On a GPU the current batch of steps is completed.
 class EarlyEnd {
  public:
-  /// `cancellation`: null for a run that a signal ends at once.
+  /// `cancellation`: null if a signal ends the program at once.
   explicit EarlyEnd(Cancellation* cancellation) : cancellation_(cancellation) {
     if (cancellation_ == nullptr) return;
     InterruptHandler::wait_for_work();
@@ -83,7 +83,7 @@ class EarlyEnd {
       cancellation_->clear();
       cancellation_->suspend(true);
       cancelled_ = true;
-      world.detect();  // back to the state before that step
+      world.detect();  // restores the state before that step
     }
     cancellation_->suspend(true);
   }
@@ -107,14 +107,14 @@ std::string trace_row(const StepStats& s) {
                      s.max_penetration, s.escaped);
 }
 
-/// Seconds of the clock that stepping took, and of the time that was simulated; and what ended it early.
+/// Wall-clock and simulated seconds of stepping, and the reason of an early end.
 struct Stepped {
   double seconds = 0, simulated = 0;
-  std::optional<std::string> failure;  ///< the world stands at the state before that step,
-  bool failed_at_start = false;        ///< or at the first state, which fails itself
+  std::optional<std::string> failure;  ///< the world is at the state before the failed step
+  bool failed_at_start = false;        ///< the first state itself fails
 };
 
-/// What is asked of a state that was just reached; where it breaks, the world goes back to the one before.
+/// Checks the stop conditions at each new state. When one is met, restores the previous state.
 class Breaks {
  public:
   Breaks(const BreakConditions& conditions, const StepStats& start)
@@ -147,8 +147,8 @@ class Breaks {
   Checkpoint checkpoint_;
 };
 
-/// Steps in strides of about a tenth of a second: long enough to keep a GPU busy, short enough to show
-/// progress. With a trace, or with breaks, every state is measured.
+/// Steps in batches of about a tenth of a second, which keeps a GPU busy and progress visible. A trace or
+/// stop conditions require measuring every state.
 Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace, bool residuals,
                  Breaks& breaks, EarlyEnd& early_end) {
   Stepped stepped;
@@ -162,7 +162,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
     int count = static_cast<int>(trace || breaks.any() ? 1 : std::min(stride, rest));
     if (residuals && done + count == steps) {
       if (count == 1)
-        world.records().record_residuals(true);  // of the last step alone
+        world.records().record_residuals(true);  // of the last step only
       else
         --count;
     }
@@ -179,7 +179,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
                              world.validation().frozen().size(), describe(*world.validation().finding()))
                      .c_str(),
                  stderr);
-    if (world.steps() == before && !world.validation().paused()) break;  // it was cancelled
+    if (world.steps() == before && !world.validation().paused()) break;  // the step was cancelled
     if (world.validation().paused()) stepped.failure = describe(*world.validation().finding());
     if (!stepped.failure && breaks.any()) stepped.failure = breaks.check(world, world.measure());
     if (stepped.failure) return stepped;
@@ -193,7 +193,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
   return stepped;
 }
 
-/// In the working folder, of a name that no file has yet; `step` led to the failure.
+/// An unused file name in the working folder. `step` is the step that failed.
 std::string failure_file(const World& world, std::int64_t step) {
   const std::string stem = fmt::format("failure-{}-{}", file_stem(world.scene().name), step);
   std::string file = stem + ".snapshot";
@@ -202,7 +202,7 @@ std::string failure_file(const World& world, std::int64_t step) {
   return file;
 }
 
-/// Whether the run came to what its list of changes says it came to when it was recorded; says so if not.
+/// True if the final state matches the one recorded in the change file. Prints a message if not.
 bool as_recorded(World& world, const Replay& replay, const std::string& file) {
   if (const std::size_t left = replay.left(); left > 0)
     std::fprintf(stderr, "note: %s: the run ended before %zu of its changes\n", file.c_str(), left);
@@ -253,7 +253,7 @@ int run_command(const CommandLine& line) {
   report.failure = stepped.failure.value_or("");
 
   with_allocation_context("writing what came out", [&] {
-    // All is written before anything is put in place: a disk that fills up leaves no half of a set.
+    // Writes all files before committing any. A full disk then leaves no partial set of files.
     const auto into = [&](OutputFile& file) {
       return [&](std::string_view text) {
         if (options.run.cancellation != nullptr && options.run.cancellation->poll()) throw Cancelled();
@@ -266,14 +266,14 @@ int run_command(const CommandLine& line) {
     if (outputs.snapshot) write_snapshot(snapshot_of(world), into(*outputs.snapshot));
     if (outputs.json) into (*outputs.json)(to_json(report));
     InterruptHandler::work_ended();
-    if (save_on_failure) {  // another run may have taken the name
+    if (save_on_failure) {  // another run may have created the file meanwhile
       while (!outputs.snapshot->commit_new(failed_at)) failed_at = failure_file(world, failed_step);
       outputs.snapshot.reset();
     }
     for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
       if (*file) (*file)->commit();
   });
-  std::exception_ptr not_printed;  // what went wrong in the run is reported all the same
+  std::exception_ptr not_printed;  // the run's failure is reported in any case
   try {
     print(options.json == "-" ? to_json(report) : to_text(report));
     flush_stdout();
@@ -293,7 +293,7 @@ int run_command(const CommandLine& line) {
 
 namespace {
 
-/// One file for a picture and for something else would keep the last alone. Throws InputError.
+/// Throws InputError if a picture would overwrite another output file.
 void refuse_picture_files(const CommandLine& line, const Start& start) {
   namespace fs = std::filesystem;
   const Options& options = line.options;

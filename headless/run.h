@@ -1,15 +1,15 @@
 #pragma once
-// The commands that step a scene. Each returns the exit status of a run that came to its end, and throws
-// InputError or MachineError otherwise; nothing is written then.
+// The commands that step a scene. Each returns the exit status of a completed run. Otherwise each throws
+// InputError or MachineError, and writes no file.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// `run`: steps, then writes the files asked for, then reports on stdout.
+/// `run`: makes the steps, writes the requested files, prints a report on stdout.
 int run_command(const CommandLine& line);
 
-/// `capture`: pictures of the states asked for, then what each stage cost.
+/// `capture`: writes pictures of the requested states, then prints the cost of each stage.
 int capture_command(const CommandLine& line);
 
 }  // namespace collidoscope

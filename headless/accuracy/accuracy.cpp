@@ -23,8 +23,8 @@
 namespace collidoscope {
 namespace {
 
-/// Errors mean most against what is exact, and that starts apart; so do the scene's spheres, where nobody
-/// asked for another start and there is room.
+/// Makes the scene's spheres start apart, if the user did not choose a spawn and there is room. The study
+/// then has an exact reference, which gives the most reliable errors.
 void start_apart(const CommandLine& line, Scene& scene) {
   const bool overlapping = std::ranges::any_of(scene.generators, [](const BoxCollider& g) {
     return g.spawn != Spawn::apart && g.variant != Variant::settled;
@@ -44,7 +44,7 @@ void start_apart(const CommandLine& line, Scene& scene) {
       stderr);
 }
 
-/// What the file of --json holds of this study, which was cut short. Any other file will be replaced.
+/// Restores the results of an interrupted study from the --json file. Any other file will be replaced.
 void advance(const std::string& file, AccuracyStudy& study) {
   if (file.empty() || file == "-" || !std::filesystem::is_regular_file(file)) return;
   try {
@@ -59,7 +59,8 @@ void advance(const std::string& file, AccuracyStudy& study) {
   }
 }
 
-/// Works to the end, or to Ctrl-C, which also cancels the step in progress. Files are as of the last second.
+/// Runs the study to its end or to Ctrl-C, which also cancels the step in progress. Saves the files once per
+/// second.
 void work(AccuracyStudy& study, const InterruptHandler& interrupt_handler,
           const std::function<void()>& save) {
   using Clock = std::chrono::steady_clock;
@@ -69,7 +70,7 @@ void work(AccuracyStudy& study, const InterruptHandler& interrupt_handler,
   const auto advance = [&] {
     try {
       return study.advance(50);
-    } catch (const Cancelled&) {  // what the study has measured until now is complete
+    } catch (const Cancelled&) {  // results measured so far remain valid
       return false;
     }
   };
@@ -130,7 +131,7 @@ int accuracy_command(const CommandLine& line) try {
   }
   return tolerance && !recommended(record.points, record.reference.error, *tolerance).point ? 1 : 0;
 } catch (const Cancelled&) {
-  end_without_result();  // while the study was made
+  end_without_result();  // cancelled during the construction of the study
 }
 
 }  // namespace collidoscope

@@ -1,14 +1,15 @@
 #pragma once
-// `accuracy [SCENE]`: what accuracy costs in a scene, by a study (sim_cuda/accuracy/study.h); without a
-// scene, the analytic suite. Files are written anew each second and whole; Ctrl-C ends it with all that is
-// known, and the same command goes on from the file of --json.
+// The command `accuracy [SCENE]`: an accuracy study of a scene (sim_cuda/accuracy/study.h), or the analytic
+// suite without a scene.
+// Output files are replaced atomically once per second. After Ctrl-C they contain all results so far, and the
+// same command resumes from the --json file.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// The exit status: 1 where no setting's error is within --tolerance. After Ctrl-C it does not return: the
-/// program ends by that signal. Throws InputError or MachineError.
+/// Returns the exit status: 1 if no setting has an error within --tolerance. After Ctrl-C it does not return:
+/// the program ends by that signal. Throws InputError or MachineError.
 int accuracy_command(const CommandLine& line);
 
 }  // namespace collidoscope

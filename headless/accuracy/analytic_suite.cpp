@@ -32,19 +32,19 @@ const char* name_of_claim(Claim claim) {
   return "";
 }
 
-/// NaN where theory says nothing but rounding.
+/// Theoretical error. NaN if the theory predicts rounding errors only.
 double theory_at(const AnalyticResult& r, const AnalyticLevel& level) {
   return r.method.theory.claim == Claim::exact ? std::nan("") : r.method.theory.error(level.h);
 }
 
-/// 1/30, or 1000.
+/// "1/30", or "1000".
 std::string step_text(double h) {
   const double rate = std::round(1 / h);
   return rate >= 2 && std::abs(rate * h - 1) < 1e-9 ? fmt::format("1/{:.0f}", rate)
                                                     : fmt::format("{:.4g}", h);
 }
 
-/// Two digits; 220 rather than 2.2e+02.
+/// Two digits: 220 instead of 2.2e+02.
 std::string error_text(double error) {
   return error >= 10 && error < 1e5 ? fmt::format("{:.0f}", error) : fmt::format("{:.2g}", error);
 }
@@ -66,7 +66,7 @@ std::string order_text(const AnalyticResult& r) {
   return "";
 }
 
-/// What the error at the smallest step is of what theory says.
+/// Ratio of the measured to the theoretical error at the smallest step.
 std::string share_text(const AnalyticResult& r) {
   const AnalyticLevel& last = r.levels.back();
   return r.method.theory.claim == Claim::exact ? "" : fmt::format("{:.2f}", last.error / theory_at(r, last));
@@ -80,8 +80,8 @@ struct AnalyticRow {
   bool passed() const { return (!f64 || f64->passed()) && (!f32 || f32->passed()); }
 };
 
-/// The smallest step at which float is still about as good as double: below it, float stops paying. Blank
-/// where rounding is all there is, and where it never pays.
+/// The smallest step at which float is about as accurate as double. Blank if all errors are rounding errors,
+/// or if there is no such step.
 std::string float_pays_to(const AnalyticRow& row) {
   std::string step;
   if (!row.f64 || !row.f32 || row.f64->method.theory.claim == Claim::exact) return step;
@@ -115,7 +115,7 @@ struct Counts {
   }
 };
 
-/// The cases have scenes and steps of their own: flags that would change them are refused, not ignored.
+/// Rejects flags that would change the scenes and steps of the cases.
 void refuse_settings_of_cases(const Options& options) {
   std::vector<std::pair<std::string, bool>> flags;
   options.overrides.settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto&) {

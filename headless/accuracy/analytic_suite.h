@@ -1,7 +1,7 @@
 #pragma once
-// `accuracy` without a scene: every case of the analytic suite (sim_cuda/reference/analytic_cases.h), with
-// each integrator that it is about, in double and in float, at four steps each; a table on stdout, and JSON,
-// CSV, Markdown and a chart where flags ask for them.
+// The command `accuracy` without a scene: the analytic suite (sim_cuda/reference/analytic_cases.h). Each case
+// runs with its integrators, in double and in float, at four steps. Prints a table on stdout and writes JSON,
+// CSV, Markdown and a chart on request.
 
 #include <string>
 #include <vector>
@@ -12,18 +12,18 @@
 
 namespace collidoscope {
 
-/// The exit status: 1 where a case fails. --integrator and --precision choose among the rows; other flags of
-/// the scene are refused. Throws InputError or MachineError, and has written nothing then.
+/// Returns the exit status: 1 if a case fails. --integrator and --precision select rows; other scene flags
+/// are rejected. Throws InputError or MachineError before any file is written.
 int analytic_suite(const CommandLine& line);
 
-/// What the suite came to, as files and for people. Results of one case and integrator follow each other, and
-/// cases stand in the order in which they ran.
+/// Formatted results of the suite. `results` must be in run order, with the results of one case and
+/// integrator adjacent.
 std::string analytic_json(const std::vector<AnalyticResult>& results, const std::string& device);
 std::string analytic_csv(const std::vector<AnalyticResult>& results);
 std::string analytic_markdown(const std::vector<AnalyticResult>& results, const std::string& device);
 std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device);
-/// One case, error over step, a line for each integrator and precision: orders are slopes, and float ends
-/// where it turns away from double.
+/// Chart of one case: error over step, one line per integrator and precision. The slope is the order. The
+/// float line departs from the double line where rounding dominates.
 Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::string& name);
 
 }  // namespace collidoscope

@@ -16,7 +16,7 @@ namespace {
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.2e}", value) : "-"; }
 
-/// For CSV: exact, empty where it is not known.
+/// Exact decimal for CSV; empty if unknown.
 std::string csv_cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 std::string cost_text(const AccuracyCost& ms) {
@@ -24,7 +24,7 @@ std::string cost_text(const AccuracyCost& ms) {
   return fmt::format("{:.4g} ({:.4g}-{:.4g})", ms.median, ms.low, ms.high);
 }
 
-/// Of how many runs costs are the medians: fewer than asked for where a study was stopped.
+/// Number of runs per cost; lower than requested if the study was interrupted.
 std::string runs_text(const AccuracyRecord& record) {
   std::size_t least = static_cast<std::size_t>(record.rounds), most = 0;
   for (const AccuracyPoint& point : record.points) {
@@ -53,11 +53,11 @@ std::string head_text(const AccuracyRecord& record) {
   return text + "\n";
 }
 
-/// The slope of a series's error over its time step, of the settings that differ in nothing else; in double,
-/// since float's rounding has none; what the reference cannot tell is left out.
+/// Observed order: slope of a series' error over the time step, other settings equal. Uses double only,
+/// because rounding hides the order in float. Ignores errors near the reference's own error.
 double order_of(const AccuracyRecord& record, const std::string& series_name) {
   double order = not_known;
-  std::size_t longest = 2;  // points, at least three
+  std::size_t longest = 2;  // points; at least three are required
   for (const AccuracyPoint& first : record.points) {
     if (first.series_name != series_name || first.setting.precision != Precision::f64) continue;
     std::vector<double> steps, errors;
@@ -128,7 +128,7 @@ std::string float_text(const AccuracyRecord& record) {
                                  : "float is as accurate as double at every setting, within a quarter");
 }
 
-/// From cheap to dear.
+/// The Pareto front, from cheap to expensive.
 std::vector<const AccuracyPoint*> front_of(const AccuracyRecord& record) {
   std::vector<const AccuracyPoint*> front;
   for (const AccuracyPoint& p : record.points)
@@ -238,7 +238,7 @@ Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance)
   for (std::size_t s = 0; s < chart.series.size(); ++s) {
     ChartSeries& series = chart.series[s];
     if (!series.line || !series.marks) {
-      series.name.clear();  // the front, and what series' own fronts leave behind
+      series.name.clear();  // the front, and dominated points of each series
       continue;
     }
     for (std::size_t k = 0; k < series.points.size(); ++k) {
@@ -247,7 +247,7 @@ Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance)
       series.points[k].y_high = point.error_high;
     }
   }
-  // What is lost, or far below all errors, says nothing here.
+  // Hide the reference's error if it is not finite or far below all other errors.
   if (!std::isfinite(chart.floor)) return chart;
   double least = std::numeric_limits<double>::infinity();
   for (const AccuracyPoint& p : record.points) least = p.error < least ? p.error : least;

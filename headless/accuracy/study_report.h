@@ -1,5 +1,5 @@
 #pragma once
-// What a study of accuracy has found, for people and for spreadsheets. Free functions over a record.
+// Formats the results of an accuracy study for terminals and spreadsheets. Stateless functions of a record.
 
 #include <optional>
 #include <string>
@@ -9,13 +9,14 @@
 
 namespace collidoscope {
 
-/// Tables by series, what is cheapest below a tolerance in m, and where float stops paying.
+/// Tables by series, the cheapest setting below the tolerance in m, and the step below which float is
+/// inaccurate.
 std::string study_text(const AccuracyRecord& record, std::optional<double> tolerance);
-/// A row for each setting.
+/// One row per setting.
 std::string study_csv(const AccuracyRecord& record);
-/// The front, as a table.
+/// The Pareto front as a table.
 std::string study_markdown(const AccuracyRecord& record, std::optional<double> tolerance);
-/// The work-precision diagram as a picture of its own, with what it is of.
+/// The work-precision diagram as a chart with title and axes.
 Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance);
 
 }  // namespace collidoscope

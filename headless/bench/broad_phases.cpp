@@ -50,7 +50,7 @@ std::string broad_phases_markdown(const BenchMachine& machine, const std::vector
   return text;
 }
 
-/// The work of `ours`, by cuBQL. Throws MachineError where it finds other pairs.
+/// Measures cuBQL on the scene of `ours`. Throws MachineError if it finds different pairs.
 MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
   const InitialBodies bodies = initial_bodies(scene);
   std::vector<Vector3f> position(bodies.size());

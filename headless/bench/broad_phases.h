@@ -1,13 +1,13 @@
 #pragma once
-// `bench broad-phases`: how long each method takes from positions to the ordered list of pairs, over methods,
-// variants and numbers of bodies, at the initial state of the Box Collider. Files are rewritten after every
-// row, so that a run that is cut short keeps what it has.
+// The suite `bench broad-phases`: time from positions to the ordered list of pairs, for each method, variant
+// and number of bodies, at the initial state of the Box Collider. Files are rewritten after every row, so an
+// interrupted run keeps its results.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// Throws InputError and MachineError; rows that were measured before are in the files.
+/// Throws InputError and MachineError. The files contain the rows measured before.
 int bench_broad_phases(const CommandLine& line);
 
 }  // namespace collidoscope

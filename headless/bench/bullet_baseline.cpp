@@ -22,14 +22,14 @@ Vector3d from_bullet(const btVector3& v) {
 bool has_bullet() { return true; }
 
 struct BulletBaseline::Impl {
-  // The world refers to all that stands before it.
+  // Order of declaration: the world refers to the members before it.
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broad_phase;
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broad_phase, &solver, &configuration};
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< those that move first
+  std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< movable bodies first
   btScalar time_step = 0;
   int substeps = 1;
 
@@ -65,7 +65,7 @@ BulletBaseline::BulletBaseline(const World& world, const BodyStates& states, con
   impl_->world.setGravity(to_bullet(scene.physics.gravity));
   btContactSolverInfo& solving = impl_->world.getSolverInfo();
   solving.m_numIterations = settings.iterations;
-  // As ours: twice what gravity adds in a substep.
+  // The same threshold as in this project: twice the speed that gravity adds in a substep.
   solving.m_restitutionVelocityThreshold = static_cast<btScalar>(scene.physics.restitution_threshold.value_or(
       2 * scene.physics.gravity.norm() * scene.physics.time_step / settings.substeps));
   for (std::size_t i = 0; i < initial.size(); ++i) {
@@ -95,8 +95,8 @@ BulletBaseline::~BulletBaseline() = default;
 
 void BulletBaseline::step() {
   const btScalar h = impl_->time_step / static_cast<btScalar>(impl_->substeps);
-  // Each call makes exactly one step of h: what it carries over of a float's rounding makes none more or
-  // less.
+  // Each call makes exactly one step of h. With 0 substeps, Bullet does not accumulate rounding errors of the
+  // time.
   for (int k = 0; k < impl_->substeps; ++k) impl_->world.stepSimulation(h, 0);
 }
 

@@ -1,11 +1,12 @@
 #pragma once
-// The same bodies stepped by Bullet 2 (E. Coumans et al.): btDiscreteDynamicsWorld with its sequential
-// impulses, on one thread, in float. Compiled where libbullet-dev is.
+// Baseline: the same bodies simulated by Bullet 2 (E. Coumans et al.), btDiscreteDynamicsWorld with
+// sequential impulses, one thread, float. Available if libbullet-dev is installed at build time.
 //
-// Walls and planes are btStaticPlaneShape. Where Bullet multiplies the coefficients of a pair we take the
-// geometric mean of the frictions, so each body gets the square root of its material's, and of its
-// restitution, which is ours for two of one material. Nothing sleeps, nothing is damped. All other settings
-// are Bullet's defaults: warm starting, split impulses, margins.
+// Walls and planes are btStaticPlaneShape. Bullet multiplies the coefficients of a pair, while this project
+// uses the geometric mean of frictions. Each body therefore gets the square root of its friction and of its
+// restitution; the latter matches for bodies of one material.
+// Sleeping and damping are off. All other settings are Bullet's defaults: warm starting, split impulses,
+// margins.
 
 #include <memory>
 
@@ -17,16 +18,16 @@ namespace collidoscope {
 bool has_bullet();
 
 struct BulletSettings {
-  int substeps = 2;     ///< of a step, each with contacts of its own
+  int substeps = 2;     ///< per step, each with new contacts
   int iterations = 10;  ///< Bullet's default
 };
 
 class BulletBaseline {
  public:
-  /// Spheres where `states` has them, in the scene of `world`. Needs has_bullet().
+  /// Creates the spheres of `states` in the scene of `world`. Requires has_bullet().
   BulletBaseline(const World& world, const BodyStates& states, const BulletSettings& settings);
   ~BulletBaseline();
-  void step();  ///< one of the scene's time steps
+  void step();  ///< makes one time step of the scene
   BodyStates bodies() const;
 
  private:

@@ -4,7 +4,7 @@
 
 #if BENCH_CUBQL
 #define CUBQL_GPU_BUILDER_IMPLEMENTATION 1
-#include <cuBQL/bvh.h>  // before all else of it
+#include <cuBQL/bvh.h>  // must precede all other cuBQL headers
 
 #include <cuBQL/traversal/fixedBoxQuery.h>
 
@@ -85,7 +85,7 @@ BaselineTimes time_cubql(std::span<const Aabb> boxes, int repeats) {
     times.pairs = static_cast<std::int64_t>(found);
     return ms;
   };
-  once(nullptr, 0);  // how many there are
+  once(nullptr, 0);  // counts the pairs
   const auto room = static_cast<std::size_t>(times.pairs);
   const DeviceArray<Pair> pairs(room > 0 ? room : 1);
   constexpr int warm_up = 3;

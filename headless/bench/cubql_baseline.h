@@ -1,7 +1,7 @@
 #pragma once
-// The same work by cuBQL (I. Wald et al., NVIDIA), a library of BVHs for queries on a GPU: its Morton builder
-// and its box query, from boxes on the device to the list of pairs on the device, in no order. None of its
-// code is here: a build knows it where CMake is given -DCOLLIDOSCOPE_CUBQL=FOLDER, its checkout.
+// Baseline: pair finding by cuBQL (I. Wald et al., NVIDIA), a GPU library of BVH queries. Uses its Morton
+// builder and its box query. Input: boxes on the device. Output: unordered pairs on the device.
+// cuBQL is not part of this project. Set CMake's -DCOLLIDOSCOPE_CUBQL=FOLDER to its checkout.
 
 #include <cstdint>
 #include <span>
@@ -14,11 +14,11 @@ namespace collidoscope {
 bool has_cubql();
 
 struct BaselineTimes {
-  std::vector<float> ms;  ///< of each repeat: build, find all pairs, free
+  std::vector<float> ms;  ///< one per repeat: build, find all pairs, free
   std::int64_t pairs = 0;
-  std::int64_t bytes = 0;  ///< of its tree
+  std::int64_t bytes = 0;  ///< of the tree
 };
-/// On the current CUDA device; needs has_cubql(). Throws MachineError where CUDA refuses something.
+/// Measures on the current CUDA device. Requires has_cubql(). Throws MachineError after a CUDA error.
 BaselineTimes time_cubql(std::span<const Aabb> boxes, int repeats);
 
 }  // namespace collidoscope

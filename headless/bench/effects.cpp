@@ -21,12 +21,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr int effect_turn_steps = 4;
 
-/// How a scene comes to call for an effect.
+/// Scene modifications that make an effect required.
 struct EffectCase {
   std::string_view effect;
-  void (*ground)(Scene&);    ///< of all three runs
-  void (*call_for)(Scene&);  ///< of those that call for it; null: the ground calls for it already
-  bool decides = true;       ///< the state; else it is the same with it
+  void (*ground)(Scene&);    ///< applied in all three runs
+  void (*call_for)(Scene&);  ///< makes the effect required; null: `ground` already does
+  bool decides = true;       ///< true: the effect changes the state
 };
 
 void nothing(Scene&) {}
@@ -75,7 +75,7 @@ struct Launched {
   friend bool operator==(const Launched&, const Launched&) = default;
 };
 
-/// What a run takes and comes to.
+/// Launches, buffers and state hash of a run.
 struct Footprint {
   std::vector<Launched> launches;
   std::map<std::string, std::int64_t> buffers;
@@ -95,7 +95,7 @@ struct Footprint {
 
 struct Runner {
   World world;
-  std::vector<float> ms = {};  ///< a step, of each turn
+  std::vector<float> ms = {};  ///< ms per step, one entry per turn
 
   void turn() {
     const auto start = std::chrono::steady_clock::now();
@@ -116,13 +116,13 @@ struct Runner {
 struct EffectRow {
   std::string effect;
   Footprint without, off, on;
-  Percentiles ms, off_ratio, on_ratio;  ///< of a step without; over it, of the same turn
+  Percentiles ms, off_ratio, on_ratio;  ///< ms per step without the effect; ratios to it in the same turn
   bool decides = true;
 
   bool off_adds_nothing() const {
     return off.launches == without.launches && off.buffers == without.buffers && off.hash == without.hash;
   }
-  /// What decides no state leads to the same one.
+  /// An effect that does not change the state must give the same hash.
   bool on_matches_hash_rule() const { return decides || on.hash == without.hash; }
   bool on_has_effect() const {
     const bool seen = decides ? on.hash != without.hash : on.launches != without.launches;
@@ -138,8 +138,8 @@ Scene base_of(const CommandLine& line) {
     throw InputError(scene.name +
                      ": bench effects adds each effect to a scene of one generator that calls for gravity "
                      "alone, such as box_collider_scaled");
-  scene.physics.substeps = substeps_in_effect(scene.physics);  // also with joints, which might call for more
-  Body body;                                                   // one that can be told to spin
+  scene.physics.substeps = substeps_in_effect(scene.physics);  // constant, although joints might require more
+  Body body;                                                   // a body that can be given a spin
   body.position = World(scene, line.options.run).initial().box.value_or(Box{}).max * 0.5;
   scene.bodies.push_back(body);
   return scene;
@@ -160,7 +160,7 @@ EffectRow measure_effect(const EffectCase& effect_case, const Scene& base, const
   if (effect_case.call_for == nullptr) without = off;
   Runner first{World(without, options)}, second{World(off, options)};
   for (std::int64_t turn = 0; turn < turns; ++turn) {
-    // Who goes first finds other caches than who goes second.
+    // Alternates the order, because the first run warms the caches for the second.
     (turn % 2 == 0 ? first : second).turn();
     (turn % 2 == 0 ? second : first).turn();
     with.turn();
@@ -214,7 +214,7 @@ std::string effects_json(const EffectsSetting& setting, const std::vector<Effect
   return json_text(json);
 }
 
-/// The cells of a row, as the table on the terminal and that in Markdown have them.
+/// Cells of a row, for the terminal table and for Markdown.
 std::vector<std::string> cells_of(const EffectRow& r) {
   const auto ratio = [](const Percentiles& s) {
     return fmt::format("{:.3f} ({:.3f} to {:.3f})", s.median, s.p5, s.p95);

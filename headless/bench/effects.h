@@ -1,19 +1,19 @@
 #pragma once
-// `bench effects` checks that an effect which is off adds no launch and no buffer, and measures what one that
-// is on costs. It runs one scene three times for each effect: without anything that calls for the effect;
-// with what calls for it, but with the effect left out by a list; with the effect. The second run must have
-// the launches, the buffers, the bytes and the hash of the first. The third must have another hash; with
-// `guards`, which decide no state, the same hash and other launches. The runs take turns of a few steps, so
-// that a ratio of times compares neighbouring turns. All three test the same branches, so the ratios do not
-// show what a branch costs.
+// The suite `bench effects`: checks that a disabled effect adds no launch and no buffer, and measures the
+// cost of an enabled effect.
+// Each effect has three runs of one scene: (1) the scene does not require the effect; (2) it requires the
+// effect, but the effect is excluded by a list; (3) the effect is on.
+// Run 2 must have the same launches, buffers, bytes and hash as run 1. Run 3 must have a different hash. With
+// `guards`, which do not affect the state, it must have the same hash and different launches.
+// The runs alternate every few steps, so that each ratio compares adjacent measurements. All three test the
+// same branches, so the ratios do not include the cost of a branch.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// Exit status 1 where a run with the effect off differs from the run without it, or a run with the effect on
-/// does not. Throws InputError for a scene that calls for more than gravity or has no generator, and
-/// MachineError.
+/// Returns exit status 1 if run 2 differs from run 1, or if run 3 does not. Throws MachineError, and
+/// InputError for a scene that requires more than gravity or has no generator.
 int bench_effects(const CommandLine& line);
 
 }  // namespace collidoscope

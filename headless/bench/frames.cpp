@@ -26,7 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-/// ms of one part of every frame, in the order of their first appearance.
+/// Times in ms of one part in every frame. Parts are in the order of first use.
 struct Part {
   std::string_view name;
   std::vector<float> ms;
@@ -48,12 +48,12 @@ class Parts {
 };
 
 struct MeasuredFrames {
-  Parts parts, passes;  ///< by the clock; of the part "draw", by timestamps of the GPU
+  Parts parts, passes;  ///< wall-clock times; GPU timestamps within the part "draw"
   Part frame{"frame", {}, 0};
   PublishCounts drawn;
 };
 
-/// The live view without a window: what SceneView and App do, in their order.
+/// The viewer's frame without a window: the operations of SceneView and App, in the same order.
 class PanelBench {
  public:
   PanelBench(const Scene& scene, const Options& options)
@@ -156,7 +156,7 @@ std::string layer_names(const FrameLayers& layers) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-/// Everything that a result says beside the times.
+/// Result data other than times.
 struct FramesSetting {
   RunReport run;
   std::string renderer, opengl, display_path, quality, layers;
@@ -243,7 +243,7 @@ std::string result_text(const FramesSetting& setting, const MeasuredFrames& meas
 }  // namespace
 
 int bench_frames(const CommandLine& line) {
-  // Graphs are recorded, buffers grow, and drivers compile shaders in the first frames.
+  // The first frames record graphs, grow buffers and compile shaders.
   constexpr int warm_up = 10;
   const Options& options = line.options;
   const Scene scene = load_scene(line);

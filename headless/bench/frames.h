@@ -1,14 +1,15 @@
 #pragma once
-// `bench frames`: what each part of a live frame costs, without a window. A frame is what the viewer does: a
-// step, measured; its bodies, boxes and contacts published; the 3D view drawn; and with the layer `ui` the
-// panels around it. The GPU finishes each part before the next begins (glFinish), so parts add up to the
-// frame, and a window, where they overlap, is no slower.
+// The suite `bench frames`: cost of each part of a viewer frame, measured without a window. A frame consists
+// of a measured step, publishing bodies, boxes and contacts, drawing the 3D view and, with the layer `ui`,
+// drawing the panels.
+// glFinish separates the parts, so their times add up to the frame time. In a window the parts overlap, so a
+// frame is not slower there.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// Throws InputError and MachineError; nothing is written then.
+/// Throws InputError and MachineError before any file is written.
 int bench_frames(const CommandLine& line);
 
 }  // namespace collidoscope

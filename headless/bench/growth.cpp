@@ -7,8 +7,8 @@
 namespace collidoscope {
 namespace {
 
-/// For one exponent the best of the other two follow from linear least squares: of u = fixed / t + scale *
-/// n^p / t against 1.
+/// Best fit for a given exponent. The other two parameters follow from linear least squares of fixed / t +
+/// scale * n^p / t against 1.
 Growth with_exponent(const std::vector<Sample>& samples, double exponent) {
   double aa = 0, ab = 0, bb = 0, a1 = 0, b1 = 0;
   for (const Sample& s : samples) {
@@ -44,7 +44,7 @@ Growth best(const std::vector<Sample>& samples) {
   Growth result = with_exponent(samples, least);
   for (double p = least + step; p <= most + 1e-9; p += step)
     if (const Growth fit = with_exponent(samples, p); fit.error < result.error) result = fit;
-  // Narrowed down around the best of the coarse steps.
+  // Refines the search around the best coarse exponent (ternary search).
   double low = std::max(least, result.exponent - step), high = std::min(most, result.exponent + step);
   for (int round = 0; round < 40; ++round) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;

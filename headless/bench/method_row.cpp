@@ -15,7 +15,7 @@
 namespace collidoscope {
 namespace {
 
-/// What tests nearly every body against every other is left out beyond this: 5e9 tests, seconds on a CPU.
+/// Body limit for methods that test nearly all pairs: 5e9 tests, seconds on a CPU.
 constexpr std::int64_t most_for_all_pairs = 100'000;
 bool tests_all_pairs(const std::string& method, const std::string& variant) {
   const bool mixed_sizes = variant == "mixed" || variant == "log_normal";

@@ -16,9 +16,9 @@
 namespace collidoscope {
 namespace {
 
-/// How many pairs of steps: one of each is timed stage by stage.
+/// Number of repeats. A repeat has two steps; the second has stage timing.
 struct Repeats {
-  std::int64_t exactly = 0;  ///< 0: as many as take two seconds, 20 at most
+  std::int64_t exactly = 0;  ///< 0: as many as fit in two seconds, at most 20
   bool enough(std::int64_t done, std::chrono::steady_clock::time_point start) const {
     if (exactly > 0) return done >= exactly;
     return done >= 20 || std::chrono::steady_clock::now() - start >= std::chrono::seconds(2);
@@ -31,13 +31,13 @@ PaperTiming time_steps(Scene scene, RunOptions run, const char* method, PaperQue
   run.broad_phase = method;
   run.shape = shape;
   run.whole_queries = query == PaperQuery::whole;
-  if (run.sort == SortMethod::automatic) run.sort = SortMethod::radix;  // the paper's
+  if (run.sort == SortMethod::automatic) run.sort = SortMethod::radix;  // the paper's sort
   World world(scene, run);
   std::vector<float> forwarding, collisions, both, pairs, sort, build;
   PaperTiming timing;
   const auto start = std::chrono::steady_clock::now();
   do {
-    world.step(2);  // the second is timed stage by stage
+    world.step(2);  // the second step has stage timing
     float forward = 0, collide = 0;
     std::map<std::string, float> stages;
     timing.launches = 0;
@@ -93,7 +93,7 @@ int bench_paper(const CommandLine& line) {
   const Options& options = line.options;
   Scene scene = load_scene(line);
   if (!options.overrides.settings.has<&Physics::solver>())
-    scene.physics.solver = Solver::impulse;  // the paper's
+    scene.physics.solver = Solver::impulse;  // the paper's solver
   if (scene.generators.size() != 1)
     throw InputError(scene.name +
                      ": bench paper varies the number of bodies: a scene with one generator is needed");
@@ -105,7 +105,7 @@ int bench_paper(const CommandLine& line) {
   // Tables 2, 4 and 5 share their runs.
   std::map<std::tuple<std::string, PaperQuery, std::int64_t, int, int>, PaperTiming> known;
   const std::int64_t asked = options.bench.repeats_given ? options.bench.repeats : 0;
-  std::map<std::int64_t, std::int64_t> repeats;  // by N: where the line does not say, the first run decides
+  std::map<std::int64_t, std::int64_t> repeats;  // by number of bodies; default: set by the first run
   PaperResults results;
   {
     const World world(scene, options.run);

@@ -1,15 +1,16 @@
 #pragma once
-// `bench paper`: the term project's Tables 1 to 5 again, with the same (N, B, T) in the same box, its figures
-// beside ours, and its claims put to the test. What it calls collision handling is all of our step but
-// the forwarding, so that ours has colouring and walls in it, which its has not. The sort is the paper's too
-// (radix_sort.h), unless --sort says otherwise. Tables 3 to 5 are measured twice: with the queries that the
-// paper describes, and with ours (PaperQuery).
+// The suite `bench paper`: repeats the term project's Tables 1 to 5 with the same (N, B, T) and box, next to
+// the paper's figures, and checks the paper's claims.
+// The paper's collision handling corresponds to the whole step except the forwarding. Here it includes
+// colouring and walls, unlike the paper's.
+// The default sort is the paper's (radix_sort.h); --sort changes it. Tables 3 to 5 are measured with the
+// paper's queries and with this project's queries (PaperQuery).
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// Throws InputError and MachineError; what was measured before is in the files.
+/// Throws InputError and MachineError. The files contain the results measured before.
 int bench_paper(const CommandLine& line);
 
 }  // namespace collidoscope

@@ -15,7 +15,7 @@ constexpr std::array<PaperCell, 8> table_1{{{1, 100, 16, 16, 0.2933},
 struct PaperTable {
   int table;
   std::int64_t bodies;
-  std::array<double, 6> ms;  ///< by paper_shapes
+  std::array<double, 6> ms;  ///< in the order of paper_shapes
 };
 constexpr std::array<PaperTable, 13> other_tables{
     {{2, 1000, {0.122720, 0.071584, 0.032768, 0.019296, 0.013248, 0.009472}},

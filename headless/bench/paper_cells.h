@@ -1,6 +1,6 @@
 #pragma once
-// The figures of the paper: Tables 1 to 5, cell by cell, measured on an NVIDIA GTX 940M (384 shading units,
-// 1,072 MHz) with CUDA 8.0. Plain data.
+// Published figures of the paper: all cells of Tables 1 to 5, measured on an NVIDIA GTX 940M (384 shading
+// units, 1,072 MHz) with CUDA 8.0. Plain data.
 
 #include <array>
 #include <cstdint>

@@ -31,13 +31,13 @@ double speed_up(const PaperRows& rows, const PaperRow& row, double (*ms)(const P
   return ms(first_of(rows, row)) / ms(row);
 }
 
-/// Speed-up over the growth of B T, against the table's first shape.
+/// Speed-up divided by the increase of B T, relative to the table's first shape.
 double efficiency(const PaperRows& rows, const PaperRow& row, double (*ms)(const PaperRow&)) {
   const PaperCell& first = first_of(rows, row).cell;
   return speed_up(rows, row, ms) * first.blocks * first.threads / (row.cell.blocks * row.cell.threads);
 }
 
-/// Of Table 5, beyond its first shape; 0 of no rows.
+/// Median efficiency of Table 5 without its first shape; 0 without rows.
 double median_efficiency(const PaperRows& rows, PaperQuery query, double (*ms)(const PaperRow&)) {
   std::vector<float> values;
   for (const PaperRow& row : rows)

@@ -1,5 +1,5 @@
 #pragma once
-// What `bench paper` says of its rows: tables beside the paper's, claims put to the test, JSON, CSV, a chart.
+// Formats the results of `bench paper`: tables next to the paper's, checked claims, JSON, CSV, a chart.
 
 #include <cstdint>
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace collidoscope {
 
-/// How a body looks for its pairs: for all that it overlaps, from the root, so that both bodies of a pair
-/// meet it, as the paper describes; or so that each pair is met once. `none`: by no tree (Tables 1 and 2).
+/// Tree query of a body. `whole`: starts at the root and finds all overlaps, so each pair is visited twice,
+/// as in the paper. `half`: visits each pair once. `none`: no tree (Tables 1 and 2).
 enum class PaperQuery { none, whole, half };
 const char* name_of(PaperQuery query);
 
-/// What the first steps of one (method, query, N, B, T) took: ms, over the steps that were timed stage by
-/// stage. Each shape of one N goes through the same steps.
+/// Times in ms of the first steps of one (method, query, N, B, T), over the steps with stage timing. All
+/// shapes of one N simulate the same steps.
 struct PaperTiming {
-  Percentiles forwarding, collisions, both;  ///< sums of stages, step by step
+  Percentiles forwarding, collisions, both;  ///< per step, sums of stages
   Percentiles pairs_stage, sort_stage, build_stage;
-  double whole_step = 0;  ///< median of the steps between, in which nothing is timed
+  double whole_step = 0;  ///< median of the steps without stage timing
   std::int64_t pairs = 0, bytes = 0;
   int launches = 0, steps = 0, timed = 0, key_bits = 0;
 };
@@ -34,7 +34,7 @@ struct PaperRow {
   PaperTiming timing;
 };
 
-/// The query of the same tree by a stack and by calls.
+/// Query of the same tree with a stack and with recursion.
 struct PaperRecursion {
   std::int64_t bodies;
   LaunchShape shape;
@@ -50,8 +50,8 @@ struct PaperResults {
 std::string paper_text(const PaperResults& results, bool markdown);
 std::string paper_json(const PaperResults& results);
 std::string paper_csv(const PaperResults& results);
-/// Table 5's speed-up over B T, whole queries: the paper's dashed, ours, and what all of the threads would
-/// give.
+/// Speed-up of Table 5 over B T with whole queries: the paper's (dashed), the measured one, and ideal
+/// scaling.
 Chart paper_chart(const PaperResults& results);
 
 }  // namespace collidoscope

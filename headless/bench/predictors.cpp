@@ -27,15 +27,15 @@ using Json = nlohmann::ordered_json;
 struct PredictorRow {
   std::string method, variant;
   TreeQuality quality;
-  double own_ns = 0, same_ns = 0;  ///< of a query: the method's own, with the ordering of pairs; and the same
+  double own_ns = 0, same_ns = 0;  ///< ns per query: own query with pair ordering; common query
 };
 
-/// A value of single queries, which not every method has: NaN.
+/// A value of individual queries; NaN if the method does not provide them.
 double by_query(const TreeQuality& q, double value) {
   return q.own.by_query ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// What may predict the time: larger should mean slower. NaN: unknown of this tree.
+/// A candidate predictor of the time: larger means slower. NaN: not available for this tree.
 struct Measure {
   const char* name;
   double (*of)(const TreeQuality&);
@@ -62,8 +62,8 @@ constexpr Measure measures[] = {
      [](const TreeQuality& q) { return by_query(q, q.own.warp_ratio * q.own.mean); }},
 };
 
-/// Correlation of one measure with the time of a query. Over all rows; and of the trees of one scene (one
-/// variant and N, at least three trees), the mean over scenes: there only the tree differs.
+/// Rank correlation of a measure with the query time. `all`: over all rows. `within`: over the trees of one
+/// scene (one variant and N, at least three trees), averaged over scenes; only the tree differs there.
 struct Score {
   const char* name;
   double own_within = 0, own_all = 0, same_within = 0, same_all = 0;
@@ -176,7 +176,7 @@ std::string predictors_text(const BenchMachine& machine, const std::vector<Predi
   return text;
 }
 
-/// The time of the same query over the measure that predicts it best.
+/// Chart of the common query's time over the best predictor.
 Chart predictors_chart(const BenchMachine& machine, const std::vector<PredictorRow>& rows) {
   const Score best = scores_of(rows).front();
   const Measure& measure =
@@ -205,7 +205,7 @@ Chart predictors_chart(const BenchMachine& machine, const std::vector<PredictorR
 int bench_predictors(const CommandLine& line) {
   const ResultFiles files(line.options);
   std::vector<std::string> methods = broad_phase_names(line.options.run.executor);
-  std::erase(methods, "bvh_recursive");  // the tree of bvh_bottom_up
+  std::erase(methods, "bvh_recursive");  // same tree as bvh_bottom_up
   std::vector<PredictorRow> rows;
   BenchMachine machine;
   const SweepDefaults defaults{{1'000, 5'000, 20'000, 50'000}, methods, {"paper", "scaled", "equal"}};

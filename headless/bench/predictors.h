@@ -1,13 +1,13 @@
 #pragma once
-// `bench predictors`: which measure of a tree's quality predicts how long its queries take. Every method with
-// a tree, over variants and N: measured, its queries timed twice (the method's own, and one and the same
-// query over all trees), and Spearman's rank correlation of each measure with the time of a query.
+// The suite `bench predictors`: finds the measure of tree quality that best predicts query times.
+// Measures every method with a tree over variants and N. Times two queries: the method's own, and one common
+// query over all trees. Reports Spearman's rank correlation of each measure with the query time.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// Throws InputError and MachineError; rows that were measured before are in the files.
+/// Throws InputError and MachineError. The files contain the rows measured before.
 int bench_predictors(const CommandLine& line);
 
 }  // namespace collidoscope

@@ -113,8 +113,8 @@ int bench_scaling(const CommandLine& line) {
   std::vector<MethodRow> rows;
   BenchMachine machine;
   std::vector<std::int64_t> sizes{1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000};
-  // Below a million bodies a GPU is not full, and its times tell of launches; what tests all pairs stops
-  // sooner.
+  // GPU times below a million bodies are dominated by launches. Methods that test all pairs stop at smaller
+  // sizes.
   if (World(load_scene(line), line.options.run).info().on_gpu)
     sizes = {1'000, 3'000, 10'000, 30'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000};
   sweep(line, {sizes, methods, {}}, [&](const SweepPoint& at) {

@@ -25,10 +25,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr int solver_turn_steps = 6;
 
-/// What is left of overlap and motion.
+/// Residual overlap and motion.
 struct SolverResidual {
   StepStats stats;
-  double overlap = 0;  ///< of two bodies, over the radius of the smaller: r.m.s. of all that overlap
+  double overlap = 0;  ///< overlap of two bodies over the smaller radius, r.m.s. over overlapping pairs
 };
 
 SolverResidual residual(const Scene& scene, const RunOptions& options, const BodyStates& bodies) {
@@ -53,7 +53,7 @@ struct Contestant {
   std::string name, settings;
   std::optional<World> world;
   std::unique_ptr<BulletBaseline> bullet;
-  std::vector<float> ms;  ///< a step, of each turn
+  std::vector<float> ms;  ///< ms per step, one entry per turn
 
   void turn() {
     const auto start = std::chrono::steady_clock::now();
@@ -69,7 +69,7 @@ struct Contestant {
 
 void refuse_unsupported_by_bullet(const Scene& scene, const World& world) {
   const Effects effects = world.effects();
-  bool moved = false;  // by something else than forces
+  bool moved = false;  // true: the scene has kinematic or fixed bodies
   for (const Motion motion : world.initial().motion) moved |= motion != Motion::dynamic;
   if (effects.drag || effects.attractor || effects.rolling_resistance || effects.sleeping || effects.joints ||
       moved || !world.initial().meshes.empty() || !scene.boxes.empty())
@@ -105,7 +105,7 @@ std::vector<Contestant> contestants(const Scene& scene, const RunOptions& option
   }
   add(paper, has_friction ? ", no friction" : "");
   if (!has_bullet()) return all;
-  // Its own default step is 1/60 s.
+  // Bullet's default step is 1/60 s.
   const int of_60 = std::max(1, static_cast<int>(std::lround(scene.physics.time_step * 60)));
   std::vector<int> parts{of_60};
   if (substeps != of_60) parts.push_back(substeps);
@@ -121,9 +121,9 @@ std::vector<Contestant> contestants(const Scene& scene, const RunOptions& option
 
 struct SolverRow {
   std::string name, settings;
-  Percentiles ms, ratio;  ///< a step; over the first contestant's of the same turn
+  Percentiles ms, ratio;  ///< per step; ratio to the first contestant in the same turn
   SolverResidual left;
-  std::optional<double> speed;  ///< m/s, r.m.s. by mass; unset without a mass
+  std::optional<double> speed;  ///< m/s, mass-weighted r.m.s.; unset if the mass is 0
 };
 
 std::vector<SolverRow> solver_rows(std::vector<Contestant>& all, const Scene& scene,

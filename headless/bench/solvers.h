@@ -1,15 +1,16 @@
 #pragma once
-// `bench solvers`: the same bodies from the same state, stepped by our solvers and, where libbullet-dev is,
-// by Bullet 2, on the CPU and one thread each (ours on --cpu-threads, where that is given): what a step
-// costs, and what overlap and energy are left at the end. Everybody takes turns, so that a ratio compares
-// neighbours in time.
+// The suite `bench solvers`: the same bodies from the same state, simulated by this project's solvers and, if
+// available, by Bullet 2. Runs on the CPU with one thread each (--cpu-threads changes it for this project's
+// solvers).
+// Reports the cost of a step, and the final overlap and energy. The contestants alternate, so that each ratio
+// compares adjacent measurements.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// Throws InputError for a scene with more than spheres, planes and friction, of which Bullet is told here,
-/// and MachineError.
+/// Throws MachineError, and InputError for a scene with features other than spheres, planes and friction,
+/// which the Bullet baseline does not support.
 int bench_solvers(const CommandLine& line);
 
 }  // namespace collidoscope

@@ -1,6 +1,6 @@
 #pragma once
-// The `bench` command: a table of suites, each a file of this folder. A suite measures, prints a table on
-// stdout, and writes JSON where --json asks for it.
+// The `bench` command and its table of suites, one file of this folder each. A suite measures, prints a table
+// on stdout, and writes JSON if --json is given.
 
 #include <span>
 
@@ -10,7 +10,7 @@ namespace collidoscope {
 
 std::span<const Suite> suites();
 
-/// The suite that the line names.
+/// Runs the suite that the command line names. Returns the exit status.
 int bench_command(const CommandLine& line);
 
 }  // namespace collidoscope

@@ -11,7 +11,7 @@ constexpr float font_size = 22;
 ChartPicture::ChartPicture(int width, int height) : gui_(font_size), frame_(width, height) {}
 
 Image ChartPicture::draw(const Chart& chart) {
-  // ImGui lays out a new window over its first frames.
+  // ImGui needs several frames to lay out a new window.
   for (int round = 0; round < 3; ++round) {
     gui_.begin(frame_.width(), frame_.height());
     draw_chart_page(static_cast<float>(frame_.width()), static_cast<float>(frame_.height()), font_size,

@@ -1,6 +1,6 @@
 #pragma once
-// A chart as a PNG, without a window. Owns an OpenGL context and ImGui's for as long as
-// it lives: one at a time.
+// Draws charts to images without a window. Owns an OpenGL context and an ImGui context; only one object may
+// exist at a time.
 
 #include <string>
 
@@ -13,7 +13,7 @@ namespace collidoscope {
 
 class ChartPicture {
  public:
-  /// Throws MachineError where the machine cannot draw.
+  /// Sizes in pixels. Throws MachineError if the machine cannot draw.
   ChartPicture(int width = 1500, int height = 950);
   Image draw(const Chart& chart);
 
@@ -23,7 +23,7 @@ class ChartPicture {
   WindowFrame frame_;
 };
 
-/// The colour of the k-th series on its ground.
+/// Colour of the k-th series.
 std::uint32_t chart_color(std::size_t series);
 
 }  // namespace collidoscope

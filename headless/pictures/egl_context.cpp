@@ -13,10 +13,10 @@ namespace {
 
 struct Candidate {
   EGLDeviceEXT device = nullptr;
-  int number = 0;        // in EGL's list
-  int cuda_device = -1;  // by EGL_CUDA_DEVICE_NV
+  int number = 0;        // index in EGL's list
+  int cuda_device = -1;  // from EGL_CUDA_DEVICE_NV
   bool software = false;
-  int rank = 0;  // smaller is tried earlier
+  int rank = 0;  // lower ranks are tried first
 };
 
 std::string egl_error() {
@@ -74,14 +74,14 @@ std::vector<Candidate> devices(int wanted_cuda_device) {
 }  // namespace
 
 EglContext::EglContext(int cuda_device) {
-  // libepoxy ends the program if it is asked for EGL where there is no libEGL; a missing entry point too, so
-  // each is preceded by a question.
+  // libepoxy aborts the program if libEGL or an entry point is missing. Check for each one before use.
   if (!epoxy_has_egl())
     throw MachineError("no picture can be drawn: libEGL is missing (Debian: apt install libegl1)");
   const bool has_platforms = epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base");
   if (has_platforms && epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
       (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
-       epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_base"))) {  // NVIDIA names the older one alone
+       epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_base"))) {  // NVIDIA reports only the older
+                                                                           // name
     const std::vector<Candidate> candidates = devices(cuda_device);
     const bool any_wanted = std::any_of(candidates.begin(), candidates.end(),
                                         [](const Candidate& candidate) { return candidate.rank == 0; });
@@ -162,7 +162,7 @@ EglContext::~EglContext() {
   if (eglGetCurrentContext() == context_)
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
-  // The display stays: EGL keeps one for the whole process, and another context may live on it.
+  // The display is not terminated. EGL has one per process, and another context may use it.
 }
 
 void EglContext::make_current() const {

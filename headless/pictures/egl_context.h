@@ -1,6 +1,6 @@
 #pragma once
-// An OpenGL 4.5 core context without a window, through EGL alone. Current on the thread that made it, until
-// it is destroyed.
+// An OpenGL 4.5 core context without a window, created with EGL. Current on the constructing thread until
+// destruction.
 
 #include <string>
 #include <vector>
@@ -9,23 +9,23 @@ namespace collidoscope {
 
 class EglContext {
  public:
-  /// `cuda_device`: where >= 0, the EGL device of that CUDA device is preferred, so that the two can share
-  /// buffers. Then any other hardware device, then software devices, then Mesa's surfaceless platform. Throws
-  /// MachineError where none of them gives OpenGL 4.5, with what each answered.
+  /// `cuda_device`: if >= 0, prefer the EGL device of that CUDA device, so that both can share buffers.
+  /// Further candidates in order: other hardware devices, software devices, Mesa's surfaceless platform.
+  /// Throws MachineError with all errors if none of them provides OpenGL 4.5.
   explicit EglContext(int cuda_device = -1);
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  /// Again, after another context was current on this thread.
+  /// Makes the context current again after another context was current on this thread.
   void make_current() const;
 
   const std::string& renderer() const { return renderer_; }
   const std::string& version() const { return version_; }
   bool software() const { return software_; }
-  /// CUDA's number of the device that draws; -1 where EGL does not say.
+  /// CUDA index of the drawing device; -1 if EGL does not report it.
   int cuda_device() const { return cuda_device_; }
-  /// One line for each thing that was tried and did not work, or fell short of what was asked.
+  /// One line for each candidate that failed or did not match the request.
   const std::vector<std::string>& steps_down() const { return steps_down_; }
 
  private:

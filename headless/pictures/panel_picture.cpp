@@ -13,7 +13,7 @@ PanelPicture::PanelPicture(const World& world, const FrameLayers& layers, int wi
   workspace_.layers = window_layers(layers);
   workspace_.playing = false;
   workspace_.hint = false;
-  if (layers.tree) {  // long as it is, it takes the others' room
+  if (layers.tree) {  // the tree panel needs the space of the other panels
     PanelVisibility& visible_panels = workspace_.visible_panels;
     visible_panels.tree = true;
     visible_panels.timing = visible_panels.numbers = visible_panels.inspector = false;
@@ -66,7 +66,7 @@ void PanelPicture::fill(World& world, const StepStats& stats, const History& his
   view_.selected = selected_ ? &*selected_ : nullptr;
   const auto [first, last] = colored_levels(layers, level_sizes.size(), view_.selected);
   view_.level_colors = level_legend(first, last);
-  // Pictures without times are the same on every machine.
+  // Pictures without times must be the same on every machine.
   if (!view_.with_times) view_.device = "this machine";
 }
 
@@ -85,7 +85,7 @@ void PanelPicture::rasterise(GuiPass& gui, const Renderer& renderer) {
 Image PanelPicture::draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
                          const ValueRange& range) {
   fill(world, stats, history_, world.tree().level_sizes(), range);
-  // ImGui lays out what sizes itself over its first frames.
+  // ImGui needs several frames to lay out auto-sized items.
   for (int round = 0; round < 3; ++round) {
     build(gui);
     rasterise(gui, renderer);

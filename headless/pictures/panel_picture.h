@@ -1,7 +1,7 @@
 #pragma once
-// Pictures of the viewer's panels, without a viewer: the same workspace, drawn by the same function, around
-// the same 3D view. Owns the workspace and the window's framebuffer; needs ImGui's context and the GL context
-// that were current when it was made.
+// Pictures of the viewer's panels without a viewer. The same function draws the same workspace around the 3D
+// view. Owns the workspace and the window's framebuffer. Needs the ImGui and GL contexts that were current at
+// construction.
 
 #include <optional>
 #include <string>
@@ -21,31 +21,33 @@ namespace collidoscope {
 
 class PanelPicture {
  public:
-  /// `timings`: times as measured, else dashes, so that pictures repeat.
+  /// `timings`: show measured times; otherwise show dashes, so that pictures are reproducible. Sizes in
+  /// pixels.
   PanelPicture(const World& world, const FrameLayers& layers, int width, int height, bool timings);
 
-  /// What the panels leave for the 3D view on a picture of this size.
+  /// The rectangle for the 3D view in a picture of this size.
   static ScreenRect scene_rect(int width, int height);
 
   Workspace& workspace() { return workspace_; }
   EffectCosts& costs() { return costs_; }
-  /// Before the 3D view is drawn: measures the tree where its panel is unfolded, meets what is requested of
-  /// it, and marks the selection.
+  /// Call before drawing the 3D view. Measures the tree if its panel is open, executes the panel's requests,
+  /// and marks the selection.
   void refresh(World& world, Renderer& renderer, const ReferenceView& reference = {});
-  /// What draws, as the status line says it.
+  /// Sets the renderer description in the status line.
   void set_renderer(const std::string& renderer, bool software, const std::string& display_path);
-  /// After each step: graphs show it.
+  /// Call after each step. Adds the step to the graphs.
   void record(World& world);
-  /// The 3D view must have been drawn by `renderer`, in the size of scene_rect().
+  /// Draws the picture. Precondition: `renderer` has drawn the 3D view in the size of scene_rect().
   Image draw(GuiPass& gui, World& world, const StepStats& stats, const Renderer& renderer,
              const ValueRange& range);
 
-  /// A frame of it in parts, for those who time them. What the panels show of a state; `history` must stay.
+  /// Parts of a frame, for separate timing.
+  /// Sets the panels' contents to a state. `history` must stay valid.
   void fill(World& world, const StepStats& stats, const History& history,
             const std::vector<std::int64_t>& level_sizes, const ValueRange& range);
-  /// The CPU lists what is to be drawn,
+  /// Builds ImGui's draw list on the CPU.
   void build(GuiPass& gui);
-  /// and OpenGL draws it, around the picture of `renderer`.
+  /// Draws the list with OpenGL around the picture of `renderer`.
   void rasterise(GuiPass& gui, const Renderer& renderer);
 
  private:

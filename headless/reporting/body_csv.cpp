@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-/// Gathers rows and hands them on in pieces.
+/// Buffers rows and writes them to the sink in blocks.
 class CsvRows {
  public:
   CsvRows(const TextSink& sink, std::string_view header) : sink_(sink) { (text_ += header) += '\n'; }
@@ -21,7 +21,7 @@ class CsvRows {
     return *this;
   }
   CsvRows& operator<<(double number) {
-    char digits[32];  // the longest shortest double is 24 characters
+    char digits[32];  // the longest shortest-form double has 24 characters
     const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
     text_ += ',';
     text_.append(digits, end);
@@ -71,7 +71,7 @@ void write_body_dynamics(World& world, const TextSink& sink) {
                "id,mass,x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,px,py,pz,lx,ly,lz,"
                "i00,i01,i02,i10,i11,i12,i20,i21,i22,fx,fy,fz,tx,ty,tz");
   for (std::size_t id = 0; id < fixed.size(); ++id) {
-    const bool moved = !fixed.motion.empty() && fixed.motion[id] != Motion::dynamic;  // by no force
+    const bool moved = !fixed.motion.empty() && fixed.motion[id] != Motion::dynamic;  // kinematic or fixed
     const double mass = moved ? 0 : fixed.mass[id], radius = fixed.radius[id];
     const double ball = 0.4 * mass * radius * radius;
     const Vector3d moments = moved || fixed.inertia.empty() ? Vector3d(ball, ball, ball) : fixed.inertia[id];

@@ -1,6 +1,6 @@
 #pragma once
-// Tables of all bodies as CSV: a header line, then one row a body in order of ids. Numbers are the shortest
-// decimals that read back to exactly the state. Nothing is kept.
+// CSV tables of all bodies: a header line, then one row per body in the order of ids. Numbers are the
+// shortest decimals that read back to the same bits. Stateless.
 
 #include <functional>
 #include <string_view>
@@ -9,15 +9,15 @@ namespace collidoscope {
 
 class World;
 
-/// Takes a piece of text of some tens of kilobytes: a million bodies need not be in memory as text at once.
+/// Receives blocks of text of some tens of kilobytes. Avoids storing the text of a million bodies.
 using TextSink = std::function<void(std::string_view)>;
 
-/// id,radius,mass,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz
+/// Columns: id,radius,mass,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz.
 void write_body_states(World& world, const TextSink& sink);
 
-/// The dynamics attribute of Baraff's notes, which the paper stores: mass, X, R (row by row), P, L, the
-/// inverse of the inertia tensor in world axes (row by row), F, T. F is the weight, where gravity is an
-/// effect of the run; nothing applies a torque yet, so T is 0.
+/// The dynamics attribute of Baraff's notes, which the paper stores. Columns: mass, X, R (row by row), P, L,
+/// inverse inertia tensor in world axes (row by row), F, T.
+/// F is the weight if the run has gravity. T is 0, because no torque is applied yet.
 void write_body_dynamics(World& world, const TextSink& sink);
 
 }  // namespace collidoscope

@@ -1,12 +1,11 @@
 #pragma once
-// What many samples of one quantity say: the form in which every suite gives its results. Plain data.
+// Percentiles of samples: the format of all benchmark results. Plain data.
 
 #include <vector>
 
 namespace collidoscope {
 
-/// The middle, and what a twentieth of the samples lie below and above; all 0 of nothing. In the samples'
-/// unit.
+/// Median, 5th and 95th percentile, in the samples' unit. All 0 without samples.
 struct Percentiles {
   double median = 0, p5 = 0, p95 = 0;
 };

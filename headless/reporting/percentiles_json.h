@@ -1,5 +1,5 @@
 #pragma once
-// A Spread as the JSON files of the suites give it.
+// Percentiles as a JSON object.
 
 #include <nlohmann/json.hpp>
 

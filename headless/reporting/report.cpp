@@ -25,14 +25,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has no infinity: nlohmann writes null for what is not finite, and doubles in the shortest form that
-// reads back the same.
+// JSON has no infinity: nlohmann writes non-finite values as null, and doubles in the shortest form that
+// reads back to the same bits.
 Json vector_json(const double (&v)[3]) { return Json::array({v[0], v[1], v[2]}); }
 
-/// A time that was not measured is null, not 0.
+/// Null if the time was not measured.
 Json time_json(double ms, int steps_timed) { return steps_timed > 0 ? Json(ms) : Json(nullptr); }
 
-/// What is not finite is a word, so that it is not taken for what was not measured.
+/// Writes non-finite values as words, to distinguish them from missing values (null).
 Json finding_json(const Finding& finding) {
   return {
       {"stage", finding.stage},
@@ -147,7 +147,7 @@ std::vector<std::string> names_of(Effects effects) {
 
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds) {
   const Scene& scene = world.scene();
-  // Before measure(), which finds contacts of its own.
+  // Must precede measure(), which detects contacts again.
   std::vector<Residual> residuals = world.records().residuals();
   const WorldInfo info = world.info();
   RunReport report{
@@ -193,7 +193,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
 
 nlohmann::ordered_json json_of(const RunReport& report) {
   const StepStats& last = report.final;
-  Json json = Json::object();  // from nothing, nlohmann 3.11 ends the program where it is refused memory
+  Json json = Json::object();  // assigning to a null value makes nlohmann 3.11 abort when memory runs out
   json["scene"] = report.scene;
   json["variant"] = report.variant.empty() ? Json(nullptr) : Json(report.variant);
   json["seed"] = report.seed ? Json(*report.seed) : Json(nullptr);
@@ -217,7 +217,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
   json["state_hash"] = fmt::format("{:016x}", report.state_hash);
   json["pairs"] = {{"aabb", last.pairs},
-                   {"contacts", last.touching},  // its name before there were two counts
+                   {"contacts", last.touching},  // older name of "touching"
                    {"touching", last.touching},
                    {"speculative", last.speculative},
                    {"split_contacts", last.uncoloured_contacts}};

@@ -1,6 +1,6 @@
 #pragma once
-// What a run has to say at its end: gathered once from a World, then written as JSON or as a table for
-// people. Plain data, SI units.
+// The final report of a run: collected from a World, written as JSON or as a text table. Plain data, SI
+// units.
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -19,42 +19,43 @@ namespace collidoscope {
 class World;
 
 struct RunReport {
-  std::string scene;    ///< its name
-  std::string variant;  ///< of its generator; empty where it has none
+  std::string scene;    ///< name of the scene
+  std::string variant;  ///< of the generator; empty without one
   std::optional<std::uint64_t> seed;
-  std::string executor;  ///< cpu or cuda: what ran, not what was asked for
+  std::string executor;  ///< cpu or cuda: the executor used, not the requested one
   std::string device, broad_phase;
-  int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
+  int key_bits = 0;  ///< of the broad phase's Morton keys; 0: none are used
   std::string solver, integrator, rotation_update, precision;
-  std::vector<std::string> effects;                                 ///< that are on
-  std::vector<std::pair<std::string, std::string>> effect_reasons;  ///< of all: why called for, or why not
-  LaunchShape shape;                                                ///< zeros are "auto"
+  std::vector<std::string> effects;                                 ///< enabled effects
+  std::vector<std::pair<std::string, std::string>> effect_reasons;  ///< all effects with the reason for
+                                                                    ///< "auto" to enable them or not
+  LaunchShape shape;                                                ///< 0: "auto"
   int substeps = 1, iterations = 1;
   double time_step = 0;  ///< s
   StepStats initial, final;
-  std::vector<Residual> residuals;  ///< of the last step; empty where nobody asked
+  std::vector<Residual> residuals;  ///< of the last step; empty if not requested
   RunTimes times;
   std::uint64_t state_hash = 0;
   std::int64_t allocated_bytes = 0;
-  std::string guards;  ///< on_failure of guards that look; empty: nobody does
+  std::string guards;  ///< on_failure of the guards; empty: guards are off
   std::optional<Finding> finding;
   std::vector<std::uint32_t> frozen;   ///< ids
-  std::string failure;                 ///< what ended the run early; empty: nothing
-  std::optional<double> wall_seconds;  ///< s, of the stepping alone; unset where pictures were drawn between
-  double simulated_seconds = 0;        ///< s, between its first state and its last
+  std::string failure;                 ///< reason for an early end; empty: none
+  std::optional<double> wall_seconds;  ///< s, of stepping only; unset if pictures were drawn between steps
+  double simulated_seconds = 0;        ///< s, between the first and the last state
 };
 
-/// `initial`: World::measure() at the state that the run started from.
+/// `initial`: World::measure() at the first state of the run.
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds);
 
-/// One object, the fields as headless/report.md lists them; what is not finite is null.
+/// One object with the fields listed in headless/report.md. Non-finite values are null.
 nlohmann::ordered_json json_of(const RunReport& report);
-/// Its text. A name may hold any bytes of a scene file: what is not UTF-8 is replaced. Ends in a newline.
+/// JSON text with a final newline. Invalid UTF-8, possible in names, is replaced.
 std::string json_text(const nlohmann::ordered_json& json);
 std::string to_json(const RunReport& report);
-/// For a terminal of 80 columns. Ends in a newline.
+/// Text for a terminal of 80 columns, with a final newline.
 std::string to_text(const RunReport& report);
-/// Its first lines: what ran on what.
+/// First lines of the text: scene, device and settings.
 std::string title_text(const RunReport& report);
 
 /// 1,234,567.

@@ -1,6 +1,6 @@
 #pragma once
-// The files of a suite: --json, --csv and --markdown. Each is replaced as a whole after every row, so that a
-// run that is cut short keeps what it has. And --plot, a picture of them all at the end.
+// Output files of a suite: --json, --csv and --markdown. Each is replaced atomically after every row, so an
+// interrupted run keeps its results. --plot draws a chart of all results at the end.
 
 #include <string>
 
@@ -11,11 +11,11 @@ namespace collidoscope {
 
 class ResultFiles {
  public:
-  /// Refuses what cannot be written, or drawn, before anything is measured. Throws InputError or
-  /// MachineError. `options` outlives it.
+  /// Checks that files can be written and charts drawn, before anything is measured. Throws InputError or
+  /// MachineError. `options` must outlive the object.
   explicit ResultFiles(const Options& options);
   void write(const std::string& json, const std::string& csv, const std::string& markdown) const;
-  /// Does nothing where no picture was asked for.
+  /// Draws the chart. No effect without --plot.
   void plot(const Chart& chart) const;
 
  private:

@@ -24,7 +24,7 @@
 namespace collidoscope {
 namespace {
 
-/// Flags that say nothing together.
+/// Rejects contradictory flags.
 void check_flags(const Options& options, const std::vector<std::string>& cases) {
   std::vector<std::string> faults;
   const StabilityOptions& stability = options.stability;
@@ -56,7 +56,7 @@ RunOptions on_one_thread(RunOptions options, ExecutorKind executor) {
   return options;
 }
 
-/// To the end, or to Ctrl-C; seconds that it took.
+/// Runs all tests to the end or to Ctrl-C. Returns the wall-clock seconds.
 double run_all(std::vector<TestRun>& test_runs, int jobs, const char* what,
                const InterruptHandler& interrupt_handler) {
   const auto start = std::chrono::steady_clock::now();
@@ -69,7 +69,7 @@ double run_all(std::vector<TestRun>& test_runs, int jobs, const char* what,
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Writes the file, where one was asked for, and what belongs on stdout.
+/// Writes the --json file, if requested, and prints the text or the JSON on stdout.
 void report(const Options& options, const std::string& json, const std::string& text) {
   if (!options.json.empty() && options.json != "-") {
     OutputFile file("--json", options.json);
@@ -106,7 +106,7 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
   std::vector<const HardCase*> of;
   for (const HardCase& hard_case : cases)
     for (const TestConfiguration& configuration : test_configurations(hard_case, options.executor)) {
-      const bool every = !hard_case.criterion.refused.empty();  // of whatever solver
+      const bool every = !hard_case.criterion.refused.empty();  // rejected scene: applies to every solver
       if (!every &&
           (chosen.get<&Physics::solver>().value_or(configuration.solver) != configuration.solver ||
            chosen.get<&Physics::precision>().value_or(configuration.precision) != configuration.precision))
@@ -124,7 +124,7 @@ int run_suite(const CommandLine& line, const std::vector<HardCase>& cases, const
   run.seconds = run_all(test_runs, asked.jobs, "trials", interrupt_handler);
   for (std::size_t k = 0; k < test_runs.size(); ++k)
     if (test_runs[k].done()) run.rows.push_back({of[k], test_runs[k].configuration(), test_runs[k].result()});
-  std::exception_ptr not_saved;  // the results are reported all the same
+  std::exception_ptr not_saved;  // the results are reported in any case
   try {
     if (!asked.save_failures.empty()) save_failures(run, options, asked.save_failures);
   } catch (const MachineError&) {

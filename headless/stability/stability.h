@@ -1,15 +1,16 @@
 #pragma once
-// `stability [CASE...]`: the hard cases (sim_cuda/stability/hard_case.h), each with every solver in both
-// precisions; with --plant the faults that must fail their criteria; with --readme the table of what other
-// runs wrote.
+// The command `stability [CASE...]`: runs the hard cases (sim_cuda/stability/hard_case.h) with every solver
+// in both precisions. --plant runs the injected faults, each of which must fail its assertion. --readme
+// writes the table from the files of other runs.
 
 #include "headless/cli/command_line.h"
 
 namespace collidoscope {
 
-/// The exit status: 1 where something failed that is no declared limit, or a declared limit holds, or a
-/// injected fault shows nowhere. After Ctrl-C it does not return: what is known is told, and the program ends
-/// by that signal. Throws InputError or MachineError.
+/// Returns the exit status. It is 1 if a test fails that is not an expected failure, if an expected failure
+/// passes, or if an injected fault is not detected.
+/// After Ctrl-C it does not return: it prints the results so far, and the program ends by that signal. Throws
+/// InputError or MachineError.
 int stability_command(const CommandLine& line);
 
 }  // namespace collidoscope

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr std::size_t most_bytes = std::size_t{64} << 20;
 
-/// Whatever stands where a word should: "".
+/// The string member `key`, or "" if it is missing or not a string.
 std::string word(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
@@ -26,7 +26,7 @@ std::string word(const Json& object, const char* key) {
 
 /// All test runs of a case, by solver, precision and executor.
 struct CaseRow {
-  Json about;  ///< of the first file that has it
+  Json about;  ///< from the first file that contains the case
   std::vector<Json> test_runs;
 
   std::vector<const Json*> of(std::string_view solver, std::string_view precision) const {
@@ -45,7 +45,7 @@ const char* readme_mark(const std::string& outcome) {
   return outcome == "failed" ? "**✗**" : "–";
 }
 
-/// Of all machines: what they agree on; what one does not run says nothing.
+/// Combined mark of all machines. Tests that are not applicable on a machine are ignored.
 std::string readme_mark(const std::vector<const Json*>& test_runs) {
   std::string mark;
   for (const Json* test_run : test_runs) {
@@ -58,7 +58,7 @@ std::string readme_mark(const std::vector<const Json*>& test_runs) {
   return mark.empty() ? "–" : mark;
 }
 
-/// Where it ran, and whether all that did came to the same state.
+/// Executors of the test runs, and whether all of them reached the same state.
 std::string machines_text(const CaseRow& row) {
   bool cpu = false, cuda = false, differ = false;
   std::map<std::string, std::string> hashes;
@@ -75,7 +75,7 @@ std::string machines_text(const CaseRow& row) {
   return cpu ? "CPU" : cuda ? "GPU" : "–";
 }
 
-/// As a cell of a table holds it, where a line between cells would end it.
+/// Escapes '|' for a Markdown table cell.
 std::string escaped_cell(const std::string& text) {
   std::string escaped;
   for (const char letter : text) {

@@ -89,7 +89,7 @@ const char* mark_of(TestOutcome outcome) {
   return "?";
 }
 
-/// Rows of one case.
+/// Groups rows by case.
 std::vector<std::vector<const TestRow*>> by_case(const StabilityRun& run) {
   std::vector<std::vector<const TestRow*>> cases;
   for (const TestRow& row : run.rows) {

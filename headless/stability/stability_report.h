@@ -1,5 +1,5 @@
 #pragma once
-// What the test runs of hard cases came to, for people and as JSON. Free functions over plain data.
+// Formats the results of hard cases as text and as JSON. Stateless functions of plain data.
 
 #include <cstdint>
 #include <string>
@@ -18,23 +18,23 @@ struct TestRow {
 struct StabilityRun {
   std::string device;
   ExecutorKind executor = ExecutorKind::cpu;  ///< cpu or cuda
-  bool extended = false;                      ///< the long variants
-  double seconds = 0;                         ///< of the clock
-  std::int64_t asked = 0;                     ///< test runs; more than there are rows: it was stopped
-  std::vector<TestRow> rows;                  ///< of one case beside each other, by group
+  bool extended = false;                      ///< extended variants of the cases
+  double seconds = 0;                         ///< wall-clock time
+  std::int64_t asked = 0;  ///< number of requested test runs; greater than the number of rows if interrupted
+  std::vector<TestRow> rows;  ///< ordered by group; rows of one case are adjacent
 
   std::int64_t count(TestOutcome outcome) const;
 };
 
-/// "penetration_chain, soft_step f32", or the name of the case alone, whose scene is refused.
+/// "penetration_chain, soft_step f32", or only the case's name if its scene is rejected.
 std::string name_of(const HardCase& hard_case, const TestConfiguration& configuration);
 std::string stability_json(const StabilityRun& run);
 std::string stability_text(const StabilityRun& run);
 
-/// One of the faults that were injected.
+/// Result of one injected fault.
 struct InjectedFaultRow {
   const HardCase* hard_case;
-  std::size_t fault;  ///< its place in the criterion
+  std::size_t fault;  ///< index in the criterion
   bool shows = false;
   TestResult result;
 };

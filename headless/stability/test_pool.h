@@ -1,5 +1,5 @@
 #pragma once
-// Test runs side by side, each on a thread of its own. A free function.
+// Runs test runs in parallel, one thread each. Stateless.
 
 #include <functional>
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace collidoscope {
 
-/// Runs all to their ends, `jobs` at a time, in order. `on_progress` is called every tenth of a second or so,
-/// on the caller's thread, with the test runs that are done, and whether to go on; where it says no, test
-/// runs stop where they are. Of test runs with more than `max_parallel_bodies`, one runs at a time: several
-/// would not fit into one GPU's memory.
+/// Completes all test runs in order, `jobs` in parallel. Calls `on_progress` about ten times a second on the
+/// caller's thread with the number of completed runs. If it returns false, the remaining runs stop.
+/// Runs with more than `max_parallel_bodies` bodies do not overlap each other, because several would exceed
+/// the memory of one GPU.
 void run_tests(std::span<TestRun> test_runs, int jobs,
                const std::function<bool(std::int64_t done)>& on_progress,
                std::int64_t max_parallel_bodies = 1'000'000);

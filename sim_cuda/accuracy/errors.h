@@ -1,7 +1,7 @@
 #pragma once
-// How far two states of the same bodies are from each other, and how far two distributions. In metres, of a
-// body's matter: a mean over its mass of the squares of how far each part is from where it should be, so that
-// turns count as far as they move anything. For bodies that forces move; of others nothing is known.
+// Distances between two states of the same bodies, and between two distributions.
+// The distance is the mass-weighted r.m.s. displacement of a body's matter, in metres. A rotation counts by
+// the displacement it causes. Only dynamic bodies are compared.
 
 #include <vector>
 
@@ -10,20 +10,22 @@
 
 namespace collidoscope {
 
-/// m^2, by body: |x - x'|^2, and for the turn by the angle a about the axis n between q and q'
-/// (2 sin a/2)^2 n.In/m; 0 of bodies that no force moves. Infinite where a state is not finite.
+/// Squared displacement by body, in m^2. It is |x - x'|^2 plus (2 sin a/2)^2 n.In/m for a rotation by the
+/// angle a about the axis n between q and q'.
+/// 0 for bodies that are not dynamic. Infinite if a state is not finite.
 std::vector<double> squared_distances(const BodyStates& a, const BodyStates& b, const InitialBodies& bodies,
                                       bool turning);
 
-/// Sums of these over several states.
+/// Accumulates squared distances over several states.
 class ErrorSum {
  public:
   void add(const std::vector<double>& squares);
 
   struct Result {
-    double rms, low, high, worst;  ///< m; `low` and `high`: a standard error off, from 16 groups of bodies
+    double rms, low, high, worst;  ///< m; `low` and `high`: rms minus and plus one standard error, from 16
+                                   ///< groups of bodies
   };
-  /// Over the bodies that forces move.
+  /// Statistics over the dynamic bodies.
   Result result(const InitialBodies& bodies) const;
 
  private:
@@ -32,14 +34,15 @@ class ErrorSum {
   int states_ = 0;
 };
 
-/// m, r.m.s. over bodies of one pair of states.
+/// R.m.s. distance in m over the bodies of two states.
 double rms_distance(const BodyStates& a, const BodyStates& b, const InitialBodies& bodies, bool turning);
 
-/// Wasserstein's, also the earth mover's: how far values must be moved, on average, to make one distribution
-/// of the other; in their unit. For as many values in both, in any order; infinite where one is not finite.
+/// Wasserstein distance (earth mover's distance): the mean distance by which values must move to turn one
+/// distribution into the other, in their unit. Both need the same number of values, in any order. Infinite if
+/// a value is not finite.
 double distribution_distance(std::vector<double> a, std::vector<double> b);
 
-/// The slope of log y over log x by least squares; `not_known` of fewer than two points.
+/// Least-squares slope of log y over log x. `not_known` for fewer than two points.
 double fitted_order(const std::vector<double>& x, const std::vector<double>& y);
 
 }  // namespace collidoscope

@@ -6,7 +6,7 @@
 namespace collidoscope {
 namespace {
 
-/// The larger of both; what is not known is smaller than all.
+/// Sets `worst` to the maximum. An unknown value counts as the minimum.
 void take(double& worst, double value) {
   if (!(worst >= value)) worst = value;
 }
@@ -86,7 +86,8 @@ void InvariantCollector::balance(const StepStats& now, double time) {
   const bool walls = problem_.initial.box || !scene.obstacles.empty() || !scene.boxes.empty();
   const std::vector<Attractor>& attractors = scene.physics.attractors;
   if (walls || (effects.attractor && (effects.gravity || attractors.size() != 1))) return;
-  // About the only attractor, or the origin: where the centre of mass falls, gravity's torque is known.
+  // Moments about the only attractor, or about the origin. Gravity's torque is known, because the centre of
+  // mass falls freely.
   const Vector3d about = effects.attractor ? attractors[0].position : Vector3d(0, 0, 0);
   const auto turning = [&](const StepStats& stats) -> Vector3d {
     return vector_of(stats.angular_momentum) - about.cross(vector_of(stats.momentum));

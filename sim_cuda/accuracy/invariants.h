@@ -1,6 +1,6 @@
 #pragma once
-// What a run must keep, or must not have, whatever its motion: balances of energy and momenta, overlap, the
-// error of joints, friction beyond its cone. One collector for each run, which looks at every sample.
+// Invariants that a run must satisfy for every motion: balances of energy and momenta, overlap, joint error,
+// friction cone. One collector per run; it evaluates every sample.
 
 #include "sim_cuda/accuracy/point.h"
 #include "sim_cuda/accuracy/problem.h"
@@ -13,20 +13,21 @@ struct ReferenceSample {
   StepStats stats;
 };
 
-/// What quantities are measured by, over all samples of the reference, so that errors have no unit.
+/// Scales that make errors dimensionless: maxima over all samples of the reference.
 struct InvariantScales {
-  double energy = 1;            ///< J, the most kinetic energy
-  double momentum = 1;          ///< kg m/s, the most sum of m |v|
-  double angular_momentum = 1;  ///< kg m^2/s, that and the bodies' distance from their centre
+  double energy = 1;            ///< J, maximum kinetic energy
+  double momentum = 1;          ///< kg m/s, maximum of the sum of m |v|
+  double angular_momentum = 1;  ///< kg m^2/s, momentum scale times the extent of the bodies about their
+                                ///< centre
   InvariantScales() = default;
   InvariantScales(const std::vector<ReferenceSample>& samples, const InitialBodies& bodies);
 };
 
 class InvariantCollector {
  public:
-  /// Both outlive it.
+  /// The arguments must outlive the collector.
   InvariantCollector(const AccuracyProblem& problem, const InvariantScales& scales);
-  /// `time`: s since the start; `expected`: the reference's state then, or null.
+  /// `time`: s since the start. `expected`: statistics of the reference at that time, or null.
   void add_sample(World& world, double time, const StepStats* expected);
   const AccuracyInvariants& result() const { return result_; }
 
@@ -39,7 +40,7 @@ class InvariantCollector {
   const InvariantScales& scales_;
   StepStats first_;
   bool started_ = false;
-  double squares_ = 0, shares_ = 0;  // m^2; sums over overlapping pairs of all samples
+  double squares_ = 0, shares_ = 0;  // m^2, and dimensionless; sums over the overlapping pairs of all samples
   std::int64_t overlaps_ = 0;
   AccuracyInvariants result_;
 };

@@ -127,7 +127,7 @@ std::string write_record(const AccuracyRecord& record) {
                     {"growth_rate", finite_or_null(r.lyapunov_rate)}}},
                   {"doubts", record.warnings}};
   std::string text = head.dump(2, ' ', false, Json::error_handler_t::replace);
-  text.resize(text.size() - 2);  // the last line: each point becomes one of its own
+  text.resize(text.size() - 2);  // removes the last line; each point then gets its own line
   text += ",\n  \"points\": [";
   for (const AccuracyPoint& point : record.points)
     text += (&point == record.points.data() ? "\n    " : ",\n    ") +

@@ -1,7 +1,7 @@
 #pragma once
-// A study as plain data, and as JSON: what it is of, its reference and its points, so that one that was cut
-// short goes on, and a panel or a chart can show one that was measured elsewhere. SI units; what is not known
-// is null. Free functions.
+// An accuracy study as plain data and as JSON: problem, reference and points. An interrupted study can be
+// resumed from it, and panels and charts can show studies of other machines. SI units; null for unknown
+// values. Stateless functions.
 
 #include <cstdint>
 #include <string>
@@ -13,17 +13,18 @@ namespace collidoscope {
 
 struct AccuracyRecord {
   std::string scene, executor;  ///< names
-  std::string problem_hash;     ///< 16 hexadecimal digits: of all that decides points and costs
+  std::string problem_hash;     ///< 16 hexadecimal digits: hash of all inputs that affect points and costs
   std::int64_t bodies = 0;
-  int rounds = 0;         ///< runs that each cost is the middle of, in the end
-  bool complete = false;  ///< nothing is left to measure
+  int rounds = 0;         ///< number of runs per cost in the complete study
+  bool complete = false;  ///< all measurements are done
   AccuracyReference reference;
   std::vector<AccuracyPoint> points;
   std::vector<std::string> warnings;
 };
 
 std::string write_record(const AccuracyRecord& record);
-/// Throws InputError, one line that begins with `name`, where the text is no such record.
+/// Parses a record. Throws InputError with one line that begins with `name` if the text is not a valid
+/// record.
 AccuracyRecord parse_record(const std::string& text, const std::string& name);
 
 }  // namespace collidoscope

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double most_growth = 1000;
 constexpr int runs = 4;
-constexpr double weights[runs] = {1, 1, 2, 4};  // of their work
+constexpr double weights[runs] = {1, 1, 2, 4};  // relative amounts of work
 
-/// The start with every body displaced by `share` of its radius, each in a direction of its own.
+/// The start state with every body displaced by `share` of its radius in a random direction.
 RunState perturbed(const RunState& start, const InitialBodies& bodies, double share) {
   RunState moved = start;
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
@@ -31,7 +31,7 @@ RunState perturbed(const RunState& start, const InitialBodies& bodies, double sh
   return moved;
 }
 
-/// The scene with its bodies listed one by one, as the start has them: all that HardSpheres looks at.
+/// The scene with its bodies listed individually in the start state, as HardSpheres requires.
 Scene listed(const AccuracyProblem& problem, const RunState& start) {
   Scene scene = problem.scene;
   const InitialBodies& bodies = problem.initial;
@@ -52,7 +52,7 @@ Scene listed(const AccuracyProblem& problem, const RunState& start) {
   return scene;
 }
 
-/// With what integrates best of what the scene can take.
+/// The setting with the most accurate integrator and rotation update that the scene supports.
 AccuracySetting best_integrated(const AccuracyProblem& problem, const AccuracySetting& setting) {
   AccuracySetting best = setting;
   for (const auto& integrator : integrator_names)
@@ -163,7 +163,7 @@ void ReferenceRun::finish_spheres() {
 
 void ReferenceRun::begin_runs(const std::string& why) {
   result_.kind = AccuracyReference::Kind::converged_run;
-  result_.description = why;  // for now
+  result_.description = why;  // completed in finish_runs()
   setting_ = problem_.own_setting();
   setting_.solver = Solver::soft_step;
   setting_.precision = Precision::f64;
@@ -206,7 +206,7 @@ void ReferenceRun::finish_runs() {
   const std::string why = result_.description;
   horizon_ = problem_.samples;
   result_.seconds = problem_.time(horizon_);
-  // Rounding is no lack of convergence.
+  // Differences at the level of rounding do not count as missing convergence.
   double extent = 0;
   for (const Vector3d& x : samples_[0].bodies.position) extent = std::max(extent, x.norm());
   const double rounding = 1e-13 * std::max(extent, 1e-3);
@@ -222,7 +222,8 @@ void ReferenceRun::finish_runs() {
       break;
     }
   }
-  horizon_ = std::max(horizon_, 1);  // so that there is something to compare; its error says how well
+  horizon_ = std::max(horizon_, 1);  // at least one sample is compared; the reference's error states its
+                                     // quality
   std::vector<const BodyStates*> same;
   for (const BodyStates& each : first_) same.push_back(&each);
   measure_growth(second_, same, distance(perturbed_start_.bodies, problem_.start.bodies));
@@ -251,7 +252,7 @@ double ReferenceRun::measure_growth(const std::vector<BodyStates>& other,
   for (std::size_t k = 0; k < other.size() && first > 0; ++k) {
     const int sample = static_cast<int>(k) + 1;
     const double grown = distance(other[k], *same[k]) / first;
-    if (k == 0 || grown * first < 0.01 * mean_radius)  // later it cannot grow any more
+    if (k == 0 || grown * first < 0.01 * mean_radius)  // growth saturates later
       result_.lyapunov_rate = std::log(grown) / problem_.time(sample);
     if (sample <= horizon_) growth = grown;
     if (!(grown > most_growth) || sample > horizon_) continue;

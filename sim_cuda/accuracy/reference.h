@@ -1,17 +1,19 @@
 #pragma once
-// The answer that a scene's settings are measured against, made in slices of work, with how far it can be
-// trusted. One for each study; owns its runs while they go on, and the samples they leave.
+// Computes the reference solution of a study in time slices, and estimates its error. One per study. Owns its
+// runs and samples.
 //
-// Event-driven hard spheres (reference/hard_spheres.h) where they know the scene and reach at least a third
-// of the time: exact but for rounding, up to their first Zeno point. Otherwise a converged run: the scene
-// itself in double by soft_step, at steps of h, h/2 and h/4, h a sixteenth of the scene's own. Of their
-// distances d1 = |x_h - x_{h/2}| and d2 = |x_{h/2} - x_{h/4}| come the order p = log2(d1/d2), the error that
-// the last one still has, d2/(2^p - 1) (Richardson), and whether they converge at all: positions are compared
-// up to the last sample before which d2 < 0.71 d1.
+// Event-driven hard spheres (reference/hard_spheres.h) are used if they support the scene and reach at least
+// a third of the time. They are exact up to rounding and up to their first Zeno point.
+// Otherwise the reference is a converged run: the scene in double by soft_step, with steps h, h/2 and h/4,
+// where h is a sixteenth of the scene's own step. The distances d1 = |x_h - x_{h/2}| and d2 = |x_{h/2} -
+// x_{h/4}| give:
+// - the order p = log2(d1/d2),
+// - the remaining error d2/(2^p - 1) (Richardson),
+// - the horizon: positions are compared up to the last sample before which d2 < 0.71 d1.
 //
-// How long positions mean anything is measured in either case by a second run from a start that differs by
-// 1e-8 of each radius or less: the horizon is where such a displacement has grown a thousandfold, so that
-// an error of a millimetre would have become a metre.
+// A second run measures the predictability horizon in both cases. Its start differs by at most 1e-8 of each
+// radius. The horizon ends where this displacement has grown a thousandfold; an error of 1 mm would then be 1
+// m.
 
 #include <memory>
 
@@ -23,20 +25,21 @@ namespace collidoscope {
 
 class ReferenceRun {
  public:
-  /// Of `problem`, or, for tests, of another scene of the same bodies. Both outlive it.
+  /// Computes the reference of `problem`, or, in tests, of another scene with the same bodies. The problem
+  /// must outlive the run.
   explicit ReferenceRun(const AccuracyProblem& problem);
   ~ReferenceRun();
 
-  /// Works for a slice; false once it is done.
+  /// Works for one slice. Returns false when done.
   bool advance(const Deadline& slice);
-  /// Shares of the work, 0 to 1.
+  /// Completed share of the work, 0 to 1.
   double progress() const;
   const std::string& current_task() const { return current_task_; }
 
-  /// Samples 0 (the start) to the last that the reference reaches. Once it is done.
+  /// Samples from 0 (the start) to the last one that the reference reaches. Precondition: done.
   std::vector<ReferenceSample> take_samples() { return std::move(samples_); }
   const AccuracyReference& result() const { return result_; }
-  /// Up to which positions are compared.
+  /// Last sample at which positions are compared.
   int horizon() const { return horizon_; }
   double fastest() const { return fastest_; }  ///< m/s, of any body
 
@@ -47,7 +50,7 @@ class ReferenceRun {
   void begin_runs(const std::string& why);
   void finish_spheres();
   void finish_runs();
-  /// Ends the horizon where a displacement has grown too far; returns how far by then, times.
+  /// Shortens the horizon if a displacement grows too far. Returns the growth factor at the horizon.
   double measure_growth(const std::vector<BodyStates>& other, const std::vector<const BodyStates*>& same,
                         double first);
   double distance(const BodyStates& a, const BodyStates& b) const;
@@ -55,13 +58,13 @@ class ReferenceRun {
   const AccuracyProblem& problem_;
   AccuracyReference result_;
   std::string current_task_;
-  std::unique_ptr<HardSpheres> exact_, perturbed_;  // while there is an event-driven answer
-  std::unique_ptr<SampledRun> run_;                 // of the converged runs, that which goes on
-  AccuracySetting setting_;                         // of the first of them
-  int runs_done_ = 0;                               // h, perturbed, h/2, h/4
+  std::unique_ptr<HardSpheres> exact_, perturbed_;  // only in the event-driven case
+  std::unique_ptr<SampledRun> run_;                 // current converged run
+  AccuracySetting setting_;                         // of the first converged run
+  int runs_done_ = 0;                               // order: h, perturbed, h/2, h/4
   RunState perturbed_start_;
   std::vector<ReferenceSample> samples_;
-  std::vector<BodyStates> first_, second_, third_;  // of runs h, perturbed, h/2
+  std::vector<BodyStates> first_, second_, third_;  // states of the runs h, perturbed, h/2
   int horizon_ = 0;
   double fastest_ = 0;
   bool done_ = false;

@@ -37,15 +37,16 @@ std::string point_name(const AccuracySetting& s) {
   return name;
 }
 
-/// Whether integrators differ: whether anything but impacts changes velocities, or turns.
+/// True if integrators differ: forces change velocities, or bodies rotate.
 bool accelerates(const AccuracyProblem& problem) {
   const Effects& e = problem.effects;
   return e.gravity || e.attractor || e.drag || (e.rotation && !problem.initial.inertia.empty());
 }
 
-/// The scene's own solver with every integrator, the better ones with the better rotation update; the other
-/// solvers with the scene's own integrator; its other rotation update, and continuous collision off and on,
-/// where they can tell. All of it in float and in double.
+/// The series, each in float and in double:
+/// - the scene's own solver with every integrator; higher-order integrators use the better rotation update
+/// - the other solvers with the scene's own integrator
+/// - the other rotation update, and continuous collision off and on, if they make a difference
 std::vector<AccuracySetting> series_settings(const AccuracyProblem& problem, double fastest) {
   const AccuracySetting own = problem.own_setting();
   double smallest = std::numeric_limits<double>::infinity();
@@ -78,7 +79,7 @@ std::vector<AccuracySetting> series_settings(const AccuracyProblem& problem, dou
   return all;
 }
 
-/// Of `impulse`, substeps are time steps by another name.
+/// Number of substeps of a solver. 1 for `impulse`, whose substeps are equivalent to time steps.
 int own_substeps(const AccuracyProblem& problem, Solver solver) {
   return solver == Solver::impulse                         ? 1
          : problem.scene.physics.solver == Solver::impulse ? 4
@@ -110,7 +111,7 @@ std::vector<AccuracyPoint> accuracy_settings(const AccuracyProblem& problem, dou
       point.setting.iterations = sweeps;
       point.name = point_name(point.setting);
     };
-    // No finer than 32 solves in the scene's own step, or 8 of its own substeps.
+    // Limit: 32 solves per step of the scene, or 8 per substep.
     const int finest = std::max(64, 16 * own);
     for (const int substeps : std::set{own, std::max(1, own / 4), own == 1 ? 1 : 4 * own})
       for (int parts = 1; parts * substeps <= finest; parts *= 2) add(parts, substeps, iterations);

@@ -1,7 +1,7 @@
 #pragma once
-// Which settings a study tries: series (solver, integrator, precision, continuous collision), each with the
-// same grid of time steps, substeps and iterations around the scene's own. One table; what a scene cannot be
-// simulated with is left out by validate(). Free functions.
+// The settings that a study compares. Each series (solver, integrator, precision, continuous collision) has
+// the same grid of time steps, substeps and iterations around the scene's own values. Settings rejected by
+// validate() are excluded. Stateless functions.
 
 #include <vector>
 
@@ -9,13 +9,15 @@
 
 namespace collidoscope {
 
-/// All points, with names and settings alone, from coarse to fine. `fastest`: m/s, of any body on the way.
+/// All points from coarse to fine, with names and settings only. `fastest`: maximum speed of any body, in
+/// m/s.
 std::vector<AccuracyPoint> accuracy_settings(const AccuracyProblem& problem, double fastest);
 
-/// How many solves a second of simulated time is made of: what settings are ordered by, coarse to fine.
+/// Number of solves per simulated second; the sort key from coarse to fine.
 double solves_per_second(const AccuracySetting& setting);
 
-/// Whether a point is on its refinement series of time steps, substeps and iterations being the scene's own.
+/// True if a point belongs to its series' refinement in time step: substeps and iterations are the scene's
+/// own.
 bool in_refinement_series(const AccuracyPoint& point, const AccuracyProblem& problem);
 
 }  // namespace collidoscope

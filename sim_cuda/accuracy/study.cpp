@@ -29,8 +29,7 @@ std::vector<double> speeds_of(const BodyStates& states) {
   return speeds;
 }
 
-/// Of the finest two settings of each refinement series in double: what they converge to should be the
-/// answer.
+/// The finest two settings of each refinement series in double. They should converge to the reference.
 std::map<std::string, std::vector<std::size_t>> finest_of_series(const std::vector<AccuracyPoint>& points,
                                                                  const AccuracyProblem& problem) {
   std::map<std::string, std::vector<std::size_t>> all_series;
@@ -122,8 +121,8 @@ bool AccuracyStudy::restore(const AccuracyRecord& known) {
   return true;
 }
 
-/// The jobs that are left: each setting's error and first cost, from coarse to fine, then its other costs
-/// in turns.
+/// Lists the remaining jobs: each setting's error and first cost, from coarse to fine, then the other costs
+/// in rounds.
 void AccuracyStudy::plan() {
   reference_ = reference_run_->result();
   samples_ = reference_run_->take_samples();
@@ -138,7 +137,7 @@ void AccuracyStudy::plan() {
         point = known;
   recorded_points_.clear();
   mark_front(points_);
-  std::map<std::size_t, bool> again;  // their states are not in the points
+  std::map<std::size_t, bool> again;  // points to measure again, because records contain no states
   for (const auto& [series_name, series] : finest_of_series(points_, problem_))
     for (const std::size_t k : series) again[k] = true;
   for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -196,12 +195,12 @@ bool AccuracyStudy::measure_cost(const Deadline& slice) {
   AccuracyPoint& point = points_[jobs_[next_].point];
   if (!cost_run_) {
     cost_run_ = std::make_unique<SampledRun>(problem_, point.setting, problem_.start);
-    cost_run_->world().step(2);  // buffers grow, code and caches warm up
+    cost_run_->world().step(2);  // warm-up: buffers grow, code and caches are loaded
     cost_run_->restart(problem_.start);
   }
   if (!cost_run_->reach_next(slice)) return false;
   if (cost_run_->sample() + 1 < std::ssize(samples_)) return false;
-  // A run of few steps is made again, until there are enough for their median.
+  // Runs with few steps are repeated until there are enough steps for a median.
   constexpr int enough = 100;
   cost_steps_ += cost_run_->plain_steps();
   costs_.push_back(cost_run_->cost_ms_per_second());
@@ -219,7 +218,8 @@ bool AccuracyStudy::measure_cost(const Deadline& slice) {
   return true;
 }
 
-/// Runs that come to each other but not to the reference doubt it, or their solver.
+/// Warns if the finest runs of a series agree with each other but not with the reference. Either the
+/// reference or the solver is then wrong.
 void AccuracyStudy::check_convergence() {
   for (const auto& [series_name, series] : finest_of_series(points_, problem_)) {
     if (series.size() < 2 || !at_horizon_.contains(series[0]) || !at_horizon_.contains(series[1])) continue;

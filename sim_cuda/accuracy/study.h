@@ -1,9 +1,11 @@
 #pragma once
-// AccuracyStudy: what accuracy costs in one scene. Made from the scene, it works in slices, so that a window
-// keeps drawing and a run without one can be stopped: first the reference, then each setting's error, and its
-// cost by runs of their own, which take turns so that a busy machine slows them all alike. Owns all it uses;
-// runs one world at a time. Points appear as they are measured, and can be given back to a later study of the
-// same, which goes on from there. Throws as World does; InputError where nothing of the scene moves.
+// AccuracyStudy: error versus run time of one scene over many settings.
+// Works in time slices, so that a viewer keeps drawing and a headless run can be stopped. First it computes
+// the reference, then the error of each setting, and the costs in separate runs. Cost runs alternate between
+// settings, so that other load affects all settings alike.
+// Owns all its data; runs one world at a time. Points are available as soon as they are measured. A later
+// study of the same problem can resume from them. Throws the same exceptions as World, and InputError if no
+// body of the scene moves.
 
 #include <map>
 #include <memory>
@@ -19,35 +21,36 @@
 namespace collidoscope {
 
 struct AccuracyStudyOptions {
-  double seconds = 0;  ///< s of simulated time, about; 0: 60 of the scene's own steps, and at least 2 s
-  int rounds = 5;      ///< runs that a cost is the middle of
-  /// For tests: these settings (series, name, setting) and no others; and a scene of the same bodies that is
-  /// what errors are measured against.
+  double seconds = 0;  ///< s of simulated time, approximately; 0: 60 of the scene's own steps, and at least 2
+                       ///< s
+  int rounds = 5;      ///< number of runs per cost; the median is used
+  /// For tests: only these settings (series, name, setting), and another scene with the same bodies as the
+  /// reference.
   std::optional<std::vector<AccuracyPoint>> settings{};
   std::optional<Scene> reference_scene{};
 };
 
 class AccuracyStudy {
  public:
-  /// From state 0, or from `start`: where a run of this scene stands.
+  /// Starts from state 0, or from `start`, a state of a run of this scene.
   AccuracyStudy(const Scene& scene, const RunOptions& options, AccuracyStudyOptions request = {},
                 const RunState* start = nullptr);
 
   ~AccuracyStudy();
 
-  /// Works for about so many milliseconds; false once all is done.
+  /// Works for about this many milliseconds. Returns false when done.
   bool advance(double milliseconds);
 
   const AccuracyProblem& problem() const { return problem_; }
   const AccuracyStudyOptions& request() const { return request_; }
-  /// Null until it is known.
+  /// Null until the reference is computed.
   const AccuracyReference* reference() const { return samples_.empty() ? nullptr : &reference_; }
-  /// By sample, the start first; up to AccuracyReference::seconds.
+  /// Samples of the reference from the start up to AccuracyReference::seconds.
   const std::vector<ReferenceSample>& samples() const { return samples_; }
-  /// All settings, coarse to fine, with what is known of each; empty until the reference is known. The front
-  /// is marked.
+  /// All settings from coarse to fine, with the results known so far and the Pareto front marked. Empty until
+  /// the reference is computed.
   const std::vector<AccuracyPoint>& points() const { return points_; }
-  /// What a second look at the finest runs has found wrong: lines for the user.
+  /// Warnings for the user from the convergence check of the finest runs.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   struct Progress {
@@ -56,16 +59,16 @@ class AccuracyStudy {
   };
   Progress progress() const;
 
-  /// All that is known so far.
+  /// All results so far.
   AccuracyRecord record() const;
-  /// Takes what a record knows, before the first advance(); false, and nothing, where it is of another study
-  /// or of another machine.
+  /// Restores the results of a record. Call before the first advance(). Returns false, without effect, if the
+  /// record is of another problem or machine.
   bool restore(const AccuracyRecord& record);
 
  private:
   struct Job {
     std::size_t point;
-    int round;  // of its cost; -1: its error
+    int round;  // round of the cost; -1: error
   };
   void plan();
   bool done() const { return !reference_run_ && next_ == jobs_.size(); }
@@ -78,22 +81,23 @@ class AccuracyStudy {
   AccuracyStudyOptions request_;
   AccuracyProblem problem_;
   std::optional<AccuracyProblem> reference_problem_;
-  std::unique_ptr<ReferenceRun> reference_run_;  // while it is
+  std::unique_ptr<ReferenceRun> reference_run_;  // while the reference is computed
   AccuracyReference reference_;
   std::vector<ReferenceSample> samples_;
   int horizon_ = 0;
   InvariantScales scales_;
   std::vector<AccuracyPoint> points_, recorded_points_;
   std::vector<Job> jobs_;
-  std::size_t next_ = 0;  // job
+  std::size_t next_ = 0;  // index in jobs_
   std::vector<std::string> warnings_;
-  std::map<std::size_t, BodyStates> at_horizon_;  // by point, of the two finest of each ladder in double
+  std::map<std::size_t, BodyStates> at_horizon_;  // by point, for the two finest settings of each series in
+                                                  // double
 
   struct ErrorRun;
-  std::unique_ptr<ErrorRun> error_run_;   // of the job at hand
-  std::unique_ptr<SampledRun> cost_run_;  // of the job at hand
-  std::vector<double> costs_;             // of its runs so far
-  int cost_steps_ = 0;                    // plain ones, of these
+  std::unique_ptr<ErrorRun> error_run_;   // of the current job
+  std::unique_ptr<SampledRun> cost_run_;  // of the current job
+  std::vector<double> costs_;             // of the current job's runs so far
+  int cost_steps_ = 0;                    // plain steps of these runs
 };
 
 }  // namespace collidoscope

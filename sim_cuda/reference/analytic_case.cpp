@@ -10,7 +10,7 @@
 namespace collidoscope {
 namespace {
 
-/// The scene at a step that is `parts` times smaller.
+/// The scene with its time step divided by `parts`.
 Scene refined(Scene scene, int parts) {
   TimeStep& step = scene.physics.time_step;
   if (const auto n = step.steps_per_second())

@@ -1,7 +1,7 @@
 #pragma once
-// A case of the analytic suite: a scene whose course is known in closed form, what of it is compared, and
-// what theory says the error of a step of h seconds comes to. Running a case at ever smaller steps, and
-// judging what came of it. Cases are values that own what they need; they live as long as their caller likes.
+// A case of the analytic suite: a scene with a closed-form solution, the compared quantity, and the
+// theoretical error for a step of h seconds. Also runs a case at decreasing steps and checks the errors.
+// A case is a value that owns all its data.
 
 #include <functional>
 #include <string>
@@ -14,44 +14,45 @@
 namespace collidoscope {
 
 enum class Claim {
-  exact,    ///< nothing but rounding, whatever h
-  leading,  ///< error(h) and terms of higher order: checked with the fitted order
-  bound,    ///< at most error(h); how much less goes by where impacts fall in a step, so no order is fitted
+  exact,    ///< rounding errors only, for every h
+  leading,  ///< error(h) plus higher-order terms; the fitted order is checked
+  bound,    ///< at most error(h); depends on the times of impacts within a step, so no order is fitted
 };
 
 struct Theory {
   Claim claim = Claim::exact;
-  double order = 0;                            ///< of h; not of `exact`
-  std::function<double(double h)> error = {};  ///< s to the unit compared; not of `exact`
+  double order = 0;                            ///< order in h; unused for `exact`
+  std::function<double(double h)> error = {};  ///< h in s, error in the compared unit; unused for `exact`
 };
 
-/// constant h^order, and terms of higher order.
+/// Theory with a leading error of constant h^order and higher-order terms.
 Theory leading_theory(double order, double constant);
 
-/// One way to run a case, and what is to be expected of it.
+/// A method for running a case, and its theory.
 struct AnalyticMethod {
   Integrator integrator = Integrator::semi_implicit_euler;
   Theory theory;
-  RotationUpdate rotation_update = RotationUpdate::first_order;  ///< told only where something turns
+  RotationUpdate rotation_update = RotationUpdate::first_order;  ///< part of the name only for rotating
+                                                                 ///< bodies
 };
 /// "rk4", or "rk4, lie_group".
 std::string name_of(const AnalyticMethod& method);
 
-/// What touches or is jointed goes on by Euler's method whatever integrator there is: one way is enough.
+/// The list with semi-implicit Euler only. Bodies with contacts or joints are advanced by Euler's method for
+/// every integrator, so one method suffices.
 std::vector<AnalyticMethod> by_euler(Theory theory);
 
 struct AnalyticCase {
   std::string name;       ///< words_with_underscores
-  Scene scene;            ///< at the largest step
-  std::string compared;   ///< "height, m"
-  std::string rationale;  ///< why the error of Euler's method is what theory says, in a line
-  double horizon = 1;     ///< s, a whole number of the largest steps
-  int refinement = 2;     ///< each level's step over the next one's
-  /// The largest number that rounding acts on, in the unit compared: what half a unit in its last place comes
-  /// to, at each step.
+  Scene scene;            ///< with the largest step
+  std::string compared;   ///< quantity and unit: "height, m"
+  std::string rationale;  ///< one line that explains the theoretical error of Euler's method
+  double horizon = 1;     ///< s, an integer multiple of the largest step
+  int refinement = 2;     ///< ratio of the steps of two consecutive levels
+  /// Largest value affected by rounding, in the compared unit. Each step adds half a unit in its last place.
   double scale = 1;
   std::vector<AnalyticMethod> methods;
-  /// Steps a fresh world `steps` times, up to the horizon; the error, in the unit compared.
+  /// Advances a new world by `steps` steps to the horizon. Returns the error in the compared unit.
   std::function<double(World&, int steps)> error;
 };
 
@@ -66,31 +67,31 @@ struct AnalyticResult {
   AnalyticMethod method;
   Precision precision = Precision::f64;
   std::vector<AnalyticLevel> levels;  ///< from the largest step to the smallest
-  double fitted_order = 0;            ///< NaN where no order is fitted
-  std::string fault;                  ///< a line; empty: passed
+  double fitted_order = 0;            ///< NaN if no order is fitted
+  std::string fault;                  ///< one line; empty: passed
   bool passed() const { return fault.empty(); }
 };
 
 inline constexpr int analytic_levels = 4;
-/// How far the fitted order may be from theory's.
+/// Allowed difference between the fitted and the theoretical order.
 inline constexpr double order_tolerance = 0.15;
 
-/// What rounding may come to: each step rounds a few quantities, each by half a unit in the last place of
-/// `scale`, and nothing takes it away again.
+/// Bound of the rounding error. Each step rounds a few quantities by half a unit in the last place of
+/// `scale`, and these errors accumulate.
 double rounding(Precision precision, int steps, double scale);
 
-/// What an error may come to. An order that is off by 0.15 over one halving of h means that the terms left
-/// out are 2 (2^0.15 - 1) = 22 % of the leading one at the larger step: so much more than it is allowed.
+/// Largest allowed error. An order deviation of 0.15 over one halving of h corresponds to higher-order terms
+/// of 2 (2^0.15 - 1) = 22 % of the leading term. The tolerance adds this fraction.
 double tolerance(const Theory& theory, double h, double rounding);
 
-/// The slope of log error over log h, by least squares.
+/// Least-squares slope of log error over log h.
 double fitted_order(const std::vector<AnalyticLevel>& levels);
 
-/// Fills in the fitted order and the fault of a result whose levels are known. In float no order is fitted:
-/// rounding hides it.
+/// Sets the fitted order and the fault of a result with known levels. Float results get no fitted order,
+/// because rounding dominates.
 void evaluate(AnalyticResult& result);
 
-/// Throws what World throws.
+/// Runs a case at all levels. Throws the same exceptions as World.
 AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, Precision precision,
                         const RunOptions& options);
 

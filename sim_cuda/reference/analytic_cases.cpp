@@ -17,7 +17,7 @@ Theory smooth_theory(const SmoothProblem& problem, const OneStep& step, int orde
   if (off.norm() == 0) return {};
   const double small = 1e-4 * end.norm() / off.norm();
   const double constant = ((part(end + small * off) - part(end - small * off)) / (2 * small)).norm();
-  // Verlet's kick solves quadratic drag, for one.
+  // Zero leading error: for example, Verlet's kick solves quadratic drag exactly.
   if (constant < 1e-6 * part(end).norm() * std::pow(problem.fastest, order)) return {};
   return leading_theory(order, constant);
 }

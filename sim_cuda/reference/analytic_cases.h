@@ -1,6 +1,6 @@
 #pragma once
-// The analytic suite: every case there is. Scenes come from assets/scenes/analytic/, so that each can be
-// opened in the window, too; closed forms read their numbers from the scene.
+// The cases of the analytic suite. Scenes are loaded from assets/scenes/analytic/, so the viewer can open
+// them too. Closed forms read their parameters from the scene.
 
 #include <vector>
 
@@ -9,22 +9,23 @@
 
 namespace collidoscope {
 
-/// Cases of smooth motion, whose errors leading_error.h knows; of impacts, of what stays in touch, and of
-/// joints, each with a derivation of its own. Throw MachineError where the scenes are not found.
+/// Groups of cases: smooth motion (errors from leading_error.h), impacts, contacts and joints (each error
+/// derived at its case). Throw MachineError if the scenes are not found.
 std::vector<AnalyticCase> smooth_cases();
 std::vector<AnalyticCase> impact_cases();
 std::vector<AnalyticCase> contact_cases();
 std::vector<AnalyticCase> joint_cases();
-/// All of them.
+/// All cases of the suite.
 std::vector<AnalyticCase> analytic_cases();
 
-/// What of a state is compared.
+/// Selects the compared part of a state.
 using ComparedPart = std::function<SmoothState(const SmoothState&)>;
-/// leading_error() of what is compared at `time`; exact where a method happens to miss nothing.
+/// Theory from leading_error() of the compared part at `time`. Returns `exact` if the method has no leading
+/// error in this case.
 Theory smooth_theory(const SmoothProblem& problem, const OneStep& step, int order, double time,
                      const ComparedPart& part);
 
-/// The scene of a case, assets/scenes/analytic/<name>.json.
+/// Reads the scene of a case, assets/scenes/analytic/<name>.json.
 Scene analytic_scene(const std::string& name);
 
 }  // namespace collidoscope

@@ -1,6 +1,6 @@
-// What stays in touch, or comes back to it: rebounds, friction, a stack. All are of first
-// order in h, as Moreau's scheme is, but for how deep soft contacts yield, with constants that follow from
-// what the solver does, each derived beside its case.
+// Cases with lasting or repeated contact: rebounds, friction, a stack. All are of first order in h, like
+// Moreau's scheme, except for the penetration of soft contacts. The error constants follow from the solver
+// and are derived at each case.
 
 #include <algorithm>
 #include <cmath>
@@ -20,12 +20,14 @@ Rebounds rebounds(const Scene& scene) {
   return {gravity(scene), ball.position.z() - ball.radius, scene.materials[0].restitution};
 }
 
-/// Semi-implicit Euler's fall is a parabola, thrown g h/2 slower; what reaches the floor at the speed p
-/// bounces as if it were p - g h/2 (v^2 + 2 g s with the true v and the parabola's s). So a speed u after a
-/// bounce becomes e (u - g h) after the next: it falls short by eps_1 = e g h/2, eps_(n+1) = e (eps_n + g h).
-/// A flight takes 2 (eps + g h/2) / g less, a bounce waits for the step's end, up to h.
+/// Semi-implicit Euler follows a parabola whose initial speed is lower by g h/2. An impact at the true speed
+/// p therefore bounces like one at p - g h/2 (from v^2 + 2 g s with the true v and the parabola's s).
+/// A speed u after a bounce becomes e (u - g h) after the next one. The deficit is eps_1 = e g h/2, eps_(n+1)
+/// = e (eps_n + g h).
+/// A flight is shorter by 2 (eps + g h/2) / g. A bounce is late by up to h, because it happens at the end of
+/// a step.
 struct EulerRebounds {
-  double h, slow, early;  ///< s; m/s after the n-th bounce; s, the most by which it comes too early or late
+  double h, slow, early;  ///< s; m/s, deficit after the n-th bounce; s, bound of the timing error
 
   EulerRebounds(const Rebounds& ball, int n, double step)
       : h(step), slow(ball.e * ball.gravity * h / 2), early(h / 2) {
@@ -52,7 +54,7 @@ void add_bouncing(std::vector<AnalyticCase>& cases) {
                           return (off.slow + ball.gravity * h / 2) * (t - ball.time(n)) +
                                  ball.speed(n) * off.early;
                         }};
-  // The others fall and rise as they should; their bounces are as late.
+  // The other integrators follow the exact parabola; their bounces are equally late.
   const Theory of_others{Claim::bound, 1, [=](double h) { return ball.speed(n) * n * h; }};
   one.methods = {{Integrator::semi_implicit_euler, of_euler},
                  {Integrator::velocity_verlet, of_others},
@@ -64,10 +66,10 @@ void add_bouncing(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 }
 
-/// Approaches slower than 2 g h do not bounce. There are at most log(v_1 / 2 g h) / log(1/e) others, and one,
-/// each off as in EulerRebounds, where eps stays below e g h / (1 - e); what is then missing of the
-/// infinitely many is 2 u e / (g (1 - e)), u the last rebound, below 3 g h; and the last touch takes two
-/// steps.
+/// Approaches slower than 2 g h do not bounce. At most log(v_1 / 2 g h) / log(1/e) + 1 bounces remain. Each
+/// is off as in EulerRebounds, where eps stays below e g h / (1 - e).
+/// The missing infinite sequence takes 2 u e / (g (1 - e)), where u is the last rebound speed, below 3 g h.
+/// The last contact takes two steps.
 void add_zeno(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "zeno";
@@ -97,7 +99,7 @@ void add_zeno(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 }
 
-/// While it slides, Euler's way is -mu g h t/2 short; then it goes on at the right speed.
+/// While the sphere slides, Euler's position is short by mu g h t/2. After that its speed is exact.
 void add_slide_to_roll(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "slide_to_roll";
@@ -136,8 +138,8 @@ void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
   cases.push_back(one);
 }
 
-/// At rest a contact gives what bears on it by its spring alone: load = mass omega^2 depth, with mass m/2 of
-/// two equal spheres, and omega = 2 pi/4 a substep. Under k spheres: depth = k m g / (m/2 omega^2).
+/// At rest, the spring of a soft contact carries the load: load = mass omega^2 depth. The effective mass of
+/// two equal spheres is m/2, and omega = 2 pi/4 per substep. Below k spheres: depth = k m g / (m/2 omega^2).
 void add_stack(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "stack_forces";

@@ -1,18 +1,17 @@
 #pragma once
-// A sphere that a medium slows, without other forces: v' = -a v - b v^2 for its speed. dynamics/drag.h says
-// what a and b are; this is the solution.
+// Closed-form speed of a sphere slowed only by a medium: v' = -a v - b v^2. dynamics/drag.h defines a and b.
 
 #include <cmath>
 
 namespace collidoscope {
 
-/// a (1/s) and b (1/m) >= 0, not both 0.
+/// Coefficients a (1/s) and b (1/m), both >= 0 and not both 0.
 struct DragSolution {
   double linear, quadratic;
 
-  /// m/s at t s, of what starts at `start` m/s.
+  /// Speed in m/s after t s; the initial speed is `start` m/s.
   double speed(double start, double t) const {
-    // (1 - exp(-a t)) / a, which is t for a = 0.
+    // (1 - exp(-a t)) / a; its limit for a = 0 is t.
     const double grown = linear > 0 ? -std::expm1(-linear * t) / linear : t;
     return start * std::exp(-linear * t) / (1 + quadratic * start * grown);
   }

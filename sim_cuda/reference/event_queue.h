@@ -1,7 +1,7 @@
 #pragma once
-// Events to come, the next one first: a binary heap. Events are never looked for to be taken out: each
-// carries how often its bodies had collided when it was foreseen, and whoever takes it sees that it no longer
-// holds. Owned by HardSpheres.
+// Priority queue of predicted events, earliest first (binary heap). Owned by HardSpheres.
+// Events are not removed when they become invalid. Each event stores the collision counts of its bodies at
+// prediction time; a different count marks it as stale.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,11 +11,12 @@
 namespace collidoscope {
 
 struct Event {
-  double time;                                           ///< s
-  std::uint32_t body, other;                             ///< what `other` stands for is the owner's matter
-  std::uint32_t collision_count, other_collision_count;  ///< collisions that each had had
+  double time;                ///< s
+  std::uint32_t body, other;  ///< ids; HardSpheres defines the meaning of `other`: a body, a plane or a cell
+                              ///< edge
+  std::uint32_t collision_count, other_collision_count;  ///< collision counts at prediction time
 
-  /// Later, or as late and of larger ids: the order is that of time and ids, however events came in.
+  /// Reverse order for std heaps: by time, then by ids. Independent of the order of insertion.
   friend bool operator<(const Event& a, const Event& b) {
     return std::tie(b.time, b.body, b.other) < std::tie(a.time, a.body, a.other);
   }
@@ -35,7 +36,7 @@ class EventQueue {
     std::pop_heap(heap_.begin(), heap_.end());
     heap_.pop_back();
   }
-  /// Drops those of which is_stale(event) holds, wherever they are.
+  /// Removes all events for which is_stale(event) is true.
   template <class IsStale>
   void drop_if(const IsStale& is_stale) {
     std::erase_if(heap_, is_stale);
@@ -43,7 +44,7 @@ class EventQueue {
   }
 
  private:
-  std::vector<Event> heap_;  // a heap by <, which puts the earliest first
+  std::vector<Event> heap_;  // heap with the earliest event first
 };
 
 }  // namespace collidoscope

@@ -20,7 +20,7 @@ Vector3d middle_axis_spin(const Vector3d& inertia, const Vector3d& spin, double 
   const double i1 = inertia.x(), i2 = inertia.y(), i3 = inertia.z();
   const double twice_energy = inertia.dot(spin.cwiseProduct(spin));
   const double squared = inertia.cwiseProduct(spin).squaredNorm();
-  // Twice E and L^2 as they stand over the least and the greatest moment: both > 0.
+  // L^2 - 2 E I1 and 2 E I3 - L^2: both > 0.
   const double over_1 = squared - twice_energy * i1, below_3 = twice_energy * i3 - squared;
   const double u = std::sqrt((i3 - i2) * over_1 / (i1 * i2 * i3));
   const double m = (i2 - i1) * below_3 / ((i3 - i2) * over_1);

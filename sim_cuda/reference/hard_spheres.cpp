@@ -20,10 +20,10 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr std::uint32_t collapse_count = 32;  // collisions
 constexpr double unresolved = 0x1p12 * epsilon;
 
-/// m/s: what rounding leaves of a relative velocity that a collision should have made 0.
+/// Rounding error in m/s of a relative velocity that should be 0 after a collision.
 double noise_of(const Vector3d& velocity) { return 8 * epsilon * velocity.lpNorm<1>(); }
 
-/// What the scene calls for and this does not know; a line each.
+/// Throws InputError with one line per unsupported feature of the scene.
 void refuse_unsupported(const Scene& scene, const InitialBodies& bodies, const Effects& effects) {
   std::vector<std::string> faults;
   const auto fault = [&](const std::string& what) {
@@ -131,7 +131,7 @@ void HardSpheres::refuse_overlaps(const std::string& name) const {
   if (!faults.empty()) throw InputError(std::move(faults));
 }
 
-// ---- What is to come ----
+// ---- Prediction ----
 
 bool HardSpheres::is_stale(const Event& event) const {
   return histories_[event.body].collisions != event.collision_count ||
@@ -179,7 +179,7 @@ void HardSpheres::predict(std::uint32_t body) {
   grid_->for_neighbours(body, [&](std::uint32_t other) { predict_pair(body, other); });
 }
 
-// ---- What happens ----
+// ---- Event processing ----
 
 bool HardSpheres::advance_to(double time) {
   if (!(time >= time_)) throw std::logic_error("advance_to: time does not run backwards");
@@ -196,7 +196,7 @@ std::optional<CollisionEvent> HardSpheres::next_collision(double until) {
       ++counts_.stale;
       continue;
     }
-    time_ = std::max(time_, event.time);  // rounding may foresee what has just been
+    time_ = std::max(time_, event.time);  // rounding may predict an event slightly in the past
     if (event.other >= first_edge()) {
       const int edge = static_cast<int>(event.other - first_edge());
       ++counts_.crossings;
@@ -218,7 +218,7 @@ std::optional<CollisionEvent> HardSpheres::next_collision(double until) {
   return std::nullopt;
 }
 
-/// Makes now the start of a body's flight.
+/// Restarts a body's flight at the current time.
 void HardSpheres::restart(std::uint32_t body) {
   Flight& flight = flights_[body];
   CollisionHistory& history = histories_[body];
@@ -232,7 +232,8 @@ void HardSpheres::restart(std::uint32_t body) {
   ++history.collisions;
 }
 
-/// After a collision that was not elastic, `since` s after the one before.
+/// Call after an inelastic collision. `since` is the time in s since the body's previous collision. Returns
+/// true at inelastic collapse.
 bool HardSpheres::detect_inelastic_collapse(std::uint32_t body, double since, double approach) {
   const double size = flights_[body].x.lpNorm<1>() + flights_[body].radius;
   const bool distinguishable = since > unresolved * time_ && since * approach > unresolved * size;
@@ -272,8 +273,8 @@ CollisionEvent HardSpheres::collide(std::uint32_t a, std::uint32_t b) {
   return done;
 }
 
-/// The speed of approach is that of the parabola at the plane, not at the time that the clock could tell:
-/// else the clock's rounding would give small bounces energy, and keep them from their end.
+/// The approach speed is computed from the parabola at the plane instead of the rounded event time. Clock
+/// rounding would otherwise add energy to small bounces and delay the Zeno point.
 CollisionEvent HardSpheres::bounce(std::uint32_t body, std::uint32_t p) {
   ++counts_.planes;
   Flight& flight = flights_[body];
@@ -320,7 +321,7 @@ std::string HardSpheres::zeno_line() const {
                                                 : initial_.box->min[static_cast<int>(face / 2)]));
 }
 
-// ---- How things stand ----
+// ---- State output ----
 
 BodyStates HardSpheres::bodies() const {
   BodyStates states;

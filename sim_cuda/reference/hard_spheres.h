@@ -1,28 +1,29 @@
 #pragma once
-// HardSpheres: the exact motion of frictionless hard spheres, the answer that a time-stepped gas is measured
-// against. From event to event, without time steps (Alder, Wainwright 1959): between collisions every sphere
-// flies its parabola; a collision is instantaneous and changes two velocities, or one at a plane. In double
-// on one thread of the host; SI units; made from a Scene, owns all it uses.
+// HardSpheres: exact motion of frictionless hard spheres; the reference solution for time-stepped gases.
+// Event-driven molecular dynamics without time steps (Alder, Wainwright 1959). Between collisions each sphere
+// moves on a parabola. A collision is instantaneous and changes two velocities, or one at a plane.
+// Double precision, one host thread, SI units. Constructed from a Scene; owns all its data.
 //
-// What is exact, and how far. A sphere keeps its state at its last collision, so that neither looking nor
-// the grid that finds neighbours rounds anything; collisions are found by contact_time.h. What is left is
-// rounding: positions carry about 1e-16 of a coordinate, and of speed times the time since the start, and so
-// much may spheres overlap. Energy is kept to 1e-12 over 1e5 collisions. Each collision multiplies an error
-// by about the free path over the radius, here as in nature: after some 20 collisions of each sphere no two
-// programs agree on positions. Events at one time come in the order of ids, a sphere's pairs before its
-// planes.
+// Accuracy. A sphere stores its state at its last collision, so reading states and the neighbour grid add no
+// rounding. contact_time.h finds the collisions.
+// Rounding is the only error: about 1e-16 of a coordinate, and of speed times the time since the start.
+// Spheres may overlap by that amount. Energy is kept to 1e-12 over 1e5 collisions.
+// The system is chaotic: each collision multiplies an error by about the free path over the radius. After
+// some 20 collisions per sphere, no two programs agree on positions.
+// Simultaneous events are processed in the order of ids, a sphere's pairs before its planes.
 //
-// Restitution is that of solver/restitution.h; the threshold is the scene's, and 0 where that is "auto",
-// which comes to 0 as a time step does. With restitution below 1 infinitely many collisions can happen in
-// finite time: a Zeno point, behind which no event-driven answer goes. Time stops there, and says so, where
-// (1) a sphere lies on a plane: its flight to the next bounce is too short to move the clock. Flights from a
-// plane to itself are known without the rounding of clock and coordinates, so this is met to 1e-13. Or
-// (2) a sphere has had 32 collisions in a row, none elastic, that rounding cannot tell apart: within 2^12
-// roundings of the clock, or of its coordinates at the speed of approach (about 1e-12 of either).
+// Restitution is that of solver/restitution.h. The threshold is the scene's, and 0 for "auto", which tends to
+// 0 with the time step. With restitution below 1, infinitely many collisions can happen in finite time. This
+// is a Zeno point (inelastic collapse); no event-driven solution exists after it. Time stops there and the
+// point is reported, in two cases:
+// (1) A sphere rests on a plane: its flight to the next bounce is too short to advance the clock. Flights
+// from a plane to itself avoid the rounding of clock and coordinates, so the time is accurate to 1e-13.
+// (2) A sphere has had 32 consecutive inelastic collisions that rounding cannot distinguish. They lie within
+// 2^12 roundings of the clock, or of the coordinates at the approach speed (about 1e-12 of either).
 //
-// Knows spheres (up to about 10,000 for comfort: some 1e5 collisions a second), planes and the box, uniform
-// gravity, materials. Throws InputError, a line for each, at anything else that the scene calls for, and
-// where spheres overlap or lie beyond a plane at the start (`spawn: apart`).
+// Supports spheres (up to about 10,000, at some 1e5 collisions a second), planes, the box, uniform gravity
+// and materials. Throws InputError with one line per unsupported feature, and if spheres initially overlap
+// each other or a plane (use `spawn: apart`).
 
 #include <cstdint>
 #include <optional>
@@ -40,7 +41,7 @@
 
 namespace collidoscope {
 
-/// A sphere from its last collision on; 64 bytes.
+/// Free flight of a sphere since its last collision; 64 bytes.
 struct Flight {
   Vector3d x, v;  ///< m, m/s, at `start`
   double start;   ///< s
@@ -53,56 +54,58 @@ struct Flight {
   Vector3d velocity(double time, const Vector3d& gravity) const { return v + (time - start) * gravity; }
 };
 
-/// The time at which the spheres collide if nothing comes between; `never` if they do not.
+/// Collision time of two spheres without other events. `never` if they do not collide.
 double collision_time(const Flight& a, const Flight& b, const Vector3d& gravity);
 
-/// What happened: two spheres, or one and a plane.
+/// A collision of two spheres, or of a sphere and a plane.
 struct CollisionEvent {
   double time;          ///< s
-  std::uint32_t body;   ///< of two the smaller id
-  std::uint32_t other;  ///< `no_body`: a plane
-  std::uint32_t plane;  ///< which: the scene's planes in order, then x-, x+, y-, y+, z-, z+ of the box
-  Vector3d normal;      ///< unit, to `body` from what it hit
-  double impulse;       ///< N s along it; 0 where rounding has them part
+  std::uint32_t body;   ///< the smaller id of a pair
+  std::uint32_t other;  ///< `no_body` for a plane
+  std::uint32_t plane;  ///< index: the scene's planes in order, then x-, x+, y-, y+, z-, z+ of the box
+  Vector3d normal;      ///< unit, towards `body`
+  double impulse;       ///< N s along the normal; 0 if rounding makes the objects separate
 };
 
 class HardSpheres {
  public:
   explicit HardSpheres(const Scene& scene);
 
-  /// Goes on to `time` >= time(), finite, in s. Returns false where a Zeno point comes before: time() is
-  /// there then.
+  /// Advances to `time` in s; finite and >= time(). Returns false if a Zeno point comes first; time() is then
+  /// that point.
   bool advance_to(double time);
-  /// To the next collision, and no further than `until`, where there is none before.
+  /// Advances to the next collision and returns it. Advances to `until` and returns nothing if there is no
+  /// earlier one.
   std::optional<CollisionEvent> next_collision(double until);
 
   double time() const { return time_; }
-  /// The collision at which time has stopped, if it has.
+  /// The collision of the Zeno point, if one was reached.
   const std::optional<CollisionEvent>& zeno_point() const { return zeno_; }
-  /// "Zeno point at 4.0386 s: body 0 comes to rest on the wall z = 0"; empty without one.
+  /// "Zeno point at 4.0386 s: body 0 comes to rest on the wall z = 0"; empty without a Zeno point.
   std::string zeno_line() const;
 
   const InitialBodies& initial() const { return initial_; }
-  BodyStates bodies() const;  ///< now, by id; nothing turns
-  /// Now: energies, momenta, what the walls gave, overlap; the rest, which only steps have, is 0.
+  BodyStates bodies() const;  ///< current states by id; rotation is zero
+  /// Current energies, momenta, wall impulses and overlap. Statistics specific to time steps are 0.
   StepStats measure() const;
   const std::vector<StaticImpulse>& static_impulses() const { return static_impulses_; }  ///< by body
 
   struct Counts {
     std::int64_t pairs = 0, planes = 0;  ///< collisions
-    std::int64_t crossings = 0;          ///< of cells, which nobody notices
-    std::int64_t stale = 0;              ///< events that others had overtaken
+    std::int64_t crossings = 0;          ///< cell crossings, without effect on the motion
+    std::int64_t stale = 0;              ///< discarded events, invalidated by earlier collisions
   };
   const Counts& counts() const { return counts_; }
-  double dissipated() const { return dissipated_; }  ///< J, lost in collisions since the start
+  double dissipated() const { return dissipated_; }  ///< J, energy lost in collisions since the start
 
  private:
   static constexpr std::uint32_t no_plane = 0xffffffffu;
   struct CollisionHistory {
-    std::uint32_t collisions = 0;             // so far; what was foreseen before the last is past
-    std::uint32_t coincident_collisions = 0;  // in a row, none elastic, that rounding cannot tell apart
-    std::uint32_t touching = no_plane;        // where the flight starts: on this plane, ...
-    double rebound = 0;  // m/s, ... leaving it at this speed, whatever rounding made of both
+    std::uint32_t collisions = 0;             // total; events predicted before the last one are stale
+    std::uint32_t coincident_collisions = 0;  // consecutive inelastic collisions that rounding cannot
+                                              // distinguish
+    std::uint32_t touching = no_plane;        // plane on which the flight starts
+    double rebound = 0;  // m/s, exact speed at which it leaves that plane, without rounding
   };
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(flights_.size()); }
@@ -112,7 +115,7 @@ class HardSpheres {
   double gap(const Vector3d& x, std::uint32_t body, const WallPlane<double>& plane) const {
     return plane.normal.dot(x) - plane.offset - flights_[body].radius;
   }
-  /// Where a body's flight starts, seen from a plane.
+  /// Start of a body's flight relative to a plane.
   struct Start {
     double gap, speed;  // m, m/s
   };
@@ -140,7 +143,7 @@ class HardSpheres {
   std::vector<StaticImpulse> static_impulses_;
   std::optional<NeighbourGrid> grid_;
   EventQueue queue_;
-  std::size_t queue_limit_ = 0;  // events; beyond it, what is past is dropped
+  std::size_t queue_limit_ = 0;  // events; stale ones are removed when the queue exceeds it
   double time_ = 0;
   std::optional<CollisionEvent> zeno_;
   Counts counts_;

@@ -1,7 +1,8 @@
-// Impacts. A collision is solved once in a step, at places that the step had before it: of first order in h,
-// as Moreau's scheme is, with constants that follow from what the solver does, each derived beside its case.
-// Where an impact falls within a step matters as much as h: in these scenes it falls in the middle, and steps
-// are divided by three, for (k + 1/2) 3 = 3k + 1 + 1/2.
+// Impact cases. A collision is solved once per step, at the positions at the start of the step. The error is
+// of first order in h, like Moreau's scheme. The constants follow from the solver and are derived at each
+// case.
+// The time of an impact within a step matters as much as h. In these scenes it is the middle of a step. Steps
+// are divided by three, which keeps it there: (k + 1/2) 3 = 3k + 1 + 1/2.
 
 #include <cmath>
 
@@ -11,13 +12,13 @@
 namespace collidoscope {
 namespace {
 
-/// Two spheres that meet: when, where, and what comes of it.
+/// Exact impact of two spheres: time, positions and velocities.
 struct SphereImpact {
   double time;                  ///< s
   Vector3d at_a, at_b;          ///< m
   Vector3d normal;              ///< from a to b
   TwoVelocities before, after;  ///< m/s
-  double share_a, share_b;      ///< of what is relative: the other's mass over both
+  double share_a, share_b;      ///< share of a relative quantity: the other body's mass over the total
 
   explicit SphereImpact(const Scene& scene) {
     const Body &a = scene.bodies[0], &b = scene.bodies[1];
@@ -33,7 +34,7 @@ struct SphereImpact {
     share_a = *b.mass / (*a.mass + *b.mass);
     share_b = 1 - share_a;
   }
-  /// How large what is relative is in both bodies together.
+  /// Norm over both bodies of a change with the given relative magnitude.
   double both(double relative) const { return std::hypot(share_a, share_b) * relative; }
 
   double velocity_error(World& world, int steps) const {
@@ -64,7 +65,7 @@ void add_head_on(std::vector<AnalyticCase>& cases) {
   one.error = [=](World& world, int steps) { return impact.velocity_error(world, steps); };
   cases.push_back(one);
 
-  // They touch h/2 into a step, at whose end they still touch: the bounce is h/2 late.
+  // The spheres touch h/2 into a step and bounce at its end: the bounce is late by h/2.
   one.name = "head_on_path";
   one.compared = "positions, m";
   one.rationale = "the bounce comes at the step's end, h/2 late: the speed of parting times that";
@@ -76,10 +77,11 @@ void add_head_on(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 }
 
-/// What is relative turns about with the line of centres, at w = v_t / (r_a + r_b), v_t across the line. Half
-/// of the stop is given along the line of h/2 before they touch, all else along that of h/2 after: the
-/// impulses' errors across cancel but for the bounce's own part, and the speed of parting e v_n is had along
-/// the later line. So the parting velocity is the true one turned by w h/2.
+/// The line of centres turns at w = v_t / (r_a + r_b), where v_t is the tangential speed.
+/// Half of the stopping impulse acts along the line h/2 before contact, the rest along the line h/2 after it.
+/// Their tangential errors cancel except for the restitution part. The separation speed e v_n acts along the
+/// later line.
+/// The relative velocity after the impact is therefore the exact one rotated by w h/2.
 void add_oblique(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "oblique";
@@ -121,7 +123,8 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   };
   cases.push_back(one);
 
-  // The floor is met h/2 into a step, which ends on it; until then nothing is changed across.
+  // The sphere reaches the floor h/2 into a step, which ends on the floor. The tangential velocity is
+  // unchanged until then.
   one.name = path;
   one.compared = "position, m";
   one.rationale = "bounce and friction come at the step's end, h/2 late";
@@ -136,10 +139,10 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   cases.push_back(one);
 }
 
-/// A ball that is hit with the fraction f of a step gone, rather than v (1 - f) h, moves half as far until
-/// the step ends: for the solver shares out the closing of the gap. It is late by (1 - f) h/2, and, gaps
-/// being n + 1/2 steps wide, meets the next one at f/2. From f = 1/2 on, n collisions make h/2 (n - 1 +
-/// 2^-n).
+/// A ball is hit when the fraction f of a step has passed. It moves half of v (1 - f) h until the step ends,
+/// because the solver splits the closing of the gap between both balls.
+/// It is late by (1 - f) h/2. Gaps are n + 1/2 steps wide, so it hits the next ball at f/2. Starting from f =
+/// 1/2, n collisions add up to h/2 (n - 1 + 2^-n).
 void add_cradle(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "cradle";
@@ -168,7 +171,7 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
   one.methods = by_euler(leading_theory(1, v.norm() / 2 * (n - 1 + std::exp2(-n))));
   one.error = [=, horizon = one.horizon](World& world, int steps) {
     world.step(steps);
-    double gaps = 0;  // that are closed one after the other
+    double gaps = 0;  // total width of the gaps
     for (std::size_t i = 1; i < balls.size(); ++i)
       gaps += balls[i].position.x() - balls[i - 1].position.x() - balls[i].radius - balls[i - 1].radius;
     const double expected = balls.back().position.x() + v.x() * horizon - gaps;

@@ -7,7 +7,8 @@
 namespace collidoscope {
 namespace {
 
-/// The means a_n and the halved differences c_n, which fall quadratically: ten are more than double holds.
+/// Means a_n and halved differences c_n. Convergence is quadratic: ten iterations exceed the precision of
+/// double.
 struct ArithmeticGeometricMean {
   std::array<double, 10> a{}, c{};
   int last = 0;

@@ -1,8 +1,8 @@
-// Joints. A rod is solved where it will be when the step has moved it, and relaxed there
-// (solver/joint_constraint.h): along the circle that is w' = w + h a, theta' = theta + asin(h w'), a = -g/l
-// sin theta, which is RATTLE (Andersen 1983) with both half kicks in front. So angles at a given time are of
-// first order, as with semi-implicit Euler, and periods, which do not ask where in the swing the clock was
-// started, of second.
+// Joint cases. A rod is solved at its position after the step and relaxed there (solver/joint_constraint.h).
+// Along the circle that is w' = w + h a, theta' = theta + asin(h w'), a = -g/l sin theta. This is RATTLE
+// (Andersen 1983) with both half kicks at the start of the step.
+// Angles at a given time are therefore of first order, like with semi-implicit Euler. Periods do not depend
+// on the phase at the start and are of second order.
 
 #include <cmath>
 #include <numbers>
@@ -13,9 +13,9 @@
 namespace collidoscope {
 namespace {
 
-/// A rod from the origin to a body that is let go at rest.
+/// A rod from the origin to a body released at rest.
 struct Rod {
-  double w, amplitude;  ///< rad/s of small swings; rad
+  double w, amplitude;  ///< rad/s, of small oscillations; rad
 
   explicit Rod(const Scene& scene) {
     const Vector3d first = scene.bodies[0].position;
@@ -70,9 +70,10 @@ AnalyticCase swing(const char* name, const char* rationale, double horizon) {
   return one;
 }
 
-/// RATTLE's error after n periods, at rest again, is a time: that by which it is ahead makes up for its error
-/// in speed there, h^2 E / a. And the half kick that is missing at the start is a speed of h a / 2: it makes
-/// the swing wider by (h a / 2)^2 / 2 |a|.
+/// After n periods the pendulum is at rest again, and RATTLE's error is a time: the error in speed divided by
+/// the acceleration, h^2 E / a.
+/// The missing half kick at the start is a speed of h a / 2. It increases the amplitude by (h a / 2)^2 / 2
+/// |a|.
 AnalyticCase period() {
   AnalyticCase one;
   one.name = "pendulum_period";
@@ -91,7 +92,7 @@ AnalyticCase period() {
   one.methods = by_euler(leading_theory(2, std::abs(late + longer * std::abs(start) / 8)));
   one.error = [=](World& world, int steps) {
     double before = rod.amplitude, first = 0, last = 0;
-    int seen = 0;  // how often it came down through the lowest point
+    int seen = 0;  // downward passes through the lowest point
     for (int k = 1; k <= steps && seen <= periods; ++k) {
       world.step();
       const double now = Rod::angle(world.bodies().position[0]);
@@ -106,9 +107,10 @@ AnalyticCase period() {
   return one;
 }
 
-/// The joint's impulse is such that stretches obey the closed form's own recurrence, whatever h
-/// (solver/joint_constraint.h); only its first step is off, by A w^2 h^2 / 2, for the kick comes before the
-/// drift. That is a speed of A w^2 h/2 too much at the start, which swings and decays with the rest.
+/// The joint's impulse makes the stretch follow the closed form's recurrence for every h
+/// (solver/joint_constraint.h). Only the first step is off, by A w^2 h^2 / 2, because the kick precedes the
+/// drift.
+/// This equals an initial speed error of A w^2 h/2, which oscillates and decays with the solution.
 AnalyticCase spring_joint() {
   AnalyticCase one;
   one.name = "spring_joint";

@@ -6,7 +6,7 @@
 namespace collidoscope {
 namespace {
 
-/// m, half the long axis.
+/// Semi-major axis in m.
 double half_axis(double mu, const OrbitState& s) {
   return 1 / (2 / s.position.norm() - s.velocity.squaredNorm() / mu);
 }
@@ -21,7 +21,7 @@ double kepler_period(double mu, const OrbitState& start) {
 OrbitState kepler_orbit(double mu, const OrbitState& start, double t) {
   const double r0 = start.position.norm(), a = half_axis(mu, start), n = std::sqrt(mu / (a * a * a));
   const double e_cos = 1 - r0 / a, e_sin = start.position.dot(start.velocity) / std::sqrt(mu * a);
-  double turn = n * t;  // the difference of eccentric anomalies
+  double turn = n * t;  // difference of eccentric anomalies
   for (int k = 0; k < 50; ++k) {
     const double miss = turn - e_cos * std::sin(turn) + e_sin * (1 - std::cos(turn)) - n * t;
     const double step = miss / (1 - e_cos * std::cos(turn) + e_sin * std::sin(turn));

@@ -1,7 +1,8 @@
 #pragma once
-// The two-body orbit: where a body is t seconds after it was at x0 with v0, pulled by mu / r^2 from the
-// origin. Kepler's equation for the difference of eccentric anomalies, by Newton's method, then Lagrange's f
-// and g (Battin 1999, 4.3). To a few units in the last place times the number of turns.
+// The two-body orbit: state at time t for the initial state (x0, v0) and the acceleration mu / r^2 towards
+// the origin.
+// Solves Kepler's equation for the difference of eccentric anomalies by Newton's method, then uses Lagrange's
+// f and g (Battin 1999, 4.3). The error is a few units in the last place times the number of orbits.
 
 #include "sim_cuda/core/linear_algebra.h"
 
@@ -12,10 +13,10 @@ struct OrbitState {
   Vector3d velocity;  ///< m/s
 };
 
-/// mu in m^3/s^2, > 0; the orbit must be bound: |v|^2 < 2 mu / |x|.
+/// State after t s. mu in m^3/s^2, > 0. The orbit must be bound: |v|^2 < 2 mu / |x|.
 OrbitState kepler_orbit(double mu, const OrbitState& start, double t);
 
-/// s; of a bound orbit.
+/// Period of a bound orbit in s.
 double kepler_period(double mu, const OrbitState& start);
 
 }  // namespace collidoscope

@@ -7,7 +7,7 @@
 namespace collidoscope {
 namespace {
 
-/// (x, v) from both.
+/// The state (x, v).
 SmoothState joined_state(const SmoothState& x, const SmoothState& v) {
   SmoothState y(x.size() + v.size());
   y << x, v;
@@ -17,14 +17,14 @@ SmoothState joined_state(const SmoothState& x, const SmoothState& v) {
 }  // namespace
 
 SmoothState leading_error(const SmoothProblem& problem, const OneStep& step, int order, double time) {
-  // The steps that find d: short, but rounding is divided by h^(p+1).
+  // Step for the estimate of d: short, but limited by rounding, which is divided by h^(p+1).
   const double h = std::pow(std::numeric_limits<double>::epsilon(), 1.0 / (order + 4)) / problem.fastest;
   const auto missed = [&](double t, const SmoothState& y, double by) {
     return SmoothState((step(y, by) - problem.exact(t + by)) / std::pow(by, order + 1));
   };
   const auto growth = [&](double t, const SmoothState& e) {
     const SmoothState y = problem.exact(t);
-    SmoothState d = 2 * missed(t, y, h) - missed(t, y, 2 * h);  // the next order drops out
+    SmoothState d = 2 * missed(t, y, h) - missed(t, y, 2 * h);  // cancels the next order
     const double size = e.norm();
     if (size == 0) return d;
     const double small = 1e-5 * std::max(y.norm(), 1e-3) / size;

@@ -12,7 +12,7 @@ NeighbourGrid::NeighbourGrid(const Vector3d& low, const Vector3d& high, double l
   int most = 1;
   while (static_cast<double>(most) * most * most < static_cast<double>(count)) ++most;
   for (int axis = 0; axis < 3; ++axis) {
-    // A hundredth wider than a diameter: room for the rounding of edges and of the times of crossings.
+    // The cell is 1 % wider than a diameter, to allow for rounding of edges and crossing times.
     const double fitting = width_[axis] / (1.01 * largest_diameter);
     cells_[axis] = fitting > 1 ? static_cast<int>(std::min<double>(fitting, most)) : 1;
     width_[axis] /= cells_[axis];

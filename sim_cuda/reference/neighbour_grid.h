@@ -1,12 +1,12 @@
 #pragma once
-// Which spheres may touch before either leaves its cell: a uniform grid of cells at least a largest diameter
-// wide, so that those of the 27 cells around are all. Bodies are told when they cross an edge; the outermost
-// cells reach to infinity. Owned by HardSpheres, which schedules the crossings; the grid changes no state of
-// a body.
+// Uniform grid that finds the spheres which may collide before either leaves its cell. Cells are at least as
+// wide as the largest diameter, so the 27 cells around a body contain all candidates. The outermost cells
+// extend to infinity.
+// Owned by HardSpheres, which schedules the cell crossings. The grid does not change body states.
 //
-// One level of cells: with radii uniform in (0, r] about 60 spheres lie in 27 cells at 30 % full. A few
-// spheres much larger than the rest make it as slow as the number of small ones in 27 of their diameters
-// cubed.
+// The grid has one level. With radii uniform in (0, r], the 27 cells contain about 60 spheres at 30 % fill. A
+// few much larger spheres make it slow, because the cost grows with the number of small spheres in 27 of
+// their cells.
 
 #include <array>
 #include <cstdint>
@@ -18,14 +18,13 @@ namespace collidoscope {
 
 class NeighbourGrid {
  public:
-  /// Over low..high (m, low <= high), for spheres up to this diameter; about a cell for each of `count` at
-  /// most.
+  /// Covers low..high (m, low <= high) for spheres up to this diameter. Uses at most about one cell per body.
   NeighbourGrid(const Vector3d& low, const Vector3d& high, double largest_diameter, std::size_t count);
 
-  /// Puts the bodies 0, 1, ... into the cells of their positions, in this order.
+  /// Adds the next body, 0, 1, ..., to the cell of its position.
   void add(const Vector3d& x);
 
-  /// The edge that a centre crosses next: 0 to 5, 2 axis + (1: upwards), and s from now.
+  /// Next cell edge that a centre crosses: 0 to 5, 2 axis + (1: upwards), and the time in s from now.
   struct Crossing {
     double after;
     int edge;
@@ -35,7 +34,7 @@ class NeighbourGrid {
                          const Vector3d& gravity) const;
   void cross(std::uint32_t id, int edge);
 
-  /// visit(other) for all in the cells around a body but itself.
+  /// Calls visit(other) for every other body in the cells around a body.
   template <class Visit>
   void for_neighbours(std::uint32_t id, const Visit& visit) const {
     const Place& at = places_[id];
@@ -43,7 +42,8 @@ class NeighbourGrid {
       if (other != id) visit(other);
     });
   }
-  /// The same of the cells that came into its reach when it crossed this edge last.
+  /// Calls visit(other) for the bodies in the cells that became neighbours when this body last crossed
+  /// `edge`.
   template <class Visit>
   void for_new_neighbours(std::uint32_t id, int edge, const Visit& visit) const {
     Range cells = around(places_[id]);
@@ -72,10 +72,10 @@ class NeighbourGrid {
           for (const std::uint32_t other : lists_[index(x, y, z)]) visit(other);
   }
 
-  Vector3d low_, width_;  // m, of a cell
+  Vector3d low_, width_;  // m, width of a cell
   std::array<int, 3> cells_;
-  std::vector<std::vector<std::uint32_t>> lists_;  // who is in a cell, in no order
-  std::vector<Place> places_;                      // by body
+  std::vector<std::vector<std::uint32_t>> lists_;  // bodies by cell, unordered
+  std::vector<Place> places_;                      // cell by body
 };
 
 }  // namespace collidoscope

@@ -1,6 +1,5 @@
-// Motion without contacts, where every integrator shows its order: x'' = a(x), drag, free rotation. What
-// their errors come to is leading_error.h's, from the closed form and one step of the method as books write
-// it.
+// Cases without contacts, where every integrator shows its order: x'' = a(x), drag, free rotation.
+// leading_error.h computes the theoretical errors from the closed form and one textbook step of the method.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +18,7 @@ namespace {
 
 SmoothState whole(const SmoothState& y) { return y; }
 
-/// Of x'' = a(x).
+/// All integrators for x'' = a(x).
 std::vector<AnalyticMethod> all_methods(const SmoothProblem& problem, const Rate& acceleration, double time,
                                         const ComparedPart& part) {
   return {{Integrator::semi_implicit_euler, smooth_theory(problem, euler_step(acceleration), 1, time, part)},
@@ -33,7 +32,7 @@ SmoothState joined(const Vector3d& x, const Vector3d& v) {
   return y;
 }
 
-/// Steps, and compares one body's (x, v) with the end of `problem`.
+/// Error function: advances the world and compares one body's (x, v) with the exact state at `time`.
 std::function<double(World&, int)> against(const SmoothProblem& problem, double time,
                                            const ComparedPart& part) {
   return [=, end = part(problem.exact(time))](World& world, int steps) {
@@ -139,12 +138,12 @@ AnalyticCase slowed(const char* name, const char* rationale) {
   const SmoothProblem problem{[=](const SmoothState& v) { return SmoothState::Constant(1, law.rate(v[0])); },
                               [=](double s) { return SmoothState::Constant(1, law.speed(v0, s)); },
                               law.linear + law.quadratic * v0};
-  // v' (1 + a h) + b h v'^2 = v.
+  // Solves v' (1 + a h) + b h v'^2 = v.
   const OneStep implicit_euler = [=](const SmoothState& v, double h) {
     const double a = 1 + law.linear * h;
     return SmoothState::Constant(1, 2 * v[0] / (a + std::sqrt(a * a + 4 * law.quadratic * h * v[0])));
   };
-  // Twice half a step: with the rate that implicit Euler finds in its middle, and 1/(1 + z + z^2/2) for
+  // Two half steps. Each uses the rate that implicit Euler finds at its middle, and 1/(1 + z + z^2/2) for
   // exp(-z).
   const OneStep second_order = [=](const SmoothState& v, double h) {
     SmoothState slow = v;
@@ -169,7 +168,7 @@ AnalyticCase slowed(const char* name, const char* rationale) {
 SmoothState parts(const Quaterniond& q) { return SmoothState(q.coeffs()); }
 Quaterniond turn(const SmoothState& y) { return Quaterniond(Eigen::Vector4d(y)); }
 
-/// One step of a free body: how it turns, along its own axes, from its angular momentum along them.
+/// One step of a free body: its rotation in its own axes, from its angular momentum in these axes.
 using FreeTurn = std::function<Quaterniond(const Vector3d& inertia, const Vector3d& momentum, double h)>;
 
 Quaterniond cayley_turn(const Vector3d& inertia, const Vector3d& momentum, double h) {
@@ -177,8 +176,8 @@ Quaterniond cayley_turn(const Vector3d& inertia, const Vector3d& momentum, doubl
   return Quaterniond(1, half.x(), half.y(), half.z()).normalized();
 }
 
-/// Turns about the principal axes, 1 2 3 2 1 (dynamics/rotation_updates.h), each by what that axis alone
-/// would turn, but for the fifth order of an angle whose half has the tangent t + t^3/3.
+/// Rotations about the principal axes 1 2 3 2 1 (dynamics/rotation_updates.h), each by the angle of that axis
+/// alone. The half angle has the tangent t + t^3/3, which is exact up to the fifth order.
 Quaterniond split_turn(const Vector3d& inertia, const Vector3d& momentum, double h) {
   Quaterniond whole(1, 0, 0, 0);
   for (const auto& [axis, share] : {std::pair(0, 0.5), {1, 0.5}, {2, 1.0}, {1, 0.5}, {0, 0.5}}) {
@@ -189,7 +188,7 @@ Quaterniond split_turn(const Vector3d& inertia, const Vector3d& momentum, double
   return whole;
 }
 
-/// Five of those, after Suzuki (1990).
+/// Five of those steps, after Suzuki (1990).
 Quaterniond composed_turn(const Vector3d& inertia, const Vector3d& momentum, double h) {
   const double outer = 1 / (4 - std::cbrt(4.0));
   Quaterniond whole(1, 0, 0, 0);
@@ -198,7 +197,7 @@ Quaterniond composed_turn(const Vector3d& inertia, const Vector3d& momentum, dou
   return whole;
 }
 
-/// Each integrator with the rotation update that keeps up with it.
+/// Each integrator with the rotation update of matching order.
 std::vector<AnalyticMethod> all_turns(const SmoothProblem& problem,
                                       const std::function<OneStep(const FreeTurn&)>& step, double time,
                                       const ComparedPart& part) {
@@ -232,7 +231,8 @@ AnalyticCase free_top() {
   };
   const SmoothProblem problem{rate, [=](double t) { return parts(symmetric_top(inertia, spin, t)); },
                               spin.norm()};
-  const ComparedPart part = [](const SmoothState& y) { return SmoothState(2 * y); };  // half angles are in q
+  // q contains half angles
+  const ComparedPart part = [](const SmoothState& y) { return SmoothState(2 * y); };
   one.methods = all_turns(problem, step, one.horizon, part);
   one.error = [=, end = problem.exact(one.horizon)](World& world, int steps) {
     world.step(steps);
@@ -256,7 +256,7 @@ AnalyticCase middle_axis() {
     const Vector3d w = y.head<3>(), moment = inertia.cwiseProduct(w);
     return SmoothState(Vector3d(moment.cross(w).cwiseQuotient(inertia)));
   };
-  // What turns the body turns L the other way, as the body sees it.
+  // In body axes, L rotates opposite to the body.
   const auto step = [=](const FreeTurn& turns) -> OneStep {
     return [=](const SmoothState& y, double h) {
       const Vector3d momentum = inertia.cwiseProduct(Vector3d(y.head<3>()));

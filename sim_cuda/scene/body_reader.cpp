@@ -63,8 +63,10 @@ void read_orientation(Reading& reading, ObjectReader& reader, Quaterniond& orien
   for (const double part : q) largest = std::max(largest, std::abs(part));
   if (!(largest > 0)) return reading.fault(*node, "the quaternion [w, x, y, z] must not be zero");
   orientation = Quaterniond(q[0], q[1], q[2], q[3]);
-  if (is_unit(orientation.squaredNorm())) return;  // as it is: reading what was written changes no bit
-  orientation.coeffs() /= largest;                 // the squares of huge or tiny parts are out of range
+  if (is_unit(orientation.squaredNorm()))
+    return;                         // unchanged, so that writing and reading again keeps every
+                                    // bit
+  orientation.coeffs() /= largest;  // avoids overflow and underflow of the squares
   orientation.coeffs() /= std::sqrt(orientation.squaredNorm());
 }
 

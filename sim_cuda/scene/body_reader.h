@@ -1,6 +1,6 @@
 #pragma once
-// What scene files and files of changes have in common: a body as an object of JSON, a list of effects, the
-// name of a material. Free functions; faults go to the Reading.
+// JSON readers shared by scene files and change files: bodies, effect lists, material names and paths.
+// Stateless functions. Faults are appended to the Reading.
 
 #include <optional>
 #include <string>
@@ -14,25 +14,26 @@
 
 namespace collidoscope {
 
-/// The materials of a scene, and the place of each by its name.
+/// The materials of a scene and an index by name. Keeps a reference to the list, which must outlive it.
 struct KnownMaterials {
   const std::vector<Material>& list;
   std::unordered_map<std::string, int> numbers;
 
   explicit KnownMaterials(const std::vector<Material>& materials) : list(materials) { number(); }
-  void number();  ///< after the list has changed
+  void number();  ///< rebuilds `numbers`; call after the list has changed
 };
 
 void read_material_name(Reading& reading, ObjectReader& reader, const KnownMaterials& materials,
                         int& material);
-/// `[w, x, y, z]`, made one of length 1.
+/// Reads the member "orientation", `[w, x, y, z]`, and normalises it.
 void read_orientation(Reading& reading, ObjectReader& reader, Quaterniond& orientation);
 void read_body(Reading& reading, const JsonNode& node, const KnownMaterials& materials, Body& body);
-/// "auto", which is nothing, or a list of names.
+/// Reads "auto" (result: unset) or a list of effect names.
 void read_effects(Reading& reading, const JsonNode& node, std::optional<Effects>& effects);
 
-/// The node of a path from `node` such as `bodies[3].position[0]` or `materials["a b"].density`, or the
-/// innermost one on the way to it that there is, and false.
+/// Resolves a path such as `bodies[3].position[0]` or `materials["a b"].density`, starting at `from`.
+/// Returns the node and true. If the path leaves the document: the last node on the path that exists, and
+/// false.
 std::pair<const JsonNode*, bool> locate(const JsonDocument& document, const JsonNode& from,
                                         std::string_view path);
 

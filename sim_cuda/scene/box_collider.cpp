@@ -16,22 +16,22 @@
 namespace collidoscope {
 namespace {
 
-/// How many places `apart` tries for one body before it says that there is no room.
+/// Positions that `apart` tries per body before it reports that there is no room.
 constexpr std::uint32_t max_tries = 32768;
 
-/// Before the k-th of many. Throws Cancelled.
+/// Polls for cancellation once per 1024 iterations; k is the iteration. Throws Cancelled.
 void look_now_and_then(Cancellation* cancellation, std::size_t k) {
   if (k % 1024 == 0 && cancellation != nullptr && cancellation->poll()) throw Cancelled();
 }
 
-/// The next float above or below x, which is finite.
+/// The next float above or below x. x must be finite.
 float next_float(float x, bool up) {
   if (x == 0) return up ? std::bit_cast<float>(1u) : -std::bit_cast<float>(1u);
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
   return std::bit_cast<float>((x > 0) == up ? bits + 1 : bits - 1);
 }
 
-/// The walls as the spawn sees them: floats, and the exact bounds beside them.
+/// The walls in float, which the generator uses, and the exact bounds in double.
 struct Walls {
   float min[3], side[3];
   double low[3], high[3];
@@ -45,8 +45,8 @@ struct Walls {
     }
   }
 
-  /// A coordinate of a sphere that keeps `margin` (its radius, or 0) from both walls. Rounding can carry the
-  /// sum an ulp beyond the wall; it is then moved back by as much, so that no sphere starts inside a wall.
+  /// A sphere coordinate at least `margin` (its radius, or 0) away from both walls. If rounding moves it an
+  /// ulp beyond a wall, it is moved back, so that no sphere starts inside a wall.
   float place(int axis, float margin, float u) const {
     float x = min[axis] + margin + u * (side[axis] - 2 * margin);
     for (int nudge = 0; nudge < 2; ++nudge) {
@@ -72,9 +72,10 @@ struct Walls {
                   where, generator.count, what, 100 * fill));
 }
 
-/// Body by body, the largest first (of equal ones the smaller id), each at the first of its places that is
-/// free of all bodies placed before it. In the order of ids instead, a large body that comes late finds no
-/// room from 25 % of the box on: not even 2,000 spheres of U(0,5) could be placed in the paper's box.
+/// Places the bodies in order of decreasing radius; equal radii are ordered by id. Each body gets its first
+/// candidate position that is free.
+/// Placing in id order fails above a fill of 25 %, because late large bodies find no room. Not even 2,000
+/// spheres of U(0,5) would fit in the paper's box.
 void place_apart(const BoxCollider& generator, const Walls& walls, const std::string& where,
                  std::size_t first, InitialBodies& bodies, Cancellation* cancellation) {
   double volume = 0;
@@ -131,8 +132,8 @@ double scaled_side(std::int64_t count, double radius_max) {
 }
 
 float equal_radius(double radius_max) {
-  // The mean of r^3 for r uniform in (0, R] is R^3 / 4, so a sphere of radius R cuberoot(1/4) has the mean
-  // volume: cuberoot(1/4) = 2^(-2/3) = 0.62996052494743658...
+  // The mean of r^3 for r uniform in (0, R] is R^3 / 4. A sphere of radius R cuberoot(1/4) therefore has the
+  // mean volume. cuberoot(1/4) = 2^(-2/3) = 0.62996052494743658...
   return static_cast<float>(radius_max) * 0.62996052494743658f;
 }
 

@@ -12,7 +12,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr double ball = 4 * std::numbers::pi / 3;  // m^3, of radius 1
+constexpr double ball = 4 * std::numbers::pi / 3;  // m^3, volume of a sphere of radius 1 m
 constexpr double fill = 0.3;
 constexpr std::uint32_t position_stream = 0, radius_stream = 1, cluster_stream = 2;
 
@@ -22,7 +22,7 @@ std::array<double, 3> uniform(std::uint64_t seed, std::int64_t id, std::uint32_t
           static_cast<double>(unit_float(r.w[2]))};
 }
 
-/// The sum of 12 uniform numbers less 6: mean 0, variance 1.
+/// Approximately normal number: the sum of 12 uniform numbers minus 6. Mean 0, variance 1.
 double normal(std::uint64_t seed, std::int64_t id) {
   double sum = -6;
   for (std::uint32_t k = 0; k < 4; ++k)
@@ -36,7 +36,7 @@ double exponential(double x) {
   return power;
 }
 
-/// Within the cube [low, low + side]^3, `margin` from its faces.
+/// A position in the cube [low, low + side]^3, at least `margin` from its faces.
 Vector3d place(const Vector3d& low, double side, double margin, const std::array<double, 3>& u) {
   const double room = std::max(side - 2 * margin, 0.0);
   return low + Vector3d(margin + room * u[0], margin + room * u[1], margin + room * u[2]);
@@ -53,7 +53,7 @@ Body sphere(double radius, const Vector3d& position) {
 
 struct Bodies {
   std::vector<Body> bodies;
-  double side = 1;  ///< m, of the box
+  double side = 1;  ///< m, side of the box
 };
 
 Bodies mixed(std::int64_t count, std::uint64_t seed) {

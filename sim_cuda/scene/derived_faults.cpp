@@ -12,7 +12,7 @@
 namespace collidoscope {
 namespace {
 
-/// A mesh, or the first thing wrong with its file.
+/// A mesh, or the first fault of its file.
 struct MeshOrFault {
   std::optional<Mesh> mesh;
   std::string fault;

@@ -1,5 +1,6 @@
 #pragma once
-// Ranges of values that follow from others: masses from densities, moments of inertia, what mesh files hold.
+// Range checks of derived values: masses from densities, moments of inertia, contents of mesh files.
+// Functions return faults as messages without a location; they do not throw.
 
 #include <optional>
 #include <string>
@@ -10,17 +11,18 @@
 
 namespace collidoscope {
 
-/// What is wrong with a mass (kg) that follows from a density, or nothing. `whose`: "its", "its largest
-/// sphere's".
+/// Checks a mass in kg that was computed from a density. Returns a message, or nothing if it is in range.
+/// `whose` starts the message: "its", "its largest sphere's".
 std::optional<std::string> mass_fault(double mass, const std::string& whose = "its");
-/// The same of principal moments of inertia, kg m^2. They count only where bodies turn.
+/// Checks principal moments of inertia in kg m^2. They matter only if bodies rotate.
 std::optional<std::string> inertia_fault(const Vector3d& inertia);
 
-/// Whether the effect rotation is on: as the list of effects says, or because something turns bodies.
+/// True if the effect rotation is on, either in the list of effects or because a body or joint requires it.
 bool bodies_turn(const Scene& scene);
 
-/// Faults of the mesh files that bodies name: each file that cannot be read or is no closed mesh (its first
-/// fault), and bodies whose mass is out of range. Reads all of these files.
+/// Faults of the mesh files that bodies refer to. Reads all of these files.
+/// Reports the first fault of each file that is unreadable or not a closed mesh, and each body with a mass
+/// out of range.
 std::vector<Fault> mesh_faults(const Scene& scene);
 
 }  // namespace collidoscope

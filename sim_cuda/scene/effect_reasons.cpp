@@ -84,7 +84,7 @@ EffectReason called(const Scene& scene, const InitialBodies& bodies, bool Effect
 
 EffectReason effect_reason(const Scene& scene, const InitialBodies& bodies, bool Effects::*flag) {
   EffectReason reason = called(scene, bodies, flag);
-  // As validate() has it.
+  // The same condition as in validate().
   const bool everywhere = flag == &Effects::gravity || flag == &Effects::drag || flag == &Effects::rotation ||
                           flag == &Effects::guards;
   if (scene.physics.solver == Solver::impulse && !everywhere) reason.cannot = "impulse has none";

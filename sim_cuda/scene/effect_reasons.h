@@ -1,5 +1,5 @@
 #pragma once
-// Why an effect is among those that a scene calls for, or is not: a few words, for people.
+// User-visible reasons why "auto" enables an effect in a scene, or does not.
 
 #include <string>
 
@@ -8,12 +8,12 @@
 namespace collidoscope {
 
 struct EffectReason {
-  bool required = false;  ///< as required_effects() has it
-  std::string why;        ///< "gravity is 9.81 m/s²", "no medium"
-  std::string cannot;     ///< why it cannot be on whatever calls for it, or empty
+  bool required = false;  ///< as in required_effects()
+  std::string why;        ///< for example "gravity is 9.81 m/s²", "no medium"
+  std::string cannot;     ///< why the effect is not supported at all; empty if it is
 };
 
-/// `flag` is one of effect_names.
+/// `flag` must be one of effect_names.
 EffectReason effect_reason(const Scene& scene, const InitialBodies& bodies, bool Effects::*flag);
 
 }  // namespace collidoscope

@@ -16,7 +16,7 @@ std::optional<JsonDocument> document_of(const std::string& file) {
   if (file.empty()) return std::nullopt;
   try {
     return JsonDocument(read_text_file(file, JsonDocument::max_bytes, "a scene file"), file);
-  } catch (const InputError&) {  // a snapshot, or it is gone
+  } catch (const InputError&) {  // the file is a snapshot or was deleted
     return std::nullopt;
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Lines for faults of a scene that show only after its file was read: masses that follow from densities,
-// values that a flag has changed. A free function.
+// Formats faults that are found after the scene file was read, such as masses computed from densities or
+// values set by a flag. Stateless.
 
 #include <string>
 #include <vector>
@@ -9,8 +9,9 @@
 
 namespace collidoscope {
 
-/// Reads the scene's file again: `file:line:column: path: message` where it has the path of a fault, else
-/// `file: path: message`; the scene's name stands for a file that it lacks. Throws nothing of its own.
+/// Formats each fault as `file:line:column: path: message` if its path is in the scene's file, otherwise as
+/// `file: path: message`. Uses the scene's name if there is no file.
+/// Reads the scene's file again. An unreadable file is not an error.
 std::vector<std::string> fault_lines(const Scene& scene, const std::vector<Fault>& faults);
 
 }  // namespace collidoscope

@@ -1,6 +1,7 @@
 #pragma once
-// One member of a struct that files, flags and panels show: its key, unit, range, choices and help. A table
-// of fields is a std::tuple. Readers, writers, checks and generated documents are loops over such tables.
+// Description of a struct member that appears in files, flags and panels: key, unit, range, choices, help.
+// A table of fields is a std::tuple. Readers, writers, checks and generated documents iterate over such
+// tables.
 
 #include <cstdint>
 #include <optional>
@@ -15,15 +16,15 @@
 
 namespace collidoscope {
 
-/// How a member stores "auto".
+/// Representation of "auto": not allowed, an unset optional, or 0.
 enum class Auto { none, unset, zero };
 
-/// What a change of the member does to a run.
+/// Effect of changing the member during a run.
 enum class Live {
-  never,      ///< it is given at the start
-  in_place,   ///< the next step uses it
-  new_world,  ///< the run continues in another World
-  restart     ///< it makes other bodies, so that the run starts at state 0
+  never,      ///< can only be set at the start
+  in_place,   ///< takes effect in the next step
+  new_world,  ///< the run continues in a new World
+  restart     ///< changes the bodies; the run restarts at state 0
 };
 
 namespace detail {
@@ -34,7 +35,8 @@ struct MemberTypes<ValueType OwnerType::*> {
   using Owner = OwnerType;
   using Value = ValueType;
 };
-/// What a field can be chosen from: enumerations, and whole numbers of which few are allowed.
+/// Type of the entries in a field's list of choices: the value for enumerations and int. Other types have no
+/// choices.
 template <class Value>
 using Choice = std::conditional_t<std::is_enum_v<Value> || std::is_same_v<Value, int>, Value, char>;
 }  // namespace detail
@@ -45,24 +47,24 @@ struct Field {
   using Owner = typename detail::MemberTypes<decltype(pointer_to_member)>::Owner;
   using Value = typename detail::MemberTypes<decltype(pointer_to_member)>::Value;
 
-  std::string_view key;   ///< in scene files
-  std::string_view help;  ///< a phrase
+  std::string_view key;   ///< key in scene files
+  std::string_view help;  ///< a short phrase
   std::string_view unit = {};
-  double low = 0, high = 0;  ///< closed range; of each component of a vector
+  double low = 0, high = 0;  ///< closed range, for each component of a vector
   Auto automatic = Auto::none;
   std::span<const Named<detail::Choice<Value>>> choices = {};
-  std::vector<std::string> (*words)() = nullptr;  ///< of a text: the allowed ones
+  std::vector<std::string> (*words)() = nullptr;  ///< allowed values of a string member
 
-  // Of settings only: see settings.h.
-  std::string_view name = key;  ///< in files of changes, reports and flags: "--" and '-' for '_'
+  // Members used by settings only: see settings.h.
+  std::string_view name = key;  ///< name in change files, reports and flags (flags: "--" prefix, '-' for '_')
   std::string_view label = name;
-  std::string_view placeholder = "N";  ///< of the flag's value, in --help
+  std::string_view placeholder = "N";  ///< placeholder of the flag's value in --help
   Live live = Live::never;
-  bool for_stability = false;  ///< the command `stability` has the flag, too
-  double slider_high = 0;      ///< the end of a logarithmic slider; more can be typed
+  bool for_stability = false;  ///< the command `stability` also accepts the flag
+  double slider_high = 0;      ///< upper end of a logarithmic slider; larger values can be typed
 };
 
-/// Whether a pointer to member is one of some others, which may be of other types.
+/// True if a pointer to member is in a list of pointers to members, whose types may differ.
 template <auto member, auto... others>
 inline constexpr bool is_field = (std::is_same_v<Field<member>, Field<others>> || ...);
 
@@ -72,7 +74,7 @@ constexpr void for_each_field(const Table& table, Use&& use) {
   std::apply([&](const auto&... fields) { (use(fields), ...); }, table);
 }
 
-/// The allowed names of a field, empty if it has none.
+/// Names of the allowed values of a field. Empty if any value is allowed.
 template <auto member>
 std::vector<std::string_view> choice_names(const Field<member>& field) {
   return names_in(field.choices);

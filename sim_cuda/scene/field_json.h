@@ -1,6 +1,6 @@
 #pragma once
-// Fields as values of JSON, which field_reader.h reads back to the same bits. For sources only: it includes
-// nlohmann's library.
+// Writes fields as JSON values. field_reader.h reads them back to the same bits.
+// Include it in source files only: it includes nlohmann's library.
 
 #include <bit>
 #include <nlohmann/json.hpp>
@@ -12,12 +12,12 @@ namespace collidoscope {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// "auto", or the names of the effects that are on.
+/// "auto" if unset, otherwise the names of the enabled effects.
 OrderedJson effects_json(const std::optional<Effects>& effects);
 
 inline OrderedJson vector_json(const Vector3d& v) { return OrderedJson::array({v[0], v[1], v[2]}); }
 
-/// Null for an optional value that is unset and not "auto".
+/// The JSON value of a field. Null if an optional value is unset and the field has no "auto".
 template <auto member>
 OrderedJson value_json(const Field<member>& field, const typename Field<member>::Value& value) {
   using Value = typename Field<member>::Value;
@@ -43,7 +43,7 @@ OrderedJson value_json(const Field<member>& field, const typename Field<member>:
   }
 }
 
-/// Adds the member `key` to an object, unless the value is unset.
+/// Adds the member `key` to an object. An unset value is skipped.
 template <auto member>
 void put(OrderedJson& object, std::string_view key, const Field<member>& field,
          const typename Field<member>::Value& value) {
@@ -57,16 +57,16 @@ void put(OrderedJson& object, std::string_view key, const Field<member>& field,
   if (!json.is_null()) object[std::string(key)] = std::move(json);
 }
 
-/// Adds all fields of a table by their keys.
+/// Adds all fields of a table under their keys.
 template <class Table, class Owner>
 void put_fields(OrderedJson& object, const Table& table, const Owner& owner) {
   for_each_field(table, [&](const auto& field) { put(object, field.key, field, owner.*(field.member)); });
 }
 
-/// One line of text, with a blank after each colon and comma. Bytes that are not UTF-8 are replaced.
+/// One line of text with a space after each colon and comma. Invalid UTF-8 bytes are replaced.
 std::string json_line(const OrderedJson& json);
 
-/// Equal in every bit: -0 is not 0, so that it is written.
+/// Bitwise equality. -0 differs from 0, so that a value of -0 is written.
 template <class Value>
 bool same_bits(const Value& a, const Value& b) {
   if constexpr (std::is_same_v<Value, double>) {

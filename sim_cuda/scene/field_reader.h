@@ -1,6 +1,6 @@
 #pragma once
-// Reading fields from an object of JSON. Types, names and "auto" are checked here, and the range of what is
-// no physical setting; validate() checks the ranges of the others. Faults go to the Reading.
+// Reads fields from a JSON object. Checks types, names and "auto", and the ranges of non-physical settings.
+// validate() checks the other ranges. Faults are appended to the Reading.
 
 #include <fmt/format.h>
 
@@ -18,12 +18,13 @@ inline bool is_auto(const Reading& reading, const JsonNode& node) {
   return node.kind == JsonKind::text && reading.document.text(node) == "auto";
 }
 
-/// "time_step", s, or "steps_per_second": n.
+/// Reads "time_step" in seconds, or "steps_per_second".
 bool read_time_step(Reading& reading, ObjectReader& reader, TimeStep& value);
 
 }  // namespace detail
 
-/// Reads the member `key` of the object; false, and `value` as it was, if it is missing or has a fault.
+/// Reads the member `key` of the object. If it is missing or invalid, returns false and leaves `value`
+/// unchanged.
 template <auto member>
 bool read_value(Reading& reading, ObjectReader& reader, std::string_view key, const Field<member>& field,
                 typename Field<member>::Value& value) {
@@ -115,7 +116,7 @@ bool read_value(Reading& reading, ObjectReader& reader, std::string_view key, co
   }
 }
 
-/// Reads all fields of a table, by their keys, into their owners.
+/// Reads all fields of a table into their owners.
 template <class Table, class Owner>
 void read_fields(Reading& reading, ObjectReader& reader, const Table& table, Owner& owner) {
   for_each_field(table, [&](const auto& field) {

@@ -21,7 +21,7 @@ namespace {
 
 bool is_identity(const Quaterniond& q) { return q.w() == 1 && q.x() == 0 && q.y() == 0 && q.z() == 0; }
 
-/// Loads each mesh file once; remembers which number (from 1) it has.
+/// Loads each mesh file once and assigns it a number from 1 on.
 class MeshStore {
  public:
   MeshStore(const Scene& scene, InitialBodies& bodies) : scene_(scene), bodies_(bodies) {}
@@ -36,8 +36,8 @@ class MeshStore {
   }
 
  private:
-  /// A file that cannot be read is a fault of the scene, whose line is known; what it holds is a fault of the
-  /// mesh.
+  /// Reads a mesh file. An unreadable file is reported as a fault of the scene, with its line. A fault in the
+  /// contents is reported by the mesh parser.
   std::string text_of(const std::string& path) const {
     try {
       return read_mesh_text(mesh_file(scene_, path));
@@ -51,13 +51,13 @@ class MeshStore {
   std::map<std::string, std::uint32_t> numbers_;
 };
 
-/// What the arrays that may stay empty need to hold.
+/// Optional arrays that must be filled.
 struct Needs {
   bool velocity = false, angular_velocity = false, orientation = false, inertia = false, material = false;
   bool mesh = false, motion = false;
 };
 
-/// Those of `list`. Arrays that may stay empty are filled up to it: bodies before it have none of these.
+/// Appends the bodies of `list`. First fills the optional arrays with defaults for all earlier bodies.
 void append_listed(const Scene& scene, const std::vector<Body>& list, MeshStore& meshes, InitialBodies& all,
                    Needs& needs) {
   if (list.empty()) return;
@@ -78,7 +78,7 @@ void append_listed(const Scene& scene, const std::vector<Body>& list, MeshStore&
     const double radius = is_mesh ? mesh->bounding_radius : body.radius;
     const double volume = is_mesh ? mesh->volume : sphere_volume(radius);
     const double mass = body.mass ? *body.mass : density * volume;
-    // A mesh's vertices are stored along its principal axes, so those are the body's own axes.
+    // Mesh vertices are stored along the principal axes, which are therefore the body's axes.
     const Quaterniond turn = is_mesh ? body.orientation * mesh->axes : body.orientation;
 
     all.position.push_back(body.position);
@@ -107,7 +107,7 @@ void append_listed(const Scene& scene, const std::vector<Body>& list, MeshStore&
   }
 }
 
-/// Takes what a generator was told to leave out from its bodies, which are the last ones.
+/// Removes the excluded bodies of a generator. Its bodies must be the last ones in `all`.
 void leave_out(const std::vector<std::int64_t>& without, std::size_t first, InitialBodies& all) {
   const auto leave_out_of = [&](auto& array) {
     if (array.size() <= first) return;
@@ -127,7 +127,7 @@ void leave_out(const std::vector<std::int64_t>& without, std::size_t first, Init
   leave_out_of(all.velocity);
 }
 
-/// Keeps an optional array at full length, or empties it and gives its memory back.
+/// Extends an optional array to full length, or clears it and frees its memory.
 template <class Value>
 void fill_or_drop(std::vector<Value>& array, bool needed, std::size_t size, const Value& fill) {
   if (needed) {
@@ -137,7 +137,7 @@ void fill_or_drop(std::vector<Value>& array, bool needed, std::size_t size, cons
   }
 }
 
-/// Whether some body starts so fast that it may jump over the smallest of them in a substep.
+/// True if a body may cross the smallest radius in one substep at its initial speed.
 bool crosses_radii(const Scene& scene, const InitialBodies& bodies) {
   if (bodies.size() < 2 || bodies.velocity.empty()) return false;
   double fastest = 0;
@@ -146,7 +146,8 @@ bool crosses_radii(const Scene& scene, const InitialBodies& bodies) {
   return fastest * scene.physics.time_step > smallest * substeps_of(scene, bodies);
 }
 
-/// What says in the scene that there is such a body; `which`: of a generator's, which of its bodies.
+/// The path in the scene that defines a body. For a generated body, `which` describes its index within the
+/// generator.
 std::string path_of(const Scene& scene, std::size_t body, std::size_t size, std::string& which) {
   if (body < scene.bodies.size()) return fmt::format("bodies[{}]", body);
   const std::size_t first_added = size - scene.extra_bodies.size();
@@ -164,7 +165,7 @@ std::string path_of(const Scene& scene, std::size_t body, std::size_t size, std:
   return "";
 }
 
-/// Ranges that only hold for the numbers worked out here. Spin makes every body's inertia matter.
+/// Checks the ranges of computed values. Inertia is checked only if bodies rotate.
 void check_ranges(const Scene& scene, const InitialBodies& all) {
   const bool rotation = bodies_turn(scene);
   std::vector<Fault> faults;

@@ -1,6 +1,6 @@
 #pragma once
-// What holds two bodies together, as scene files say it: plain data in SI units. Sliders, motors and joints
-// that break are to come: a kind or a field more.
+// A joint between two bodies as given in a scene file. Plain data in SI units.
+// Sliders, motors and breakable joints are not implemented yet.
 
 #include <array>
 #include <cstdint>
@@ -10,34 +10,34 @@
 
 namespace collidoscope {
 
-/// A rod or rope between two points; a spring and damper between them; one point in common; one axis in
-/// common.
+/// distance: rod or rope between two points. spring: spring and damper between two points. ball: one common
+/// point. hinge: one common axis.
 enum class JointKind { distance, spring, ball, hinge };
 
 struct Joint {
   JointKind kind = JointKind::distance;
-  std::int64_t a = 0;             ///< id of a body
-  std::optional<std::int64_t> b;  ///< id of another; unset: the world, which nothing moves
-  Vector3d anchor_a{0, 0,
-                    0};  ///< m, from a's centre of mass, in a's own axes (those of its file, for a mesh)
-  /// The same of b; a place in the world, where that is b. Unset: for a ball or hinge, where anchor_a is at
-  /// the start; for a distance or spring, b's centre: the world has none, so there it must be set.
+  std::int64_t a = 0;             ///< id of the first body
+  std::optional<std::int64_t> b;  ///< id of the second body; unset: the world, which is fixed
+  Vector3d anchor_a{0, 0, 0};  ///< m, from a's centre of mass, in a's own axes (the file's axes for a mesh)
+  /// Second anchor in metres: in b's own axes from b's centre of mass, or a world position if b is unset.
+  /// Default for a ball or hinge: the initial position of anchor_a. Default for a distance or spring: b's
+  /// centre; required if b is the world.
   std::optional<Vector3d> anchor_b;
-  Vector3d axis{0, 0, 1};  ///< of a hinge, unit length, in a's own axes; normalised on reading
+  Vector3d axis{0, 0, 1};  ///< hinge axis, unit length, in a's own axes; normalised when read
 
-  // Of a distance: `length` (a rod), or a range of which one end may be open (a rope, a strut). Of a spring:
-  // `length`, at rest. Unset, all of them: as far apart as at the start.
+  // Distance joint: `length` (rod), or a range with at most one open end (rope, strut). Spring: `length` is
+  // the rest length. All unset: the initial distance.
   std::optional<double> length, min_length, max_length;  ///< m
 
-  /// Of a hinge: from the pose at the start, counter-clockwise about the axis seen from its tip, b against a;
-  /// unset: it turns freely.
+  /// Angle limits of a hinge relative to the initial pose. The angle is that of b against a,
+  /// counter-clockwise about the axis seen from its tip. Unset: no limits.
   std::optional<std::array<double, 2>> limits;  ///< degrees, -180 <= limits[0] <= limits[1] <= 180
 
-  // Of a spring. The mass that they speak of is what the two anchors have against each other.
+  // Spring parameters. They refer to the effective mass of the two anchors.
   double frequency = 1;      ///< Hz, undamped, > 0
-  double damping_ratio = 0;  ///< 1: just no overshoot
+  double damping_ratio = 0;  ///< 1: critical damping
 
-  bool collide = false;  ///< whether a and b still touch each other
+  bool collide = false;  ///< true: a and b still have contacts
 };
 
 }  // namespace collidoscope

@@ -11,9 +11,9 @@ namespace collidoscope {
 namespace {
 
 constexpr int max_joint_substeps = 64;
-constexpr double share = 0.01;  ///< of a joint's span, that it may yield
+constexpr double share = 0.01;  ///< allowed yield, relative to the joint's span
 
-/// The least of the h^2 that joints ask for, s^2; infinite where none asks.
+/// Smallest h^2 in s^2 that the joints require. Infinity if no joint has a requirement.
 double least_square(const Scene& scene, const InitialBodies& bodies) {
   const std::vector<PlacedJoint> joints = place_joints(scene, bodies);
   const auto moves = [&](std::uint32_t body) {
@@ -31,7 +31,7 @@ double least_square(const Scene& scene, const InitialBodies& bodies) {
     if (moves(joint.b)) ++count[joint.b];
     if (moves(joint.a) && moves(joint.b)) group[root(joint.a)] = root(joint.b);
   }
-  std::vector<double> mass(bodies.size(), 0);  // of what hangs together
+  std::vector<double> mass(bodies.size(), 0);  // kg, total mass of each group of connected bodies
   for (std::uint32_t body = 0; body < bodies.size(); ++body) mass[root(body)] += bodies.mass[body];
 
   const double gravity = std::sqrt(scene.physics.gravity.dot(scene.physics.gravity));

@@ -16,7 +16,8 @@
 namespace collidoscope {
 namespace {
 
-/// Tells how far the parser has read: the end of a text token is where it stands when it reports one.
+/// An iterator that exposes the position of the parser. When the parser reports a string, the position is the
+/// end of its token.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -45,8 +46,8 @@ class CountingIterator {
 
 }  // namespace
 
-/// nlohmann's SAX handler. Values wait in `pending_` until their container closes; its children then move
-/// side by side into the document.
+/// SAX handler for nlohmann's parser. Values stay in `pending_` until their container closes; then its
+/// children move into the document as one contiguous block.
 class JsonTreeBuilder {
  public:
   JsonTreeBuilder(JsonDocument& document, std::string_view text, const std::vector<JsonWord>& invalid)
@@ -57,7 +58,7 @@ class JsonTreeBuilder {
     JsonTreeBuilder builder(document, document.text_, none);
     if (builder.parse()) return;
     if (!builder.is_word_ || builder.open_.empty()) throw InputError(document.lines({*builder.fault_}));
-    // Beside words that are no values the rest can be read: once more, with a number in the place of each.
+    // Invalid words are recoverable: replace each one with a number and parse again.
     const std::vector<JsonWord> words = bad_words(document.text_, JsonDocument::max_faults);
     std::string repaired = document.text_;
     document.nodes_.clear();
@@ -110,7 +111,7 @@ class JsonTreeBuilder {
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) { return false; }
 
  private:
-  /// Whether the text is JSON; if not, fault_ says why.
+  /// Returns false if the text is not JSON; fault_ then has the reason.
   bool parse() {
     const char* const begin = text_.data();
     const char* const end = begin + text_.size();
@@ -118,7 +119,7 @@ class JsonTreeBuilder {
     const bool complete =
         nlohmann::json::sax_parse(CountingIterator(begin, &read_), CountingIterator(end, &read_), this,
                                   nlohmann::json::input_format_t::json, true, true);
-    // The parser takes a zero byte for the end of the text.
+    // The parser treats a zero byte as the end of the text.
     if (!fault_ && (!complete || skip_blanks(text_, end_) != text_.size()))
       fault_ = explain_syntax(document_.text_, end_, last_, open_, &is_word_);
     if (fault_) return false;
@@ -128,7 +129,7 @@ class JsonTreeBuilder {
 
   std::uint32_t offset_read() const { return static_cast<std::uint32_t>(read_ - text_.data()); }
 
-  /// Where the token that follows the last one starts: between them stand blanks, comments, "," and ":".
+  /// Start of the token after the last one. Skips blanks, comments, "," and ":".
   std::uint32_t token_begin() const {
     std::uint32_t at = skip_blanks(text_, end_);
     while (at < text_.size() && (text_[at] == ',' || text_[at] == ':')) at = skip_blanks(text_, at + 1);
@@ -216,15 +217,16 @@ class JsonTreeBuilder {
   }
 
   JsonDocument& document_;
-  std::string_view text_;                 ///< that is parsed: the document's, or as long
-  const std::vector<JsonWord>& invalid_;  ///< words of the document's text that are numbers in this one
+  std::string_view text_;  ///< parsed text: the document's text, or a repaired copy of equal length
+  const std::vector<JsonWord>& invalid_;  ///< invalid words of the document's text; numbers replace them in
+                                          ///< text_
   std::size_t next_invalid_ = 0;
   const char* read_ = nullptr;
-  std::uint32_t end_ = 0;  ///< of the last token that was reported
+  std::uint32_t end_ = 0;  ///< end of the last reported token
   std::uint32_t key_begin_ = 0, key_size_ = 0;
   JsonProgress last_ = JsonProgress::nothing;
   std::vector<JsonNode> pending_;
-  std::vector<std::size_t> containers_;  ///< places in pending_ of what is open
+  std::vector<std::size_t> containers_;  ///< indices in pending_ of the open containers
   std::vector<JsonOpen> open_;
   std::optional<JsonFault> fault_;
   bool is_word_ = false;  ///< fault_ is one of bad_words()

@@ -24,7 +24,7 @@ int hex_value(std::string_view digits) {
   return error == std::errc{} && end == digits.data() + 4 ? value : -1;
 }
 
-/// The text in double quotes that starts at `at` is faulty: how?
+/// Explains the error in the string that starts at `at`.
 JsonFault explain_text(std::string_view text, std::uint32_t at) {
   const std::string_view escapes = "\"\\/bfnrt";
   for (std::uint32_t i = at + 1; i < text.size(); ++i) {
@@ -72,14 +72,14 @@ bool is_word_part(char c) {
          (static_cast<unsigned char>(c) & 0x80) != 0;
 }
 
-/// The run of letters, digits and signs at `at`, at least one character long.
+/// The run of letters, digits and signs at `at`; at least one character.
 std::string_view word_at(std::string_view text, std::uint32_t at) {
   std::uint32_t end = at;
   while (end < text.size() && is_word_part(text[end])) ++end;
   return text.substr(at, std::max<std::uint32_t>(end - at, 1));
 }
 
-/// A number that is out of a double's range, or not written as JSON wants it.
+/// Explains a number that is out of a double's range or not in JSON syntax.
 std::string explain_number(std::string_view word) {
   double value = 0;
   const std::string_view digits = word.substr(word.starts_with('-') ? 1 : 0);
@@ -109,7 +109,7 @@ bool is_value(const std::string& word) {
   const auto digit_at = [&](std::size_t at) {
     return at < word.size() && std::isdigit(static_cast<unsigned char>(word[at])) != 0;
   };
-  // Where number_length() ends: it also takes a point or an "e" that no digit follows.
+  // number_length() also accepts a point or an "e" without a following digit.
   if (!digit_at(first) || !digit_at(word.size() - 1) || number_length(word, 0) != word.size()) return false;
   const std::size_t point = word.find('.');
   return (point == std::string::npos || digit_at(point + 1)) &&
@@ -151,7 +151,7 @@ class Explainer {
     }
     if (at == end && is_word_part(text_[at]) &&
         std::isdigit(static_cast<unsigned char>(text_[at - 1])) != 0) {
-      // A number that goes on as none can: 01, 0x10, 5m.
+      // A malformed number: 01, 0x10, 5m.
       while (at > 0 && is_word_part(text_[at - 1])) --at;
       is_word_ = true;
       return {at, explain_number(word_at(text_, at))};
@@ -160,7 +160,7 @@ class Explainer {
   }
 
  private:
-  /// The end of the text, or something that is wrong wherever it stands.
+  /// True at the end of the text and at characters that are invalid in every context.
   bool stopped(std::uint32_t at) const {
     return at >= text_.size() || text_[at] == '/' || text_[at] == '#' || text_[at] == 0;
   }
@@ -241,7 +241,7 @@ std::uint32_t number_length(std::string_view text, std::uint32_t at) {
   };
   if (is("-")) ++end;
   if (is("0")) {
-    ++end;  // and no digit after it
+    ++end;  // no digit may follow
   } else {
     digits();
   }

@@ -1,6 +1,5 @@
 #pragma once
-// What is wrong with a text that is no JSON, in our words: where the parser stopped, what stands there and
-// what would be right.
+// Explains JSON syntax errors: the position of the error, the text found and the text expected. Stateless.
 
 #include <cstdint>
 #include <string_view>
@@ -10,36 +9,37 @@
 
 namespace collidoscope {
 
-/// What the parser had understood before it stopped.
+/// Last token that the parser accepted.
 enum class JsonProgress { nothing, opened, key, value };
 
-/// An array or object that is still open.
+/// An array or object without its closing bracket.
 struct JsonOpen {
   std::uint32_t begin;
   bool is_array;
 };
 
-/// From `at`, over blanks and closed comments. Stops at the slash of a comment that has no end.
+/// Skips blanks and closed comments from `at` on. Stops at the slash of an unclosed comment.
 std::uint32_t skip_blanks(std::string_view text, std::uint32_t at);
 
-/// The length of the number, as JSON writes them, that starts at `at`.
+/// Length of the JSON number that starts at `at`.
 std::uint32_t number_length(std::string_view text, std::uint32_t at);
 
-/// Whether `text` is well-formed UTF-8 (no overlong forms, no surrogates); `*bad` is the first bad byte.
+/// True if `text` is well-formed UTF-8 without overlong forms and surrogates. `*bad` receives the offset of
+/// the first invalid byte.
 bool is_utf8(std::string_view text, std::size_t* bad = nullptr);
 
-/// The fault of a text that the parser understood up to byte `end`, where `last` had just been read.
-/// `*is_word`: whether it is one of bad_words(), beside which the rest can be read.
+/// Explains the error of a text that was parsed up to byte `end`; `last` is the last accepted token.
+/// `*is_word` is set to true if the error is one of bad_words(). The parser can then skip it and read on.
 JsonFault explain_syntax(std::string_view text, std::uint32_t end, JsonProgress last,
                          const std::vector<JsonOpen>& open, bool* is_word = nullptr);
 
-/// Letters, digits and signs that stand together and are no value: NaN, 1e999, 01, True.
+/// A run of letters, digits and signs that is not a JSON value: NaN, 1e999, 01, True.
 struct JsonWord {
   std::uint32_t begin, size;
 };
-/// All of them outside of texts and comments, at most `most`, in their order.
+/// All such words outside of strings and comments, in text order. Returns at most `most`.
 std::vector<JsonWord> bad_words(std::string_view text, std::size_t most);
-/// What is wrong with one of them.
+/// Error message for such a word.
 std::string explain_word(std::string_view word);
 
 }  // namespace collidoscope

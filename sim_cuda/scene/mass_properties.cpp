@@ -8,11 +8,11 @@
 namespace collidoscope {
 namespace {
 
-/// For one coordinate of a triangle's corners: sums of their monomials, from which the face's integrals of
-/// w, w^2, w^3 and w^2 times another coordinate follow.
+/// Sums of monomials of one coordinate over a triangle's corners. They give the face integrals of w, w^2, w^3
+/// and of w^2 times another coordinate.
 struct CornerSums {
   double first, second, third;  ///< complete homogeneous polynomials of degree 1, 2, 3 in the corners
-  double weight[3];             ///< the derivative-like factors that pair with another coordinate
+  double weight[3];             ///< weights of the corners for products with another coordinate
 
   CornerSums(double w0, double w1, double w2) {
     first = w0 + w1 + w2;
@@ -31,7 +31,7 @@ MassProperties mass_properties(std::span<const Vector3d> vertices,
                                std::span<const std::array<std::uint32_t, 3>> faces) {
   MassProperties result;
   if (vertices.empty()) return result;
-  // About the middle of the mesh, so that one far from the origin loses no digits.
+  // Integrate relative to the middle of the mesh, so that a mesh far from the origin keeps its precision.
   Vector3d low = vertices[0], high = vertices[0];
   for (const Vector3d& v : vertices) {
     low = low.cwiseMin(v);
@@ -40,13 +40,13 @@ MassProperties mass_properties(std::span<const Vector3d> vertices,
   const Vector3d origin = (low + high) / 2;
 
   double volume = 0;                    // integral of 1
-  Vector3d moment = Vector3d::Zero();   // of x, y, z
-  Vector3d square = Vector3d::Zero();   // of x^2, y^2, z^2
-  Vector3d product = Vector3d::Zero();  // of xy, yz, zx
+  Vector3d moment = Vector3d::Zero();   // integrals of x, y, z
+  Vector3d square = Vector3d::Zero();   // integrals of x^2, y^2, z^2
+  Vector3d product = Vector3d::Zero();  // integrals of xy, yz, zx
   for (const auto& face : faces) {
     const Vector3d p[3] = {vertices[face[0]] - origin, vertices[face[1]] - origin,
                            vertices[face[2]] - origin};
-    const Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);  // twice the area long
+    const Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);  // length: twice the triangle's area
     for (int axis = 0; axis < 3; ++axis) {
       const CornerSums sums(p[0][axis], p[1][axis], p[2][axis]);
       const int next = (axis + 1) % 3;
@@ -80,7 +80,7 @@ PrincipalAxes principal_axes(const Matrix3d& inertia) {
   Matrix3d tensor = inertia;
   Matrix3d axes = Matrix3d::Identity();
   const double tiny = 1e-12 * tensor.diagonal().maxCoeff();
-  for (int sweep = 0; sweep < 32; ++sweep) {  // converges quadratically: five or six sweeps
+  for (int sweep = 0; sweep < 32; ++sweep) {  // quadratic convergence: five or six sweeps suffice
     bool turned = false;
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
       if (!(tensor(p, q) > tiny || tensor(p, q) < -tiny)) continue;

@@ -22,13 +22,13 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::size_t max_file_size = std::size_t{64} << 20;  // takes 13 times as much to check
+constexpr std::size_t max_file_size = std::size_t{64} << 20;  // bytes; checking takes 13 times as much memory
 constexpr std::size_t max_faults = 100;
 
-/// An edge as a face runs along it.
+/// A directed edge of a face.
 struct Edge {
   std::uint32_t from, to;
-  std::uint32_t line;  ///< of the face in the file
+  std::uint32_t line;  ///< line of the face in the file
   std::uint32_t low() const { return std::min(from, to); }
   std::uint32_t high() const { return std::max(from, to); }
 };
@@ -37,7 +37,7 @@ class ObjReader {
  public:
   ObjReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
 
-  /// Vertices and triangles as the file gives them, the surface found closed. Throws all faults.
+  /// Reads vertices and triangles and checks that the surface is closed. Throws all faults.
   void read(std::vector<Vector3d>& vertices, std::vector<std::array<std::uint32_t, 3>>& faces) {
     while (!text_.empty() && faults_.size() < max_faults) {
       const std::size_t end = std::min(text_.find('\n'), text_.size());
@@ -66,7 +66,7 @@ class ObjReader {
     std::uint32_t first, count, line;
   };
 
-  /// `line` 0 stands for the whole file.
+  /// Line 0 refers to the whole file.
   void fault(std::size_t line, std::size_t column, const std::string& what) {
     if (faults_.size() == max_faults) return;
     faults_.push_back(line == 0 ? fmt::format("{}: {}", file_, what)
@@ -76,7 +76,7 @@ class ObjReader {
     fault(line_number_, static_cast<std::size_t>(word.data() - line_.data()) + 1, what);
   }
 
-  /// The next word of the rest of the line; empty at its end or where a comment starts.
+  /// The next word of the line. Empty at its end or at the start of a comment.
   static std::string_view next_word(std::string_view& rest) {
     const std::size_t start = std::min(rest.find_first_not_of(" \t"), rest.size());
     rest.remove_prefix(start);
@@ -136,8 +136,8 @@ class ObjReader {
     if (vertices_.size() > (std::size_t{1} << 30)) fault_here(keyword, "more than 2^30 vertices");
   }
 
-  /// One corner of a face, `v`, `v/vt`, `v//vn` or `v/vt/vn`, as an index from 0. Later vertices may be
-  /// named.
+  /// The vertex index, from 0, of a face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. A corner may refer to a
+  /// later vertex.
   std::optional<std::uint32_t> corner(std::string_view word) {
     long long index[3] = {0, 0, 0};
     int part = 0;
@@ -162,8 +162,8 @@ class ObjReader {
 
   void read_face(std::string_view keyword, std::string_view rest) {
     Polygon polygon{static_cast<std::uint32_t>(corners_.size()), 0, line_number_};
-    constexpr std::uint32_t few = 64;        // corners, that are looked through one by one
-    std::unordered_set<std::uint32_t> seen;  // where there are more
+    constexpr std::uint32_t few = 64;        // corners; up to this number a linear search is used
+    std::unordered_set<std::uint32_t> seen;  // used for more corners
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
       const std::optional<std::uint32_t> index = corner(word);
       if (!index) {
@@ -198,7 +198,7 @@ class ObjReader {
     }
   }
 
-  /// Closed: every edge belongs to two faces, which run along it in opposite directions.
+  /// Checks that the surface is closed: every edge belongs to two faces, in opposite directions.
   void check_closed() {
     std::vector<Edge> edges;
     edges.reserve(corners_.size());
@@ -213,7 +213,7 @@ class ObjReader {
       if (a.high() != b.high()) return a.high() < b.high();
       return a.line < b.line;
     });
-    // The first by line, then in this order; no more than are told.
+    // Keeps the first faults by line, then by this order, up to the limit of reported faults.
     std::map<std::pair<std::uint32_t, std::size_t>, std::string> found;
     const auto find = [&](std::size_t i, const std::string& what) {
       found.emplace(std::pair(edges[i].line, i), fmt::format("the edge from vertex {} to {} {}",
@@ -228,7 +228,7 @@ class ObjReader {
       }
       const bool told = found.size() < max_faults || edges[i].line < std::prev(found.end())->first.first;
       if (!told) {
-        // nobody would read it
+        // not reported: the limit is reached
       } else if (end - i == 1) {
         find(i,
              "belongs to this face alone, so the surface is open; close it (vertices that lie in the same "

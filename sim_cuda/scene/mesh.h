@@ -1,9 +1,10 @@
 #pragma once
-// Wavefront OBJ files, read strictly: `v` and `f` count (indices from 1, or negative from the end; v, v/vt,
-// v//vn and v/vt/vn; polygons are fanned into triangles from their first corner); vt, vn, o, g, s, usemtl,
-// mtllib and comments are passed over; anything else is a fault. The surface must be closed and its faces
-// counter-clockwise seen from outside, for it is a solid that has a mass. Faces that cut through each other
-// are not looked for.
+// Strict reader of Wavefront OBJ files.
+// - `v` and `f` are read. Indices count from 1, or backwards if negative; corners are v, v/vt, v//vn or
+//   v/vt/vn. Polygons are split into a triangle fan from their first corner.
+// - vt, vn, o, g, s, usemtl, mtllib and comments are ignored. Any other line is a fault.
+// - The surface must be closed, with faces counter-clockwise seen from outside, because the mesh is a solid
+//   with a mass. Self-intersection is not checked.
 
 #include <string>
 
@@ -11,16 +12,16 @@
 
 namespace collidoscope {
 
-/// Reads `file`. Throws InputError, `file:line:column: what, and what would be right`, with every fault.
-/// `name` is kept as Mesh::name.
+/// Reads `file`. `name` becomes Mesh::name. Throws InputError with all faults, one per line as
+/// `file:line:column: message`.
 Mesh read_mesh(const std::string& file, const std::string& name);
 
-/// The path of a mesh that a body of the scene names.
+/// The file path of a mesh that a body of the scene refers to.
 std::string mesh_file(const Scene& scene, const std::string& name);
 /// The bytes of a mesh file. Throws InputError if it cannot be read.
 std::string read_mesh_text(const std::string& file);
 
-/// A mesh from its text.
+/// Parses the text of a mesh file. Throws InputError like read_mesh().
 Mesh parse_mesh(const std::string& text, const std::string& file, const std::string& name);
 
 }  // namespace collidoscope

@@ -1,5 +1,5 @@
 #pragma once
-// Values with names, as scene files, command lines and reports write them: one table per enumeration.
+// Tables of named values for scene files, command lines and reports: one table per enumeration.
 
 #include <array>
 #include <optional>
@@ -13,10 +13,10 @@ template <class Choice>
 struct Named {
   std::string_view name;
   Choice value;
-  std::string_view help = {};  ///< a phrase for lists and generated documents
+  std::string_view help = {};  ///< a short phrase for lists and generated documents
 };
 
-/// The name of a value that is in the table; "?" for another one.
+/// The name of a value, or "?" if the table does not contain it.
 template <class Choice>
 constexpr std::string_view name_of(std::span<const Named<Choice>> table, Choice value) {
   for (const Named<Choice>& entry : table) {
@@ -30,7 +30,7 @@ constexpr std::string_view name_of(const std::array<Named<Choice>, count>& table
   return name_of(std::span<const Named<Choice>>(table), value);
 }
 
-/// The value of a name; unset if the table lacks the name.
+/// The value of a name. Unset if the table does not contain it.
 template <class Choice>
 constexpr std::optional<Choice> value_of(std::span<const Named<Choice>> table, std::string_view name) {
   for (const Named<Choice>& entry : table) {
@@ -45,7 +45,7 @@ constexpr std::optional<Choice> value_of(const std::array<Named<Choice>, count>&
   return value_of(std::span<const Named<Choice>>(table), name);
 }
 
-/// All names of a table, in order. Its entries have a member `name`.
+/// All names of a table, in order. The entries must have a member `name`.
 template <class Table>
 std::vector<std::string_view> names_in(const Table& table) {
   std::vector<std::string_view> names;

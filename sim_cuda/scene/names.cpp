@@ -11,7 +11,7 @@
 namespace collidoscope {
 namespace {
 
-/// Levenshtein's distance: insertions, deletions and replacements of single letters.
+/// Levenshtein distance: insertions, deletions and replacements of single letters.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -27,7 +27,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// The first character, if it is UTF-8: its code and its bytes. Else 0 bytes.
+/// Decodes the first UTF-8 character: code point and number of bytes. 0 bytes if it is invalid.
 std::pair<std::uint32_t, std::size_t> first_character(std::string_view text) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const std::size_t bytes = byte(0) < 0x80   ? 1
@@ -46,8 +46,8 @@ std::pair<std::uint32_t, std::size_t> first_character(std::string_view text) {
   return {code, shortest ? bytes : 0};
 }
 
-/// What a terminal obeys and does not show: control characters, line separators, marks that turn the
-/// direction of text.
+/// True for characters that a terminal interprets instead of showing: control characters, line separators,
+/// bidirectional marks.
 bool is_control(std::uint32_t code) {
   const auto within = [code](std::uint32_t first, std::uint32_t last) {
     return first <= code && code <= last;
@@ -56,7 +56,7 @@ bool is_control(std::uint32_t code) {
          within(0x2028, 0x202E) || within(0x2066, 0x2069);
 }
 
-/// With ? for each of these, and for each byte that is no UTF-8.
+/// Replaces control characters and invalid UTF-8 bytes with '?'.
 std::string without_controls(std::string_view text) {
   std::string safe;
   while (!text.empty()) {
@@ -68,7 +68,7 @@ std::string without_controls(std::string_view text) {
   return safe;
 }
 
-/// One that stands in a file may be of anything, and as long as it likes.
+/// A name from a file may have any length and any content.
 std::string shown(std::string_view name) { return printable(name, limits::max_name_length); }
 
 }  // namespace
@@ -111,7 +111,7 @@ std::string unknown_name(std::string_view what, std::string_view word,
 std::string printable(std::string_view word, std::size_t longest) {
   std::string text(word.substr(0, longest));
   if (word.size() > longest) {
-    // Not through the middle of a UTF-8 character.
+    // Do not cut within a UTF-8 character.
     while (!text.empty() && (static_cast<unsigned char>(word[text.size()]) & 0xC0) == 0x80) text.pop_back();
     text += "...";
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The names of the choices that scene.h does not name itself, and messages about names.
+// Name tables of the enumerations that scene.h does not cover, and messages about names.
 
 #include <array>
 #include <span>
@@ -22,7 +22,7 @@ inline constexpr std::array<Named<JointKind>, 4> joint_kind_names{{{"distance", 
                                                                    {"ball", JointKind::ball},
                                                                    {"hinge", JointKind::hinge}}};
 
-// How a run is executed: core/executor_options.h.
+// Options of a run: core/executor_options.h.
 inline constexpr std::array<Named<ExecutorKind>, 3> executor_names{
     {{"auto", ExecutorKind::automatic, "CUDA if there is a device, else the CPU"},
      {"cpu", ExecutorKind::cpu},
@@ -37,7 +37,7 @@ inline constexpr std::array<Named<SortMethod>, 3> sort_names{
      {"radix", SortMethod::radix, "obeys (B, T)"}}};
 inline constexpr std::array<Named<int>, 4> key_bits_names{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
 
-/// Every effect, which is on or off.
+/// An effect and its flag.
 struct EffectName {
   std::string_view name;
   bool Effects::*flag;
@@ -55,19 +55,19 @@ inline constexpr auto effect_names = std::to_array<EffectName>({
     {"guards", &Effects::guards},
 });
 
-/// "paper, scaled, settled or equal".
+/// A list for messages: "paper, scaled, settled or equal".
 std::string either_of(std::span<const std::string_view> names);
 
-/// The name that `word` was probably meant to be: fewest single-letter edits, at most a third of its length
-/// (but always one); empty where none is near.
+/// The most similar name for a spelling suggestion. Empty if none is within an edit distance of a third of
+/// the length of `word`, or of 1 for short words.
 std::string_view nearest_name(std::string_view word, std::span<const std::string_view> names);
 
-/// What is wrong with a name that is not in the list: `unknown solver "foo"; impulse is the only one`, or
-/// `unknown variant "papr"; did you mean "paper"? (paper, scaled, settled or equal)`.
+/// Message for an unknown name: `unknown solver "foo"; impulse is the only one`, or `unknown variant "papr";
+/// did you mean "paper"? (paper, scaled, settled or equal)`.
 std::string unknown_name(std::string_view what, std::string_view word,
                          std::span<const std::string_view> names);
 
-/// `word` for a message: at most `longest` bytes of it, control characters replaced by '?'.
+/// Shortens `word` to at most `longest` bytes for a message. Replaces control characters with '?'.
 std::string printable(std::string_view word, std::size_t longest = 60);
 
 }  // namespace collidoscope

@@ -9,7 +9,8 @@
 namespace collidoscope {
 namespace {
 
-/// A whole number as written (12), or as a double that is one (1e3, 12.0). Beyond the type: its nearest end.
+/// Reads a whole number, written as an integer (12) or as a double (1e3, 12.0). Clamps it to the range of the
+/// type.
 template <class Whole>
 bool read_whole(const JsonDocument& document, const JsonNode& node, Whole& value) {
   const std::string_view digits = document.token(node);
@@ -91,7 +92,7 @@ bool ObjectReader::whole(std::string_view key, std::uint64_t& value) {
   const JsonNode* node = member(key, JsonKind::number);
   if (node == nullptr) return false;
   const std::optional<double> real = reading_.document.number(*node);
-  // 2^64 is the first double that does not fit; a literal just below it is read exactly as an integer.
+  // 2^64 is the first double out of range. An integer literal just below it is read exactly.
   const std::string_view digits = reading_.document.token(*node);
   const bool is_digits = digits.find_first_not_of("0123456789") == std::string_view::npos;
   std::uint64_t exact = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Reading one JSON object's members into plain values, and noting everything that is wrong with them: unknown
-// keys (with the nearest known one), wrong types. Whether a value is in its range is validate()'s business.
+// Reads the members of a JSON object into plain values. Collects faults: unknown keys (with the nearest known
+// key) and wrong types. validate() checks the ranges.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,46 +14,49 @@
 
 namespace collidoscope {
 
-/// A document being read and the faults found so far; one per file.
+/// A document and the faults found so far. One per file.
 struct Reading {
   const JsonDocument& document;
   std::vector<JsonFault> faults;
 
-  /// More are not listed, and need not be put into words.
+  /// True if further faults will not be listed.
   bool full() const { return faults.size() > JsonDocument::max_faults; }
-  /// A node that is no value has its fault already.
+  /// Adds a fault at a node. An invalid node already has a fault; no second one is added.
   void fault(const JsonNode& node, std::string message) {
     if (node.kind != JsonKind::invalid) add({node.begin, std::move(message)});
   }
   void fault_at_key(const JsonNode& node, std::string message) { add({node.key_begin, std::move(message)}); }
-  /// An object with duplicate keys is read once for each of their values: its other faults are listed once.
+  /// Adds a fault once. An object with duplicate keys is read several times and would report its other faults
+  /// again.
   void add(JsonFault fault) {
     if (!full() && std::ranges::find(faults, fault) == faults.end()) faults.push_back(std::move(fault));
   }
 };
 
-/// For as long as one object is read: name every member that it may have, then call finish(). A member that
-/// is missing or of the wrong type leaves its value as it was.
+/// Reader of one object. Read every allowed member, then call finish(). A member that is missing or of the
+/// wrong type leaves its value unchanged.
 class ObjectReader {
  public:
-  /// `what` names the object in faults: "a body". A node that is no object is a fault, and reads as empty.
+  /// `what` names the object in messages: "a body". A node that is not an object is a fault and reads as
+  /// empty.
   ObjectReader(Reading& reading, const JsonNode& node, std::string_view what);
 
   bool is_object() const { return is_object_; }
 
-  /// The member, or null; from now on the key is known.
+  /// The member, or null. Marks the key as known.
   const JsonNode* member(std::string_view key);
-  /// The same, of the given kind: another kind is a fault, `message` or else a standard one.
+  /// The member of the given kind, or null. Another kind is a fault with `message`, or with a standard
+  /// message if that is empty.
   const JsonNode* member(std::string_view key, JsonKind kind, std::string_view message = {});
 
   bool real(std::string_view key, double& value);
-  bool whole(std::string_view key, std::int64_t& value);  ///< beyond int64: its nearest end
-  bool whole(std::string_view key, int& value);           ///< beyond int: its nearest end
+  bool whole(std::string_view key, std::int64_t& value);  ///< clamped to the range of int64
+  bool whole(std::string_view key, int& value);           ///< clamped to the range of int
   bool whole(std::string_view key, std::uint64_t& value);
   bool text(std::string_view key, std::string& value);
   bool truth(std::string_view key, bool& value);
   bool vector(std::string_view key, Vector3d& value);
-  /// `count` numbers; the node, or null where there was a fault.
+  /// Reads exactly `count` numbers. Returns the node, or null after a fault.
   const JsonNode* numbers(std::string_view key, double* values, std::size_t count, std::string_view wanted);
 
   template <class Choice, std::size_t count>
@@ -75,10 +78,10 @@ class ObjectReader {
     return found.has_value();
   }
 
-  /// Checks "format" and "version": 1 of a file. `whose`: "a scene", for the message.
+  /// Checks "format" and "version": 1. `whose` is used in the message: "a scene".
   void header(std::string_view format, std::string_view whose);
 
-  /// Notes every key that was not named.
+  /// Adds a fault for every key that was not read.
   void finish();
 
  private:

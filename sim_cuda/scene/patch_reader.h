@@ -1,14 +1,13 @@
 #pragma once
-// Reading some of the settings from an object of JSON, by their names: in a file of changes, or in a
-// criterion.
+// Reads a subset of the settings from a JSON object in a change file or a criterion.
 
 #include "sim_cuda/scene/field_reader.h"
 #include "sim_cuda/scene/settings_patch.h"
 
 namespace collidoscope {
 
-/// Reads the settings for which use(field) is true. Faults go to the Reading; ranges of physical settings are
-/// validate()'s business.
+/// Reads the settings for which use(field) is true. Faults are appended to the Reading. validate() checks the
+/// ranges of physical settings.
 template <class Use>
 void read_patch(Reading& reading, ObjectReader& reader, SettingsPatch& patch, const Use& use) {
   for_each_setting([&]<auto member>(const Field<member>& setting) {

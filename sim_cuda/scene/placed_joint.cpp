@@ -7,11 +7,11 @@
 namespace collidoscope {
 namespace {
 
-/// The frame of a body at the start: from its own axes, as scene files speak of them, to the world's.
+/// Initial frame of a body: transforms own axes, as in scene files, to world axes.
 struct Frame {
   Vector3d center{0, 0, 0};
-  Quaterniond own{1, 0, 0, 0};        ///< own axes to world
-  Quaterniond principal{1, 0, 0, 0};  ///< principal axes to own
+  Quaterniond own{1, 0, 0, 0};        ///< own axes to world axes
+  Quaterniond principal{1, 0, 0, 0};  ///< principal axes to own axes
 };
 
 Frame frame_of(const InitialBodies& bodies, std::int64_t id) {

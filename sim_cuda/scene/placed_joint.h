@@ -1,5 +1,5 @@
 #pragma once
-// Joints as solvers need them: nothing left unset, in the frames that bodies are simulated in.
+// Joints in the form that solvers need: all values set, in the principal axes of the bodies. SI units.
 
 #include <cstdint>
 #include <vector>
@@ -12,21 +12,23 @@ struct PlacedJoint {
   static constexpr std::uint32_t world = 0xffffffffu;
 
   JointKind kind;
-  std::uint32_t a, b;            ///< ids; b: or `world`
-  Vector3d anchor_a, anchor_b;   ///< m, along principal axes from the centre; a place, where b is the world
-  double low, high;              ///< m, of a distance; high: or infinity. Of a spring, both are its length
-  Vector3d axis;                 ///< of a hinge, unit, along a's principal axes
-  Quaterniond start;             ///< turns b's principal axes into a's, at the start
-  bool limited;                  ///< a hinge that has limits
-  double low_angle, high_angle;  ///< radians, -pi to pi
+  std::uint32_t a, b;           ///< ids of the bodies; b may be `world`
+  Vector3d anchor_a, anchor_b;  ///< m, along principal axes from the centre; a world position if b is the
+                                ///< world
+  double low, high;   ///< m; distance joint: range, high may be infinity; spring: both are the rest length
+  Vector3d axis;      ///< hinge axis, unit length, along a's principal axes
+  Quaterniond start;  ///< initial rotation from b's principal axes to a's
+  bool limited;       ///< true: a hinge with angle limits
+  double low_angle, high_angle;  ///< rad, -pi to pi
   double frequency, damping_ratio;
   bool collide;
 };
 
-/// Of a valid scene, in its order. `bodies` are the scene's own.
+/// Places the joints of a valid scene, in the scene's order. `bodies` must be the initial bodies of the
+/// scene.
 std::vector<PlacedJoint> place_joints(const Scene& scene, const InitialBodies& bodies);
 
-/// Whether a joint turns what it holds: a hinge does, and an anchor beside the centre of a body.
+/// True if a joint can apply a torque: a hinge, or an anchor off the centre of mass.
 bool joints_turn_bodies(const Scene& scene);
 
 }  // namespace collidoscope

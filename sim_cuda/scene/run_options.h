@@ -1,5 +1,5 @@
 #pragma once
-// How and where a scene runs. Nothing in here changes the state. Plain data.
+// Options of how and where a scene runs. They do not affect the state. Plain data.
 
 #include <cstdint>
 #include <string>
@@ -10,7 +10,8 @@ namespace collidoscope {
 
 struct RunOptions : ExecutorOptions {
   std::string broad_phase = "lbvh_ropes";  ///< a name from broad_phase_names()
-  std::int64_t initial_pair_capacity = 0;  ///< 0: a guess from N; tests start too small on purpose
+  std::int64_t initial_pair_capacity = 0;  ///< pairs; 0: estimated from N. Tests start with too small a
+                                           ///< capacity on purpose.
 };
 
 }  // namespace collidoscope

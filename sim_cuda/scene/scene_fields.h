@@ -1,7 +1,7 @@
 #pragma once
-// The fields of the objects in a scene file: tables as in settings.h, which has those of the top level, of
-// materials and of generators. Readers, writers, range checks and the generated reference are loops over
-// them.
+// Field tables of the objects in a scene file. settings.h has the tables of the top level, of materials and
+// of generators.
+// Readers, writers, range checks and the generated reference iterate over the tables.
 
 #include <tuple>
 
@@ -13,7 +13,7 @@
 namespace collidoscope {
 
 namespace detail {
-/// A place in space.
+/// A position, or a distance from the origin, in metres.
 template <auto member>
 constexpr Field<member> place(std::string_view key, std::string_view help) {
   return {

@@ -1,5 +1,5 @@
-// Scene files to structs. Types, keys and names are checked here, ranges in validate(), whose paths are
-// looked up in the text again: one set of range checks serves files and structs that were filled in code.
+// Converts scene files to structs. Types, keys and names are checked here. validate() checks ranges; its
+// paths are then located in the text, so one set of range checks covers files and structs.
 
 #include <fmt/format.h>
 
@@ -27,7 +27,8 @@ constexpr JsonAlias scene_aliases[] = {
 
 class SceneReader {
  public:
-  /// `with_meshes`: tells of the mesh files too, if there are other faults. Else initial_bodies() does.
+  /// `with_meshes`: also report faults of mesh files if there are other faults. Otherwise initial_bodies()
+  /// reports them.
   SceneReader(const JsonDocument& document, Scene& scene, bool with_meshes)
       : with_meshes_(with_meshes),
         document_(document),
@@ -35,7 +36,7 @@ class SceneReader {
         scene_(scene),
         materials_(scene.materials) {}
 
-  /// All faults.
+  /// Reads the scene and returns all faults.
   std::vector<JsonFault> read() {
     ObjectReader root(reading_, document_.root(), "a scene");
     if (root.is_object()) {
@@ -102,7 +103,7 @@ class SceneReader {
   void read_list(ObjectReader& root, std::string_view key, Read read) {
     const JsonNode* list = root.member(key, JsonKind::array);
     if (list == nullptr) return;
-    // A "{}" of two bytes would become hundreds.
+    // The limit bounds memory: an entry "{}" of two bytes becomes hundreds of bytes.
     if (list->child_count > limits::max_listed)
       return reading_.fault(*list,
                             fmt::format("\"{}\" lists {} of them, and {} at most are read; a generator "
@@ -207,7 +208,7 @@ class SceneReader {
       joint.limits = {ends[0], ends[1]};
   }
 
-  /// A vector that is not 0, made one of length 1.
+  /// Reads a nonzero vector and normalises it.
   void read_direction(ObjectReader& reader, std::string_view key, Vector3d& direction) {
     Vector3d vector = direction;
     if (!reader.vector(key, vector)) return;
@@ -215,13 +216,15 @@ class SceneReader {
     if (!(largest > 0))
       return reading_.fault(*reader.member(key), fmt::format("the {} must not be zero", key));
     direction = vector;
-    if (is_unit(vector.squaredNorm())) return;  // as it is: reading what was written changes no bit
-    direction /= largest;                       // the squares of huge or tiny parts are out of range
+    if (is_unit(vector.squaredNorm()))
+      return;              // unchanged, so that writing and reading again keeps every
+                           // bit
+    direction /= largest;  // avoids overflow and underflow of the squares
     direction /= std::sqrt(direction.squaredNorm());
   }
 
-  /// validate()'s faults, where the text has them; a value that is not in the text is a fault of what holds
-  /// it.
+  /// Adds the faults of validate() at their text positions. If a value is not in the text, the fault is
+  /// placed at its container.
   void locate_faults() {
     for (Fault& fault : validate(scene_)) {
       fault.path = path_in_file(fault.path);
@@ -236,7 +239,8 @@ class SceneReader {
       reading_.fault(*locate(document_, document_.root(), fault.path).first, line_of(fault));
   }
 
-  /// Planes and boxes are two lists in the struct, and one, in any order, in the file.
+  /// Converts a struct path to a file path. Planes and boxes have separate lists in the struct and share one
+  /// list in the file.
   std::string path_in_file(const std::string& path) const {
     for (const auto& [list, places] : {std::pair("obstacles[", &plane_places_), {"boxes[", &box_places_}}) {
       if (!path.starts_with(list)) continue;
@@ -252,7 +256,7 @@ class SceneReader {
   Reading reading_;
   Scene& scene_;
   KnownMaterials materials_;
-  std::vector<int> plane_places_, box_places_;  ///< in the file's list of obstacles
+  std::vector<int> plane_places_, box_places_;  ///< indices in the file's list of obstacles
   int obstacle_count_ = 0;
 };
 

@@ -1,6 +1,6 @@
-// Structs to scene files: the canonical text, in the order of the field tables. Optional values that are
-// unset and members of bodies and joints that have their default are left out. Numbers are the shortest
-// decimals that read back as the same bits. Each body, joint, generator and obstacle has a line of its own.
+// Writes structs as scene files: canonical text in the order of the field tables.
+// Unset optional values and default members of bodies and joints are omitted. Numbers are the shortest
+// decimals that read back to the same bits. Each body, joint, generator and obstacle has its own line.
 
 #include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
@@ -61,7 +61,7 @@ class SceneWriter {
   }
 
  private:
-  /// Begins a member of the scene on a line of its own.
+  /// Starts a member of the scene on a new line.
   std::string& begin_member(const std::string& key) {
     text_ += text_.empty() ? "\n  " : ",\n  ";
     return text_ += json_line(key) + ": ";
@@ -99,7 +99,7 @@ class SceneWriter {
     return json;
   }
 
-  /// Planes first.
+  /// Writes planes before boxes.
   void write_obstacles() {
     std::vector<OrderedJson> all;
     for (const Plane& plane : scene_.obstacles) {
@@ -156,7 +156,7 @@ std::string json_line(const OrderedJson& json) {
     const char c = dense[k];
     text += c;
     if (quoted && c == '\\')
-      text += dense[++k];  // escaped
+      text += dense[++k];  // escaped character
     else if (c == '"')
       quoted = !quoted;
     else if (!quoted && (c == ':' || c == ','))

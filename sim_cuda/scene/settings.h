@@ -1,9 +1,10 @@
 #pragma once
-// The settings of a run: one table with name, member, unit, range, default, help and live behaviour of each.
-// Scene files, files of changes, flags, panels, reports, accuracy studies, hard cases and generated documents
-// are loops over it (for_each_setting). To add one: a member in scene.h or in the options, and a row here.
+// The settings of a run in one table: name, member, unit, range, default, help and live behaviour.
+// Scene files, change files, flags, panels, reports, accuracy studies, hard cases and generated documents
+// iterate over it (for_each_setting). A new setting needs a member in scene.h or in the options, and a row
+// here.
 //
-// Physics, Material and BoxCollider decide the state. RunOptions decides only how it is computed.
+// Physics, Material and BoxCollider affect the state. RunOptions affects only how the state is computed.
 
 #include <tuple>
 
@@ -16,7 +17,7 @@
 
 namespace collidoscope {
 
-/// Of the scene's top level.
+/// Settings at the top level of a scene.
 inline constexpr auto physics_settings = std::tuple{
     Field<&Physics::gravity>{.key = "gravity",
                              .help = "acceleration of all bodies",
@@ -87,7 +88,7 @@ inline constexpr auto physics_settings = std::tuple{
                                            .live = Live::new_world},
 };
 
-/// Of each material. The settings are those of the material "default".
+/// Settings of each material. Flags and panels set the material "default".
 inline constexpr auto material_settings = std::tuple{
     Field<&Material::density>{.key = "density",
                               .help = "mass per volume",
@@ -116,7 +117,7 @@ inline constexpr auto material_settings = std::tuple{
                                          .live = Live::new_world},
 };
 
-/// Of each generator. The settings are those of a scene's only generator.
+/// Settings of each generator. Flags and panels set a scene's only generator.
 inline constexpr auto generator_settings = std::tuple{
     Field<&BoxCollider::count>{.key = "count",
                                .help = "bodies of the scene's generator",
@@ -156,7 +157,7 @@ inline constexpr auto generator_settings = std::tuple{
                                    .live = Live::restart},
 };
 
-/// Of a run. Nothing here changes the state.
+/// Settings of a run. They do not affect the state.
 inline constexpr auto shape_settings = std::tuple{
     Field<&LaunchShape::blocks>{.key = "blocks",
                                 .help = "blocks of a launch",
@@ -227,12 +228,12 @@ inline constexpr auto executor_settings = std::tuple{
                                           .placeholder = "BYTES"},
 };
 
-/// All settings. Those that decide the state come first.
+/// All settings. Physical settings come first.
 inline constexpr auto all_settings = std::tuple_cat(physics_settings, material_settings, generator_settings,
                                                     shape_settings, run_settings, executor_settings);
 inline constexpr std::size_t setting_count = std::tuple_size_v<decltype(all_settings)>;
 
-/// The row of a member.
+/// The table row of a member.
 template <auto member>
 inline constexpr const Field<member>& field_of = std::get<Field<member>>(all_settings);
 
@@ -241,7 +242,7 @@ constexpr void for_each_setting(Use&& use) {
   for_each_field(all_settings, use);
 }
 
-/// Whether the state depends on it.
+/// True if the setting affects the state.
 template <auto member>
 constexpr bool is_physical(const Field<member>&) {
   using Owner = typename Field<member>::Owner;
@@ -253,7 +254,8 @@ constexpr bool is_of_generator(const Field<member>&) {
   return std::is_same_v<typename Field<member>::Owner, BoxCollider>;
 }
 
-/// The path of its value in a scene, as Fault::path has it; "generators[0].count". Physical settings only.
+/// The path of the setting's value in a scene, in the form of Fault::path: "generators[0].count". Physical
+/// settings only.
 template <auto member>
 std::string path_of(const Field<member>& setting) {
   using Owner = typename Field<member>::Owner;
@@ -263,15 +265,15 @@ std::string path_of(const Field<member>& setting) {
   return key;
 }
 
-/// The values of all settings.
+/// Values of all settings.
 struct RunSettings {
   Physics physics;
-  Material material;      ///< the one called "default"
-  BoxCollider generator;  ///< the only one
+  Material material;      ///< the material "default"
+  BoxCollider generator;  ///< the scene's only generator
   RunOptions run;
 };
 
-/// The struct that holds a setting.
+/// The struct that contains a setting of type Owner.
 template <class Owner>
 Owner& owner_in(RunSettings& all) {
   if constexpr (std::is_same_v<Owner, Physics>)
@@ -289,7 +291,8 @@ template <class Owner>
 const Owner& owner_in(const RunSettings& all) {
   return owner_in<Owner>(const_cast<RunSettings&>(all));
 }
-/// Of a scene that has one generator, if Owner is BoxCollider.
+/// The struct that contains a setting of type Owner. If Owner is BoxCollider, the scene must have a
+/// generator; the first one is used.
 template <class Owner>
 Owner& owner_in(Scene& scene, RunOptions& run) {
   if constexpr (std::is_same_v<Owner, Physics>)

@@ -1,6 +1,6 @@
 #pragma once
-// Some of the settings, each with a value or unset: what a change, a command line, a hard case or a point of
-// an accuracy study sets. Plain data.
+// A partial set of settings: each one has a value or is unset. Used by changes, command lines, hard cases and
+// points of an accuracy study. Plain data.
 
 #include <optional>
 #include <tuple>
@@ -14,7 +14,8 @@ class SettingsPatch {
   template <auto member>
   using Value = typename Field<member>::Value;
 
-  /// Unset: the patch leaves the setting alone. Use: patch.get<&Physics::solver>().
+  /// The value of a setting. Unset: the patch does not change the setting. Example:
+  /// patch.get<&Physics::solver>().
   template <auto member>
   const std::optional<Value<member>>& get() const {
     return std::get<place<member>()>(values_);
@@ -36,15 +37,15 @@ class SettingsPatch {
   bool empty() const {
     return !any([](const auto&) { return true; });
   }
-  /// Whether the state depends on anything in it.
+  /// True if the patch affects the state.
   bool physical() const {
     return any([](const auto& setting) { return is_physical(setting); });
   }
-  /// Whether it has a setting of the scene's generator.
+  /// True if the patch contains a setting of the scene's generator.
   bool of_generator() const {
     return any([](const auto& setting) { return is_of_generator(setting); });
   }
-  /// Whether it has a setting for which test(field) is true.
+  /// True if the patch contains a setting for which test(field) is true.
   template <class Test>
   bool any(const Test& test) const {
     bool found = false;
@@ -60,7 +61,7 @@ class SettingsPatch {
     });
   }
 
-  /// The other's values replace those here.
+  /// Copies all values of the other patch into this one.
   void merge(const SettingsPatch& other) {
     other.for_each_set([&]<auto member>(const Field<member>&, const Value<member>& value) {
       set<member>(value);
@@ -92,20 +93,21 @@ class SettingsPatch {
   typename Values<All>::Type values_;
 };
 
-/// Puts the patch's values into a scene, which has one generator if the patch sets one of its settings, and
-/// into options.
+/// Writes the patch's values into a scene and into options. If the patch contains a generator setting, the
+/// scene must have a generator.
 void apply(const SettingsPatch& patch, Scene& scene, RunOptions& run);
-/// Only those that the state depends on.
+/// Writes only the physical settings of the patch.
 void apply(const SettingsPatch& patch, Scene& scene);
 void apply(const SettingsPatch& patch, RunSettings& all);
 
-/// What turns `before` into `after`. Only settings that can change while a run runs.
+/// The patch that turns `before` into `after`. Contains only settings that can change during a run.
 SettingsPatch difference(const RunSettings& before, const RunSettings& after);
 
-/// Those of a scene and options; `generator` is the default one unless the scene has exactly one.
+/// The settings of a scene and options. `generator` has default values unless the scene has exactly one
+/// generator.
 RunSettings settings_of(const Scene& scene, const RunOptions& run);
 
-/// Whether two settings are the same value, to the bit for numbers.
+/// True if all settings compare equal. Numbers are compared without a tolerance.
 bool equal_settings(const RunSettings& a, const RunSettings& b);
 
 }  // namespace collidoscope

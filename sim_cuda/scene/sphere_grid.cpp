@@ -6,14 +6,14 @@ namespace collidoscope {
 
 SphereGrid::SphereGrid(const Vector3d& low, const Vector3d& high, double largest_radius, std::size_t expected)
     : low_(low), cells_per_metre_(0, 0, 0), cells_{1, 1, 1}, largest_radius_(largest_radius) {
-  // A cell is at least a largest diameter wide, so that whatever overlaps lies in one of 27 cells; and there
-  // are not many more cells than spheres.
+  // A cell is at least as wide as the largest diameter, so overlaps lie within 27 cells. The number of cells
+  // is at most 32 times that of spheres.
   int most = 1;
   while (most < 512 && static_cast<double>(most) * most * most < 4.0 * static_cast<double>(expected))
     most *= 2;
   for (int axis = 0; axis < 3; ++axis) {
     const double side = high[axis] - low[axis];
-    // A hundredth wider than the diameter: room for the rounding of the cell numbers and for the gap.
+    // The cell is 1 % wider than the diameter. This covers the rounding of cell indices and the gap.
     const double fitting = side / (2.02 * largest_radius);
     cells_[axis] = static_cast<int>(std::clamp(fitting, 1.0, static_cast<double>(most)));
     cells_per_metre_[axis] = cells_[axis] / side;

@@ -1,6 +1,6 @@
 #pragma once
-// A uniform grid over spheres already placed: answers whether a new one would overlap any of them. Lives
-// while `apart` places its bodies. (A broad phase that finds pairs is another matter: broad_phase/.)
+// A uniform grid of placed spheres that tests new spheres for overlap. Used while `apart` places its bodies.
+// It is not a broad phase (see broad_phase/).
 
 #include <cstdint>
 #include <vector>
@@ -11,21 +11,22 @@ namespace collidoscope {
 
 class SphereGrid {
  public:
-  /// A grid over the box low..high for queries with radii up to `largest_radius`; `expected` spheres in all.
+  /// Covers the box low..high, in metres. Queries have radii up to `largest_radius`. `expected` is the number
+  /// of spheres that will be inserted.
   SphereGrid(const Vector3d& low, const Vector3d& high, double largest_radius, std::size_t expected);
 
-  /// Spheres may have any radius and lie anywhere, outside the box too.
+  /// The sphere may have any radius and may lie outside the box.
   void insert(const Vector3d& center, double radius);
 
-  /// Whether the sphere (radius <= largest_radius) comes nearer to any other than a gap of 5e-7 of the sum
-  /// of radii: a step that computes in float must not see a contact either.
+  /// True if the gap to another sphere is below 5e-7 of the sum of the radii. The margin prevents contacts in
+  /// a float computation. Requires radius <= largest_radius.
   bool overlaps(const Vector3d& center, double radius) const;
 
  private:
   struct Sphere {
     Vector3d center;
     double radius;
-    std::uint32_t next;  ///< in the same cell; `none` ends the list
+    std::uint32_t next;  ///< next sphere in the same cell; `none` ends the list
   };
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
@@ -38,7 +39,7 @@ class SphereGrid {
   double largest_radius_;
   std::vector<std::uint32_t> heads_;
   std::vector<Sphere> spheres_;
-  std::vector<Sphere> large_;  ///< larger than a cell is made for: compared with every query
+  std::vector<Sphere> large_;  ///< spheres larger than a cell allows; every query tests all of them
 };
 
 }  // namespace collidoscope

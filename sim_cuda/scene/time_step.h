@@ -1,6 +1,6 @@
 #pragma once
-// The time step of a scene: seconds, or one over a whole number of steps per second, which is kept so that
-// files and messages can write it exactly. Converts to and from seconds.
+// The time step of a scene: a duration in seconds, or a whole number of steps per second. The number is kept
+// so that files and messages can write it exactly. Converts to and from seconds.
 
 #include <optional>
 
@@ -9,9 +9,9 @@ namespace collidoscope {
 class TimeStep {
  public:
   constexpr TimeStep() = default;
-  /// s, > 0. validate() checks the range.
+  /// Duration in seconds, > 0. validate() checks the range.
   constexpr TimeStep(double seconds) : seconds_(seconds) {}
-  /// 1/n s, n > 0.
+  /// A step of 1/n s. n > 0.
   static constexpr TimeStep per_second(int n) {
     TimeStep step(1.0 / n);
     step.per_second_ = n;
@@ -20,10 +20,10 @@ class TimeStep {
 
   constexpr operator double() const { return seconds_; }
   constexpr double seconds() const { return seconds_; }
-  /// n, if the step was given as 1/n s.
+  /// n if the step was given as steps per second, else unset.
   constexpr std::optional<int> steps_per_second() const { return per_second_; }
 
-  /// Equal steps are equal seconds, however they were given.
+  /// Compares the durations only.
   friend constexpr bool operator==(const TimeStep& a, const TimeStep& b) { return a.seconds_ == b.seconds_; }
   friend constexpr bool operator==(const TimeStep& a, double seconds) { return a.seconds_ == seconds; }
 

@@ -1,5 +1,5 @@
-// Whether the values of a scene can be simulated: every range, and everything that is not simulated yet.
-// More than 400 lines: one check for each field, in the order of the file format.
+// Validation of scenes: ranges and unsupported combinations. Over 400 lines: one check per field, in the
+// order of the file format.
 
 #include <fmt/format.h>
 
@@ -21,13 +21,13 @@
 namespace collidoscope {
 namespace {
 
-/// A path, put together only when there is a fault to report: validating 10^5 bodies allocates nothing.
+/// A path whose text is built only if a fault is reported. Validating 10^5 bodies allocates no memory.
 struct Path {
   const char* list = "";
   std::int64_t index = -1;
   const char* field = "";
   int component = -1;
-  const std::string* name = nullptr;  ///< of a material
+  const std::string* name = nullptr;  ///< name of a material
 
   std::string text() const {
     std::string path = list;
@@ -45,7 +45,7 @@ struct Path {
   Path at(int part) const { return {list, index, field, part, name}; }
 };
 
-/// A text that stays in one line of a message.
+/// True if the text fits in one line of a message.
 bool is_printable(const std::string& text) {
   for (const char c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return false;
@@ -53,7 +53,7 @@ bool is_printable(const std::string& text) {
   return is_utf8(text);
 }
 
-/// A text for people and for paths in them.
+/// True if the text is valid as a name in messages and paths.
 bool is_plain_text(const std::string& text) {
   return text.size() <= limits::max_name_length && is_printable(text);
 }
@@ -112,7 +112,7 @@ class Validator {
     return whole(path, value, static_cast<std::int64_t>(least), static_cast<std::int64_t>(most));
   }
 
-  /// The range and the choices of a field. What has neither passes.
+  /// Checks the range and the choices of a field. Fields without either always pass.
   template <auto member>
   bool check(const Path& of, const Field<member>& field, const typename Field<member>::Value& value) {
     using Value = typename Field<member>::Value;
@@ -161,7 +161,7 @@ class Validator {
     const Path path{"box"};
     box_is_good_ = check_all(path, box_fields, box);
     for (int axis = 0; axis < 3 && box_is_good_; ++axis) {
-      // Float runs see the walls as floats; a box must not vanish there.
+      // Float runs use float walls; the box must not be empty in float.
       if (static_cast<float>(box.min[axis]) < static_cast<float>(box.max[axis])) continue;
       fault(path.at("max").at(axis), fmt::format("must be more than min[{}] = {}", axis, box.min[axis]));
       box_is_good_ = false;
@@ -282,7 +282,7 @@ class Validator {
             "must be kinematic or dynamic where a velocity is given; static bodies have none");
   }
 
-  /// Its density, unless that or the index has a fault of its own.
+  /// Density of a material. Unset if the density or the index is invalid.
   std::optional<double> density_of(int material) const {
     if (material < 0 || static_cast<std::size_t>(material) >= scene_.materials.size()) return std::nullopt;
     const double density = scene_.materials[static_cast<std::size_t>(material)].density;
@@ -290,13 +290,13 @@ class Validator {
     return density;
   }
 
-  /// The mass and the moment of inertia of a sphere.
+  /// Checks the mass and the moment of inertia of a sphere.
   void check_derived(const Body& body, const Path& path) {
     const std::optional<double> density = density_of(body.material);
     if (!body.mass && !density) return;
     const double mass = body.mass ? *body.mass : *density * sphere_volume(body.radius);
     if (const auto wrong = mass_fault(mass)) {
-      if (!body.mass) fault(path, *wrong);  // check_body() tells of a mass that is given
+      if (!body.mass) fault(path, *wrong);  // check_body() reports an invalid mass that was given explicitly
       return;
     }
     if (!turning_ || body.inertia) return;
@@ -305,7 +305,7 @@ class Validator {
 
   void check_inertia(const Vector3d& inertia, const Path& path) {
     for (int axis = 0; axis < 3; ++axis) {
-      // Equality, a flat plate, is possible; leave room for its rounding.
+      // Equality is valid (a flat plate); the tolerance covers rounding.
       const double others = inertia[(axis + 1) % 3] + inertia[(axis + 2) % 3];
       if (inertia[axis] > others * (1 + 1e-12)) {
         fault(path.at(axis), "must not exceed the sum of the other two moments; no body has such an inertia");
@@ -497,7 +497,7 @@ class Validator {
 }  // namespace
 
 std::string line_of(const Fault& fault) {
-  constexpr std::size_t longest_path = 300;  // that of a name of the greatest length is shorter
+  constexpr std::size_t longest_path = 300;  // longer than the path of a material with the longest valid name
   return (fault.path.empty() ? "" : printable(fault.path, longest_path) + ": ") + fault.message;
 }
 

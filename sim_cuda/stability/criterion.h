@@ -1,8 +1,8 @@
 #pragma once
-// The criterion of a hard case: what must hold of its scene, how long, where it is known not to hold, and
-// faults that show that the criterion can fail. Plain data, and the reading of the file that says it: JSON
-// with comments, `"format": "collidoscope-criterion", "version": 1`. README.md of this folder lists
-// what it may hold.
+// The criterion of a hard case: assertions about its scene, duration, expected failures, and injected faults
+// that prove that assertions can fail. Plain data and the reader of its file.
+// The file is JSON with comments, `"format": "collidoscope-criterion", "version": 1`. README.md of this
+// folder lists its members.
 
 #include <array>
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace collidoscope {
 
-/// What can be measured; quantities.h says how.
+/// Measurable quantities; quantities.h has the definitions.
 enum class Quantity {
   finite,
   penetration,
@@ -76,54 +76,56 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"other_hash", Quantity::other_hash},
     {"found", Quantity::expected_finding},
 });
-std::string_view unit_of(Quantity quantity);  ///< "m"; empty for a count or a share
+std::string_view unit_of(Quantity quantity);  ///< "m"; empty for counts and ratios
 
-/// One thing that must hold at all states that are measured from `from` to `to`. NaN never holds.
+/// A condition that must hold at every measured state from `from` to `to`. NaN fails.
 struct Assertion {
   Quantity quantity = Quantity::finite;
-  std::optional<double> at_most, at_least;  ///< in the quantity's unit; at least one of them
-  std::optional<std::int64_t> from, to;     ///< states; unset: from the first, to the last
-  std::optional<std::uint32_t> body;        ///< unset: all of them
-  int axis = 0;                             ///< 0 to 2, of `position` and `velocity`
-  std::int64_t since = 0;                   ///< state that `displacement` counts from
-  std::string scene{};                      ///< file, whose bodies `difference` compares with
-  Vector3d offset{0, 0, 0};                 ///< m, from its bodies to these
-  std::vector<LaunchShape> shapes{};        ///< of the other runs of `other_hash`
-  std::vector<std::string> broad_phases{};  ///< the same
-  bool every_broad_phase = false;           ///< the same, with all that the executor has
+  std::optional<double> at_most, at_least;  ///< in the quantity's unit; at least one is set
+  std::optional<std::int64_t> from, to;     ///< states; unset: first and last state
+  std::optional<std::uint32_t> body;        ///< unset: all bodies
+  int axis = 0;                             ///< 0 to 2, for `position` and `velocity`
+  std::int64_t since = 0;                   ///< reference state of `displacement`
+  std::string scene{};                      ///< scene file compared with by `difference`
+  Vector3d offset{0, 0, 0};                 ///< m, added to the compared bodies
+  std::vector<LaunchShape> shapes{};        ///< launch shapes of the other runs of `other_hash`
+  std::vector<std::string> broad_phases{};  ///< broad phases of the other runs of `other_hash`
+  bool every_broad_phase = false;           ///< `other_hash` with every broad phase of the executor
 
   bool at(std::int64_t state) const { return state >= from.value_or(0) && (!to || state <= *to); }
 };
 /// "penetration at most 0.01 m, states 60 to 300".
 std::string text_of(const Assertion& assertion);
-/// `value` in the quantity's unit, three digits: "0.0123 m".
+/// `value` in the quantity's unit with three digits: "0.0123 m".
 std::string text_of(Quantity quantity, double value);
 
-/// Where the case is known not to hold; what is unset is any. At least one of the three is set.
+/// Configurations in which the case is known to fail. An unset member matches any value. At least one of the
+/// first three is set.
 struct ExpectedFailure {
   std::optional<Solver> solver;
   std::optional<Precision> precision;
   std::optional<ExecutorKind> executor;  ///< cpu or cuda
-  std::string why;                       ///< a line
+  std::string why;                       ///< reason, one line
 };
 
-/// What a body is set to at a state, before it is measured there; unset: as it was. Anything goes, NaN too.
+/// State set on a body before a measurement. Unset members are unchanged. Any value is allowed, including
+/// NaN.
 struct InjectedState {
   std::int64_t step = 0;
   std::uint32_t body = 0;
   std::optional<Vector3d> position, velocity, angular_velocity;  ///< m, m/s, rad/s
-  std::optional<Quaterniond> orientation;                        ///< as it is, of any length
+  std::optional<Quaterniond> orientation;                        ///< not normalised
 };
 
-/// What makes an assertion fail, as a proof that it can.
+/// A fault that makes an assertion fail, as a proof that it can.
 struct InjectedFault {
-  std::size_t assertion = 0;  ///< its place in `assertions`
+  std::size_t assertion = 0;  ///< index in `assertions`
   std::optional<InjectedState> state;
-  std::optional<SettingsPatch> set;  ///< physical ones, from the start on
-  std::string scene{};               ///< file, in place of the case's own
+  std::optional<SettingsPatch> set;  ///< physical settings, set at the start
+  std::string scene{};               ///< scene file used instead of the case's scene
 };
 
-/// What guards must find, and no other: in which step, after which stage, of which body.
+/// The single finding that guards must report: step, stage and body.
 struct ExpectedFinding {
   std::int64_t step = 0;
   std::string stage;
@@ -131,40 +133,40 @@ struct ExpectedFinding {
 };
 
 struct Criterion {
-  std::string file;                   ///< that it was read from
-  std::vector<std::string> warnings;  ///< a line each: old names in the file
-  std::string what, group;            ///< a line; one of hard_case_groups
+  std::string file;         ///< source file
+  std::vector<std::string> warnings;  ///< one line per old name in the file
+  std::string what, group;  ///< one line; one of hard_case_groups
   std::int64_t steps = 0;
-  std::optional<std::int64_t> long_steps;  ///< of the long variant; unset: it has none
-  std::int64_t every = 1;                  ///< states between two that are measured
+  std::optional<std::int64_t> long_steps;  ///< steps of the extended variant; unset: there is none
+  std::int64_t every = 1;                  ///< measure every n-th state
 
-  SettingsPatch run;  ///< how it runs; what it leaves out is as the command line has it
+  SettingsPatch run;  ///< run settings; unset ones come from the command line
 
-  std::string changes;                  ///< file, or empty
-  std::vector<ExecutorKind> executors;  ///< it runs on these alone; empty: on all
-  /// The first is always `finite`: no body that is not. Of a case whose guards must find something, that they
-  /// do is the only one.
+  std::string changes;                  ///< change file, or empty
+  std::vector<ExecutorKind> executors;  ///< supported executors; empty: all
+  /// The first assertion is always `finite`: all bodies are finite. A case with an expected finding has that
+  /// finding as its only assertion.
   std::vector<Assertion> assertions;
   std::vector<ExpectedFailure> expected_failures;
   std::vector<InjectedFault> injected_faults;
-  std::optional<ExpectedFinding> expected_finding;  ///< the scene runs with guards, which pause there
-  std::optional<InjectedState> injected_state;      ///< for them to find
-  /// The scene must be refused with so many lines, each with these words. Not empty: nothing else is set but
-  /// `what` and `group`.
+  std::optional<ExpectedFinding> expected_finding;  ///< if set, the scene runs with guards, which pause there
+  std::optional<InjectedState> injected_state;      ///< injected for the guards to detect
+  /// Expected error lines: the scene must be rejected with this many lines, each containing the given text.
+  /// If set, only `what` and `group` may be set in addition.
   std::vector<std::string> refused;
 
   const ExpectedFailure* expected_failure_of(Solver solver, Precision precision, ExecutorKind executor) const;
 };
 
-/// The headings under which cases are listed, in order.
+/// Headings of the case list, in order.
 inline constexpr auto hard_case_groups = std::to_array<std::string_view>(
     {"mass ratios", "stacks", "overlap", "speed", "distance", "time step", "rotation", "rest",
      "restitution and friction", "wedges", "tree", "counts", "joints", "sleep", "settings", "bad input"});
 
-/// `scene` is the case's, null where it cannot be read. Files that it names lie beside it. Throws InputError
-/// with one line per fault, `file:line:column: what, and what would be right`.
+/// Reads a criterion. `scene` is the case's scene, or null if it is invalid. Referenced files must be in the
+/// same folder. Throws InputError with one line per fault: `file:line:column: message`.
 Criterion read_criterion(const std::string& file, const Scene* scene);
-/// The same from text; `name` stands where the file would.
+/// Reads a criterion from text. `name` replaces the file name in messages.
 Criterion parse_criterion(const std::string& text, const std::string& name, const Scene* scene);
 
 }  // namespace collidoscope

@@ -1,5 +1,5 @@
-// Criterion files to structs: types, keys and names, and whether the scene has what the file speaks of.
-// More than 400 lines: one reader for each key of the format.
+// Converts criterion files to structs. Checks types, keys, names, and references to the scene. Over 400
+// lines: one reader per key of the format.
 
 #include <fmt/format.h>
 
@@ -41,7 +41,7 @@ class CriterionReader {
         scene_(scene),
         bodies_(scene != nullptr ? bodies_of(*scene) : 0) {}
 
-  /// All faults.
+  /// Reads the criterion and returns all faults.
   std::vector<JsonFault> read(Criterion& criterion) {
     ObjectReader root(reading_, document_.root(), "a criterion");
     if (root.is_object()) {
@@ -148,14 +148,14 @@ class CriterionReader {
     reader.finish();
   }
 
-  /// A file beside the criterion's.
+  /// Checks the name of a file in the criterion's folder.
   void check_file(const JsonNode& node) {
     const std::string_view name = document_.text(node);
     if (name.empty() || name.find('/') != std::string_view::npos || !name.ends_with(".json"))
       reading_.fault(node, "the name of a file (.json) in the criterion's own folder");
   }
 
-  /// False, and a fault, where the scene has no such body, and no change adds one.
+  /// Reads a body id. Returns false and adds a fault if neither the scene nor a change can provide that body.
   bool read_id(ObjectReader& reader, std::uint32_t& id) {
     std::int64_t number = 0;
     if (!reader.whole("body", number)) return false;
@@ -201,7 +201,7 @@ class CriterionReader {
     criterion_.assertions.push_back(std::move(assertion));
   }
 
-  /// What only some quantities take.
+  /// Reads parameters that only some quantities accept.
   void read_parameters(ObjectReader& reader, const JsonNode& node, Assertion& assertion) {
     const Quantity quantity = assertion.quantity;
     if (is_of_a_body(quantity))
@@ -375,7 +375,7 @@ class CriterionReader {
     if (read_parts(reader, "orientation", q, 4)) injected.orientation = Quaterniond(q[0], q[1], q[2], q[3]);
   }
 
-  /// Numbers, null for what is none, "inf" and "-inf".
+  /// Reads numbers; null stands for NaN, "inf" and "-inf" for infinities.
   bool read_parts(ObjectReader& reader, std::string_view key, double* parts, std::size_t count) {
     const JsonNode* node = reader.member(key);
     if (node == nullptr) return false;
@@ -383,7 +383,7 @@ class CriterionReader {
     bool good = node->kind == JsonKind::array && children.size() == count;
     for (std::size_t k = 0; good && k < count; ++k) {
       const JsonNode& child = children[k];
-      if (child.kind == JsonKind::invalid) return false;  // has its fault already
+      if (child.kind == JsonKind::invalid) return false;  // already has a fault
       const std::string_view word = child.kind == JsonKind::text ? document_.text(child) : "";
       const std::optional<double> number =
           child.kind == JsonKind::number ? document_.number(child)

@@ -35,7 +35,7 @@ void read_others(HardCase& hard_case, std::vector<std::string>& faults) {
   }
 }
 
-/// What only shows when it is tried: settings of faults, changes.
+/// Checks that require a trial: settings of faults, and changes.
 void try_out(const HardCase& hard_case, std::vector<std::string>& faults) {
   const Criterion& criterion = hard_case.criterion;
   for (std::size_t k = 0; k < criterion.injected_faults.size(); ++k) {
@@ -119,7 +119,7 @@ std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vect
   if (!faults.empty()) throw InputError(faults);
   std::ranges::sort(cases, [](const HardCase& a, const HardCase& b) {
     const auto place_a = place_of(a.criterion.group), place_b = place_of(b.criterion.group);
-    // A stack of 50 comes before one of 100.
+    // Numeric order: a stack of 50 comes before one of 100.
     return place_a != place_b ? place_a < place_b : strverscmp(a.name.c_str(), b.name.c_str()) < 0;
   });
   return cases;

@@ -1,6 +1,6 @@
 #pragma once
-// A hard case: a scene that tries to break the simulation, `NAME.json`, and beside it what must hold of it,
-// `NAME.criterion.json`. Plain data, read from a folder of them.
+// A hard case: a stress test that consists of a scene, `NAME.json`, and its criterion, `NAME.criterion.json`.
+// Plain data, read from a folder.
 
 #include <map>
 #include <string>
@@ -13,23 +13,23 @@ namespace collidoscope {
 
 struct HardCase {
   std::string name;
-  std::string file;  ///< of the scene
-  Scene scene;       ///< empty where it was refused
+  std::string file;  ///< scene file
+  Scene scene;       ///< empty if the scene was rejected
   Criterion criterion;
-  std::vector<std::string> refusal;  ///< lines in which the scene was refused, as its criterion says it must
-  std::map<std::string, Scene> others;  ///< that the criterion names, by the names it has for them
+  std::vector<std::string> refusal;     ///< error lines of a scene that is rejected as expected
+  std::map<std::string, Scene> others;  ///< other scenes of the criterion, by the names used there
 
-  std::string sibling_path(const std::string& other) const;  ///< the path of a file in the same folder
+  std::string sibling_path(const std::string& other) const;  ///< path of a file in the same folder
 };
 
-/// Names of the cases in a folder, sorted. Throws InputError where there is no such folder, or no case in it.
+/// Sorted names of the cases in a folder. Throws InputError if the folder does not exist or has no case.
 std::vector<std::string> hard_case_names(const std::string& folder);
 
-/// Reads these, or, without names, all; by group, and then by name. Throws InputError with the faults of all
-/// their files; an unknown name is one, with the names that are near.
+/// Reads the named cases, or all if `names` is empty. Sorted by group, then by name. Throws InputError with
+/// the faults of all files, and with suggestions for unknown names.
 std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vector<std::string>& names = {});
 
-/// The scene with the settings of a fault.
+/// The scene with the settings of an injected fault.
 Scene with_injected_fault(const HardCase& hard_case, const InjectedFault& fault);
 
 }  // namespace collidoscope

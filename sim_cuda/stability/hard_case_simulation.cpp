@@ -34,7 +34,7 @@ HardCaseSimulation::HardCaseSimulation(Scene scene, RunOptions options, std::vec
 void HardCaseSimulation::step() {
   const std::int64_t before = state();
   world_->step();
-  if (state() == before) return;  // guards pause: what is due here was made
+  if (state() == before) return;  // guards paused the run: the changes of this state are already applied
   seconds_ += world_->scene().physics.time_step;
   make_due();
 }

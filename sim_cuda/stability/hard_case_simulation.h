@@ -1,6 +1,5 @@
 #pragma once
-// One run of a hard case: a world that steps from state to state, with the changes of its file and, where
-// somebody asked for it, a body set to something at a state. Owns its world.
+// One run of a hard case: a world with scheduled changes and an optional injected body state. Owns its world.
 
 #include <cstdint>
 #include <optional>
@@ -14,12 +13,12 @@ namespace collidoscope {
 
 class HardCaseSimulation {
  public:
-  /// `changes`: steps ascending. Throws as World does.
+  /// `changes` must be sorted by step. Throws the same exceptions as World.
   HardCaseSimulation(Scene scene, RunOptions options, std::vector<Change> changes = {},
                      std::optional<InjectedState> injected = std::nullopt);
 
-  /// One step, what is changed at the state that it comes to, and what is injected there. Nothing where the
-  /// scene's guards pause.
+  /// Makes one step, then applies the changes and the injection scheduled for the new state. No effect if
+  /// guards pause the run.
   void step();
   std::int64_t state() const { return world_->steps(); }
   double seconds() const { return seconds_; }  ///< s, simulated

@@ -1,6 +1,6 @@
 #pragma once
-// A run as a criterion looks at it: its present state, each part of it read when somebody asks for it, and
-// what must be known of the states before. One for a run, from its first state to its last.
+// The view of a run that criteria measure: the current state, read on demand, and the required history. One
+// per run, from its first to its last state.
 
 #include <cstdint>
 #include <map>
@@ -17,27 +17,28 @@ namespace collidoscope {
 
 class Observation {
  public:
-  /// At the first state of a run. `assertions` say what is to be remembered on the way.
+  /// Starts at the first state of a run. `assertions` determine the history to keep.
   Observation(World& world, std::span<const Assertion> assertions);
 
-  /// The run is at another state, `seconds` after its first; `world` lives until the next call.
+  /// Sets the current state, `seconds` after the first one. `world` must live until the next call.
   void update(World& world, double seconds);
 
   World& world() const { return *world_; }
   double seconds() const { return seconds_; }
-  const StepStats& stats();    ///< now
-  const BodyStates& bodies();  ///< now
+  const StepStats& stats();    ///< of the current state
+  const BodyStates& bodies();  ///< of the current state
   const StepStats& first_stats() const { return first_; }
-  /// At the first state that was looked at from `state` on; that of now where there is none yet.
+  /// Bodies at the first observed state that is `state` or later. Those of the current state if there is none
+  /// yet.
   const BodyStates& bodies_since(std::int64_t state);
 
-  // The largest so far, this state included; kept for assertions that ask for them.
-  double energy_scale() const { return energy_scale_; }      ///< J: kinetic + |change of the potential|
+  // Running maxima including the current state; computed only if an assertion needs them.
+  double energy_scale() const { return energy_scale_; }      ///< J: kinetic + |change of potential energy|
   double momentum_scale() const { return momentum_scale_; }  ///< kg m/s: sum of m |v|
   double angular_momentum_scale() const {
     return angular_momentum_scale_;
-  }  ///< kg m^2/s: |L|, or that times the reach
-  /// Bodies that overlapped at the first state; the same.
+  }  ///< kg m^2/s: the larger of |L| and the momentum scale times the extent
+  /// Pairs of bodies that overlapped at the first state. Filled only if an assertion needs them.
   const std::vector<std::pair<std::uint32_t, std::uint32_t>>& overlapping() const { return overlapping_; }
 
  private:
@@ -54,14 +55,15 @@ class Observation {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> overlapping_;
 };
 
-/// One overlap at a state: of two bodies, or of a body and something that never moves.
+/// An overlap of two bodies, or of a body and a fixed object.
 struct Overlap {
   std::uint32_t body;
   std::optional<std::uint32_t> other;
   double depth;   ///< m, > 0
-  double radius;  ///< m, the smaller one
+  double radius;  ///< m, the smaller radius
 };
-/// Of all that can touch: not of bodies that a joint keeps apart, nor of two that no force moves.
+/// All overlaps of pairs that can collide. Excludes bodies connected by a joint without contacts, and pairs
+/// without a dynamic body.
 std::vector<Overlap> overlaps(World& world, const BodyStates& bodies);
 
 }  // namespace collidoscope

@@ -9,7 +9,7 @@ namespace {
 
 bool is_finite(const Vector3d& v) { return v.array().isFinite().all(); }
 
-/// m, of two bodies, or of one in a wall; with the id that it counts to.
+/// Deepest overlap so far in m, of two bodies or of a body and a wall, and its body.
 struct Depth {
   double depth = 0;
   std::optional<std::uint32_t> body;

@@ -1,5 +1,5 @@
 #pragma once
-// Which body meets a condition for a stop (run/break_conditions.h). A free function.
+// Finds the body that meets a stop condition (run/break_conditions.h). Stateless.
 
 #include <cstdint>
 #include <optional>
@@ -10,7 +10,8 @@
 namespace collidoscope {
 
 /// The body that meets the condition in the current state: the lowest id that is not finite or outside, the
-/// fastest, or the lower id of the deepest overlap. None if the condition is not about a single body.
+/// fastest body, or the lower id of the deepest overlap. Unset if the condition does not refer to a single
+/// body.
 std::optional<std::uint32_t> offending_body(World& world, BreakCondition condition);
 
 }  // namespace collidoscope

@@ -14,7 +14,7 @@ Extremes single(double value) {
 }
 Extremes single(std::int64_t count) { return single(static_cast<double>(count)); }
 
-/// `value` of each body, or of the only one that the assertion is about: NaN where there is no such body.
+/// Extremes of `value` over all bodies, or over the assertion's body. NaN if that body does not exist.
 template <class Value>
 Extremes of_bodies(const Assertion& assertion, std::size_t count, Value value) {
   Extremes extremes;
@@ -28,7 +28,7 @@ Extremes of_bodies(const Assertion& assertion, std::size_t count, Value value) {
   return extremes;
 }
 
-/// 0 / 0 is nothing at all.
+/// Defines 0 / 0 as 0.
 double over(double value, double scale) { return value == 0 ? 0 : value / scale; }
 
 bool is_finite(const BodyStates& bodies, std::size_t body) {
@@ -36,7 +36,7 @@ bool is_finite(const BodyStates& bodies, std::size_t body) {
          bodies.angular_velocity[body].allFinite() && bodies.orientation[body].coeffs().allFinite();
 }
 
-/// Few bodies are read sooner than a state is measured.
+/// For few bodies, reading the states is faster than measuring statistics.
 std::int64_t non_finite(Observation& observation) {
   constexpr std::size_t few = 1 << 14;
   if (observation.world().initial().size() > few) return observation.stats().non_finite;
@@ -89,7 +89,7 @@ Extremes separation_speed(Observation& observation) {
   Extremes extremes;
   const BodyStates& bodies = observation.bodies();
   for (const auto& [a, b] : observation.overlapping()) {
-    if (std::max(a, b) >= bodies.position.size()) continue;  // removed since
+    if (std::max(a, b) >= bodies.position.size()) continue;  // removed during the run
     const Vector3d apart = bodies.position[b] - bodies.position[a];
     const double distance = apart.norm();
     const Vector3d normal = distance == 0 ? Vector3d(0, 0, 1) : Vector3d(apart / distance);

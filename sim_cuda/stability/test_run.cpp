@@ -43,12 +43,12 @@ std::vector<Change> changes_of(const HardCase& hard_case, const Scene& scene, co
   return read_changes(hard_case.sibling_path(hard_case.criterion.changes), scene, options, 0).changes;
 }
 
-/// Whether it is measured once, when all runs have ended.
+/// True if the quantity is measured once, after all runs have ended.
 bool is_checked_at_end(Quantity quantity) {
   return quantity == Quantity::other_hash || quantity == Quantity::expected_finding;
 }
 
-/// Why these settings cannot run the scene at all, a line; empty: they can.
+/// The reason why the scene is invalid with these settings, one line. Empty if it is valid.
 std::string refusal_of(const Scene& scene) {
   const std::vector<Fault> faults = validate(scene);
   return faults.empty() ? "" : faults[0].path + ": " + faults[0].message;
@@ -88,12 +88,11 @@ struct TestRun::Impl {
 
   std::vector<Change> changes;
   std::optional<HardCaseSimulation> run;
-  std::map<std::string, HardCaseSimulation>
-      compared_runs;  ///< scenes that are compared with, at the same state
+  std::map<std::string, HardCaseSimulation> compared_runs;  ///< scenes compared with, at the same state
   std::optional<Observation> observation;
   std::int64_t last_checked = 0;
 
-  /// Another shape or broad phase of an assertion, run after this one.
+  /// A further run of an assertion with another shape or broad phase.
   struct Other {
     std::size_t assertion;
     RunOptions options;
@@ -101,7 +100,8 @@ struct TestRun::Impl {
   std::vector<Other> others;
   std::size_t next_other = 0;
   std::optional<HardCaseSimulation> other;
-  std::map<std::size_t, double> differing_hashes;  ///< by assertion: other runs with another hash
+  std::map<std::size_t, double> differing_hashes;  ///< by assertion: number of other runs with a different
+                                                   ///< hash
 
   TestResult result;
   bool failed = false, done = false;
@@ -193,8 +193,8 @@ void TestRun::Impl::check_assertions() {
   last_checked = state;
 }
 
-/// Notes what an assertion came to at this state; the test run ends where it does not hold. With a fault, it
-/// goes on to the assertion that the fault is to fail.
+/// Updates the result of an assertion at this state. A failed assertion ends the test run; with an injected
+/// fault, only the fault's assertion ends it.
 void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   const Assertion& assertion = hard_case.criterion.assertions[k];
   AssertionResult& known = result.assertions[k];
@@ -237,7 +237,7 @@ void TestRun::Impl::step() {
   if (due(run->state())) check_assertions();
 }
 
-/// All runs are at their ends.
+/// Evaluates the final assertions. All runs have ended.
 void TestRun::Impl::end() {
   for (std::size_t k = 0; k < hard_case.criterion.assertions.size() && !done; ++k) {
     const Quantity quantity = hard_case.criterion.assertions[k].quantity;
@@ -250,7 +250,7 @@ void TestRun::Impl::end() {
   done = true;
 }
 
-/// Whether guards found what they must, and that first.
+/// True if the first finding of the guards is the expected one.
 bool TestRun::Impl::has_expected_finding() {
   const ExpectedFinding& wanted = *hard_case.criterion.expected_finding;
   const std::optional<Finding>& finding = run->world().validation().finding();
@@ -258,7 +258,7 @@ bool TestRun::Impl::has_expected_finding() {
          finding->body == wanted.body;
 }
 
-/// At least a step of a run, then more until it is late.
+/// Makes at least one step, then continues until `late` returns true.
 void TestRun::Impl::work(const std::function<bool()>& late) {
   if (!run) begin();
   while (!done) {

@@ -1,7 +1,7 @@
 #pragma once
-// A test run: one hard case, with one solver, in one precision, on one executor, run to its last state or to
-// the first at which an assertion does not hold. Made in slices, so that somebody can draw in between. Not
-// thread-safe; test runs side by side share nothing.
+// A test run: one hard case with one solver, precision and executor. Runs to the last state or to the first
+// failed assertion, in time slices, so that a viewer can draw in between. Not thread-safe; concurrent test
+// runs share no data.
 
 #include <cstdint>
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace collidoscope {
 
-/// Which of a case's test runs.
+/// The configuration of a test run.
 struct TestConfiguration {
   Solver solver = Solver::soft_step;
   Precision precision = Precision::f32;
@@ -31,7 +31,7 @@ inline constexpr auto test_outcome_names =
                                        {"declared limit", TestOutcome::expected_failure},
                                        {"not applicable", TestOutcome::not_applicable}});
 
-/// What came of one assertion: its value nearest to a bound, or, where it did not hold, the first beyond it.
+/// Result of one assertion: the measured value nearest to its bound, or the first one beyond it.
 struct AssertionResult {
   bool measured = false, passed = true;
   double value = 0, bound = 0;
@@ -41,36 +41,36 @@ struct AssertionResult {
 
 struct TestResult {
   TestOutcome outcome = TestOutcome::passed;
-  /// A line: what failed; or the reason of the declared limit; or why it does not apply. Empty: passed.
+  /// One line: the failure, the reason of the expected failure, or the reason for not being applicable.
+  /// Empty: passed.
   std::string why;
-  std::string failure;                      ///< the same of a declared limit: what failed there
-  std::vector<AssertionResult> assertions;  ///< as they stand in the criterion
-  std::optional<std::size_t>
-      failed_assertion;                     ///< unset where nothing failed, or what failed is no assertion
-  std::int64_t last_passing_state = 0;      ///< the last state that was measured before
-  std::int64_t steps = 0;                   ///< made
-  std::optional<std::uint64_t> state_hash;  ///< of the last state; unset: it did not come to one
-  double seconds = 0;                       ///< of the clock
+  std::string failure;                          ///< the failure itself; also set for an expected failure
+  std::vector<AssertionResult> assertions;      ///< in the order of the criterion
+  std::optional<std::size_t> failed_assertion;  ///< unset if no assertion failed
+  std::int64_t last_passing_state = 0;          ///< last measured state before a failure
+  std::int64_t steps = 0;                       ///< completed steps
+  std::optional<std::uint64_t> state_hash;      ///< hash of the last state; unset if it was not reached
+  double seconds = 0;                           ///< s, wall-clock time
 };
 
 class TestRun {
  public:
-  /// `hard_case` outlives it. `options`: what it runs on, the executor aside; `extended`: its long variant;
-  /// `fault`: one of the criterion's, injected in this run.
+  /// `hard_case` must outlive the run. `options`: run options; the executor is taken from the configuration.
+  /// `extended`: use the extended variant. `fault`: an injected fault of the criterion, or null.
   TestRun(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options,
           bool extended = false, const InjectedFault* fault = nullptr);
   ~TestRun();
   TestRun(TestRun&&) noexcept;
 
-  /// Works for about so long; false once the result is known. What the machine or the input refuses on the
-  /// way is the test run's failure; nothing is thrown.
+  /// Works for about this many milliseconds. Returns false when the result is known. Errors of the machine or
+  /// the input are reported as failures; nothing is thrown.
   bool advance(double milliseconds);
   bool done() const;
   double progress() const;  ///< 0 to 1
   const TestResult& result() const;
   const TestConfiguration& configuration() const;
-  std::int64_t bodies() const;  ///< of the case's scene
-  /// Of a fault: whether the assertion that it is to fail did not hold.
+  std::int64_t bodies() const;  ///< number of bodies in the case's scene
+  /// For an injected fault: true if its assertion failed as expected.
   bool fault_detected() const;
 
  private:
@@ -78,15 +78,15 @@ class TestRun {
   std::unique_ptr<Impl> impl_;
 };
 
-/// All test runs of a case on an executor: each solver in each precision; of a scene that is refused, which
-/// happens before there is a solver, one.
+/// All configurations of a case on an executor: each solver in each precision. A rejected scene has only one,
+/// because no solver runs.
 std::vector<TestConfiguration> test_configurations(const HardCase& hard_case, ExecutorKind executor);
-/// Of a fault: the scene's own solver and precision, or those that the fault sets.
+/// The configuration of an injected fault: the scene's own solver and precision, or those set by the fault.
 TestConfiguration configuration_of(const HardCase& hard_case, const InjectedFault& fault,
                                    ExecutorKind executor);
 
-/// What the run of a test is made of, as a HardCaseSimulation takes it. Throws InputError where the changes
-/// are not such as the scene takes in this setting.
+/// Inputs of the HardCaseSimulation of a test. make_test_setup() throws InputError if a change is invalid for
+/// the scene in this configuration.
 struct TestSetup {
   Scene scene;
   RunOptions options;
@@ -95,7 +95,7 @@ struct TestSetup {
 TestSetup make_test_setup(const HardCase& hard_case, const TestConfiguration& configuration,
                           const RunOptions& options);
 
-/// The run as it stood at a state of a test run: made again from the start, so the same bit for bit.
+/// The run at a state of a test run. Repeats the run from the start; the state is identical in every bit.
 Snapshot replay_to_state(const HardCase& hard_case, const TestConfiguration& configuration,
                          const RunOptions& options, std::int64_t state);
 
