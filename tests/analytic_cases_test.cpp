@@ -1,6 +1,5 @@
 // Tests the analytic suite: every case passes on every executor, in double and in float, with its order
 // within 0.15 of the theory. Also tests the evaluation itself: a coefficient that is wrong by 1 % must fail.
-// theory; and what judges it sees a coefficient that is off by a hundredth.
 
 #include "sim_cuda/reference/analytic_cases.h"
 

@@ -1,6 +1,5 @@
 // Tests attractors against closed forms: circular orbits, the oscillation about a softened centre, escape
 // speeds and the potential energy. Also tests contacts that arise from the attraction alone.
-// energy with their potential; contacts that only their pull brings about.
 
 #include <cmath>
 

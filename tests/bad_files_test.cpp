@@ -1,6 +1,5 @@
 // Tests every flag and operand that names an input file with files of a wrong kind. The program must print
 // one clear line, exit with status 2 and write nothing. The tests run the real programs.
-// exit status 2, nothing written. The programs themselves run.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
