@@ -1,4 +1,4 @@
-# Gives the files that launch kernels to nvcc; without CUDA they are ordinary C++. Changes ${sources}.
+# Compiles the files that launch kernels with nvcc. Without CUDA they are compiled as C++. Changes ${sources}.
 file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS broad_phase/*.cpp solver/*.cpp)
 list(FILTER cuda_sources EXCLUDE REGEX  # these launch no kernel
   "/broad_phase/(broad_phase|bullet_dbvt|bvh_cache|key_bits|methods)[.]cpp$|/solver/(contact_cache|contact_solver|plane_contacts|residuals)[.]cpp$")
@@ -8,8 +8,8 @@ foreach(file core/radix_sort core/sort core/scan dynamics/continuous_collision d
 endforeach()
 set_source_files_properties(${cuda_sources} PROPERTIES LANGUAGE CUDA)
 
-# nvcc takes 9 to 14 s for the headers of each file, so files are compiled in batches, as the unity build does for
-# C++. (CMake does that for CUDA from 3.31 on only.)
+# nvcc needs 9 to 14 s for the headers of each file, so files are compiled in batches, like the unity build for C++. CMake supports
+# unity builds for CUDA only from version 3.31.
 if(COLLIDOSCOPE_UNITY)
   list(REMOVE_ITEM sources ${cuda_sources})
   set(alone ${CMAKE_CURRENT_SOURCE_DIR}/solver/soft_step.cpp)

@@ -1,4 +1,5 @@
-// The picture of a study: the panel's diagram, with names, spreads of the errors, and what it is of.
+// Tests the chart of an accuracy study against its data. The chart needs one legend entry per method family,
+// the error bounds of each point and the error floor of the reference.
 
 #include <gtest/gtest.h>
 

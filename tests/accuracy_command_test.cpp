@@ -1,4 +1,5 @@
-// `accuracy SCENE` as its users meet it: what it writes, what its exit status says, and Ctrl-C.
+// Tests `accuracy SCENE` through the real program: output files, exit status and Ctrl-C. Expected texts and
+// statuses are fixed, since scripts depend on them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Twenty spheres that fall for a short while.
+/// Command line of a short study: 20 falling spheres for 0.2 s.
 std::vector<std::string> falling(const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"accuracy",   "box_collider", "--bodies",      "20",
                                      "--seconds",  "0.2",          "--repeats",     "1",
@@ -60,7 +61,7 @@ TEST(AccuracyCommand, SaysWhereNoSettingIsGoodEnough) {
                                      "the reference's own error of "));
 }
 
-// Spheres that overlap at the start fly apart in chaos, and no reference converges.
+// Spheres that overlap at the start fly apart chaotically. No reference converges for this scene.
 TEST(AccuracyCommand, RecommendsNothingBelowTheReferencesOwnError) {
   const TemporaryFolder folder;
   std::ofstream(folder / "crowd.json") << R"({"format": "collidoscope-scene", "version": 1, "name": "Crowd",
@@ -129,7 +130,7 @@ TEST(AccuracyCommand, GoesOnAfterCtrlC) {
     execv(program.c_str(), argv.data());
     _exit(127);
   }
-  // Files are as of the last second.
+  // The program rewrites the files once a second, so the test polls them.
   for (int k = 0; k < 600 && text_of(file).find("\"measured\":true") == std::string::npos; ++k)
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(child, SIGINT);

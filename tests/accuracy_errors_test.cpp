@@ -1,4 +1,5 @@
-// Distances of states and distributions, against values by hand.
+// Tests the error measures for states and distributions against values computed by hand. Every accuracy
+// result is based on these measures.
 
 #include "sim_cuda/accuracy/errors.h"
 #include "sim_cuda/accuracy/record.h"
@@ -33,16 +34,17 @@ TEST(AccuracyErrors, AreDistancesOfABodysMatter) {
   BodyStates a = states(1), b = states(1);
   a.position[0] = Vector3d(3, 4, 0);
   EXPECT_DOUBLE_EQ(rms_distance(a, b, bodies(1), true), 5);
-  // A ball of 2 m turned by 90 degrees about any axis: 2 sin 45 times sqrt(2/5) r.
+  // A ball of 2 m turned by 90 degrees about any axis: the distance is 2 sin 45 times sqrt(2/5) r.
   a = b;
   const double c = std::sqrt(0.5);
   a.orientation[0] = Quaterniond(c, 0, c * 0.6, c * 0.8);
   EXPECT_NEAR(rms_distance(a, b, bodies(1), true), std::sqrt(2.0) * std::sqrt(0.4) * 2, 1e-12);
   EXPECT_EQ(rms_distance(a, b, bodies(1), false), 0);
-  // -q is the same turn as q.
+  // -q is the same rotation as q.
   a.orientation[0] = Quaterniond(-1, 0, 0, 0);
   EXPECT_EQ(rms_distance(a, b, bodies(1), true), 0);
-  // By the moment about the axis: 12 kg m^2 of 3 kg, by 180 degrees about x.
+  // The distance follows from the moment of inertia about the axis: 12 kg m^2 at 3 kg, turned by 180 degrees
+  // about x.
   InitialBodies box = bodies(1);
   box.inertia = {Vector3d(12, 20, 25)};
   a.orientation[0] = Quaterniond(0, 1, 0, 0);
@@ -61,7 +63,7 @@ TEST(AccuracyErrors, LeaveOutWhatNoForceMovesAndTellWhatIsLost) {
 }
 
 TEST(AccuracyErrors, SpreadBetweenGroupsOfBodies) {
-  // 16 groups of one: the standard error of the mean of squares is their deviation over 4.
+  // 16 groups of one body: the standard error of the mean of squares is the standard deviation divided by 4.
   BodyStates a = states(16), b = states(16);
   for (std::size_t k = 0; k < 16; ++k) a.position[k].x() = k % 2 == 0 ? 1 : 2;
   ErrorSum sum;
@@ -100,7 +102,7 @@ TEST(AccuracyRecord, ReadsWhatItWroteAndRefusesTheRest) {
   record.points[0].error = 0.1;
   record.points[0].ms_runs = {1, 2};
   record.points[0].setting.continuous_collision = true;
-  record.points[1].error = INFINITY;  // the run was lost
+  record.points[1].error = INFINITY;  // the run failed
   record.warnings = {"one"};
   const AccuracyRecord read = parse_record(write_record(record), "file");
   EXPECT_EQ(write_record(read), write_record(record));

@@ -1,4 +1,5 @@
-// The Pareto front and the cheapest setting, against all pairs; and the scene that a setting makes.
+// Tests the Pareto front and the cheapest setting against a comparison of all pairs of points. Also tests
+// that a setting and the scene made from it agree.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ AccuracyPoint point(double ms, double error) {
   return p;
 }
 
-/// Few values, so that some are equal; some not known.
+/// Points with few distinct values, so that some are equal. Some values are unknown.
 std::vector<AccuracyPoint> some_points(std::uint32_t seed) {
   Uniform uniform{Random(seed)};
   std::vector<AccuracyPoint> points;
@@ -45,7 +46,7 @@ TEST(AccuracyPoint, IsOnTheFrontWhereNothingIsBoth) {
         if (other == k || !q.has_error() || !q.has_cost()) continue;
         const bool as_good = q.ms.median <= p.ms.median && q.error <= p.error;
         const bool better = q.ms.median < p.ms.median || q.error < p.error;
-        beaten |= as_good && (better || other < k);  // of equals the first
+        beaten |= as_good && (better || other < k);  // the first of equal points wins
       }
       EXPECT_EQ(p.on_front, !beaten) << seed << ' ' << k;
     }

@@ -1,4 +1,5 @@
-// The study of accuracy on scenes whose errors are known, and what becomes of one that is cut short.
+// Tests the accuracy study on scenes with closed-form errors. Also tests that an interrupted study continues
+// from its record.
 
 #include "sim_cuda/accuracy/study.h"
 
@@ -18,7 +19,7 @@ namespace {
 class AccuracyStudyOn : public OnEachExecutor {};
 ON_EACH_EXECUTOR(AccuracyStudyOn);
 
-/// A ball thrown up; nothing else.
+/// A single ball thrown upwards.
 Scene thrown() {
   Scene scene = hard_space(Vector3d(0, 0, -9.81));
   scene.physics.substeps = 1;
@@ -66,13 +67,13 @@ TEST_P(AccuracyStudyOn, FindsTheBiasOfEulerInFreeFlight) {
   EXPECT_LT(study.reference()->error, 1e-12);
   std::vector<double> h, errors;
   for (const AccuracyPoint& p : study.points()) {
-    // Behind by g h t / 2 at the time t; here the r.m.s. over the samples.
+    // The position lags by g h t / 2 at time t. This is the r.m.s. over the samples.
     double square = 0;
     const int samples = study.problem().samples;
     for (int k = 1; k <= samples; ++k) square += std::pow(study.problem().time(k), 2) / samples;
     EXPECT_NEAR(p.error, 9.81 * p.setting.time_step / 2 * std::sqrt(square), 1e-9) << p.name;
     EXPECT_NEAR(p.error_worst, 9.81 * p.setting.time_step / 2 * study.problem().time(samples), 1e-9);
-    EXPECT_EQ(p.error_low, p.error);  // there is one body
+    EXPECT_EQ(p.error_low, p.error);  // the scene has one body
     EXPECT_LT(p.invariants.momentum_balance, 1e-12);
     EXPECT_EQ(p.invariants.penetration_max, 0);
     EXPECT_GT(p.ms.median, 0);
@@ -84,7 +85,7 @@ TEST_P(AccuracyStudyOn, FindsTheBiasOfEulerInFreeFlight) {
   }
   EXPECT_NEAR(fitted_order(h, errors), 1, 1e-6);
   EXPECT_TRUE(study.warnings().empty());
-  EXPECT_TRUE(study.points().back().on_front);  // the finest has the least error of all
+  EXPECT_TRUE(study.points().back().on_front);  // the smallest step has the smallest error
 }
 
 TEST(AccuracyStudy, NoticesAWrongReference) {
@@ -103,7 +104,7 @@ TEST(AccuracyStudy, NoticesAWrongReference) {
 }
 
 TEST(AccuracyStudy, TakesAConvergedRunWhereNothingExactIsKnown) {
-  // A pendulum: a rod from the world. Its order is 2 or more, and the period is known.
+  // A pendulum: a rod fixed to the world. The method has order 2 or more, and the period is known.
   Scene scene = hard_space(Vector3d(0, 0, -9.81));
   scene.bodies.push_back(sphere(0.1, Vector3d(1, 0, 0)));
   Joint rod;
@@ -116,7 +117,7 @@ TEST(AccuracyStudy, TakesAConvergedRunWhereNothingExactIsKnown) {
   EXPECT_EQ(reference.kind, AccuracyReference::Kind::converged_run);
   EXPECT_NEAR(reference.horizon, reference.seconds, 1e-9);
   EXPECT_GT(reference.order, 0.85);
-  // Of a swing from the horizontal to the other side, 1.8541 sqrt(l/g) after the lowest point.
+  // The body swings from the horizontal to the other side. It is at the lowest point after 1.8541 sqrt(l/g).
   const double quarter = 1.8540746773013719 * std::sqrt(1 / 9.81);
   const int samples = study.problem().samples;
   for (int k = 1; k <= samples; ++k) {
@@ -130,7 +131,7 @@ TEST(AccuracyStudy, TakesAConvergedRunWhereNothingExactIsKnown) {
 }
 
 TEST(AccuracyStudy, GoesNoFurtherThanPositionsMeanAnything) {
-  // Some spheres in a box: a displacement grows by each collision.
+  // Spheres in a box: each collision amplifies a displacement.
   Scene scene = hard_space(Vector3d(0, 0, 0));
   scene.box = Box{Vector3d(0, 0, 0), Vector3d(10, 10, 10)};
   scene.generators = {{.count = 15, .radius_max = 2, .spawn = Spawn::apart, .speed_max = 10}};
@@ -142,13 +143,13 @@ TEST(AccuracyStudy, GoesNoFurtherThanPositionsMeanAnything) {
   EXPECT_LT(reference.horizon, 4);
   EXPECT_GT(reference.lyapunov_rate, 1);
   EXPECT_NE(reference.end.find("a tiny displacement has grown"), std::string::npos);
-  // Energy is compared to the end.
+  // The energy error is measured up to the end of the run.
   EXPECT_LT(study.points()[0].invariants.energy_error, 0.2);
   EXPECT_GT(study.points()[0].distributions.speeds, 0);
 }
 
 TEST(AccuracyStudy, EndsAtAZenoPointOrGoesRoundIt) {
-  // Restitution 0.5 from 1 m: it rests after 3 sqrt(2 h/g).
+  // Restitution 0.5 and a drop from 1 m: the ball rests after 3 sqrt(2 h/g).
   Scene scene = hard_space(Vector3d(0, 0, -9.81), 0.5);
   scene.obstacles.push_back({});
   scene.bodies.push_back(sphere(0.5, Vector3d(0, 0, 1.5)));
@@ -187,7 +188,7 @@ TEST(AccuracyStudy, GoesOnWhereItWasCutShort) {
     }
   }
   EXPECT_TRUE(second.record().complete);
-  // Of another scene or length nothing is taken.
+  // A record of another scene or another length is rejected.
   Scene other = scene;
   other.bodies[0].velocity.x() = 4;
   EXPECT_FALSE(AccuracyStudy(other, {}, request).restore(kept));
@@ -222,7 +223,7 @@ TEST(AccuracyStudy, TriesEveryFamilyThatTheSceneCanTake) {
     EXPECT_GT(p.error, 0);
   }
   EXPECT_NE(find(study, "soft_step f32", "1/30 s, 4 substeps"), nullptr);
-  // Friction is beyond `impulse`.
+  // The solver `impulse` has no friction.
   scene.materials[0].friction = 0.5;
   AccuracyStudy rubbing(scene, {}, {.seconds = 0.2, .rounds = 1});
   while (rubbing.points().empty()) rubbing.advance(100);

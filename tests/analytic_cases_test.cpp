@@ -1,5 +1,5 @@
-// The analytic suite: every case passes on every executor, in double and in float, its order within 0.15 of
-// theory; and what judges it sees a coefficient that is off by a hundredth.
+// Tests the analytic suite: every case passes on every executor, in double and in float, with its order
+// within 0.15 of the theory. Also tests the evaluation itself: a coefficient that is wrong by 1 % must fail.
 
 #include "sim_cuda/reference/analytic_cases.h"
 
@@ -28,7 +28,7 @@ TEST_P(Analytic, EveryCasePasses) {
         EXPECT_TRUE(r.passed()) << one.name << ' ' << name_of(method) << ' '
                                 << name_of(precision_names, precision) << ": " << r.fault;
         if (r.method.theory.claim == Claim::leading && precision == Precision::f64) {
-          // Theory is not only a bound: at the smallest step it is what the error comes to.
+          // The theory is more than a bound. At the smallest step the measured error is within 10 % of it.
           EXPECT_NEAR(r.levels.back().error / r.method.theory.error(r.levels.back().h), 1, 0.1) << one.name;
         }
       }
@@ -55,7 +55,7 @@ TEST(AnalyticCases, AreWhatTheIssueAsksForAndEachSceneHasOne) {
     EXPECT_TRUE(scenes.count(entry.path().stem().string())) << entry.path() << " is of no case";
 }
 
-// ---- what judges ----
+// ---- evaluation ----
 
 AnalyticResult of_errors(Theory theory, const std::vector<double>& errors) {
   AnalyticResult r;
@@ -83,7 +83,7 @@ TEST(AnalyticJudge, AsksForOrderAndConstant) {
   EXPECT_FALSE(of_errors({}, {1e-13, 1e-13, 1e-13, 1e-11}).passed());
 }
 
-/// Whether a method passes for the one in the book.
+/// Returns whether `step` passes the evaluation as the textbook method `book`.
 bool passes(const OneStep& step, const OneStep& book, int order, const SmoothProblem& problem, double time) {
   const SmoothState end = problem.exact(time);
   const double constant = leading_error(problem, book, order, time).norm();
@@ -119,7 +119,7 @@ TEST(AnalyticJudge, SeesACoefficientThatIsOffByAHundredth) {
     y << x, v;
     return y;
   };
-  // Weights of kicks and drifts, all 1.
+  // Weights of the kicks and drifts. The correct value of each is 1.
   const auto euler = [&](std::array<double, 2> c) -> OneStep {
     return [=](const SmoothState& y, double h) {
       auto [x, v] = halves(y);
@@ -137,7 +137,7 @@ TEST(AnalyticJudge, SeesACoefficientThatIsOffByAHundredth) {
       return both(x, v);
     };
   };
-  // Of the three inner stages, then of the four slopes in the sum.
+  // Weights of the three inner stages, then of the four slopes in the sum.
   const auto rk4 = [&](std::array<double, 7> c) -> OneStep {
     return [=](const SmoothState& y, double h) {
       const SmoothState k1 = spring.rate(y), k2 = spring.rate(y + c[0] * h / 2 * k1),

@@ -1,4 +1,5 @@
-// What `accuracy` without a scene writes: every result in every form, and what failed, with the reason.
+// Tests the output of `accuracy` without a scene, in every format. Each result and each failure with its
+// reason must be listed.
 
 #include "headless/accuracy/analytic_suite.h"
 

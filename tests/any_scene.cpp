@@ -38,7 +38,8 @@ class Maker {
     return choices.begin()[below(static_cast<int>(choices.size()))];
   }
 
-  /// Of an ordinary scene from `low` to `high`, of an extreme one from `least` to `most`, by magnitude.
+  /// Returns a random size. An ordinary scene draws from `low` to `high`; an extreme scene draws its
+  /// magnitude from `least` to `most`.
   double size(double low, double high, double least, double most) {
     if (!extreme_ || !once_in(4)) return uniform_(low, high);
     if (once_in(4)) return least;
@@ -134,7 +135,8 @@ class Maker {
     return b;
   }
 
-  /// Of an ordinary body: as its mass may lie in its sphere, or all of it next to the centre.
+  /// Random moments of inertia. In an ordinary body the mass fills its sphere or is concentrated near the
+  /// centre.
   Vector3d inertia(const Body& b, const Scene& scene) {
     const double density = scene.materials[static_cast<std::size_t>(b.material)].density;
     const double mass = b.mass.value_or(density * 4.18879 * b.radius * b.radius * b.radius);
@@ -198,7 +200,7 @@ class Maker {
     }
   }
 
-  /// Of all that it calls for, without some.
+  /// The effects that the scene requires, with some left out at random.
   Effects effects(const Scene& scene) {
     Effects all = required_effects(scene, InitialBodies{});
     all.rotation |= once_in(2);
@@ -211,7 +213,7 @@ class Maker {
   bool extreme_, soft_ = false;
 };
 
-/// Also of what only the bodies show: masses that follow from densities, room for all.
+/// Also checks the generated bodies: masses derived from densities, and free space for all spheres.
 bool is_valid(const Scene& scene) {
   if (!validate(scene).empty()) return false;
   try {

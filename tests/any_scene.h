@@ -1,5 +1,5 @@
 #pragma once
-// Scenes that nobody would think of: seeded, valid, of everything that a scene file may hold.
+// Seeded random scenes for property tests. They are valid and use every feature of the scene format.
 
 #include <cstdint>
 
@@ -8,11 +8,11 @@
 namespace collidoscope {
 
 enum class Values {
-  ordinary,  ///< of things one could hold, or drive
-  extreme    ///< from one end of each range to the other, and the ends themselves
+  ordinary,  ///< everyday sizes, masses and speeds
+  extreme    ///< the full range of each field, including both limits
 };
 
-/// The same for the same seed, on every machine. Up to some eighty bodies.
+/// Returns the same scene for the same seed on every machine. A scene has at most about 80 bodies.
 Scene any_scene(std::uint32_t seed, Values values);
 
 }  // namespace collidoscope

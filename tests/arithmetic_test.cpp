@@ -1,3 +1,5 @@
+// Tests the portable arithmetic against the C++ standard library, including NaN, infinities and the edges of
+// each range. The CPU and the GPU must give the same bits.
 #include "sim_cuda/core/arithmetic.h"
 
 #include <gtest/gtest.h>
@@ -55,9 +57,9 @@ TEST(Arithmetic, RoundingOutwardBracketsEveryDouble) {
     const double x = spread(random);
     EXPECT_LE(static_cast<double>(round_down(x)), x);
     EXPECT_GE(static_cast<double>(round_up(x)), x);
-    EXPECT_LE(round_up(x), next_up(round_down(x)));  // no further than the next float
+    EXPECT_LE(round_up(x), next_up(round_down(x)));  // at most the next float
   }
-  EXPECT_EQ(round_down(1e300), std::numeric_limits<float>::infinity());  // which no box takes: see BodyBounds
+  EXPECT_EQ(round_down(1e300), std::numeric_limits<float>::infinity());  // never in a box: see BodyBounds
 }
 
 TEST(Arithmetic, FiniteIsStdIsfinite) {

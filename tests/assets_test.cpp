@@ -1,3 +1,4 @@
+// Tests the search for the assets folder: its order, and the error message that lists every searched place.
 #include "sim_cuda/core/assets.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ TEST(Assets, AFolderThatLacksTheFileIsPassedOver) {
   const auto scenes = asset("scenes");
   const TemporaryFolder empty;
   const AssetsFrom named(empty.path());
-  // The search goes on to the folders beside the program. In a build tree outside the sources there are none.
+  // The search continues in the folders beside the program. A build tree outside the sources has none there.
   try {
     EXPECT_TRUE(std::filesystem::equivalent(asset("scenes"), scenes));
   } catch (const MachineError& error) {

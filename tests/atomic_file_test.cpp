@@ -1,3 +1,5 @@
+// Tests that an output file is either the old one or the complete new one, also when the writer is killed at
+// any moment.
 #include "sim_cuda/core/atomic_file.h"
 
 #include <gmock/gmock.h>
@@ -108,7 +110,7 @@ TEST(AtomicFile, WhatCannotBeWrittenIsSaidWithItsName) {
   EXPECT_THAT(line(folder.path()), testing::HasSubstr("Is a directory"));
 }
 
-/// Runs `write` in a process of its own, and kills it within the time that it is known to take.
+/// Runs `write` in a child process and kills it at a random time within its usual duration.
 void kill_while(const std::function<void()>& write, Uniform& uniform) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
@@ -154,7 +156,7 @@ TEST(AtomicFile, IsOldOrNewWheneverItsWriterIsKilled) {
   EXPECT_EQ(folder.files(), 2u);
 }
 
-/// The program rewrites what a run of one more step left.
+/// The program overwrites the files of a run that was one step longer.
 TEST(AtomicFile, IsOldOrNewWheneverTheProgramIsKilled) {
   const TemporaryFolder folder;
   const std::vector<std::string> names{"json", "bodies", "dynamics", "energy", "snapshot"};
@@ -170,7 +172,7 @@ TEST(AtomicFile, IsOldOrNewWheneverTheProgramIsKilled) {
     ASSERT_EQ(run_headless(arguments(steps, "of" + steps)).status, 0);
   ASSERT_EQ(run_headless(arguments("1", "")).status, 0);
   const std::size_t files = folder.files();
-  // Times are in the report and differ from run to run; its end tells that it is whole.
+  // The report contains times, which differ between runs. Its last characters show that it is complete.
   const auto is_whole = [&](const std::string& name) {
     const std::string now = text_of(folder / name);
     if (name == "json") return now.starts_with("{") && now.ends_with("}\n");
@@ -191,7 +193,7 @@ TEST(AtomicFile, IsOldOrNewWheneverTheProgramIsKilled) {
         execv((program_folder() / "collidoscope-headless").c_str(), argv.data());
       _exit(127);
     }
-    // From the moment that it begins to write; or it is done.
+    // Waits until the program starts to write, or has ended.
     int status = 0;
     const auto writes = [&] { return folder.files() > files; };
     pid_t done = 0;

@@ -1,5 +1,5 @@
-// Attractors against closed forms: circular orbits, the oscillation about a softened centre, what escapes;
-// energy with their potential; contacts that only their pull brings about.
+// Tests attractors against closed forms: circular orbits, the oscillation about a softened centre, escape
+// speeds and the potential energy. Also tests contacts that arise from the attraction alone.
 
 #include <cmath>
 
@@ -44,8 +44,8 @@ TEST_P(Attracted, ACircularOrbitHasItsPeriodAndEnergy) {
         world.step(steps / 4);
         const BodyStates s = world.bodies();
         const StepStats stats = world.measure();
-        // Symplectic Euler: of first order on the way (an orbit of eccentricity omega h / 2), and of second
-        // in energy and period.
+        // Symplectic Euler is of first order in the position (an orbit of eccentricity omega h / 2) and of
+        // second order in energy and period.
         EXPECT_NEAR(s.position[0].norm(), r, turn * r);
         EXPECT_NEAR(stats.energy(), first.energy(), turn * turn * std::abs(first.energy()));
         EXPECT_NEAR(
@@ -56,7 +56,7 @@ TEST_P(Attracted, ACircularOrbitHasItsPeriodAndEnergy) {
       miss[fine] = (world.bodies().position[0] - Vector3d(r, 0, 0)).norm();
       EXPECT_LT(miss[fine], kepler ? 2 * pi * turn * turn * r : turn * r);
     }
-    // A softened orbit turns about the centre, by the little that it is not a circle.
+    // A softened orbit precesses, because it is not exactly a circle.
     EXPECT_NEAR(miss[0] / miss[1], kepler ? 4 : 2, 0.1) << "of second order where it closes";
   }
 }
@@ -75,7 +75,8 @@ TEST_P(Attracted, ASoftenedCentreIsASpring) {
   const double h = omega * period / 2000;
   for (int k = 1; k <= 8; ++k) {
     world.step(250);
-    // Of first order in the phase at which it started, and 1.5 (x0/eps)^2 short of a true spring.
+    // The phase error is of first order. Softening adds a relative deviation of 1.5 (x0/eps)^2 from a linear
+    // spring.
     EXPECT_NEAR(world.bodies().position[0].y(), x0 * std::cos(k * pi / 4), x0 * h);
   }
 }
@@ -92,7 +93,7 @@ TEST_P(Attracted, PullsAddUpAndARepellerLetsGoAtItsSpeed) {
   const double speed = std::sqrt(2 * 200 * (1 / std::sqrt(25.25) - 1 / far));
   EXPECT_NEAR(std::sqrt(2 * last.kinetic_energy / m), speed, 1e-3 * speed);
 
-  // Between two equal ones nothing moves; beside gravity, both act.
+  // Two equal attractors cancel halfway between them. Gravity is added to both.
   Scene two = pulled(100, 1, Vector3d(0, 0, 0), Vector3d(0, 0, 0));
   two.physics.attractors = {{Vector3d(-5, 0, 0), 100, 1}, {Vector3d(5, 0, 0), 100, 1}};
   two.physics.gravity = Vector3d(0, 0, -3);
@@ -105,7 +106,7 @@ TEST_P(Attracted, PullsAddUpAndARepellerLetsGoAtItsSpeed) {
 }
 
 TEST_P(Attracted, BouncesKeepTheirHeight) {
-  // A planet far below: nearly uniform, and all from the field.
+  // The attractor is far below, so its field is almost uniform. Scene gravity is zero.
   Scene scene = pulled(9.81 * 1e6, 10, Vector3d(0, 0, 5), Vector3d(0, 0, 0));
   scene.physics.attractors[0].position = Vector3d(0, 0, -1000);
   scene.physics.time_step = 1.0 / 120;

@@ -1,5 +1,5 @@
-// Every flag and operand that names a file to read, with files that are none of its kind: one clear line,
-// exit status 2, nothing written. The programs themselves run.
+// Tests every flag and operand that names an input file with files of a wrong kind. The program must print
+// one clear line, exit with status 2 and write nothing. The tests run the real programs.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,11 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `@` is the bad file; `#` is a folder of good ones.
+/// An invocation that reads a file: `@` stands for the bad file, `#` for a folder of valid files.
 struct Reader {
   std::string name;
   std::vector<std::string> arguments;
-  bool folder = false;  ///< it names a folder
+  bool folder = false;  ///< the operand names a folder
 };
 void PrintTo(const Reader& reader, std::ostream* stream) { *stream << reader.name; }
 
@@ -66,7 +66,7 @@ const std::vector<BadFile> bad_folders{{"missing", [](const fs::path&) {}},
                                           fs::permissions(file, fs::perms::none);
                                         }}};
 
-/// Names and sizes of all that lies in a folder.
+/// Names and sizes of all files below a folder.
 std::map<std::string, std::uintmax_t> contents(const fs::path& folder) {
   std::map<std::string, std::uintmax_t> all;
   for (const auto& entry :
@@ -112,7 +112,7 @@ class BadFiles : public testing::TestWithParam<Reader> {
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.err, testing::HasSubstr(bad_.filename().string())) << "no line names the file";
     EXPECT_GE(lines_in(outcome.err), 1);
-    // What can be read may have several faults, and each line of a mesh is read.
+    // A parsed file may have several faults, and the mesh reader checks each line.
     const bool read = what == "an object" || (what == "random bytes" && GetParam().name == "RunMesh");
     EXPECT_LE(lines_in(outcome.err), read ? 21 : 1) << outcome.err;
     fs::permissions(bad_, fs::perms::owner_all, fs::perm_options::add, ignored_);
@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
         Reader{"ViewerCases", {"collidoscope", "--cases", "@"}, true}),
     [](const auto& each) { return each.param.name; });
 
-/// Where a README is what is bad, the other file is good, so that this one is looked at.
+/// The README is bad and the other file is valid, so the fault is in the README.
 TEST(BadReadme, IsRefusedWithALine) {
   const TemporaryFolder folder;
   const std::string results = folder / "results.json", readme = folder / "bad";
@@ -165,7 +165,7 @@ TEST(BadReadme, IsRefusedWithALine) {
   }
 }
 
-/// A snapshot that is damaged here or there, as each program meets it.
+/// A snapshot damaged at different places, read by each program.
 class DamagedSnapshot : public testing::Test {
  protected:
   DamagedSnapshot() {
@@ -194,7 +194,7 @@ class DamagedSnapshot : public testing::Test {
 };
 
 TEST_F(DamagedSnapshot, CutShortAtEachBlock) {
-  // The header, the length of the scene's text, the text, the settings, then lists; last the hash.
+  // Layout: header, length of the scene text, scene text, settings, lists, hash.
   std::uint64_t scene_bytes = 0;
   std::memcpy(&scene_bytes, good_.data() + 40, 8);
   const std::size_t scene_end = 48 + (scene_bytes + 7) / 8 * 8;
@@ -224,13 +224,14 @@ TEST_F(DamagedSnapshot, LongerByAHole) {
   EXPECT_THAT(outcome.err, testing::StartsWith(file_ + ": is damaged: it has 1099511627776 of "));
 }
 
-/// A picture whose header promises more than its bytes can hold takes no memory for it.
+/// A picture header that announces more pixels than the file holds must not cause a large allocation.
 TEST(DamagedPicture, OfGreatSizeIsRefused) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.png";
   write_png(Image{16, 16, std::vector<std::uint8_t>(16 * 16 * 4, 255)}, file);
   const std::string good = text_of(file);
-  // Width and height stand at 16, and after 13 bytes the checksum of the chunk, which begins at 12.
+  // Width and height are at offset 16. The checksum follows the 13 data bytes of the chunk, which begins at
+  // 12.
   std::string huge = good;
   for (const std::size_t at : {16u, 20u}) huge.replace(at, 4, std::string("\0\0\x7f\xff", 4));
   std::uint32_t crc = 0xffffffffu;
@@ -245,7 +246,7 @@ TEST(DamagedPicture, OfGreatSizeIsRefused) {
   EXPECT_EQ(outcome.err, file +
                              ": is damaged: it is too short for 32767x32767 pixels; a whole PNG picture is "
                              "needed\n");
-  // Without its last chunk alone, of 12 bytes behind a checksum, a picture is whole.
+  // Only the last chunk, 12 bytes, may be missing from a complete picture.
   for (std::size_t bytes = 0; bytes + 16 < good.size(); bytes += good.size() / 12) {
     write(file, good.substr(0, bytes));
     const Outcome cut = run_headless({"compare", file, file});

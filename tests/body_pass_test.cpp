@@ -1,5 +1,5 @@
-// Spheres smaller than a pixel: none is lost, none is larger than a pixel, and their colour is that of a
-// sphere.
+// Tests the drawing of spheres smaller than a pixel against their projected area and a larger sphere's
+// colour. None may vanish, be larger than a pixel, or have another colour.
 
 #include "viewer/render/body_pass.h"
 
@@ -15,7 +15,7 @@ namespace {
 constexpr int width = 480, height = 360;
 constexpr double picture_pixel = 100.0 / height;  // m
 
-/// Seen straight from above and without perspective, 100 m high: a metre is 3.6 pixels everywhere.
+/// An orthographic view from above of 100 m height: 3.6 pixels per metre.
 OrbitCamera plan_view() {
   OrbitCamera camera;
   camera.orthographic = true;
@@ -27,8 +27,7 @@ OrbitCamera plan_view() {
   return camera;
 }
 
-/// 20 x 20 spheres of one radius, in pixels of the picture, about 4 m apart, each at a place of its own
-/// within a pixel.
+/// 20 x 20 spheres of one radius (in pixels), about 4 m apart, each with its own offset within a pixel.
 TestBodies lattice(double radius_px) {
   TestBodies bodies;
   bodies.scene.box = Box{};
@@ -44,7 +43,7 @@ TestBodies lattice(double radius_px) {
   return bodies;
 }
 
-/// From far away and aslant, in perspective.
+/// A distant, oblique perspective view.
 OrbitCamera far_view() {
   OrbitCamera camera;
   camera.target = {50, 50, 50};
@@ -53,7 +52,7 @@ OrbitCamera far_view() {
   return camera;
 }
 
-/// The pixel that a place is seen in.
+/// The pixel at which a point is seen.
 std::pair<int, int> pixel_of(const OrbitCamera& camera, const Vector3d& place) {
   const Vector3d at = camera.axes().transpose() * (place - camera.eye());
   const double reach =
@@ -89,7 +88,7 @@ TEST(BodyPass, NoSphereIsTooSmallToBeSeenAndPicked) {
         const auto [x, y] = pixel_of(camera, plan.bodies.initial.position[i]);
         const auto pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
         ASSERT_EQ(plan.renderer.pick(camera, {}, x, y), ids[pixel]);
-        // Aslant, a nearer one may have its centre in the same pixel.
+        // In an oblique view a nearer sphere may have its centre in the same pixel.
         hidden += ids[pixel] != i + 1;
         ASSERT_GT(ids[pixel], 0u) << radius_px << " " << i;
         int brighter = 0;
@@ -108,14 +107,14 @@ TEST(BodyPass, SmallSpheresCoverWhatTheyShould) {
     int covered = 0;
     for (std::uint32_t id : plan.renderer.draw_ids(plan_view(), {})) covered += id > 0;
     const double area = 400 * std::numbers::pi * radius_px * radius_px;
-    if (radius_px <= 0.5)  // within their own pixel: one each
+    if (radius_px <= 0.5)  // inside one pixel: one pixel each
       EXPECT_EQ(covered, 400) << radius_px;
     else
       EXPECT_NEAR(covered, area, 0.05 * area) << radius_px;
   }
 }
 
-/// The mean colour of what the spheres changed, weighed by how much of each pixel they cover.
+/// The mean colour of the changed pixels, weighted by coverage.
 struct Light {
   double rgb[3] = {};
 };
@@ -135,8 +134,8 @@ Light light_of(Plan& plan) {
 
 TEST(BodyPass, APointHasTheColourOfASphere) {
   test_context();
-  // Six pixels in radius they are spheres beyond doubt; as points each takes one place of its surface, and
-  // together they take all. Without occlusion, which is nothing that a point has.
+  // At a radius of 6 pixels the bodies are drawn as spheres. As points, each samples one place of its
+  // surface, and together they sample the whole surface. Points have no occlusion, so it is off.
   Plan spheres(6, {.supersampling = 1, .light = Quality::quick});
   const Light expected = light_of(spheres);
   for (double radius_px : {0.05, 0.3, 0.6, 1.0}) {

@@ -1,3 +1,5 @@
+// Tests the generator of the Box Collider against its formulas, brute force and statistics of its random
+// numbers. The benchmark scene must be the one of the paper.
 #include "sim_cuda/scene/box_collider.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +22,7 @@ InitialBodies spawned(const BoxCollider& generator, const Box& box = {}) {
   return bodies;
 }
 
-/// Spheres that overlap, by comparing all with all.
+/// The number of overlapping spheres, by comparing all pairs.
 int overlaps(const InitialBodies& bodies) {
   int count = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -57,7 +59,7 @@ TEST(BoxCollider, CubeRoots) {
 
 TEST(BoxCollider, ScaledSideKeepsThirtyPercentFull) {
   EXPECT_EQ(scaled_side(0, 5), 100);
-  EXPECT_EQ(scaled_side(2000, 5), 100);  // 2,291 is the last number that fits in 100 m
+  EXPECT_EQ(scaled_side(2000, 5), 100);  // 2,291 is the largest number that fits in 100 m
   EXPECT_EQ(scaled_side(2291, 5), 100);
   EXPECT_GT(scaled_side(2292, 5), 100);
   const double side = scaled_side(1'000'000, 5);
@@ -108,7 +110,7 @@ TEST(BoxCollider, ABodyIsTheSameForEveryN) {
 }
 
 TEST(BoxCollider, InsideMeansWholeSpheresToTheLastBit) {
-  // Odd corners and thin boxes, where rounding would carry spheres through a wall.
+  // Boxes with unusual corners and thin boxes, where rounding could move spheres across a wall.
   for (const Box& box :
        {Box{}, Box{{-0.1, 1e5, -3.3}, {10.1, 100'010.3, 1e4}}, Box{{0.1, 0.1, 0.1}, {10.1, 10.11, 10.3}}}) {
     EXPECT_EQ(outside(spawned({.count = 100'000, .seed = 5}, box), box, true), 0);
@@ -130,7 +132,7 @@ TEST(BoxCollider, RadiiAreUniform) {
   }
   double chi_squared = 0;
   for (const int count : counts) chi_squared += (count - 1e4) * (count - 1e4) / 1e4;
-  EXPECT_LT(chi_squared, 27.9);  // 9 degrees of freedom: 1 in 1,000
+  EXPECT_LT(chi_squared, 27.9);  // 9 degrees of freedom: probability 1 in 1,000
 }
 
 TEST(BoxCollider, ApartTouchesNothing) {
@@ -139,12 +141,14 @@ TEST(BoxCollider, ApartTouchesNothing) {
     EXPECT_EQ(overlaps(bodies), 0) << count;
     EXPECT_EQ(outside(bodies, Box{}, true), 0) << count;
   }
-  EXPECT_GT(overlaps(spawned({.count = 2000, .spawn = Spawn::inside})), 100);  // what apart avoided
+  EXPECT_GT(overlaps(spawned({.count = 2000, .spawn = Spawn::inside})),
+            100);  // the overlaps that Spawn::apart avoids
 }
 
 TEST(BoxCollider, ApartKeepsClearOfBodiesBefore) {
   InitialBodies bodies;
-  bodies.position = {{50, 50, 50}, {-10, 50, 50}, {20, 20, 98}};  // a giant, one that leans in, a small one
+  bodies.position = {
+      {50, 50, 50}, {-10, 50, 50}, {20, 20, 98}};  // a giant sphere, one across a wall, a small one
   bodies.radius = {30, 15, 3};
   append_box_collider({.count = 500, .radius_max = 2, .spawn = Spawn::apart}, Box{}, "g", bodies);
   append_box_collider({.count = 500, .radius_max = 3, .spawn = Spawn::apart, .seed = 2}, Box{}, "g", bodies);

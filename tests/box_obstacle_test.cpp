@@ -1,4 +1,5 @@
-// Box obstacles: distances against closed forms, bullets that do not pass, rebounds, friction and weights.
+// Tests box obstacles against closed forms: distances, fast bodies that must not pass, rebounds, friction and
+// weights.
 
 #include <cmath>
 
@@ -24,7 +25,7 @@ TEST(BoxSurface, IsNearestByFaceEdgeOrCorner) {
       for (int z = -1; z <= 1; ++z) {
         const Vector3d out(x, y, z);
         if (out.isZero()) continue;
-        // On the face, edge or corner of these signs, and 0.7 m away from it.
+        // A point on the face, edge or corner with these signs, moved outwards by 0.7 m.
         const Vector3d on(x == 0 ? 0.3 : x * half.x(), y == 0 ? -0.9 : y * half.y(),
                           z == 0 ? 0.4 : z * half.z());
         const Vector3d at = center + turn * Vector3d(on + 0.7 * out.normalized());
@@ -33,7 +34,7 @@ TEST(BoxSurface, IsNearestByFaceEdgeOrCorner) {
         EXPECT_NEAR((plane.normal - turn * out.normalized()).norm(), 0, 1e-14);
         EXPECT_NEAR(plane.offset, plane.normal.dot(center + turn * on), 1e-14);
       }
-  // Inside: the nearest face, which is 0.25 m away.
+  // Inside the box, the nearest face is 0.25 m away.
   for (const double side : {1.0, -1.0}) {
     const Vector3d inside = center + turn * Vector3d(0.3, side * 1.75, -0.6);
     EXPECT_NEAR(box.gap(inside, 0.5), -0.75, 1e-14);
@@ -42,7 +43,7 @@ TEST(BoxSurface, IsNearestByFaceEdgeOrCorner) {
 }
 
 TEST(BoxSurface, IsMetExactlyWhereTheWayMeetsTheGrownBox) {
-  // Against small steps along the way.
+  // The expected value comes from small steps along the path.
   Random random(3);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (random() / 4294967296.0);
@@ -90,7 +91,7 @@ Scene with_box(const BoxObstacle& box) {
 }
 
 TEST_P(BoxObstacles, ABulletNeverPasses) {
-  // 0.1 m thick; 1,000 m/s is 8 m a substep.
+  // The box is 0.1 m thick; 1,000 m/s is 8 m per substep.
   Random random(11);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (random() / 4294967296.0);
@@ -119,13 +120,13 @@ TEST_P(BoxObstacles, ABulletNeverPasses) {
           const Vector3d own = scene.boxes[0].orientation.conjugate() * s.position[0];
           EXPECT_GE(world.measure().max_penetration, 0);
           EXPECT_LT(world.measure().max_penetration, 1e-4) << k;
-          // Where it is over the box still, it is on the side that it came from.
+          // While the ball is above the box, it stays on the side from which it came.
           const bool over = std::abs(own.x()) < 2 && std::abs(own.y()) < 2;
           EXPECT_GT(over ? side * own.z() : 1, 0.05) << k << ' ' << step;
           EXPECT_GE(side * s.velocity[0].dot(axis), -1e-3) << k << ": it has been stopped";
         }
         const double through = -1000 * from.normalized().dot(axis) * side;
-        // The steep ones come in by the face, and not by an edge.
+        // Steep bullets hit the face and not an edge.
         const double left = side * world.bodies().velocity[0].dot(axis);
         EXPECT_NEAR(-through > 300 ? left : -e * through, -e * through, 2e-4 * std::abs(through)) << k;
       }
@@ -143,7 +144,7 @@ TEST_P(BoxObstacles, WhatPassesByIsNotTouched) {
 }
 
 TEST_P(BoxObstacles, BetweenBoxesNobodyGetsThrough) {
-  // A wedge of two thin boxes, one on either side, and a lid: whoever is in stays in.
+  // A wedge of two thin boxes with a box on either side and a lid. No body may leave it.
   Scene scene = with_box({.center = Vector3d(-1.2, 0, 0),
                           .size = Vector3d(0.1, 9, 8),
                           .orientation = Quaterniond(std::cos(0.2), 0, -std::sin(0.2), 0)});
@@ -191,7 +192,7 @@ TEST_P(BoxObstacles, BearsAWeightByFaceEdgeAndGroove) {
   EXPECT_NEAR(world.measure().wall_impulse - before, mass * g, 1e-6 * mass * g) << "of one second";
   EXPECT_NEAR(world.bodies().position[0].z(), r, 1e-9);
 
-  // On two boxes, whose edges are 0.6 m apart: it sits in the gap, at sqrt(r^2 - 0.3^2) above them.
+  // Two boxes, 0.6 m apart: the ball rests in the gap, at sqrt(r^2 - 0.3^2) above the edges.
   scene.boxes = {{.center = Vector3d(-1.3, 0, -1), .size = Vector3d(2, 4, 2)},
                  {.center = Vector3d(1.3, 0, -1), .size = Vector3d(2, 4, 2)}};
   scene.bodies = {sphere(r, Vector3d(0, 0, r))};

@@ -1,4 +1,5 @@
-// Conditions on which a run ends: how a list of them is read, when each is met, and whose fault it is.
+// Tests the break conditions of a run: parsing of the list, the state at which each is met, and the body that
+// is reported.
 
 #include "sim_cuda/run/break_conditions.h"
 
@@ -55,7 +56,7 @@ TEST(BreakConditions, SayWhatWouldBeRight) {
   EXPECT_EQ(fault_of("escaped,escaped"), "--break: escaped is given twice; once is enough");
 }
 
-/// A state after a step, well in every way: at rest 2 m below where it started.
+/// A healthy state after a step: at rest 2 m below the start.
 StepStats well() {
   StepStats stats;
   stats.step = 4;
@@ -91,7 +92,7 @@ TEST(BreakConditions, AreMetAboveTheirLimitAlone) {
   const BreakpointHit slow = *looked("stage-ms=2.9", stats);
   EXPECT_EQ(slow.stage, "solve");
   EXPECT_EQ(describe(slow), "stage-ms: stage solve of step 4 took 3 ms, over 2.9 ms");
-  stats.step = 5;  // whose stages were not timed
+  stats.step = 5;  // stages of this step were not timed
   EXPECT_FALSE(looked("stage-ms=2.9", stats));
 
   stats.non_finite = 2;
@@ -106,7 +107,7 @@ TEST(BreakConditions, AreMetAboveTheirLimitAlone) {
 TEST(BreakConditions, MeasureEnergyAgainstWhatThereWasToMove) {
   BreakpointMonitor watch(start());
   const BreakConditions five = parse_break_conditions("energy-rise=5");
-  StepStats stats = well();  // 20 J of motion, 20 J less of height: a scale of 40 J
+  StepStats stats = well();  // 20 J kinetic energy gained, 20 J potential energy lost: the scale is 40 J
   stats.kinetic_energy = 21.9;
   EXPECT_FALSE(watch.check(five, stats, {}));
   stats.kinetic_energy = 22.2;
@@ -114,7 +115,7 @@ TEST(BreakConditions, MeasureEnergyAgainstWhatThereWasToMove) {
   ASSERT_TRUE(broken);
   EXPECT_NEAR(broken->value, 100 * 2.2 / 42.2, 1e-12);
   stats.kinetic_energy = 20.2;
-  stats.push_work = 2;  // that pushes out of walls have put in is no rise
+  stats.push_work = 2;  // work of the position correction at walls is no energy error
   stats.potential_energy = 82;
   EXPECT_FALSE(watch.check(parse_break_conditions("energy-rise=1"), stats, {}));
 }
@@ -128,7 +129,7 @@ TEST(BreakConditions, EnergyOfAChangeIsNoRise) {
   after.potential_energy += 10;
   watch.change(before, after);
   EXPECT_FALSE(watch.check(five, after, {}));
-  after.kinetic_energy += 10;  // of a scale of 70 J
+  after.kinetic_energy += 10;  // the scale is 70 J
   EXPECT_TRUE(watch.check(five, after, {}));
 }
 

@@ -1,5 +1,5 @@
-// Every broad phase against the definition of a pair, on boxes given outright: what scenes rarely hold, and
-// all sorts of ways to run.
+// Tests every broad phase against the definition of an overlapping pair, on explicit boxes. The boxes cover
+// cases that scenes rarely contain, at many launch shapes.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ using PairIds = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 class BroadPhaseBoxes : public OnEachExecutor {
  protected:
-  /// One way to run: the methods on an executor of their own.
+  /// One set of run options, with all methods on their own executor.
   struct Runner {
     explicit Runner(const RunOptions& options)
         : executor(options),
@@ -33,7 +33,7 @@ class BroadPhaseBoxes : public OnEachExecutor {
       list.reserve(static_cast<std::int64_t>(bodies), static_cast<std::int64_t>(pairs) + 1);
       method.reserve(static_cast<std::int64_t>(bodies));
     }
-    /// After an update to these boxes.
+    /// Returns the pairs after an update to these boxes.
     PairIds pairs_of(BroadPhase& method, const std::vector<Aabb>& host_boxes, const Aabb& host_extent) {
       boxes.upload(host_boxes);
       extent.upload({host_extent});
@@ -45,7 +45,8 @@ class BroadPhaseBoxes : public OnEachExecutor {
                  std::size_t pairs) {
       start(method, host_boxes.size(), pairs);
       PairIds first = pairs_of(method, host_boxes, host_extent);
-      EXPECT_EQ(pairs_of(method, host_boxes, host_extent), first);  // an update leaves no trace in the next
+      EXPECT_EQ(pairs_of(method, host_boxes, host_extent),
+                first);  // an update has no influence on the next one
       return first;
     }
     PairIds read(std::size_t bodies) {
@@ -82,7 +83,7 @@ class BroadPhaseBoxes : public OnEachExecutor {
     add(30, {2, 1}, LaneOrder::shuffled);
   }
 
-  /// All methods, run in the way `how`, find what the definition says.
+  /// Checks that all methods, run with the options number `how`, find exactly the pairs of the definition.
   void expect_all_pairs(const std::vector<Aabb>& boxes, const Aabb& extent, std::size_t how) {
     const PairIds expected = by_definition(boxes);
     Runner& runner = *runners_[how % runners_.size()];
@@ -114,7 +115,7 @@ class BroadPhaseBoxes : public OnEachExecutor {
 };
 ON_EACH_EXECUTOR(BroadPhaseBoxes);
 
-/// A scene of boxes of any spread, shape, mix of sizes and number up to 150; some coincide, some are empty.
+/// Up to 150 boxes of random spread, shape and mix of sizes. Some coincide, some are empty.
 std::vector<Aabb> random_boxes(unsigned seed) {
   Random random(seed);
   const auto uniform = [&](double low, double high) {
@@ -152,7 +153,7 @@ std::vector<Aabb> random_boxes(unsigned seed) {
 TEST_P(BroadPhaseBoxes, PairsOf1000RandomScenes) {
   for (unsigned seed = 0; seed < 1000; ++seed) {
     const std::vector<Aabb> boxes = random_boxes(seed);
-    Aabb extent = around(boxes);  // or one that is not true: it may cost time, never a pair
+    Aabb extent = around(boxes);  // also a wrong extent: it may cost time but must lose no pair
     if (seed % 8 == 1) extent = cube(0, 0, 0, 50);
     if (seed % 8 == 3) extent = cube(1e7f, 3, -1e-3f, 1e-3f);
     if (seed % 8 == 5) extent = Aabb::empty();
@@ -161,7 +162,7 @@ TEST_P(BroadPhaseBoxes, PairsOf1000RandomScenes) {
   }
 }
 
-/// Whatever a method keeps from update to update: bodies that creep, leap, vanish and come back.
+/// Methods keep data between updates. Bodies creep, jump, vanish and come back.
 TEST_P(BroadPhaseBoxes, PairsAfterAnyMotion) {
   constexpr std::size_t count = 120;
   for (std::size_t how = 0; how < runners_.size(); ++how) {
@@ -195,14 +196,14 @@ TEST_P(BroadPhaseBoxes, PairsOfFewBodies) {
   for (int count = 0; count <= 3; ++count) {
     std::vector<Aabb> boxes;
     for (int i = 0; i < count; ++i)
-      boxes.push_back(cube(static_cast<float>(2 * i), 0, 0, 1));  // a face touches
+      boxes.push_back(cube(static_cast<float>(2 * i), 0, 0, 1));  // one face touches
     expect_all_pairs(boxes);
   }
 }
 
 TEST_P(BroadPhaseBoxes, PairsOfCoincidentBodies) {
   expect_all_pairs(std::vector<Aabb>(300, cube(1, 2, 3, 0.5f)));
-  expect_all_pairs(std::vector<Aabb>(300, cube(1e6f, 2, 3, 0)));  // a point each
+  expect_all_pairs(std::vector<Aabb>(300, cube(1e6f, 2, 3, 0)));  // degenerate boxes: one point each
   std::vector<Aabb> nested;
   for (int i = 0; i < 100; ++i) nested.push_back(cube(1, 1, 1, std::exp2(static_cast<float>(i - 50))));
   expect_all_pairs(nested);
@@ -216,7 +217,8 @@ TEST_P(BroadPhaseBoxes, PairsOfBoxesThatTouchExactly) {
     line.push_back(cube(static_cast<float>(i), 5, 5, 0.5f));
     plane.push_back(cube(static_cast<float>(i % 19), static_cast<float>(row_of_19), 0, 0.5f));
     block.push_back(cube(x, y, z, 0.5f));
-    gaps.push_back(cube(x, y, z, 0.49999997f));  // the float below: where it is lost in rounding, they touch
+    gaps.push_back(cube(
+        x, y, z, 0.49999997f));  // the next float below: the boxes touch where rounding loses the difference
   }
   for (const auto& boxes : {line, plane, block, gaps}) expect_all_pairs(boxes);
 }
@@ -249,7 +251,7 @@ TEST_P(BroadPhaseBoxes, PairsOfRadiiFromDustToPlanets) {
   std::vector<Aabb> boxes;
   for (int i = 0; i < 400; ++i) {
     const auto k = static_cast<float>(i);
-    const float radius = 1e-7f * std::exp2(k / 400 * 43.2f);  // to 10^6 m
+    const float radius = 1e-7f * std::exp2(k / 400 * 43.2f);  // up to 10^6 m
     boxes.push_back(cube(radius * 1.5f, static_cast<float>(i % 3) * radius, -k, radius));
   }
   expect_all_pairs(boxes);
@@ -272,7 +274,7 @@ TEST_P(BroadPhaseBoxes, PairsAtTheEdgeOfTheNumbers) {
   expect_all_pairs(std::vector<Aabb>(20, Aabb::empty()));
 }
 
-/// Enough bodies for more than one of whatever the methods cut them into.
+/// The number of bodies exceeds every block size, batch and table of the methods.
 TEST_P(BroadPhaseBoxes, PairsOfManyBodies) {
   std::vector<Aabb> boxes;
   Random random(11);

@@ -1,3 +1,5 @@
+// Tests every broad phase of a World against brute force, on random and adversarial scenes. A missed pair
+// would be a missed collision.
 #include "sim_cuda/broad_phase/broad_phase.h"
 
 #include <algorithm>
@@ -13,7 +15,7 @@ namespace {
 
 using PairIds = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// Every pair of bodies whose float boxes overlap, by the definition.
+/// All pairs of bodies whose float boxes overlap, by brute force.
 template <class Real>
 PairIds by_definition(World& world) {
   const BodyStates states = world.bodies();
@@ -54,7 +56,7 @@ class BroadPhases : public OnEachExecutor {
 };
 ON_EACH_EXECUTOR(BroadPhases);
 
-TEST_P(BroadPhases, FindAllPairsOf40RandomScenes) {  // and of a thousand in broad_phase_boxes_test.cpp
+TEST_P(BroadPhases, FindAllPairsOf40RandomScenes) {  // broad_phase_boxes_test.cpp has a thousand more
   for (unsigned seed = 0; seed < 40; ++seed) {
     Scene scene = random_scene(seed, 120);
     if (seed % 2) scene.physics.precision = Precision::f64;
@@ -106,7 +108,7 @@ TEST_P(BroadPhases, TreesHoldTheirBodies) {
       if (nodes == 0) continue;
       EXPECT_GE(nodes, count) << method;
       ASSERT_EQ(tree.levels.front().size(), 1u) << method;
-      // From each body up to the root, every box holds the one below it.
+      // On the path from each body to the root, every box contains the one below it.
       for (std::uint32_t id = 0; id < count; ++id) {
         const BodyReport body = world.inspect(id);
         ASSERT_FALSE(body.path.empty()) << method << ", body " << id;

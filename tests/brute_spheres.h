@@ -1,7 +1,7 @@
 #pragma once
-// Elastic hard spheres in a box by brute force, to compare the event-driven reference with: independently of
-// it, by textbook formulas in long double, all spheres moved at every event, every pair's time kept and the
-// least looked for among them all.
+// Brute-force elastic hard spheres in a box, the expected values for the event-driven reference. The code is
+// independent of the reference: textbook formulas in long double. Every event moves all spheres, and the next
+// event is the minimum over all pairs.
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ class BruteSpheres {
     for (std::size_t i = 0; i < x_.size(); ++i) renew(i);
   }
 
-  /// Goes on to the next collision, whichever it is.
+  /// Advances to the next collision.
   CollisionEvent next() {
     const std::size_t first = static_cast<std::size_t>(std::ranges::min_element(times_) - times_.begin());
     const std::size_t row = x_.size() + faces, a = first / row, b = first % row;
@@ -94,8 +94,8 @@ class BruteSpheres {
   Box box_;
   std::vector<double> mass_, radius_;
   std::vector<Vector> x_, v_;
-  std::vector<std::size_t> on_face_;  // which it has just bounced off
-  std::vector<Real> times_;           // of each body with each, then with each face
+  std::vector<std::size_t> on_face_;  // the face of the last bounce, by body
+  std::vector<Real> times_;           // body with body, then body with face
   Real time_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// A tree as a person would measure it: from its boxes alone, in double, every query against every node. For
-// small trees.
+// Brute-force statistics of a tree, the expected values for the tree measurements. They are computed from the
+// boxes alone, in double, with every query tested against every node. For small trees.
 
 #include <algorithm>
 #include <cstdint>
@@ -18,12 +18,12 @@ struct BruteTree {
     double sah_share = 0, sibling_overlap = 0, empty_space = 0;
     std::int64_t visits = 0;
   };
-  std::vector<Node> nodes;                ///< level by level
-  std::vector<std::int64_t> body_visits;  ///< by id
-  std::vector<int> body_level;            ///< of its leaf, by id
+  std::vector<Node> nodes;                ///< in level order
+  std::vector<std::int64_t> body_visits;  ///< by body id
+  std::vector<int> body_level;            ///< level of the leaf, by body id
 
-  /// Of the current state. Which nodes have how many children, and which body a leaf holds, is the world's
-  /// word.
+  /// Measures the current state. The world supplies the number of children of each node and the body of each
+  /// leaf.
   explicit BruteTree(World& world) {
     const TreeLevels tree = world.tree().levels();
     for (int level = 0; level < static_cast<int>(tree.levels.size()); ++level)
@@ -62,7 +62,7 @@ struct BruteTree {
       node.empty_space = volume(node.box) > 0 ? std::clamp(1 - filled / volume(node.box), 0.0, 1.0) : 1;
     }
     for (Node& node : nodes) node.sah_share /= whole;
-    // A box is tested where the query overlaps the box above it.
+    // A box is tested if the query overlaps its parent's box.
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t body = 0; body < bodies.size(); ++body)
         if (i == 0 || overlap(nodes[nodes[i].parent].box, bodies[body])) {

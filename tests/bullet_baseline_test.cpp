@@ -1,4 +1,5 @@
-// Bullet, as `bench solvers` sets it up: it simulates what the scene says.
+// Tests the Bullet baseline of `bench solvers` against closed forms. Bullet must simulate the same scene as
+// our solvers.
 
 #include "headless/bench/bullet_baseline.h"
 
@@ -36,10 +37,10 @@ TEST(BulletBaseline, FallsRestsAndSlides) {
   ASSERT_EQ(states.position.size(), 3u);
   EXPECT_NEAR(states.velocity[0].z(), -9.81 * 2, 1e-3);
   EXPECT_NEAR(states.velocity[0].x(), 1, 1e-5);
-  EXPECT_NEAR(states.position[0].z(), 100 - 9.81 * 2 * 2 / 2, 0.1);  // first order, by g t h / 2
+  EXPECT_NEAR(states.position[0].z(), 100 - 9.81 * 2 * 2 / 2, 0.1);  // first order: error g t h / 2
   EXPECT_NEAR(states.position[1].z(), 1, 0.02);
   EXPECT_NEAR(states.velocity[1].norm(), 0, 1e-2);
-  // Sliding has turned to rolling, as ours does, at 5/7 of the speed.
+  // Sliding has turned into rolling at 5/7 of the speed, as in our solvers.
   EXPECT_NEAR(states.velocity[2].x(), 5, 0.1);
   EXPECT_NEAR(states.angular_velocity[2].y(), 5, 0.1);
 }

@@ -1,3 +1,5 @@
+// Tests the statistics of trees against values by hand and against brute force. Users compare broad phases by
+// these numbers.
 #include "sim_cuda/broad_phase/bvh_statistics.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 
@@ -43,7 +45,7 @@ TEST_P(Quality, OfTwoBodiesByHand) {
   EXPECT_NEAR(q.expected_visits, (7.0 * 4 * 4 + 2 * 4.0 * 4 * 4) / 20, 1e-5);
 }
 
-// Spheres of 1 m, 1 m apart: half of each box lies in the other.
+// Two spheres of 1 m, 1 m apart: half of each box lies inside the other.
 TEST_P(Quality, OfAnOverlapByHand) {
   Scene scene = empty_space();
   scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {1, 0, 0})};
@@ -53,7 +55,7 @@ TEST_P(Quality, OfAnOverlapByHand) {
   EXPECT_EQ(q.pairs, 1);
   EXPECT_NEAR(q.sibling_overlap, common / root, 1e-6);
   EXPECT_NEAR(q.empty_space, 0, 1e-6);
-  // One face across the axis lies wholly inside the other box, and half of each of the four along it.
+  // One face across the axis lies inside the other box, and half of each of the four faces along the axis.
   EXPECT_NEAR(q.epo, 2 * 2 * (4 + 4 * 2) / (2 * leaf), 1e-6)
       << "each in the other's leaf, whose cost counts twice";
   EXPECT_NEAR(q.tests_per_pair, 3, 1e-12);
@@ -69,7 +71,7 @@ TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
     std::int64_t leaves = 0;
     for (const std::int64_t of_level : q.leaves) leaves += of_level;
     EXPECT_EQ(leaves, 500) << method;
-    // The sum of visits over bodies is the sum over nodes.
+    // The sum of visits over bodies equals the sum over nodes.
     double by_node = 0;
     const auto nodes = world.tree().ranked(NodeMetric::visits, 0, world.tree().nodes());
     ASSERT_EQ(std::ssize(nodes), world.tree().nodes());
@@ -92,14 +94,14 @@ TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
   }
 }
 
-/// Counts by the definition of each traversal, from the nodes as they are reported.
+/// Visit counts by the definition of each traversal, computed from the reported nodes.
 struct OwnTraversals {
   struct Node {
     NodeReport report;
-    std::uint32_t parent = 0, first = 0, last = 0;  ///< first and last place of its leaves
+    std::uint32_t parent = 0, first = 0, last = 0;  ///< first and last leaf place below the node
   };
   std::vector<Node> nodes;
-  std::vector<std::uint32_t> leaf;  ///< node, by place
+  std::vector<std::uint32_t> leaf;  ///< node number, by leaf place
 
   explicit OwnTraversals(World& world) {
     std::vector<std::uint32_t> places(static_cast<std::size_t>(world.tree().nodes()));
@@ -124,7 +126,8 @@ struct OwnTraversals {
       if (x.min[k] > y.max[k] || y.min[k] > x.max[k]) return false;
     return true;
   }
-  /// counts(node, place): whether the query of the leaf at `place` reads the node, whose parent overlaps it.
+  /// The mean number of nodes with counts(node, place): whether the query of the leaf at `place` reads the
+  /// node. The query overlaps the node's parent.
   template <class Counts>
   double mean(const Counts& counts) const {
     double all = 0;
@@ -149,7 +152,7 @@ TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
     World world = world_of(box_collider(400), method);
     const OwnTraversals brute(world);
     EXPECT_NEAR(own(method, world), brute.mean([](const auto& node, std::uint32_t place) {
-      return node.first > place;  // along ropes: what lies wholly to the right
+      return node.first > place;  // rope traversal: nodes entirely to the right
     }),
                 1e-9)
         << method;
@@ -158,7 +161,7 @@ TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
     World world = world_of(box_collider(512), method);
     const OwnTraversals brute(world);
     EXPECT_NEAR(own(method, world), brute.mean([](const auto& node, std::uint32_t place) {
-      return node.last > place;  // from the root: what ends to the right
+      return node.last > place;  // from the root: nodes that end to the right
     }),
                 1e-9)
         << method;
@@ -188,16 +191,15 @@ TEST_P(Quality, WholeQueriesReadAllThatOverlapsAndFindTheSamePairs) {
   }
 }
 
-// A plane of a BSP is no box, and Bullet's tree is deeper than what is drawn of it: both are counted as they
-// are traversed.
+// A BSP plane has no box, and Bullet's tree is deeper than the drawn one. Both are counted during the
+// traversal.
 TEST_P(Quality, OwnVisitsOfPlanesAndOfADeepTree) {
-  Scene apart = empty_space();  // on a line: each plane parts them cleanly
+  Scene apart = empty_space();  // on a line: each plane separates them without overlap
   for (int i = 0; i < 64; ++i) apart.bodies.push_back(sphere(0.25, Vector3d(i, 0, 0)));
   for (const char* method : {"bsp", "kd_tree"}) {
     World world = world_of(apart, method);
-    // The query of place p reads the inner nodes over it, as far as they reach to the right, and no more: the
-    // sum over all of how many levels lie above the lowest bit that is 0; and the sibling of even places is
-    // not reached.
+    // The query at place p reads its inner ancestors whose range extends to the right of p. Their number is
+    // the number of levels above the lowest zero bit of p. The sibling of an even place is not reached.
     double all = 0;
     for (int place = 0; place < 63; ++place)
       for (int level = 0; level < 6; ++level) all += (place | ((1 << (6 - level)) - 1)) != place;

@@ -1,4 +1,5 @@
-// What hands do to the camera, against plain geometry.
+// Tests the camera's mouse operations against geometry: zoom, pan, orbit, axis views and the outline of a
+// sphere.
 
 #include "viewer/camera_control.h"
 
@@ -16,14 +17,14 @@ OrbitCamera example() {
   return camera;
 }
 
-// Pixels of a point in a view of 800 x 600.
+// The pixel of a point in a view of 800 x 600.
 Eigen::Vector2d seen(const OrbitCamera& camera, const Vector3d& point) {
   const Eigen::Vector4d clip =
       camera.projection(800.0 / 600, 0.1, 1000) * camera.view() * point.homogeneous();
   return {400 + 400 * clip.x() / clip.w(), 300 - 300 * clip.y() / clip.w()};
 }
 
-// The point at the target's distance under a pixel.
+// The point below a pixel, at the distance of the target.
 Vector3d under(const OrbitCamera& camera, double x, double y) {
   const double scale = 2 * std::tan(0.5 * camera.field_of_view) * camera.distance / 600;
   const Matrix3d axes = camera.axes();
@@ -85,7 +86,7 @@ TEST(CameraControl, TheOutlineTouchesTheSphere) {
     const auto points = sphere_outline(camera, center, radius, 800, 600);
     ASSERT_EQ(points.size(), 64u);
     for (const auto& [x, y] : points) {
-      // The ray through each pixel of the outline passes the centre at the distance of the radius.
+      // The ray through each pixel of the outline passes the centre at a distance of one radius.
       const Vector3d through = under(camera, x, y);
       const Vector3d direction =
           orthographic ? Vector3d(-camera.axes().col(2)) : Vector3d((through - camera.eye()).normalized());

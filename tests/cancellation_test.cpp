@@ -1,5 +1,5 @@
-// Work that is cancelled in its middle: at every place where it looks, it throws, and the world is as it was
-// before the step. What follows is what would have been.
+// Tests cancellation at every poll within a step, a detection or a construction. A cancelled call must leave
+// the world as it was, and later steps must match an uninterrupted run.
 
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
@@ -20,7 +20,7 @@
 namespace collidoscope {
 namespace {
 
-/// Counts looks of the work on this thread, and requests the end at one of them.
+/// Counts the polls on this thread and requests cancellation at one of them.
 class Looks {
  public:
   Looks() {
@@ -30,7 +30,7 @@ class Looks {
         },
         {});
   }
-  /// Whether the work was cancelled at its k-th look.
+  /// Returns whether the work was cancelled at its k-th poll.
   template <class Work>
   bool cancel_at(int k, const Work& work) {
     seen_ = 0;
@@ -53,14 +53,14 @@ class Looks {
   int seen_ = 0, wanted_ = 0;
 };
 
-/// Everything that decides how a run goes on.
+/// The complete state of the run, as snapshot bytes.
 std::string state_of(World& world) {
   std::string bytes;
   write_snapshot(snapshot_of(world), [&](std::string_view more) { bytes += more; });
   return bytes;
 }
 
-/// Spheres that rain on each other in a box; with all effects that the solver has.
+/// Spheres that fall on each other in a box, with all effects of the solver.
 Scene busy_scene(Solver solver, Precision precision) {
   Scene scene;
   scene.name = "busy";
@@ -100,7 +100,7 @@ Scene busy_scene(Solver solver, Precision precision) {
   return scene;
 }
 
-/// Cancels steps at each `stride`-th look, and compares with a run that was never cancelled.
+/// Cancels each step at every `stride`-th poll and compares with an uninterrupted run.
 void expect_undone(const Scene& scene, RunOptions options, int steps, int stride, double uninterrupted) {
   World undisturbed(scene, options);
   Looks looks;
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, CancelledSteps,
                                   std::string(name_of(precision_names, std::get<1>(tested.param)));
                          });
 
-constexpr double never = 0, always = 1e9;  // s, of work that is done without interruption
+constexpr double never = 0, always = 1e9;  // s, length of a solve that runs to its end
 
 TEST_P(CancelledSteps, CommitNothingAtAnyLook) { expect_undone(scene(), on_cpu(1), 6, 7, never); }
 
@@ -229,7 +229,8 @@ TEST(Cancellation, DuringADetectionOrAMeasureLeavesTheWorld) {
   EXPECT_GT(cancelled, 20);
 }
 
-/// A body falls too fast at a known step; what is found is told or frozen, however often that is cancelled.
+/// A body exceeds the speed limit at a known step. The finding is reported or the body frozen, even if the
+/// step was cancelled before.
 TEST(Cancellation, WhileAFindingIsReadChangesNothing) {
   for (const auto& [name, solver, help] : solver_names)
     for (const OnFailure on_failure : {OnFailure::pause, OnFailure::freeze}) {
@@ -297,7 +298,7 @@ TEST(Cancellation, KeepsToOneThreadWithItsPolls) {
   EXPECT_EQ(strangers, 0);
 }
 
-/// Items that take long: few of them are done between two looks.
+/// With slow items, only few items run between two polls.
 TEST(Cancellation, IsSeenBetweenSlowItems) {
   for (const int threads : {1, 3}) {
     ThreadTeam team(threads);

@@ -1,3 +1,5 @@
+// Tests `capture`: equal bytes for equal input, drawn instances against the world's tree, bodies and
+// contacts, and refusals before the run starts.
 #include "headless/capture.h"
 
 #include <gmock/gmock.h>
@@ -51,7 +53,7 @@ TEST(Capture, TwoCapturesAreByteEqual) {
   EXPECT_EQ(picture.height, 200);
 }
 
-// Two spheres fly apart, and a step of Euler's method puts both g h t / 2 too low.
+// Two spheres fly apart. The Euler step places both g h t / 2 too low.
 TEST(Capture, SaysHowFarTheBodiesAreFromTheirGhosts) {
   Scene scene;
   scene.name = "two";

@@ -1,3 +1,5 @@
+// Tests the Cayley rotation update against its series and the conservation of angular momentum. Normalisation
+// in float must have no bias.
 #include "sim_cuda/dynamics/cayley.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +24,7 @@ TEST(Cayley, TurnsByAnAngleToFourthOrder) {
   EXPECT_TRUE(std::isfinite(half_tangent(1e30f)));
 }
 
-/// Mean of |q|^2 - 1 over quaternions in all directions.
+/// Mean of |q|^2 - 1 over random quaternions.
 template <class Normalise>
 double bias(const Normalise& normalise_it) {
   Uniform uniform{Random(7)};

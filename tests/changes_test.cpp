@@ -1,4 +1,5 @@
-// What is changed while a run runs: the same everywhere, as little as it must be, and made again from a file.
+// Tests changes during a run: equal results on every executor, minimal effect on other bodies, and replay
+// from a file.
 
 #include "sim_cuda/changes/changes.h"
 
@@ -35,7 +36,7 @@ Change addition(const Body& body) {
 class Changes : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Changes);
 
-/// Spheres that rub, roll and may sleep, close enough to touch from the start; two of them are joined.
+/// Spheres with friction, rolling resistance and sleeping, in contact from the start. Two of them are joined.
 Scene crowd() {
   Scene scene = box_collider(120);
   scene.box->max = Vector3d(24, 24, 24);
@@ -57,7 +58,7 @@ Scene crowd() {
   return scene;
 }
 
-/// Everything that can be changed, each at a state of its own; as a file.
+/// A changes file with every kind of change, each at a state of its own.
 const char* const script = R"({"format": "collidoscope-changes", "version": 1, "changes": [
   {"step": 4, "bodies": 170},
   {"step": 7, "effects": ["gravity", "rotation", "joints", "sleeping"]},
@@ -83,7 +84,7 @@ const char* const script = R"({"format": "collidoscope-changes", "version": 1, "
 ]})";
 constexpr int script_steps = 54;
 
-/// The run of such a file, at the end.
+/// The world at the end of a run with this changes file.
 World replayed(const Scene& scene, const std::string& text, const RunOptions& options, std::int64_t steps) {
   const TemporaryFolder folder;
   std::ofstream(folder / "changes.json") << text;
@@ -170,7 +171,7 @@ TEST_P(Changes, WhoIsRemovedLeavesTheOthersAsTheyAre) {
   const std::unique_ptr<World> after = world_after_change(world, removal({60, 0, 121}), options());
   const RunState state = after->state();
   ASSERT_EQ(state.bodies.position.size(), 119u);
-  std::vector<std::uint32_t> old;  // ids by new ones
+  std::vector<std::uint32_t> old;  // old ids, by new id
   for (std::uint32_t id = 0; id < 122; ++id)
     if (id != 0 && id != 60 && id != 121) old.push_back(id);
   for (std::size_t i = 0; i < old.size(); ++i) {
@@ -180,7 +181,7 @@ TEST_P(Changes, WhoIsRemovedLeavesTheOthersAsTheyAre) {
     EXPECT_EQ(after->initial().mass[i], world.initial().mass[old[i]]) << i;
     EXPECT_EQ(state.warm_start.walls[4][i], before.warm_start.walls[4][old[i]]) << i;
   }
-  // What rested on each other goes on from what it knows.
+  // Contacts between remaining bodies keep their cached impulses.
   std::vector<std::array<std::uint32_t, 2>> kept;
   std::vector<double> impulses;
   for (const ContactImpulse& c : before.warm_start.contacts)
@@ -289,7 +290,7 @@ TEST(Change, FilesReadBackAsTheyWere) {
   EXPECT_EQ(again.changes[16].settings.get<&Physics::rotation_update>(), RotationUpdate::lie_group);
 }
 
-/// What is said of a list whose second line is this; the scene is crowd(), or one without generators.
+/// The message for a list with this second line. The scene is crowd(), with or without generators.
 std::string fault_of(const std::string& changes, std::int64_t start = 0, bool generated = true) {
   Scene scene = crowd();
   if (!generated) {

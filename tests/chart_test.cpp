@@ -1,4 +1,5 @@
-// Charts against goldens, and what a chart must not fall over.
+// Tests charts against golden pictures, and with degenerate input: no points, one point, equal points, values
+// off the axis.
 
 #include "ui/chart.h"
 

@@ -1,4 +1,4 @@
-// Back to a state that a run came through, bit for bit.
+// Tests that a checkpoint returns to any recorded state of a run, bit for bit.
 
 #include "sim_cuda/run/checkpoint.h"
 

@@ -1,4 +1,5 @@
-// The headless program as its users meet it: exit status, what stands where, and no file that is half a file.
+// Tests the headless program: exit status, the split between stdout and stderr, and no partial file. The
+// tests run the real program, as a user does.
 // More than 400 lines: each command has its own cases.
 
 #include <gmock/gmock.h>
@@ -47,10 +48,10 @@ std::vector<std::vector<double>> numbers_of_csv(const fs::path& file, std::strin
   return rows;
 }
 
-/// `text` in a scene file; `@` in the arguments stands for the folder.
+/// `text` is the content of the scene file; `@` in the arguments is the folder.
 struct BadInput {
   std::string name;
-  std::string text;  ///< of @/scene.json; empty: there is no such file
+  std::string text;  ///< content of @/scene.json; empty: the file does not exist
   std::vector<std::string> arguments;
   int status;
   std::string first_line;  ///< a regular expression (POSIX extended); @ as above
@@ -332,7 +333,7 @@ TEST(Cli, HowItRunsChangesNoHash) {
   EXPECT_EQ(hash({"--executor", "cpu", "--lane-order", "shuffled", "--blocks", "2", "--threads", "4"}), once);
   EXPECT_EQ(hash({"--initial-pair-capacity", "1"}), once);
   EXPECT_EQ(hash({"--broad-phase", "brute_force"}), once);
-  // And it is no constant.
+  // The hash depends on the physics.
   EXPECT_NE(hash({"--seed", "2"}), once);
   EXPECT_NE(hash({"--precision", "f64"}), once);
 }
@@ -361,7 +362,7 @@ TEST(Cli, TheFilesOfARunAgreeWithItsReport) {
     EXPECT_EQ(row[0], static_cast<double>(id));
     const double mass = row[2], radius = row[1];
     EXPECT_NEAR(mass, 1000 * 4.0 / 3 * M_PI * radius * radius * radius, 1e-5 * mass);  // the density is 1000
-    EXPECT_EQ(row[6], 1);                                                              // nothing turns
+    EXPECT_EQ(row[6], 1);                                                              // no rotation
     for (int axis = 0; axis < 3; ++axis) {
       kinetic += mass * row[10 + axis] * row[10 + axis] / 2;
       momentum[axis] += mass * row[10 + axis];

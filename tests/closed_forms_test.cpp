@@ -1,5 +1,5 @@
-// The closed forms that errors are measured against, by identities that do not come of their derivation:
-// equations of motion by differences, what they keep, their limits.
+// Tests the closed forms that serve as reference solutions. They are checked by identities independent of
+// their derivation: equations of motion by finite differences, conserved quantities and limits.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// The derivative at t, to about 1e-10 of a function that changes in about a second.
+/// The derivative at t by finite differences. The error is about 1e-10 for functions with a time scale of a
+/// second.
 template <class F>
 auto slope(const F& f, double t) {
   const double h = 1e-3;
@@ -49,7 +50,7 @@ TEST(JacobiElliptic, IsTheSineAtOneEndAndTheHyperbolicTangentAtTheOther) {
     EXPECT_NEAR(jacobi_elliptic(u, 1 - 1e-14).sn, std::tanh(u), 1e-11);
   }
   for (const double m : {0.0, 0.3, 0.7, 0.99}) {
-    // K as an integral, by the trapezoidal rule, which is exact for what is periodic.
+    // K by numerical integration. The trapezoidal rule converges exponentially for periodic functions.
     double sum = 0;
     for (int k = 0; k < 4000; ++k) sum += 1 / std::sqrt(1 - m * std::pow(std::sin((k + 0.5) * pi / 4000), 2));
     EXPECT_NEAR(complete_elliptic(m), sum / 4000 * pi / 2, 1e-12);
@@ -104,7 +105,7 @@ TEST(Kepler, KeepsEnergyMomentumAndPeriodAndFallsByTheLawOfSquares) {
       EXPECT_LT((s.position.cross(s.velocity) - start.position.cross(start.velocity)).norm(), 1e-12);
       EXPECT_LT((kepler_orbit(mu, start, t + period).position - s.position).norm(), 1e-11);
       const double r = s.position.norm();
-      if (r < 1) continue;  // where it is fast the differences are coarse
+      if (r < 1) continue;  // finite differences are too coarse at high speed
       EXPECT_LT((slope([&](double q) { return kepler_orbit(mu, start, q).position; }, t) - s.velocity).norm(),
                 1e-7);
       EXPECT_LT((slope([&](double q) { return kepler_orbit(mu, start, q).velocity; }, t) +
@@ -121,7 +122,7 @@ TEST(FreeRotation, OfASymmetricTopKeepsLAndTurnsByItsAngularVelocity) {
     const Quaterniond q = symmetric_top(inertia, spin, t);
     const Quaterniond rate(Eigen::Vector4d(
         slope([&](double s) { return Eigen::Vector4d(symmetric_top(inertia, spin, s).coeffs()); }, t)));
-    const Vector3d turning = 2 * (rate * q.conjugate()).vec();  // world axes
+    const Vector3d turning = 2 * (rate * q.conjugate()).vec();  // in world axes
     const Vector3d in_body = q.conjugate() * turning;
     EXPECT_LT((q * inertia.cwiseProduct(in_body) - momentum).norm(), 1e-7) << t;
   }
@@ -158,7 +159,7 @@ TEST(Impacts, KeepWhatTheyShould) {
   for (const double mu : {0.05, 0.2, 10.0}) {
     const Motion3 thrown{Vector3d(2, -1, -4), Vector3d(3, 20, -5)};
     const Motion3 up = after_bounce(thrown, r, Vector3d(0, 0, 1), 0.7, mu);
-    const auto about_contact = [&](const Motion3& m) {  // per mass
+    const auto about_contact = [&](const Motion3& m) {  // per unit mass
       return Vector3d(0.4 * r * r * m.spin + r * Vector3d(0, 0, 1).cross(m.velocity));
     };
     EXPECT_LT((about_contact(up) - about_contact(thrown)).norm(), 1e-13);

@@ -1,3 +1,5 @@
+// Tests the colour maps: monotonic lightness, no jumps, and distinguishable levels. Colours encode values, so
+// their order must be visible.
 #include "viewer/render/colors.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +32,7 @@ TEST(Colors, LevelsGoFromDarkToLight) {
     EXPECT_EQ(level_color(first - 1, first, last).r, level_color(first, first, last).r);
     EXPECT_EQ(level_color(last + 9, first, last).r, level_color(last, first, last).r);
   }
-  for (int a = 2; a <= 6; ++a)  // of five levels, neighbours are told apart at a glance
+  for (int a = 2; a <= 6; ++a)  // of up to five levels, neighbours are clearly distinguishable
     for (int b = 2; b < a; ++b) {
       const Rgb x = level_color(a, 2, 6), y = level_color(b, 2, 6);
       EXPECT_GT(std::hypot(x.r - y.r, x.g - y.g, x.b - y.b), 0.2) << a << ' ' << b;

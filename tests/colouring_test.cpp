@@ -1,3 +1,5 @@
+// Tests the graph colouring of contacts against its definition, at every launch shape. Contacts of one colour
+// are solved in parallel, so they may share no body.
 #include "sim_cuda/solver/colouring.h"
 
 #include <algorithm>
@@ -11,8 +13,8 @@ namespace collidoscope {
 namespace {
 
 struct Coloured {
-  std::vector<std::vector<std::uint32_t>> colours;  ///< contact numbers; the last is the split set
-  std::vector<std::uint32_t> used;                  ///< by body: its colours, as bits
+  std::vector<std::vector<std::uint32_t>> colours;  ///< contact numbers by colour; the last is the split set
+  std::vector<std::uint32_t> used;                  ///< bit mask of used colours, by body
 };
 
 class ColouringTest : public OnEachExecutor {
@@ -20,7 +22,7 @@ class ColouringTest : public OnEachExecutor {
   Coloured colour(const std::vector<Pair>& contacts, std::uint32_t bodies, RunOptions o) {
     Executor executor(o);
     Colouring colouring(executor);
-    const auto capacity = static_cast<std::int64_t>(contacts.size()) + 13;  // room that must stay unused
+    const auto capacity = static_cast<std::int64_t>(contacts.size()) + 13;  // surplus capacity stays unused
     colouring.reserve(bodies, capacity);
     Buffer<Pair> pairs(executor, "contacts");
     pairs.upload(contacts);
@@ -50,8 +52,8 @@ class ColouringTest : public OnEachExecutor {
     return result;
   }
 
-  /// Every contact in exactly one place; no body twice in one colour; no contact left over that had a free
-  /// colour.
+  /// Checks the colouring: every contact occurs exactly once, no body occurs twice in a colour, and no
+  /// contact with a free colour is in the split set.
   void expect_proper(const Coloured& coloured, const std::vector<Pair>& contacts, std::uint32_t bodies) {
     std::vector<int> seen(contacts.size(), 0);
     std::vector<std::set<std::size_t>> used(bodies);
@@ -99,16 +101,16 @@ TEST_P(ColouringTest, AHubOverflowsIntoTheSplitSet) {
   const Coloured coloured = colour(contacts, 501, options());
   expect_proper(coloured, contacts, 501);
   EXPECT_EQ(coloured.colours.back().size(),
-            500u - Colouring::colours);  // every colour is used once at the hub
+            500u - Colouring::colours);  // the hub uses every colour once
 }
 
 TEST_P(ColouringTest, DoesNotDependOnTheOrderOfWork) {
-  const auto contacts = random_contacts(300, 3000, 9);  // 20 contacts a body: saturated bodies too
+  const auto contacts = random_contacts(300, 3000, 9);  // 20 contacts per body, also saturated bodies
   RunOptions first = options();
   const Coloured expected = colour(contacts, 300, first);
   for (const LaunchShape shape :
        {LaunchShape{1, 1}, LaunchShape{2, 4}, LaunchShape{3, 37}, LaunchShape{8, 64},
-        LaunchShape{5000, 512}})  // the last: more than a GPU runs at once
+        LaunchShape{5000, 512}})  // more than a GPU runs at once
     for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
       for (const int threads : {1, 2}) {
         RunOptions o = options();
@@ -133,7 +135,7 @@ TEST_P(ColouringTest, TurnsLetEachBodysContactsPassInTheOrderOfTheirColours) {
       const auto [a, b] = contacts[k];
       waiting.push_back({contacts[k], DependencyCounters::of(coloured.used[a], coloured.used[b], c), c});
     }
-  std::reverse(waiting.begin(), waiting.end());  // the last to be free is asked first
+  std::reverse(waiting.begin(), waiting.end());  // process the last ready contact first
   std::vector<std::uint8_t> count(300, 0);
   std::vector<int> last(300, -1);
   while (!waiting.empty()) {

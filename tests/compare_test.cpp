@@ -1,3 +1,5 @@
+// Tests the comparison of pictures against known values and the end points of the perceptual metric. Golden
+// tests depend on it.
 #include "headless/compare.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +42,7 @@ TEST(Compare, CountsPixelsAndTheLargestStep) {
 }
 
 TEST(Compare, ThePerceptualMeanHasItsKnownEnds) {
-  // In FLIP, black against white is 1 minus little, and green against blue is 1 by construction.
+  // FLIP: black against white is slightly below 1; green against blue is 1 by definition.
   EXPECT_NEAR(compare_images(plain(40, 40, 0, 0, 0), plain(40, 40, 255, 255, 255)).perceptual_mean, 0.98,
               0.02);
   EXPECT_NEAR(compare_images(plain(40, 40, 0, 255, 0), plain(40, 40, 0, 0, 255)).perceptual_mean, 1, 0.001);
@@ -59,7 +61,7 @@ TEST(Compare, ThePerceptualMeanGrowsWithTheDifferenceAndIsSymmetric) {
 }
 
 TEST(Compare, FineNoiseMattersLessThanAPatch) {
-  // One pixel in nine against a patch of as many pixels: the eye blurs the first.
+  // One pixel in nine against a solid patch of equal area: the metric blurs the fine noise.
   const Image a = plain(90, 90, 128, 128, 128);
   Image noise = a;
   for (int y = 0; y < 90; y += 3)

@@ -1,5 +1,5 @@
-// The two counts of contacts: pairs that touch in a state, by brute force; and the contacts of the last step,
-// with those that its motion could bring together.
+// Tests the two contact counts: touching pairs in a state, against brute force, and the last step's contacts
+// including speculative ones.
 
 #include <gmock/gmock.h>
 
@@ -62,7 +62,7 @@ TEST_P(ContactCounts, OfPairsThatShareOnePoint) {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     Scene scene = empty_space();
     scene.physics.precision = precision;
-    // Touch, touch, and a gap of one unit in the last place of a float.
+    // Two touching pairs, and a gap of one float unit in the last place.
     scene.bodies = {sphere(1, Vector3d(0, 0, 0)), sphere(1, Vector3d(2, 0, 0)), sphere(1, Vector3d(2, 2, 0)),
                     sphere(1, Vector3d(0, 0, std::nextafter(2.0f, 3.0f)))};
     World world(scene, options());
@@ -72,7 +72,7 @@ TEST_P(ContactCounts, OfPairsThatShareOnePoint) {
   }
 }
 
-// A ball flies past a row of others within one step: the step must look at all of them, and touches none.
+// A ball flies past a row of others within one step. The step must test all of them; it touches none.
 TEST_P(ContactCounts, OfWhatAStepForesawAreApartFromTouching) {
   Scene scene = hard_space();
   scene.physics.time_step = 0.1;
@@ -90,7 +90,7 @@ TEST_P(ContactCounts, OfWhatAStepForesawAreApartFromTouching) {
   EXPECT_EQ(impulse.measure().speculative, 0) << "impulse has no margin";
 }
 
-// Without a measure before it.
+// Publishes the counts without a previous measurement.
 TEST_P(ContactCounts, OfWhatIsDrawnAreThoseThatTouch) {
   Scene scene = box_collider(600);
   scene.physics.solver = Solver::soft_step;

@@ -1,4 +1,4 @@
-// The impulses of contacts, against momentum: what a contact gives is what its bodies gain.
+// Tests the recorded contact impulses against momentum: their sum is the momentum change of each body.
 
 #include "sim_cuda/solver/contact_impulses.h"
 
@@ -40,7 +40,8 @@ TEST_P(Impulses, OfTwoSpheresHeadOn) {
     }
 }
 
-// What each body gains in a step, from what its contacts gave along the normals of the state before.
+// Compares the momentum change of each body in a step with the recorded impulses, along the normals of the
+// state before.
 void expect_momentum(const Scene& scene, const RunOptions& options, int steps, double tolerance) {
   World world(scene, options);
   world.records().record_impulses(true);
@@ -80,7 +81,7 @@ TEST_P(Impulses, PassAlongAChain) {
   const double mass = world.initial().mass[0];
   const std::vector<ContactImpulse> list = world.records().impulses();
   ASSERT_EQ(list.size(), 5u);
-  // Equal masses, elastic: each passes on all it got.
+  // Equal masses, elastic: each ball passes its whole momentum on.
   for (std::uint32_t k = 0; k < 5; ++k) {
     EXPECT_EQ(list[k].a, k);
     EXPECT_EQ(list[k].b, k + 1);
@@ -91,7 +92,7 @@ TEST_P(Impulses, PassAlongAChain) {
 
 TEST_P(Impulses, AreTheMomentumThatBodiesGain) {
   for (const int iterations : {1, 4}) {
-    // A dense cloud, which no walls hold together.
+    // A dense cloud without walls.
     Scene scene = empty_space();
     scene.materials[0].restitution = 0.5;
     scene.physics.precision = Precision::f64;
@@ -110,7 +111,7 @@ TEST_P(Impulses, AreTheMomentumThatBodiesGain) {
 }
 
 TEST_P(Impulses, OfTheMassSplitSetToo) {
-  // A giant that more bodies touch than there are colours.
+  // A giant sphere with more contacts than there are colours.
   Scene scene = empty_space();
   scene.physics.precision = Precision::f64;
   scene.physics.iterations = 2;
@@ -149,7 +150,7 @@ TEST_P(Impulses, OfSeveralSubstepsAreThoseOfTheLast) {
 TEST_P(Impulses, NeverChangeTheStateAndCostNothingWhileOff) {
   const Scene scene = box_collider(800);
   RunOptions o = options();
-  o.initial_pair_capacity = 100;  // grows while it records
+  o.initial_pair_capacity = 100;  // the list grows during the recording
   World off(scene, o), on(scene, o), toggled(scene, o);
   on.records().record_impulses(true);
   for (int k = 0; k < 24; ++k) {
@@ -184,7 +185,7 @@ TEST_P(Impulses, ArePublishedWithTheContactsOfTheState) {
   World world(box_collider(1000, Variant::paper), options());
   world.records().record_impulses(true);
   world.step(40);
-  world.detect();  // other contacts than those of the last step
+  world.detect();  // the state's contacts differ from the last step's
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> given;
   for (const ContactImpulse& c : world.records().impulses()) given[{c.a, c.b}] = c.impulse;
   const PublishCounts counts = world.publisher().counts(0, 0);

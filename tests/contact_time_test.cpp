@@ -1,5 +1,5 @@
-// The times at which flights touch, against their nearest points in long double and against looking
-// everywhere.
+// Tests the contact times of free flights against their nearest points in long double and against a dense
+// search.
 
 #include "sim_cuda/reference/contact_time.h"
 
@@ -19,7 +19,7 @@ TEST(TimeToContact, IsTheFirstMomentOfTouch) {
     const double reach = uniform(0.01, 2);
     const Vector3d v = uniform.vector(3);
     Vector3d d = uniform.vector(4);
-    if (k % 4 == 0) {  // a graze: it passes at the reach, but for a millionth
+    if (k % 4 == 0) {  // grazing: passes at the contact distance, up to 1e-6
       const Vector3d across = d.cross(v).normalized();
       d = across * reach * (1 + uniform(-1e-6, 1e-6)) - uniform(0.1, 3) * v;
     }
@@ -35,7 +35,7 @@ TEST(TimeToContact, IsTheFirstMomentOfTouch) {
     }
     if (miss > -1e-14) continue;
     ++hits;
-    // Before the nearest point, and there they touch: the gap is as small as the speed of approach makes it.
+    // The time is not after the nearest point, and the gap there is zero within rounding.
     ASSERT_LE(time, static_cast<double>(nearest_at) * (1 + 1e-15));
     ASSERT_NEAR(static_cast<double>((wide_d + time * wide_v).norm() - reach), 0, 2e-15 * (d.norm() + reach));
   }
@@ -67,7 +67,7 @@ TEST(TimeToPlane, IsTheNextMomentOfTouchWhileApproaching) {
       ASSERT_TRUE(gap <= 0 && (speed < 0 || (speed == 0 && pull < 0))) << gap << ' ' << speed << ' ' << pull;
       continue;
     }
-    // Nowhere before is it below and falling.
+    // At no earlier time is the body below the plane and falling.
     const double horizon = time == never ? 10 : time;
     for (int i = 1; i < 50; ++i) {
       const double t = horizon * i / 50;
@@ -84,10 +84,10 @@ TEST(TimeToPlane, IsTheNextMomentOfTouchWhileApproaching) {
   }
   EXPECT_GT(found, 50000);
   EXPECT_GT(turned, 100);
-  EXPECT_EQ(time_to_plane(0, 3, -10, 1e-15), 0.6);  // a bounce from the plane itself, to the last bit
+  EXPECT_EQ(time_to_plane(0, 3, -10, 1e-15), 0.6);  // a bounce from the plane itself, exact to the last bit
   EXPECT_EQ(time_to_plane(0, 0, -10, 1e-15), 0);    // at rest
   EXPECT_EQ(time_to_plane(-1e-3, -1, 10, 0), 0);
-  EXPECT_EQ(time_to_plane(-1e-17, -1e-17, 0, 1e-16), never);  // slides along it
+  EXPECT_EQ(time_to_plane(-1e-17, -1e-17, 0, 1e-16), never);  // slides along the plane
 }
 
 }  // namespace

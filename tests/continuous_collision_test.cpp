@@ -1,6 +1,6 @@
-// Continuous collision: the share of a way that keeps clear of a core, against brute force; swarms and
-// bullets in which nobody passes through anybody, and without the effect somebody does; and what it costs
-// where it is off.
+// Tests continuous collision. The clamped displacement is compared with brute force. In swarms and with
+// bullets no body passes through another; without the effect some do. Where no motion is clamped, the state
+// must not change.
 
 #include "sim_cuda/dynamics/continuous_collision.h"
 
@@ -16,7 +16,7 @@ namespace {
 class Continuous : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Continuous);
 
-/// m: how near the origin a straight way from `d` to `d + path` comes.
+/// m, distance of the straight path from `d` to `d + path` to the origin
 double nearest(const Vector3d& d, const Vector3d& path) {
   const double length = path.squaredNorm();
   const double at = length > 0 ? std::clamp(-d.dot(path) / length, 0.0, 1.0) : 0;
@@ -48,14 +48,14 @@ TEST(ShareOutsideCore, StopsWhereTheyTouchAndOnlyBeforeACore) {
   EXPECT_GT(stuck, 30);
 }
 
-/// Small spheres that fly at up to 1,000 m/s in a small box, and two heavy ones among them.
+/// Small spheres at up to 1,000 m/s in a small box, and two heavy ones among them.
 Scene swarm(Precision precision, bool continuous) {
   Scene scene;
   scene.name = "test";
   scene.box = Box{Vector3d(0, 0, 0), Vector3d(10, 10, 10)};
   scene.physics.precision = precision;
   scene.physics.time_step = 1.0 / 60;
-  scene.physics.substeps = 1;  // so that the way in a step is straight
+  scene.physics.substeps = 1;  // so that the path of a step is straight
   scene.materials[0].restitution = 0.5;
   Uniform uniform{Random(7)};
   for (int k = 0; k < 300; ++k) {
@@ -70,8 +70,8 @@ Scene swarm(Precision precision, bool continuous) {
   return scene;
 }
 
-/// How many pairs that are apart when a step begins have their centres come within half the sum of their
-/// radii in it, in `steps` steps of one substep each.
+/// Counts tunnelling pairs in `steps` steps of one substep: pairs apart at the start of a step whose centres
+/// come within half the sum of their radii.
 int passed(World& world, const Scene& scene, int steps) {
   int count = 0;
   std::vector<Vector3d> before = world.bodies().position;
@@ -90,8 +90,7 @@ int passed(World& world, const Scene& scene, int steps) {
   return count;
 }
 
-// A wall may push a body beyond its displacement limit: without a motion of its own it stays there, wherever
-// that is.
+// A wall correction may place a body beyond its displacement limit. A body without own motion stays there.
 TEST(ClampedMotion, OfWhoStandsStillIsNone) {
   const DisplacementLimit<float> limit{Vector3f(0, 0, 0), 1};
   const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);
@@ -112,13 +111,13 @@ TEST_P(Continuous, NobodyPassesThroughAnybodyInASwarm) {
     ASSERT_GT(on.bodies.size(), 200u);
     World held(on, options()), loose(off, options());
     EXPECT_EQ(passed(held, on, 60), 0);
-    EXPECT_GT(passed(loose, off, 60), 20);  // so that the count can find something
+    EXPECT_GT(passed(loose, off, 60), 20);  // shows that the count detects tunnelling
     EXPECT_EQ(held.measure().escaped, 0);
   }
 }
 
 TEST_P(Continuous, ABulletPassesNoSphereOfATenthOfAMetre) {
-  // Against one that is free, one that leans at a wall, and a heavy bullet against a row of three.
+  // A light or a heavy bullet hits a row of three touching bodies. The last one touches a wall.
   for (const double bullet_mass : {0.01, 1000.0})
     for (const bool continuous : {true, false})
       for (const double offset : {0.0, 0.03, 0.06}) {
@@ -137,7 +136,7 @@ TEST_P(Continuous, ABulletPassesNoSphereOfATenthOfAMetre) {
         for (int k = 0; k < 10; ++k) {
           world.step();
           const std::vector<Vector3d> x = world.bodies().position;
-          // Aside of a row it may go on; through it, it may not.
+          // The bullet may pass beside the row but not through it.
           const bool aside = std::abs(x[3].y() - x[0].y()) > 0.06;
           behind += x[3].x() > x[0].x() && !aside;
         }
@@ -150,7 +149,7 @@ TEST_P(Continuous, ABulletPassesNoSphereOfATenthOfAMetre) {
 TEST_P(Continuous, IsCalledForBySpeedsThatCrossTheSmallestRadius) {
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
-  scene.physics.time_step = 1.0 / 60;  // of 4 substeps
+  scene.physics.time_step = 1.0 / 60;  // 4 substeps per step
   scene.bodies = {sphere(0.1, Vector3d(0, 0, 0), Vector3d(23.9, 0, 0)), sphere(1, Vector3d(9, 0, 0))};
   EXPECT_FALSE(World(scene, options()).effects().continuous_collision);
   scene.bodies[0].velocity = Vector3d(24.1, 0, 0);
@@ -160,8 +159,8 @@ TEST_P(Continuous, IsCalledForBySpeedsThatCrossTheSmallestRadius) {
 }
 
 TEST_P(Continuous, ChangesNothingWhereNobodyIsHeld) {
-  // Slow bodies that meet: no way is cut short. (Among many, more contacts are foreseen, and so coloured
-  // differently.)
+  // Slow bodies meet, and no motion is clamped. The scene has few bodies: in a crowd, more speculative
+  // contacts would change the colouring.
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
   scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(3, 0, 0)), sphere(1, Vector3d(4, 0.5, 0))};

@@ -1,4 +1,4 @@
-// Criterion files: what they may say, and every fault named by line and column.
+// Tests the reader of criterion files: every field, and every fault with its line and column.
 
 #include "sim_cuda/stability/criterion.h"
 
@@ -22,7 +22,7 @@ Scene five_spheres() {
   return scene;
 }
 
-/// A criterion with these members beside those that it must have.
+/// A criterion with the required members and `members`.
 std::string text(const std::string& members) {
   return R"({"format": "collidoscope-criterion", "version": 1, "what": "it stands", "group": "stacks",
 )" + members +
@@ -105,7 +105,7 @@ TEST(Criterion, ReadsAllThatItMaySay) {
 TEST(Criterion, MayCompareWithEveryBroadPhaseThatThereIs) {
   const Criterion c = parse(R"("steps": 1, "assertions": [
       {"quantity": "other_hash", "broad_phases": ["all"], "at_most": 0}])");
-  ASSERT_EQ(c.assertions.size(), 2u);  // all finite, and this
+  ASSERT_EQ(c.assertions.size(), 2u);  // the finite check and this one
   EXPECT_TRUE(c.assertions[1].every_broad_phase);
   EXPECT_TRUE(c.assertions[1].broad_phases.empty());
 }

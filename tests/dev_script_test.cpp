@@ -1,5 +1,5 @@
-// The script `dev` without a display: what it hands to the headless program. The build is replaced by
-// programs that do nothing, and the program by one that prints its arguments.
+// Tests the script `dev` without a display: the arguments that it passes to the headless program. The build
+// is replaced by programs that do nothing, and the headless program by one that prints its arguments.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

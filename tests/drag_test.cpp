@@ -1,5 +1,5 @@
-// Drag against closed forms: terminal speeds, the tanh law, exponential decay; that it never turns a body
-// round, hides no contact, and costs nothing where nothing calls for it.
+// Tests drag against closed forms: terminal speeds, the tanh law and exponential decay. Also tests that drag
+// never reverses a velocity, misses no contact, and costs nothing where it is not required.
 
 #include <cmath>
 #include <numbers>
@@ -63,7 +63,8 @@ TEST_P(Dragging, TheTerminalSpeedIsExactForEveryTimeStep) {
         World world(scene, options());
         world.step(static_cast<int>(60 + 40 / (dt * (a + b * speed))));
         const Vector3d v = world.bodies().velocity[0];
-        // Each substep rounds what gravity adds and what drag takes; the latter's share lets it add up.
+        // Each substep rounds the velocity changes of gravity and drag. The relative drag per substep
+        // determines how far these errors accumulate.
         const double h = dt / substeps_in_effect(scene.physics),
                      bit = precision == Precision::f64 ? 2e-16 : 1e-7;
         const double near = bit * (4 * g * h + 4 * speed / std::min(1.0, h * (a + b * speed)));
@@ -178,7 +179,7 @@ TEST_P(Dragging, WhatIsNotCalledForCostsNothing) {
 }
 
 TEST_P(Dragging, NoRoundingTurnsABodyRound) {
-  // What is left of the speed is far less than what a float rounds away.
+  // The remaining speed is far below the rounding error of a float.
   for (const Integrator integrator :
        {Integrator::semi_implicit_euler, Integrator::velocity_verlet, Integrator::rk4})
     for (const double viscosity : {1e2, 1e4, 1e6, 1e8})
@@ -201,7 +202,8 @@ class DragAndContacts : public OnEachExecutor {};
 ON_EACH_EXECUTOR(DragAndContacts);
 
 TEST_P(DragAndContacts, NobodyPassesThroughWhatTheMediumStops) {
-  // Side by side at one speed there is nothing to foresee, but that air stops foam and not steel.
+  // Two bodies move side by side at one speed. Air stops the light one and not the heavy one, so only the
+  // drag lets them collide.
   for (const int order : {0, 1}) {
     Scene scene = empty_space();
     scene.physics.solver = Solver::soft_step;

@@ -1,3 +1,4 @@
+// Tests the drawing options: defaults by renderer, explicit requests, and the reader of their names.
 #include "viewer/render/draw_options.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Forwarding and impacts against formulas, with tolerances from the order of the method.
+// Tests motion and impacts against formulas. The tolerances follow from the order of the method.
 
 #include <cmath>
 
@@ -26,12 +26,12 @@ TEST_P(Dynamics, FlightFollowsSemiImplicitEuler) {
   const Vector3d expected =
       scene.bodies[0].position + t * scene.bodies[0].velocity + h * h * n * (n + 1) / 2 * g;
   EXPECT_LT((world.bodies().position[0] - expected).norm(), 1e-11 * expected.norm());
-  // and so misses the parabola by h t g / 2, which is Euler's bias, no more
+  // The parabola is missed by h t g / 2, which is the bias of Euler's method.
   const Vector3d parabola = scene.bodies[0].position + t * scene.bodies[0].velocity + t * t / 2 * g;
   EXPECT_LT((world.bodies().position[0] - parabola - h * t / 2 * g).norm(), 1e-10);
 }
 
-/// Two spheres that will have met after ten steps; returns their velocities.
+/// Steps two spheres ten times, so that they collide; returns their velocities.
 std::pair<Vector3d, Vector3d> impact(Scene scene, Body a, Body b, const RunOptions& options) {
   scene.physics.precision = Precision::f64;
   scene.bodies = {a, b};
@@ -62,7 +62,7 @@ TEST_P(Dynamics, ObliqueImpactsKeepTheTangentialPart) {
   scene.materials[0].restitution = 0.6;
   const Body a = sphere(1, Vector3d(0, 0, 0), Vector3d(0, 0, 0)),
              b = sphere(1, Vector3d(1.9, 0.5, 0.2), Vector3d(-6, 0, 1));
-  // They overlap from the start, so the normal is that of the first step.
+  // The spheres overlap from the start, so the normal is that of the first step.
   const Vector3d n = (b.position - a.position).normalized();
   const auto [u, v] = impact(scene, a, b, options());
   const double closing = -b.velocity.dot(n), impulse = (1 + 0.6) * closing / 2;  // per mass, equal masses
@@ -93,7 +93,7 @@ TEST_P(Dynamics, CoincidentCentresPartAlongZ) {
 }
 
 TEST_P(Dynamics, MomentumIsBalancedByTheWalls) {
-  // p(t) = p(0) + what the walls gave + m g t
+  // p(t) = p(0) + wall impulses + m g t
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     Scene scene = box_collider(1000);
     scene.generators[0].speed_max = 30;
@@ -154,8 +154,8 @@ TEST_P(Dynamics, FastBodiesNeverCrossAWall) {
 }
 
 TEST_P(Dynamics, ASlopeIsSlidDownWithoutFriction) {
-  // From rest on a plane tilted by 30 degrees, touching: a = g sin(30), so s = a t^2 / 2, missed by Euler's h
-  // t a / 2.
+  // The body starts at rest on a plane tilted by 30 degrees: a = g sin(30), so s = a t^2 / 2. Euler's method
+  // misses it by h t a / 2.
   Scene scene = empty_space();
   scene.physics.precision = Precision::f64;
   scene.physics.gravity = Vector3d(0, 0, -9.81);
@@ -190,7 +190,7 @@ TEST(Rotation, OfABallTurnsByTheCayleyAngle) {
   const Vector3d w(0.3, -2, 1);
   const int steps = 100;
   const Spin s = spun(Vector3d(2, 2, 2), w, 1, steps);
-  // q' turns by 2 atan(h |w| / 2) a step about w, so by |w| t - O(h^2) in all.
+  // q' rotates by 2 atan(h |w| / 2) per step about w, in total by |w| t - O(h^2).
   const double angle = 2 * steps * std::atan(w.norm() / steps / 2);
   const Quaterniond expected(Eigen::AngleAxisd(angle, w.normalized()));
   EXPECT_LT(s.q.angularDistance(expected), 1e-12);
@@ -198,7 +198,7 @@ TEST(Rotation, OfABallTurnsByTheCayleyAngle) {
 }
 
 TEST(Rotation, OfASymmetricTopPrecesses) {
-  // Free precession: the body turns about its own axis by (1 - I3/I1) w3 t, and about L by |L|/I1 t.
+  // Free precession: the body rotates about its own axis by (1 - I3/I1) w3 t, and about L by |L|/I1 t.
   const Vector3d inertia(2, 2, 1), w(0.5, 0, 3);
   const double time = 1.5;
   const Vector3d l0(inertia.array() * w.array());
@@ -250,7 +250,7 @@ TEST_P(Dynamics, ASceneWithoutSpinStoresNone) {
   spinning.physics.effects = Effects{.gravity = true, .rotation = true};
   World a(still, options()), b(spinning, options());
   EXPECT_FALSE(a.effects().rotation);
-  // orientation 16, spin 16, inertia 12 bytes a body
+  // orientation 16, spin 16, inertia 12 bytes per body
   EXPECT_EQ(b.info().allocated_bytes - a.info().allocated_bytes, 1000 * 44);
   a.step(20);
   b.step(20);

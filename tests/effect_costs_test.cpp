@@ -1,4 +1,4 @@
-// What effects cost, measured beside a run that must not notice.
+// Tests the measured cost of effects. The measurement must not change the running world.
 
 #include "viewer/session/effect_costs.h"
 
@@ -59,7 +59,8 @@ TEST_P(CostsOfEffects, AreMeasuredWithoutTouchingTheRun) {
       EXPECT_LE(effect.cost->ms, effect.cost->ms_high);
     }
     EXPECT_EQ(of(all, &Effects::gravity).cost->bytes, 0);
-    // Friction keeps what it gave; rotation is only off where friction is, and keeps q and w.
+    // Friction stores impulses. Switching rotation off also switches friction off, and rotation stores q and
+    // w.
     EXPECT_GT(of(all, &Effects::friction).cost->bytes, 0);
     EXPECT_GT(of(all, &Effects::rotation).cost->bytes, of(all, &Effects::friction).cost->bytes);
   }

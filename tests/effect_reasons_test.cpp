@@ -1,4 +1,4 @@
-// Why an effect is called for: as required_effects() has it, in words.
+// Tests the reasons why an effect is required, against required_effects().
 
 #include "sim_cuda/scene/effect_reasons.h"
 

@@ -1,3 +1,5 @@
+// Tests the EGL context and the OpenGL wrappers: choice of the device, error messages that name the call, and
+// buffers that grow.
 #include "headless/pictures/egl_context.h"
 
 #include <epoxy/gl.h>

@@ -1,5 +1,5 @@
-// Hashes agree on garbage too, so energy is tested: it never rises where restitution <= 1, but for the
-// positional push's own part; and nobody leaves the box.
+// Tests that energy never rises for restitution <= 1, except by the reported work of the position correction,
+// and that no body leaves the box. Equal hashes do not show this: they also agree on wrong states.
 
 #include <cmath>
 
@@ -11,8 +11,8 @@ namespace {
 
 class Energy : public OnEachExecutor {
  protected:
-  /// Steps, and checks every `every` steps. What rounding may add: the sums carry about 1e-7 of the total in
-  /// float.
+  /// Steps and checks the energy every `every` steps. Tolerance: float sums have an error of about 1e-7 of
+  /// the total.
   void expect_no_rise(const Scene& scene, int steps, int every) {
     World world(scene, options());
     double last = world.measure().energy();
@@ -47,7 +47,7 @@ TEST_P(Energy, NeverRisesWithSubstepsIterationsAndPerfectBounces) {
 }
 
 TEST_P(Energy, OfAnElasticGasIsKept) {
-  // No gravity, e = 1, and spheres that start apart: every impulse keeps the energy exactly but for rounding.
+  // No gravity, e = 1, and spheres that start apart: each impulse conserves the energy up to rounding.
   Scene scene = project_scene("gas");
   scene.physics.precision = Precision::f64;
   World world(scene, options());
@@ -58,7 +58,7 @@ TEST_P(Energy, OfAnElasticGasIsKept) {
 }
 
 TEST_P(Energy, OfOneBallFallsByTheDriftOfItsIntegrator) {
-  // Semi-implicit Euler loses 1/2 m g^2 h^2 a step in free flight, and a perfect bounce takes nothing.
+  // Semi-implicit Euler loses 1/2 m g^2 h^2 per step in free flight. An elastic bounce loses nothing.
   Scene scene = empty_space();
   scene.physics.precision = Precision::f64;
   scene.physics.gravity = Vector3d(0, 0, -9.81);
@@ -71,7 +71,7 @@ TEST_P(Energy, OfOneBallFallsByTheDriftOfItsIntegrator) {
 }
 
 TEST_P(Energy, PushesAreReportedAsTheirOwn) {
-  // A sphere that starts half sunk into the floor is pushed out: the gain is the push's.
+  // A sphere starts half inside the floor. The energy gain is the work of the position correction.
   Scene scene = empty_space();
   scene.physics.gravity = Vector3d(0, 0, -9.81);
   scene.box = Box{};

@@ -1,6 +1,6 @@
 #pragma once
-// The executors of this machine. A test over executors has one body: it runs on the CPU and, where there is a
-// GPU, on CUDA.
+// The executors of this machine, for tests that run once per executor: on the CPU, and on CUDA if a GPU is
+// present.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ inline std::vector<ExecutorKind> executors() {
   return kinds;
 }
 
-/// `threads`: 0 for as many as the machine has.
+/// `threads`: number of threads; 0 for all of the machine.
 inline RunOptions on_cpu(int threads = 0) {
   RunOptions options;
   options.executor = ExecutorKind::cpu;

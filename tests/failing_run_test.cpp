@@ -1,5 +1,5 @@
-// A run that goes wrong, through the real program: the line, the exit status, and the snapshot of the state
-// before, from which the same goes wrong in the same way.
+// Tests a run with an invalid step, through the real program: message, exit status and snapshot. A run from
+// the snapshot must fail in the same way.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Body 1 falls for ever, and comes to 5 m/s on its way to state 16.
+/// Body 1 falls freely and reaches 5 m/s in the step to state 16.
 class FailingRun : public testing::Test {
  protected:
   FailingRun() {
@@ -129,7 +129,7 @@ TEST_F(FailingRun, GoesOnWithTheBodyFrozen) {
 }
 
 TEST_F(FailingRun, BreaksOnAConditionAndGoesBackAStep) {
-  // 5 m/s is passed on the way to state 16 with and without guards.
+  // The speed passes 5 m/s in the step to state 16, with and without guards.
   const Outcome broken = run_headless({"run", plain_, "--executor", "cpu", "--break", "non-finite,speed=5",
                                        "--steps", "40", "--save", saved_, "--json", "-"});
   EXPECT_EQ(broken.status, 1);

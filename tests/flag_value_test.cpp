@@ -1,3 +1,5 @@
+// Tests the parsing of flag values: whole numbers, seeds, ranges and vectors. No partial match and no
+// overflow may pass.
 #include "headless/cli/flag_value.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Tests the parser of layer lists (`--layers`): names, ranges, magnifications, and one message per fault.
 #include "viewer/render/frame_layers.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// Tests the static part of a frame: bounds, floor, grid, runs of meshes, and the view that fits all bodies.
 #include "viewer/render/frame_scene.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,7 @@ TEST(FrameScene, TheBoundsReachDownToWhereBodiesLand) {
   Scene slope;
   slope.obstacles = {{.normal = Vector3d(1, 0, 1).normalized(), .offset = 0}};
   const FrameScene scene = frame_scene(slope, three_bodies());
-  EXPECT_NEAR(scene.bounds.min.z(), -10, 1e-12);  // under the body at x = 10
+  EXPECT_NEAR(scene.bounds.min.z(), -10, 1e-12);  // below the body at x = 10
   EXPECT_EQ(scene.bounds.max, Vector3d(12, 23, 8));
   ASSERT_EQ(scene.planes.size(), 1u);
   slope.physics.gravity = {0, 0, 0};
@@ -87,7 +88,8 @@ TEST(FrameScene, TheBoundsFollowTheBodies) {
   EXPECT_EQ(bounds.max, Vector3d(2, 2, -48));
 }
 
-// A ball is thrown from the eye: if the camera framed it, the camera would go back with each ball.
+// A ball is thrown from the camera. The camera must not frame thrown balls: it would move back with each
+// throw.
 TEST(SceneView, AThrownBallLeavesTheCameraAndAllShowsWhereBodiesAre) {
   test_context();
   Scene scene;
@@ -111,7 +113,7 @@ TEST(SceneView, AThrownBallLeavesTheCameraAndAllShowsWhereBodiesAre) {
     EXPECT_EQ(view.camera(), before);
     EXPECT_EQ(view.scene_size(), size);
   }
-  for (int k = 0; k < 60; ++k) live.step(false);  // they fall by about 20 m
+  for (int k = 0; k < 60; ++k) live.step(false);  // the bodies fall by about 20 m
   view.handle_request(CameraRequest::frame_all, live);
   EXPECT_LT(view.camera().target.z(), before.target.z() - 10);
 }

@@ -1,4 +1,5 @@
-// `bench frames`, run as a user runs it.
+// Tests `bench frames` through the real program: the parts add up to the frame, and the output names what was
+// measured.
 
 #include "headless/bench/frames.h"
 

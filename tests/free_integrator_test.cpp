@@ -1,5 +1,5 @@
-// Integrators and rotation updates in the solvers: the order of each against closed forms; that contacts,
-// joints and rest do not notice them; and that the defaults cost nothing.
+// Tests integrators and rotation updates inside the solvers. Their orders are compared with closed forms.
+// They must not change contacts, joints and resting bodies, and the defaults must cost nothing.
 
 #include "sim_cuda/solver/free_integrator.h"
 
@@ -28,7 +28,7 @@ class OfASolver : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>
     return o;
   }
   Solver solver() const { return std::get<1>(GetParam()); }
-  /// No box, no gravity, double, whole steps.
+  /// No box, no gravity, double; one substep per step.
   Scene space(Integrator integrator) const {
     Scene scene = empty_space();
     scene.physics.solver = solver();
@@ -37,7 +37,7 @@ class OfASolver : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>
     scene.physics.substeps = 1;
     return scene;
   }
-  /// `scene` after `time` s in so many steps, two substeps each.
+  /// The state after `time` s in `steps` steps of two substeps each.
   BodyStates after(Scene scene, double time, int steps) const {
     scene.physics.substeps = 2;
     scene.physics.time_step = time / steps;
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(Executors, FreeMotions,
                                           testing::Values(Solver::impulse, Solver::soft_step,
                                                           Solver::jacobi_split)),
                          executor_and_solver);
-/// `impulse` has no attractors, joints and sleep.
+/// The solver `impulse` has no attractors, joints and sleeping.
 class SoftFreeMotions : public OfASolver {};
 INSTANTIATE_TEST_SUITE_P(Executors, SoftFreeMotions,
                          testing::Combine(testing::ValuesIn(executors()),
@@ -77,7 +77,7 @@ TEST_P(FreeMotions, FlyAParabolaExactlyOrMissItByEulersBias) {
           integrator == euler ? Vector3d(h * time / 2 * scene.physics.gravity) : Vector3d(0, 0, 0);
       const Vector3d exact =
           Vector3d(1, 2, 300) + time * Vector3d(3, -1, 4) + time * time / 2 * scene.physics.gravity;
-      // Each substep may round once what it adds, and once the sum.
+      // Each substep rounds the increment and the sum once.
       EXPECT_LT((s.position[0] - exact - bias).norm(), 2 * steps * bit * 300);
       EXPECT_LT((s.velocity[0] - Vector3d(3, -1, 4) - time * scene.physics.gravity).norm(),
                 2 * steps * bit * 30);
@@ -114,7 +114,7 @@ TEST_P(FreeMotions, AreOfTheirOrderInAMedium) {
 
 TEST_P(SoftFreeMotions, AreOfTheirOrderOnASpringAndAnOrbit) {
   for (const Integrator integrator : {euler, verlet, rk4}) {
-    // Softened far beyond the amplitude, an attractor is a spring.
+    // With a softening far beyond the amplitude, an attractor is a linear spring.
     Scene scene = space(integrator);
     const double omega = 1.2, eps = 1e6;
     scene.physics.attractors = {{.strength = omega * omega * eps * eps * eps, .softening = eps}};
@@ -130,7 +130,7 @@ TEST_P(SoftFreeMotions, AreOfTheirOrderOnASpringAndAnOrbit) {
         order_of(integrator), 0.15)
         << name_of(integrator_names, integrator);
 
-    // An orbit of eccentricity 0.3, so wide that the least softening is none.
+    // An orbit of eccentricity 0.3. Its radius is so large that the smallest softening is negligible.
     const double mu = 2, r = 1000, speed = std::sqrt(1.3 * mu / r);
     scene.physics.attractors = {{.strength = mu, .softening = 1e-3}};
     scene.bodies = {sphere(0.1, Vector3d(r, 0, 0), Vector3d(0, 0.8 * speed, 0.6 * speed))};
@@ -176,7 +176,7 @@ TEST_P(FreeMotions, TurnBodiesToTheOrderOfTheirRotationUpdate) {
     }
 }
 
-// ---- what nothing may notice ----
+// ---- unaffected behaviour ----
 
 TEST_P(FreeMotions, LeaveABodyAtRestWhereItIsToTheBit) {
   Scene scene = space(euler);
@@ -252,7 +252,7 @@ TEST_P(SoftFreeMotions, LetAPileSettleAsDeep) {
 }
 
 TEST_P(FreeMotions, BounceAsHighAsTheyShould) {
-  // Dropped from 2 m above a floor that returns 0.8 of the speed: peaks at 0.64^n of that.
+  // The ball drops 2 m onto a floor with restitution 0.8. The n-th peak is at 0.64^n of the height.
   double missed[3] = {};
   for (const Integrator integrator : {euler, verlet, rk4}) {
     Scene scene = space(integrator);
@@ -279,7 +279,8 @@ TEST_P(FreeMotions, BounceAsHighAsTheyShould) {
     }
     EXPECT_NEAR(height, 2 * 0.64 * 0.64 * 0.64, 1e-12) << "three peaks";
   }
-  // What meets a plane does so early with `impulse`; with the others, Euler's way down is all that is wrong.
+  // With `impulse` bodies bounce early, before they reach the plane. With the other solvers the only error is
+  // that of Euler's method on the way down.
   const bool early = solver() == Solver::impulse;
   EXPECT_GT(missed[0], 0.02);
   EXPECT_LT(missed[1], early ? 0.005 : 1e-4);

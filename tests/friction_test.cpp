@@ -1,5 +1,5 @@
-// Friction against closed forms: sliding and rolling, inclines, stopping, spinning bounces; what it keeps;
-// and that a scene without it does not pay for it.
+// Tests friction against closed forms: sliding and rolling, inclines, stopping distances and spinning
+// bounces. Also tests conservation laws, and that a scene without friction pays no cost.
 
 #include <cmath>
 #include <map>
@@ -13,7 +13,7 @@ namespace {
 
 class Rubbing : public OnEachExecutor {
  protected:
-  /// Steps, and returns the states before and after.
+  /// Steps and returns the resulting states.
   BodyStates after(World& world, int steps) {
     world.step(steps);
     return world.bodies();
@@ -21,7 +21,7 @@ class Rubbing : public OnEachExecutor {
 };
 ON_EACH_EXECUTOR(Rubbing);
 
-/// One sphere of 0.5 m that touches a plane through the origin, whose slope falls along +x by `angle`.
+/// One sphere of 0.5 m in contact with a plane through the origin that descends along +x by `angle`.
 Scene on_a_plane(double mu, double angle) {
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
@@ -65,7 +65,7 @@ TEST_P(Rubbing, AnInclineRollsOrSlides) {
   for (const double degrees : {10.0, 30.0, 50.0})
     for (const double part : {0.5, 0.95, 1.05, 2.0}) {
       const double angle = degrees * 3.14159265358979323846 / 180, r = 0.5;
-      const double mu = part * 2 / 7 * std::tan(angle);  // below 1 it slides
+      const double mu = part * 2 / 7 * std::tan(angle);  // with a factor below 1 the ball slides
       Scene scene = on_a_plane(mu, angle);
       World world(scene, options());
       const BodyStates start = world.bodies(), s = after(world, 120);
@@ -75,13 +75,13 @@ TEST_P(Rubbing, AnInclineRollsOrSlides) {
       const double turning = part > 1 ? a / r : 5 * mu * press / (2 * r);
       EXPECT_NEAR(s.velocity[0].dot(down), a, 1e-9 * g) << degrees << ' ' << part;
       EXPECT_NEAR(s.angular_velocity[0].y(), turning, 1e-9 * g / r) << degrees << ' ' << part;
-      // Euler is h t a / 2 ahead, and the first substep moves before it rubs.
+      // Euler is ahead by h t a / 2. In the first substep the motion precedes the friction.
       EXPECT_NEAR((s.position[0] - start.position[0]).dot(down), a * (1 + h) / 2, h * h * g);
     }
 }
 
 TEST_P(Rubbing, WhatDoesNotTurnStopsAfterItsDistanceOrStays) {
-  // So much inertia that a sphere is a block.
+  // With this moment of inertia the sphere behaves like a sliding block.
   Scene scene = on_a_plane(0.4, 0);
   const double v0 = 6, h = scene.physics.time_step / 4;
   scene.bodies[0].mass = 3;
@@ -117,7 +117,7 @@ TEST_P(Rubbing, ASpinningBounceTakesWhatTheWholeImpulseAllows) {
       const double met = std::sqrt(speed * speed + 2 * g * 0.0123);
       const double expected = std::min(2 * r * spin / 7, mu * (1 + e) * met);
       EXPECT_NEAR(s.velocity[0].z(), e * met, 1e-4) << "but for the drift of Euler's fall";
-      // Until the step ends it lies on the floor, and that rubs as well.
+      // The body stays on the floor until the end of the step, with friction.
       EXPECT_NEAR(s.velocity[0].x(), expected, mu * g * dt) << mu << ' ' << e;
       EXPECT_NEAR(s.angular_velocity[0].y(), spin - 5 * s.velocity[0].x() / (2 * r), 1e-9)
           << "about the point that touches";
@@ -143,7 +143,8 @@ TEST_P(Rubbing, APairTakesTheGeometricMean) {
   }
 }
 
-/// Momenta are kept, and energy is lost, from step to step; returns the most mass-split contacts of a step.
+/// Checks in each step that momenta are conserved and energy decreases. Returns the largest number of
+/// mass-split contacts in a step.
 std::int64_t expect_kept(Scene scene, const RunOptions& options) {
   scene.physics.solver = Solver::soft_step;
   scene.physics.precision = Precision::f64;
@@ -207,7 +208,7 @@ TEST_P(Rubbing, OfManyOnOneIsMassSplit) {
 TEST_P(Rubbing, OfAPileBringsItToRest) {
   Scene scene = box_collider(800);
   scene.generators[0].radius_max = 6;
-  scene.generators[0].spawn = Spawn::apart;  // parting what starts in each other would add energy
+  scene.generators[0].spawn = Spawn::apart;  // the correction of initial overlaps would add energy
   scene.physics.solver = Solver::soft_step;
   scene.materials[0].friction = 0.5;
   World world(scene, options());
@@ -220,7 +221,7 @@ TEST_P(Rubbing, OfAPileBringsItToRest) {
     EXPECT_EQ(stats.non_finite, 0);
     last = stats.energy() - stats.push_work;
   }
-  // p(t) = p(0) + what the walls gave, friction too, + m g t
+  // p(t) = p(0) + wall impulses including friction + m g t
   const StepStats stats = world.measure();
   double mass = 0;
   for (const double m : world.initial().mass) mass += m;

@@ -1,4 +1,4 @@
-// What the fuzzers of tests/fuzz found or were given, read by their checks: no clang needed.
+// Tests the readers with the corpora of the fuzzers in tests/fuzz, by the same checks. Needs no clang.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Readers, FuzzCorpus,
                                          Corpus{"snapshot", check_snapshot}, Corpus{"object", check_object}),
                          [](const auto& each) { return each.param.reader; });
 
-/// Every scene of the project but those of thousands of bodies is read as the fuzzers read it.
+/// Reads every scene of the project with few bodies, with the checks of the fuzzers.
 TEST(FuzzCorpus, ScenesOfTheProject) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(project_file("assets/scenes"))) {
     SCOPED_TRACE(entry.path());
@@ -50,7 +50,7 @@ TEST(FuzzCorpus, ScenesOfTheProject) {
   }
 }
 
-/// The checks can fail: a reader that takes what it should refuse, or says so in other words.
+/// The checks can fail: for a reader that accepts invalid input, or refuses it by another exception.
 TEST(FuzzChecks, TellWhatIsWrong) {
   EXPECT_NO_THROW(check_changes(R"({"format": "collidoscope-changes", "version": 1, "changes": []})"));
   EXPECT_NO_THROW(check_scene(changed_scene()));

@@ -1,5 +1,5 @@
 #pragma once
-// What tests of pictures share: a GL context for the whole program, synthetic records, and an analytic eye.
+// Shared parts of tests that draw: one GL context per program, synthetic records, and analytic rays.
 
 #include <gtest/gtest.h>
 
@@ -12,14 +12,14 @@
 
 namespace collidoscope {
 
-/// Made at first use, kept to the end: contexts are slow to make.
+/// Created at first use and kept until exit, since creating a context is slow.
 inline EglContext& test_context() {
   static EglContext context;
   context.make_current();
   return context;
 }
 
-/// A small generator of numbers in [0, 1), the same everywhere.
+/// A small random number generator for [0, 1), equal on all machines.
 class TestRandom {
  public:
   explicit TestRandom(std::uint32_t seed) : state_(seed) {}
@@ -48,7 +48,7 @@ inline BodyInstance sphere_instance(const Vector3d& center, double radius, doubl
   return record;
 }
 
-/// `count` spheres of radii up to `radius_max` m in the standard box, values from 0 to 1.
+/// `count` spheres of radii up to `radius_max` m in the standard box, with values from 0 to 1.
 inline TestBodies test_spheres(int count, double radius_max, std::uint32_t seed) {
   TestBodies bodies;
   bodies.scene.box = Box{};
@@ -75,7 +75,7 @@ inline BoxInstance box_instance(const Vector3d& min, const Vector3d& max, int le
   return record;
 }
 
-/// The ray through the place (x, y) of a picture, in pixels from its top left corner, in double.
+/// The ray through the point (x, y) of a picture, in pixels from the top left corner, in double.
 struct EyeRay {
   Vector3d origin, direction;
 };

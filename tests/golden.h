@@ -1,10 +1,10 @@
 #pragma once
-// Compares pictures with goldens. tests/golden holds a folder of goldens for each known renderer, that is for
-// each combination of renderer, Mesa and ImGui. There the comparison is tight: at most 0.1 % of the pixels
-// differ by more than 5/255 a channel, and a golden that is missing is a failure. An unknown renderer, one
-// without a folder, is compared loosely with the goldens of another; with COLLIDOSCOPE_TIGHT_GOLDENS=1 it
-// fails. A failure writes the picture, the golden and the difference to an HTML page. UPDATE_GOLDENS=1 is the
-// only way to change a golden: it writes to the folder of the renderer at hand.
+// Compares pictures with golden files. tests/golden holds one folder for each known renderer: each
+// combination of renderer, Mesa and ImGui. For a known renderer the comparison is tight: at most 0.1 % of the
+// pixels may differ by more than 5/255 per channel, and a missing golden is a failure. An unknown renderer is
+// compared loosely with the goldens of another renderer. With COLLIDOSCOPE_TIGHT_GOLDENS=1 it fails. A
+// failure writes the picture, the golden and the difference to an HTML page. Only UPDATE_GOLDENS=1 changes
+// goldens: it writes to the folder of the current renderer.
 
 #include <filesystem>
 #include <string>
@@ -14,40 +14,42 @@
 
 namespace collidoscope {
 
-/// Greatest FLIP-like mean that passes where the golden was drawn by another renderer.
+/// Largest mean of the perceptual difference (FLIP-like) that passes if another renderer drew the golden.
 constexpr double loose_bound = 0.02;
 
-/// Checks `picture` against the golden `name` (without folder or ending) in tests/golden, for the renderer at
-/// hand. Returns "" if it passes, else what is wrong, the command that accepts the picture, and the page.
+/// Checks `picture` against the golden `name` (without folder or extension) in tests/golden, for the current
+/// renderer. Returns "" if it passes, else the difference, the command that accepts the picture, and the
+/// page.
 std::string check_golden(const std::string& name, const Image& picture);
-/// The same; the name is in the list of golden files that tests read (golden_files.h).
+/// The same check. Adds the name to the list of golden files that tests read (golden_files.h).
 template <GoldenName name>
 std::string check_golden(const Image& picture) {
   static_cast<void>(golden_picture_entry<name>.name());
   return check_golden(std::string(name.text), picture);
 }
 
-/// The same against the goldens in another folder and for the renderer `key`; never writes a golden.
+/// The same check with goldens in another folder, for the renderer `key`. Never writes a golden.
 std::string check_golden(const std::filesystem::path& goldens, const std::string& key,
                          const std::string& name, const Image& picture);
 
 /// The PNG to compare with. It may be missing.
 struct GoldenPicture {
   std::filesystem::path png;
-  bool same_renderer = false;  ///< the comparison is tight
+  bool same_renderer = false;  ///< use the tight comparison
 };
 
-/// For a known renderer its own golden. Else one of another renderer, with the same ImGui if there is one.
+/// Returns the golden of a known renderer. For an unknown renderer, returns a golden of another one,
+/// preferably with the same ImGui.
 GoldenPicture find_golden(const std::filesystem::path& goldens, const std::string& key,
                           const std::string& name);
 
-/// Name of the folder of a renderer's goldens: "llvmpipe_Mesa-22.3.6_ImGui-1.86".
+/// The folder of a renderer's goldens: "llvmpipe_Mesa-22.3.6_ImGui-1.86".
 std::string golden_folder(const std::string& key);
 
-/// The comparison of check_golden() without files: "" or what is wrong.
+/// The comparison of check_golden() without files: returns "" or the difference.
 std::string judge(const Image& picture, const Image& golden, bool same_renderer);
 
-/// The renderer at hand: "llvmpipe, Mesa 22.3.6, ImGui 1.86".
+/// The current renderer: "llvmpipe, Mesa 22.3.6, ImGui 1.86".
 std::string renderer_key();
 
 }  // namespace collidoscope

@@ -5,7 +5,7 @@
 namespace collidoscope {
 namespace {
 
-std::set<std::string>& files() {  // in a function: the first entry may be made before any other static
+std::set<std::string>& files() {  // a local static: entries are added before main(), in any order
   static std::set<std::string> names;
   return names;
 }

@@ -18,7 +18,7 @@ struct GoldenName {
   consteval GoldenName(const char (&literal)[size]) { std::copy_n(literal, size, text); }
 };
 
-/// A file in tests/golden, listed as read.
+/// A file in tests/golden that is listed as read.
 class GoldenFile {
  public:
   explicit GoldenFile(std::string name);
@@ -44,8 +44,8 @@ std::filesystem::path golden_file() {
 /// Names of all files that tests read.
 const std::set<std::string>& golden_files_read();
 
-/// Files below `folder` that are not in `read`, in order. A folder below it holds the goldens of one
-/// renderer, under the same names.
+/// Files below `folder` that are not in `read`, in order. Each subfolder holds the goldens of one renderer,
+/// with the same names.
 std::vector<std::string> unread_files(const std::filesystem::path& folder, const std::set<std::string>& read);
 
 }  // namespace collidoscope

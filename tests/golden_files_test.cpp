@@ -1,4 +1,4 @@
-// Every golden file is read by a test: one that no test reads can be wrong for years.
+// Tests that every golden file is read by a test. A file that no test reads can be wrong without notice.
 
 #include "tests/golden_files.h"
 
@@ -24,7 +24,7 @@ TEST(GoldenFiles, EachThatATestReadsIsThere) {
       EXPECT_TRUE(std::filesystem::exists(goldens / name)) << name;
       continue;
     }
-    for (const auto& entry : std::filesystem::directory_iterator(goldens))  // one folder for each renderer
+    for (const auto& entry : std::filesystem::directory_iterator(goldens))  // one folder per renderer
       EXPECT_TRUE(!entry.is_directory() || std::filesystem::exists(entry.path() / name))
           << entry.path() / name;
   }

@@ -1,6 +1,6 @@
-// Runs of the program whose state hashes are committed: every effect, solver and precision, with sleeping
-// bodies too, and runs that go on from snapshot files of an older version. The values are those of commit
-// 8efde11. UPDATE_GOLDENS=1 writes the values of this version, for a change of the physics that says so.
+// Tests runs of the program against committed state hashes: every effect, solver and precision, sleeping
+// bodies, and runs that continue from snapshots of an older version. The values are those of commit 8efde11.
+// UPDATE_GOLDENS=1 writes new values, for an announced change of the physics.
 
 #include <gmock/gmock.h>
 
@@ -24,7 +24,7 @@ ordered_json committed_runs() {
   return ordered_json::parse(in);
 }
 
-/// One row a line.
+/// Writes one row per line.
 void write(const ordered_json& golden) {
   std::ofstream out(golden_file<"runs.json">());
   const char* before = "{";
@@ -42,7 +42,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// Hash and number of sleeping bodies of `arguments`, as a row of the file has them.
+/// Hash and number of sleeping bodies of a run with `arguments`, in the form of a row.
 ordered_json result_of(std::vector<std::string> arguments, ExecutorKind executor) {
   arguments.insert(arguments.begin(), "run");
   for (const char* more : {"--executor", executor == ExecutorKind::cuda ? "cuda" : "cpu", "--json", "-"})
@@ -56,7 +56,7 @@ ordered_json result_of(std::vector<std::string> arguments, ExecutorKind executor
 
 class GoldenRuns : public OnEachExecutor {
  protected:
-  /// Compares the rows of one list of the file. `arguments` makes a row's command line.
+  /// Compares the rows of one list of the file. `arguments` returns the command line of a row.
   template <class Arguments>
   void check(const char* list, const Arguments& arguments) {
     const bool update = std::getenv("UPDATE_GOLDENS") != nullptr && GetParam() == ExecutorKind::cpu;
@@ -80,7 +80,7 @@ TEST_P(GoldenRuns, OfEveryEffectSolverAndPrecision) {
 }
 
 TEST_P(GoldenRuns, GoOnFromSnapshotsOfAnOlderVersion) {
-  // Named one by one, so that a file that no test reads is found.
+  // Listed individually, so that the list of read files is complete.
   const std::map<std::string, std::filesystem::path> files{
       {"impulse", golden_file<"8efde11_impulse.snapshot">()},
       {"soft_step", golden_file<"8efde11_soft_step.snapshot">()},
@@ -103,7 +103,7 @@ TEST(GoldenRunsFile, HoldsEveryEffectSolverPrecisionAndSleepingBodies) {
       seen.insert(effect.get<std::string>() + ' ' + solver + ' ' + precision);
     if (row.at("asleep") > 0) seen.insert("asleep " + solver + ' ' + precision);
   }
-  // What impulse does not have, the scene file's reader refuses.
+  // The scene reader refuses effects that impulse does not have.
   const std::set<std::string> of_impulse{"gravity", "drag", "rotation", "guards"};
   for (const auto& solver : solver_names)
     for (const auto& precision : precision_names) {

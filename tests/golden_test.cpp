@@ -1,4 +1,4 @@
-// Which golden a picture is compared with, and how strictly.
+// Tests the choice of the golden for a renderer, and the strictness of the comparison.
 #include "tests/golden.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ Image grey(std::uint8_t level) {
   return image;
 }
 
-/// Goldens "box" of two renderers, dark and light.
+/// Goldens "box" of two renderers, one dark and one light.
 class Goldens : public testing::Test {
  protected:
   Goldens() {
@@ -56,7 +56,7 @@ TEST_F(Goldens, EachKnownRendererHasItsOwn) {
 
 TEST_F(Goldens, AKnownRendererIsComparedTightly) {
   Image near = grey(40);
-  near.rgba[100] = 60;  // of one pixel in 256: more than 0.1 %, but less than the loose tier notices
+  near.rgba[100] = 60;  // one pixel in 256: more than 0.1 %, but below the loose tolerance
   EXPECT_THAT(check(debian12, "box", near), HasSubstr("of the pixels differ"));
   EXPECT_EQ(check("llvmpipe, Mesa 22.3.7, ImGui 1.86", "box", near), "");
 }

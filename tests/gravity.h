@@ -1,5 +1,5 @@
 #pragma once
-// The gravity of test scenes that compare with formulas.
+// Gravity of test scenes that are compared with formulas.
 
 namespace collidoscope {
 

@@ -1,3 +1,4 @@
+// Tests the fit of run times (a fixed part plus a power of N) against samples with known parameters.
 #include "headless/bench/growth.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ std::vector<Sample> samples_of(double fixed, double scale, double exponent) {
 TEST(Growth, FindsWhatTheSamplesWereMadeOf) {
   for (const double exponent : {0.5, 1.0, 1.37, 2.0})
     for (const double fixed : {0.0, 3.0, 40.0}) {
-      const double scale = 50 / std::pow(1e4, exponent);  // as large as the fixed part in the middle
+      const double scale = 50 / std::pow(1e4, exponent);  // equal to 50 at the middle size
       const Growth fit = fit_growth(samples_of(fixed, scale, exponent));
       EXPECT_NEAR(fit.exponent, exponent, 0.002) << fixed;
       EXPECT_NEAR(fit.fixed, fixed, 0.05 + 0.01 * fixed) << exponent;

@@ -1,5 +1,5 @@
-// Runs in which a step goes wrong: found at the same stage, substep and body whatever runs it; paused at the
-// state before, or the body frozen and the others as if nothing had been.
+// Tests runs with an invalid step. The guards must report the same stage, substep and body on every executor.
+// The run pauses at the state before, or freezes the body without an effect on the others.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Three spheres that settle on each other, far from them body 3, which falls for ever, and body 4, which
-/// floats. Nobody but body 3 comes to the speed that is absurd here.
+/// Three spheres that settle on each other. Far from them, body 3 falls for ever and body 4 floats. Only body
+/// 3 exceeds the speed limit of this scene.
 Scene faller(Solver solver = Solver::soft_step, Precision precision = Precision::f32) {
   Scene scene;
   scene.name = "faller";
@@ -55,7 +55,7 @@ void expect_same_body(const BodyStates& a, const BodyStates& b, std::size_t id_a
 
 class ValidatedRuns : public OnEachExecutor {
  protected:
-  /// For each solver and precision.
+  /// Calls `check` for each solver and precision.
   template <class Check>
   void in_each_way(const Check& check) {
     for (const auto& [name, solver, help] : solver_names)
@@ -71,7 +71,7 @@ TEST_P(ValidatedRuns, PauseAtTheStateBeforeBitForBit) {
   in_each_way([&](const Scene& scene) {
     World world(scene, options()), other(unguarded(scene), options());
     world.step(40);
-    // v = 5 m/s after 0.51 s: in the step that leads to state 16.
+    // v = 5 m/s after 0.51 s: in the step to state 16.
     ASSERT_TRUE(world.validation().paused());
     EXPECT_EQ(world.steps(), 15);
     const Finding& finding = *world.validation().finding();
@@ -88,7 +88,7 @@ TEST_P(ValidatedRuns, PauseAtTheStateBeforeBitForBit) {
     world.step(3);
     EXPECT_EQ(world.steps(), 15) << "it waits";
 
-    // Whoever goes on nevertheless comes to where the run without guards comes.
+    // A run that continues without guards reaches the same state as a run that never had guards.
     world.validation().resume_without_guards();
     EXPECT_FALSE(world.validation().paused() || world.validation().finding());
     world.step(25);
@@ -174,7 +174,7 @@ TEST_P(ValidatedRuns, FindWhatWasBadBeforeTheStep) {
       EXPECT_EQ(frozen.steps(), 12);
       const BodyStates now = frozen.bodies();
       for (const std::size_t body : {0, 1, 2, 4}) expect_same_body(now, others, body, body);
-      // Who is nowhere that makes sense is put where it started.
+      // A body at an invalid position is placed at its start position.
       EXPECT_EQ(now.position[3], moving ? state.bodies.position[3] : scene.bodies[3].position);
     }
   });
@@ -182,7 +182,7 @@ TEST_P(ValidatedRuns, FindWhatWasBadBeforeTheStep) {
 
 TEST_P(ValidatedRuns, PauseWhereFreezingIsOfNoUse) {
   Scene scene = freezing(faller());
-  scene.bodies[4].velocity = Vector3d(0, 6, 0);  // prescribed, and too fast by what the guards allow
+  scene.bodies[4].velocity = Vector3d(0, 6, 0);  // a prescribed velocity above the limit of the guards
   World world(scene, options());
   world.step(3);
   EXPECT_TRUE(world.validation().paused());
@@ -241,7 +241,7 @@ TEST_P(ValidatedRuns, FindBoxesThatWouldOverflowEveryList) {
   world.step(2);
   RunState state = world.state();
   const std::uint64_t hash = world.state_hash();
-  for (Vector3d& v : state.bodies.velocity) v = Vector3d(0x1p40, 0x1p40, 0x1p40);  // boxes that all overlap
+  for (Vector3d& v : state.bodies.velocity) v = Vector3d(0x1p40, 0x1p40, 0x1p40);  // all boxes overlap
   world.restore(state);
   world.step();
   ASSERT_TRUE(world.validation().paused());

@@ -1,4 +1,5 @@
-// What Dear ImGui makes of single input events, in the version that is installed.
+// Tests how the installed version of Dear ImGui handles single input events. The viewer depends on this
+// behaviour.
 #include "viewer/gui_events.h"
 
 #include <GLFW/glfw3.h>
@@ -44,7 +45,7 @@ class GuiEventsTest : public testing::Test {
     ImGui::DestroyContext(context_);
   }
 
-  /// Ends the frame, and begins another with these events.
+  /// Ends the frame and begins a new one with these events.
   void frame(const std::vector<InputEvent>& events) {
     if (begun_) ImGui::EndFrame();
     begun_ = true;
@@ -138,7 +139,7 @@ TEST_F(GuiEventsTest, CodesOutsideAllRangesDoNothing) {
   for (int button = 0; button < ImGuiMouseButton_COUNT; ++button) EXPECT_FALSE(ImGui::IsMouseDown(button));
 }
 
-// A key that was held while frames were slow does not keep a click waiting.
+// Repeats of a held key during slow frames do not delay a click.
 TEST(GuiInputTest, ARepeatedKeyTakesOneFrame) {
   std::deque<InputEvent> events{key(GLFW_KEY_W, true)};
   for (int k = 0; k < 100; ++k) {
@@ -158,7 +159,7 @@ TEST(GuiInputTest, ARepeatedKeyTakesOneFrame) {
   EXPECT_FALSE(second[0].down);
   EXPECT_EQ(second[1].kind, Kind::button);
   EXPECT_TRUE(events.empty());
-  // A press after a release is no repeat: each has a frame of its own.
+  // A press after a release is no repeat: each event has its own frame.
   events = {key(GLFW_KEY_W, true), key(GLFW_KEY_W, false), key(GLFW_KEY_W, true)};
   for (int k = 0; k < 3; ++k) EXPECT_EQ(take_events_of_a_frame(events).size(), 1u);
 }

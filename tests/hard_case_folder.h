@@ -1,6 +1,6 @@
 #pragma once
-// A folder of hard cases for tests: one that passes, one that fails, one with a declared limit, one that the
-// solver impulse cannot take, one with changes on its way, one whose scene is refused.
+// A folder of hard cases for tests. One case passes, one fails and one has a declared limit. One is not
+// applicable to the solver impulse, one has changes, and the scene of one is refused.
 
 #include <fstream>
 #include <string>
@@ -12,7 +12,7 @@ namespace collidoscope {
 class HardCaseFolder {
  public:
   HardCaseFolder() {
-    // Body 1 falls freely from 10 m: after 3 steps of 0.1 s it is above 9.3 m, after 4 below 9.2 m.
+    // Body 1 falls freely from 10 m. After 3 steps of 0.1 s it is above 9.3 m, after 4 below 9.2 m.
     scene("falls");
     criterion("falls", "rest", R"("steps": 20, "holds": [{"quantity": "speed", "at_most": 100},
       {"quantity": "position", "body": 1, "axis": "z", "at_least": 9.2}])");

@@ -1,4 +1,4 @@
-// A run of a case steps as any other does, with what is changed and what is injected at its states.
+// Tests that the run of a hard case steps like any other run, including its changes and injected faults.
 
 #include "sim_cuda/stability/hard_case_simulation.h"
 

@@ -1,4 +1,5 @@
-// Folders of hard cases; and the project's own, each of whose criteria can fail.
+// Tests the reader of hard-case folders. Also tests that each quantity in the project's own criteria has an
+// injected fault.
 
 #include "sim_cuda/stability/hard_case.h"
 
@@ -44,7 +45,7 @@ TEST_F(HardCases, AreReadByGroupThenName) {
     write(name + std::string(".json"), scene_text);
     write(name + std::string(".criterion.json"), criterion_text(group, R"(, "steps": 3)"));
   }
-  write("other.json", scene_text);  // no case
+  write("other.json", scene_text);  // a scene without a criterion
   EXPECT_THAT(hard_case_names(folder_.path().string()), ElementsAre("a", "b", "c"));
   const auto cases = read_hard_cases(folder_.path().string());
   ASSERT_EQ(cases.size(), 3u);

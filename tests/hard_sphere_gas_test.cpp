@@ -1,5 +1,5 @@
-// Gases of the event-driven reference: what elastic spheres keep, event by event against a search of all
-// pairs in long double; and the time-stepped gas that converges to it.
+// Tests the event-driven reference on gases of elastic spheres: conserved quantities, each event against a
+// brute-force search of all pairs in long double, and the convergence of the time-stepped gas.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,8 @@
 namespace collidoscope {
 namespace {
 
-/// Spheres of U(0, 1) m radius that start apart and fly about; 30 % of the box where they are some hundred.
+/// Spheres of radius U(0, 1) m that start apart with random velocities. By default some hundred fill 30 % of
+/// the box.
 Scene gas(std::int64_t count, Vector3d gravity, double e = 1, double side = 0) {
   Scene scene = hard_space(gravity, e);
   if (side == 0) side = newton_cube_root(static_cast<double>(count) * 1.0472 / 0.3);
@@ -34,7 +35,7 @@ double sum_of_momenta(const HardSpheres& exact) {
   return sum;
 }
 
-/// m: of any two spheres, all pairs looked at.
+/// Largest overlap in m, over all pairs.
 double deepest_overlap(const HardSpheres& exact) {
   double deepest = 0;
   const std::vector<Vector3d> x = exact.bodies().position;
@@ -56,8 +57,8 @@ TEST(HardSphereGas, KeepsEnergyAndMomentumOver100000Collisions) {
     for (const double m : exact.initial().mass) mass += m;
     for (int k = 0; k < 100; ++k) {
       for (int collision = 0; collision < 1000; ++collision) ASSERT_TRUE(exact.next_collision(never));
-      const StepStats now = exact.measure();  // while two touch
-      // By the rounding of coordinates, and of speed times time.
+      const StepStats now = exact.measure();  // during a contact
+      // Tolerance: rounding of coordinates, and of speed times time.
       const double rounding = 4e-16 * (20 + now.max_speed * exact.time());
       ASSERT_LE(now.max_penetration, rounding);
       ASSERT_LE(deepest_overlap(exact), rounding);
@@ -97,7 +98,7 @@ TEST(HardSphereGas, AnswersTheSameHoweverOftenItIsLookedAt) {
 
 TEST(HardSphereGas, AgreesWithBruteForceEventByEvent) {
   for (const Vector3d& gravity : {Vector3d(0, 0, 0), Vector3d(0, 1, -9.81)}) {
-    // Dense; and thin, of small spheres that fly through the cells of three large ones.
+    // A dense gas; and a thin one, whose small spheres cross the grid cells of three large ones.
     for (const bool thin : {false, true}) {
       Scene scene = gas(500, gravity, 1, thin ? 30 : 0);
       if (thin) {
@@ -155,10 +156,10 @@ TEST(HardSphereGas, EndsAPileOfWhichAllEnergyIsAccountedFor) {
   EXPECT_NEAR(now.energy() + exact.dissipated(), start.energy(), 1e-12 * start.energy());
 }
 
-// ---- The time-stepped gas ----
+// ---- time-stepped gas ----
 
-/// m: the largest distance of a body from where it should be, by each number of steps, after half a second of
-/// eight spheres in a box; the geometric mean of 20 scenes, since it depends on how impacts fall into steps.
+/// The largest position error in m after half a second of eight spheres in a box, for each number of steps.
+/// Geometric mean of 20 scenes, since the error depends on how impacts fall into steps.
 std::vector<double> errors_of_steps(const Vector3d& gravity, const std::vector<int>& steps_per_second) {
   std::vector<double> errors(steps_per_second.size(), 0);
   const int scenes = 20;
@@ -198,7 +199,7 @@ TEST(HardSphereGas, IsWhatTheTimeSteppedGasConvergesToWithItsStep) {
   for (const Vector3d& gravity : {Vector3d(0, 0, 0), Vector3d(0, 0, -9.81)}) {
     const std::vector<double> errors = errors_of_steps(gravity, {64, 128, 256, 512, 1024});
     for (std::size_t k = 1; k < errors.size(); ++k)
-      EXPECT_LT(errors[k], errors[k - 1] / 1.5) << k;  // halved, but for what 20 scenes scatter
+      EXPECT_LT(errors[k], errors[k - 1] / 1.5) << k;  // halved, up to the scatter of 20 scenes
     const double order = std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
     EXPECT_NEAR(order, 1, 0.15);  // an impact is up to a step early or late
     EXPECT_LT(errors.back(), 0.01);

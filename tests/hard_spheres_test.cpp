@@ -1,5 +1,5 @@
-// The event-driven reference against closed forms: two spheres, walls, bounces and their Zeno points; and
-// what it refuses.
+// Tests the event-driven reference against closed forms: two spheres, walls, bounces and their Zeno points.
+// Also tests the scenes that it refuses.
 
 #include "sim_cuda/reference/hard_spheres.h"
 
@@ -27,7 +27,7 @@ TEST(HardSpheres, TwoSpheresCollideByTheirClosedForm) {
     Body b = sphere(uniform(0.1, 2), Vector3d(0, 0, 0), Vector3d(0, 0, 0));
     a.mass = uniform(0.1, 10);
     b.mass = uniform(0.1, 10);
-    // Chosen: the normal from b to a at impact, the closing velocity, when it happens.
+    // Random parameters: the normal from b to a at impact, the closing velocity, and the time of impact.
     const double reach = a.radius + b.radius, impact = uniform(0.2, 2);
     const Vector3d normal = uniform.vector(1).normalized();
     Vector3d closing = uniform.vector(5);
@@ -111,7 +111,7 @@ TEST(HardSpheres, OffATiltedPlaneItLeavesAsAMirrorSays) {
               1e-12 * exact.measure().wall_impulse);
 }
 
-/// Dropped from `height` above the floor it lands on.
+/// A ball dropped from `height` above the floor.
 Scene dropped(double height, double e) {
   Scene scene = hard_space(Vector3d(0, 0, -9.81), e);
   scene.obstacles = {Plane{Vector3d(0, 0, 1), -2, 0}};
@@ -148,7 +148,7 @@ TEST(HardSpheres, AnElasticBallKeepsItsHeightAndItsFloorForTenThousandBounces) {
 }
 
 TEST(HardSpheres, CountTheDigitsOfPi) {
-  // Galperin 2003: a ball before a wall, hit by one that is 100^d times as heavy: floor(10^d pi) collisions.
+  // Galperin 2003: a ball between a wall and a ball 100^d times as heavy has floor(10^d pi) collisions.
   const int digits[] = {3, 31, 314, 3141, 31415};
   for (int d = 0; d < 5; ++d) {
     Scene scene = hard_space();
@@ -194,12 +194,11 @@ TEST(ZenoPoint, IsAtOnceWhereABodyLiesOnTheFloorEvenAnElasticOne) {
 }
 
 TEST(ZenoPoint, OfThreeBallsInARowIsBelowTheKnownRestitution) {
-  // McNamara, Young 1992: three equal balls on a line collapse for e < 7 - 4 sqrt(3) = 0.0718 (and not
-  // above).
+  // McNamara, Young 1992: three equal balls on a line collapse exactly for e < 7 - 4 sqrt(3) = 0.0718.
   const double known = 7 - 4 * std::sqrt(3.0);
   for (const double e : {0.0, 0.02, 0.05, known - 1e-3, known + 1e-3, 0.1, 0.5}) {
     Scene scene = hard_space(Vector3d(0, 0, 0), e);
-    // The middle one at rest, hit from both sides, not quite at once.
+    // The middle ball is at rest. The two impacts differ slightly in time.
     scene.bodies = {sphere(0.5, Vector3d(-2, 0, 0), Vector3d(1, 0, 0)), sphere(0.5, Vector3d(0, 0, 0)),
                     sphere(0.5, Vector3d(2.001, 0, 0), Vector3d(-1, 0, 0))};
     HardSpheres exact(scene);
@@ -211,7 +210,8 @@ TEST(ZenoPoint, OfThreeBallsInARowIsBelowTheKnownRestitution) {
 }
 
 TEST(ZenoPoint, IsFoundWhereABodyRattlesBetweenSeveral) {
-  // In a groove, whose two planes it hits by turns, and on the floor below others.
+  // In a groove the ball hits the two planes alternately. The other scene has bodies on the floor below
+  // others.
   for (const double e : {0.3, 0.5, 0.9, 0.99}) {
     Scene groove = hard_space(Vector3d(0, 0, -9.81), e);
     groove.obstacles = {Plane{Vector3d(1, 0, 1).normalized(), 0, 0},
@@ -231,7 +231,7 @@ TEST(ZenoPoint, IsFoundWhereABodyRattlesBetweenSeveral) {
 }
 
 TEST(ZenoPoint, HundredsOfCollisionsCloseInTimeAreNone) {
-  // A light ball between a wall and a heavy one, which loses little each time, and goes on.
+  // A light ball between a wall and a heavy ball with a small loss per bounce, so the motion continues.
   Scene scene = hard_space(Vector3d(0, 0, 0), 0.9999);
   scene.obstacles = {Plane{Vector3d(1, 0, 0), 0, 0}};
   scene.bodies = {sphere(0.5, Vector3d(2, 0, 0)), sphere(0.5, Vector3d(4, 0, 0), Vector3d(-1, 0, 0))};
@@ -244,7 +244,7 @@ TEST(ZenoPoint, HundredsOfCollisionsCloseInTimeAreNone) {
 }
 
 TEST(ZenoPoint, TwoThatStickTogetherAreNone) {
-  // One collision, and then side by side for ever, pushed about by rounding alone.
+  // One collision, then the bodies move side by side with rounding errors only.
   Uniform uniform{Random(2)};
   for (int k = 0; k < 100; ++k) {
     Scene scene = hard_space(Vector3d(0, 0, -9.81), 0);
@@ -258,7 +258,7 @@ TEST(ZenoPoint, TwoThatStickTogetherAreNone) {
     EXPECT_LT(exact.measure().max_penetration, 1e-10);
   }
 }
-// ---- What it does not know ----
+// ---- unsupported scenes ----
 
 std::string refusal(const Scene& scene) {
   try {
@@ -282,7 +282,7 @@ TEST(HardSpheres, RefuseWhatTheyDoNotKnowInALineEach) {
   scene.physics.drag.viscosity = 2;
   EXPECT_EQ(refusal(scene),
             head + "attractor (2 attractors)\n" + head + "drag (the medium's viscosity is 2 Pa s)");
-  scene.physics.effects = Effects{};  // left out
+  scene.physics.effects = Effects{};  // attractors and drag are switched off
   EXPECT_EQ(refusal(scene), "none");
 
   scene = plain;

@@ -1,4 +1,4 @@
-// The ring of the last steps, and what is written of it.
+// Tests the ring buffer of the last steps, its summaries, and its output as CSV and JSON.
 
 #include "sim_cuda/run/history.h"
 
@@ -21,7 +21,7 @@ StageTime stage(const char* name, double last_ms) {
   return time;
 }
 
-// Step k: odd ones are plain and take k ms, even ones take k ms in "a" and 1 ms in "b".
+// Step k: odd steps are not timed by stage and take k ms. Even steps take k ms in "a" and 1 ms in "b".
 History filled(std::size_t capacity, int steps) {
   History history(capacity);
   for (int k = 1; k <= steps; ++k) {
@@ -49,7 +49,7 @@ TEST(History, KeepsTheNewest) {
 
 TEST(History, SummariesAreThoseOfTheWindow) {
   const History history = filled(50, 21);
-  // The last 10 steps are 12 to 21: even ones 12, 14, 16, 18, 20 are timed by stages.
+  // The last 10 steps are 12 to 21. The even ones, 12, 14, 16, 18 and 20, are timed by stage.
   const TimeSummary a = history.summarize_stage(0, 10);
   EXPECT_EQ(a.samples, 5);
   EXPECT_EQ(a.now, 20);

@@ -1,4 +1,5 @@
-// The exact tier: ids read back from the picture against rays cast on the CPU in double, on any renderer.
+// Tests the ids read back from a picture against rays cast on the CPU in double. They must agree on any
+// renderer.
 
 #include <gmock/gmock.h>
 
@@ -14,8 +15,8 @@ namespace {
 
 constexpr int width = 480, height = 360;
 
-// Half a pixel: around each pixel this many rays must agree before its id is compared, so that only pixels
-// within half a pixel of an outline, or of two spheres' intersection, are left out.
+// Offsets of up to half a pixel. An id is compared only if all these rays agree, which excludes pixels within
+// half a pixel of an outline or an intersection.
 constexpr double around[9][2] = {{0, 0},       {0.5, 0},      {-0.5, 0},     {0, 0.5},      {0, -0.5},
                                  {0.36, 0.36}, {-0.36, 0.36}, {0.36, -0.36}, {-0.36, -0.36}};
 
@@ -120,7 +121,7 @@ TEST(IdBuffer, SpheresAreRightFromAmongThem) {
   OrbitCamera camera = standard_camera(bodies);
   camera.target = {50, 50, 50};
   camera.distance = 1;
-  camera.field_of_view = 1.9;  // wide, so that outlines are far from round
+  camera.field_of_view = 1.9;  // wide, so that outlines are far from circular
   expect_spheres_match(bodies, camera, 20);
 }
 
@@ -138,8 +139,8 @@ TEST(IdBuffer, TheEyeWithinASphereSeesThroughIt) {
 
 TEST(IdBuffer, DisjointBoxesOfOneLevelAreWhereRaysFindThem) {
   test_context();
-  // Four levels of halving the longest side, each box a little smaller than its cell: disjoint within a
-  // level.
+  // Four levels of boxes by halving the longest side. Each box is slightly smaller than its cell, so boxes of
+  // a level are disjoint.
   std::vector<std::pair<Vector3d, Vector3d>> cells{{{0, 0, 0}, {100, 90, 80}}};
   const TestBodies bodies = test_spheres(1, 5, 5);
   const OrbitCamera camera = standard_camera(bodies);
@@ -188,7 +189,7 @@ TEST(IdBuffer, ABoxInTheWrongPlaceIsFound) {
   EXPECT_GT(found.wrong, 100);
 }
 
-// From straight above, four pixels to the metre: where each edge is, is known.
+// An orthographic view from above, four pixels per metre, so that the position of each edge is known.
 TEST(IdBuffer, TheNearestEdgeOfABoxIsPicked) {
   test_context();
   TestBodies bodies = test_spheres(1, 5, 6);
@@ -225,7 +226,7 @@ TEST(IdBuffer, TheNearestEdgeOfABoxIsPicked) {
 
 TEST(IdBuffer, MeshBodiesAreWhereTheirFacesAre) {
   test_context();
-  // A regular octahedron of radius 10 in a turned pose, between two spheres: three runs of the body array.
+  // A rotated regular octahedron of radius 10 between two spheres: three runs of the body array.
   TestBodies bodies = test_spheres(3, 6, 7);
   Mesh mesh;
   for (int k = 0; k < 3; ++k)
@@ -250,7 +251,7 @@ TEST(IdBuffer, MeshBodiesAreWhereTheirFacesAre) {
   renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
   const std::vector<BodyInstance> spheres{bodies.instances[0], bodies.instances[2]};
   const Agreement found = compare_ids(renderer.draw_ids(camera, {}), camera, [&](const EyeRay& ray) {
-    // The octahedron is |x| + |y| + |z| <= 10 in its own axes; the three bodies do not overlap on the
+    // The octahedron is |x| + |y| + |z| <= 10 in its own axes. The three bodies do not overlap in the
     // picture.
     const Vector3d origin = turn.conjugate() * (ray.origin - centers[1]),
                    direction = turn.conjugate() * ray.direction;

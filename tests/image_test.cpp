@@ -1,3 +1,5 @@
+// Tests the PNG reader and writer: a picture survives the round trip, and files that are no pictures are
+// refused.
 #include "viewer/render/image.h"
 
 #include <gmock/gmock.h>

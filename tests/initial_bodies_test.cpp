@@ -1,3 +1,5 @@
+// Tests the bodies that a scene generates: masses, inertia and axes against formulas, and the required
+// effects.
 #include "sim_cuda/scene/initial_bodies.h"
 
 #include <gmock/gmock.h>
@@ -84,7 +86,7 @@ TEST(InitialBodies, MassIsDensityTimesVolume) {
     const double r = bodies.radius[i];
     EXPECT_EQ(bodies.mass[i], static_cast<float>(1000 * (4.0 / 3 * std::numbers::pi * (r * r * r)))) << i;
     for (const double x : {r, bodies.position[i][0], bodies.position[i][1], bodies.position[i][2]}) {
-      EXPECT_EQ(x, static_cast<float>(x));  // float and double runs start alike
+      EXPECT_EQ(x, static_cast<float>(x));  // float and double runs start from equal values
     }
   }
 }
@@ -110,7 +112,7 @@ TEST(InitialBodies, AMeshBringsMassAndAxes) {
   EXPECT_NEAR(bodies.mass[0], 4000, 1e-9);
   EXPECT_EQ(bodies.radius[0], block.bounding_radius);
   EXPECT_TRUE(bodies.inertia[0].isApprox(block.inertia_per_density * 1000, 1e-14));
-  // Turned by the scene's orientation after the mesh's own axes: the file's corner (0, 0, 0).
+  // The corner (0, 0, 0) of the file: the scene's orientation applies after the mesh's principal axes.
   const Vector3d corner = scene.bodies[2].orientation * Vector3d(-block.center);
   EXPECT_TRUE((bodies.orientation[2] * block.vertices[0]).isApprox(corner, 1e-14));
 
@@ -200,7 +202,7 @@ TEST(InitialBodies, EffectsThatTheSceneCallsFor) {
   EXPECT_EQ(required_effects(scene, initial_bodies(scene)), (Effects{.attractor = true}));
 }
 
-// The scenes of the project: they load, and are what their comments say.
+// Tests that the scenes of the project load.
 TEST(Scenes, AllOfThemLoad) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(project_file("assets/scenes"))) {

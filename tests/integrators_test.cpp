@@ -1,5 +1,5 @@
-// Integrators and rotation updates by themselves: the order of each against closed forms, and what a wrong
-// coefficient makes of it; invariants. free_integrator_test.cpp has them in the solvers.
+// Tests integrators and rotation updates alone: their orders against closed forms, and invariants. A wrong
+// coefficient must change the order. free_integrator_test.cpp tests them in the solvers.
 
 #include "sim_cuda/dynamics/integrators.h"
 
@@ -17,7 +17,7 @@
 namespace collidoscope {
 namespace {
 
-/// Of a mass on a spring, after 2 s; `step`: a step of it.
+/// The order for a mass on a spring after 2 s. `fly` makes one step.
 template <class Fly>
 double spring_order(const Fly& fly) {
   const double eps = 1e6;
@@ -45,7 +45,7 @@ template <class Tableau>
 double rk4_order() {
   return spring_order([](const auto&... all) { return rk4_step<Tableau>(all...); });
 }
-/// Of an asymmetric body, after 1.5 s; `turn`: a step of it.
+/// The order for an asymmetric body after 1.5 s. `turn` makes one step.
 template <class Turn>
 double turning_order(const Turn& turn) {
   const Vector3d inertia(1, 2, 2.5), spin(0.9, 0, 1.2);
@@ -63,7 +63,7 @@ double lie_order() {
   return turning_order(
       [](auto& q, auto& w, const Vector3d& inertia, double h) { rotate_lie_group<Parts>(q, w, inertia, h); });
 }
-/// Of Euler's stage on a parabola, `wrong` of both of its coefficients.
+/// The order of Euler's method on a parabola, with a relative error in each of its two coefficients.
 double euler_order(double wrong_acceleration, double wrong_step) {
   return order_of_error(
       [&](int steps) {
@@ -179,7 +179,7 @@ TEST(Integrators, KeepAngularMomentumAndEnergyOfATumblerAndRunBackwards) {
   };
   check([&](auto& q, auto& w, double h) { rotate_lie_group<SecondOrderRotation>(q, w, inertia, h); }, 2e-5);
   check([&](auto& q, auto& w, double h) { rotate_lie_group<FourthOrderRotation>(q, w, inertia, h); }, 5e-10);
-  // The way back is the way there.
+  // The method is time-reversible.
   Quaterniond q(1, 0, 0, 0);
   Vector3d w(0.5, 1, -0.7);
   const Vector3d start = w;

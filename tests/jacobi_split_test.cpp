@@ -1,4 +1,4 @@
-// The solver jacobi_split: what it shares with soft_step, and that nothing is coloured.
+// Tests the solver jacobi_split: properties shared with soft_step, and the absence of a colouring.
 
 #include "sim_cuda/solver/soft_step.h"
 #include "tests/executors.h"
@@ -56,7 +56,7 @@ TEST_P(JacobiSplit, OneContactIsThatOfSoftStep) {
 }
 
 TEST_P(JacobiSplit, KeepsMomentumAndGainsNoEnergy) {
-  // A heavy sphere into a wall of light ones: many contacts at one body.
+  // A heavy sphere flies into a wall of light ones: one body has many contacts.
   Scene scene;
   scene.physics.gravity = Vector3d(0, 0, 0);
   scene.physics.precision = Precision::f64;

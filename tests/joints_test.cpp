@@ -1,4 +1,4 @@
-// Joints against closed forms, and what they keep; on every executor.
+// Tests joints against closed forms and conservation laws, on every executor.
 // More than 400 lines: every kind of joint has its own closed form.
 
 #include <array>
@@ -21,7 +21,7 @@ using std::numbers::pi;
 class Jointed : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Jointed);
 
-/// Plastic, solved by soft_step; 60 steps a second.
+/// Restitution 0, solver soft_step, 60 steps per second.
 Scene space(double gravity, Precision precision = Precision::f64) {
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
@@ -74,10 +74,11 @@ TEST(Series, AgreeWithLibm) {
 // ---- pendulums ----
 
 struct Swing {
-  double period, worst_energy, last_energy, worst_error, worst_angle;  ///< energies: of what it swings with
+  double period, worst_energy, last_energy, worst_error,
+      worst_angle;  ///< energies relative to the swing energy
 };
 
-/// Ten periods of a sphere of 0.3 m, 1 m below the origin, let go at `amplitude`.
+/// Ten periods of a sphere of 0.3 m, 1 m from the pivot, released at `amplitude`.
 Swing swing(JointKind kind, double amplitude, int substeps, Precision precision, const RunOptions& options) {
   Scene scene = space(g, precision);
   scene.physics.substeps = substeps;
@@ -119,15 +120,15 @@ Swing swing(JointKind kind, double amplitude, int substeps, Precision precision,
 TEST_P(Jointed, PendulumsKeepTheirPeriodAndEnergy) {
   for (const JointKind kind : {JointKind::distance, JointKind::ball, JointKind::hinge})
     for (const double amplitude : {0.05, 1.5, 2.8}) {
-      // A sphere that turns with the rod is a physical pendulum: I + m l^2.
+      // A sphere that rotates with the rod is a physical pendulum: I + m l^2.
       const double length = kind == JointKind::distance ? 1 : 1 + 0.4 * 0.09;
       const double expected = 4 * std::sqrt(length / g) * elliptic(std::sin(amplitude / 2));
       for (const int substeps : {4, 8}) {
         const double h = 1.0 / 60 / substeps, w = std::sqrt(g / length);
         const Swing seen = swing(kind, amplitude, substeps, Precision::f64, options());
-        // Second order: Euler's own w h squared / 24, and more where it comes near the top.
+        // Second order: Euler's error is (w h)^2 / 24, and larger near the upright position.
         EXPECT_NEAR(seen.period / expected, 1, 0.25 * h * w * h * w) << amplitude << ' ' << substeps;
-        // The kick in front makes energy swing by h w / 2, and not drift over ten periods.
+        // The initial half kick makes the energy oscillate by h w / 2. It does not drift over ten periods.
         EXPECT_LT(seen.worst_energy, 0.55 * h * w) << amplitude << ' ' << substeps;
         EXPECT_LT(seen.worst_error, kind == JointKind::distance ? 1e-6 : 1e-5);
         EXPECT_LT(seen.worst_angle, 1e-9);
@@ -140,7 +141,8 @@ TEST_P(Jointed, PendulumsKeepTheirPeriodAndEnergy) {
 }
 
 TEST_P(Jointed, PendulumEnergyDoesNotDrift) {
-  // At two states half a swing apart energy is as far into its oscillation; over 100 periods none is lost.
+  // The mean energy over ten periods does not depend on the phase of the oscillation. Over 100 periods no
+  // energy is lost.
   Scene scene = space(g);
   scene.bodies = {sphere(0.3, Vector3d(1, 0, 0))};
   scene.joints = {to_world(JointKind::distance, 0, Vector3d(0, 0, 0))};
@@ -200,7 +202,7 @@ TEST_P(Jointed, AStrutKeepsItsDistance) {
 
 // ---- springs ----
 
-/// The stretch at `t` of what was let go at 1, over its first stretch.
+/// The extension at `t` of a spring released at 1, relative to the initial extension.
 double damped(double frequency, double ratio, double t) {
   const double w = 2 * pi * frequency, decay = std::exp(-ratio * w * t);
   if (ratio == 1) return decay * (1 + w * t);
@@ -209,7 +211,7 @@ double damped(double frequency, double ratio, double t) {
                    : decay * (std::cosh(r * t) + ratio * w / r * std::sinh(r * t));
 }
 
-/// The largest difference from the closed form in two seconds, of the first stretch.
+/// The largest difference from the closed form in two seconds, relative to the initial extension.
 double spring_error(double frequency, double ratio, int substeps, Precision precision,
                     const RunOptions& options) {
   Scene scene = space(0, precision);
@@ -238,7 +240,7 @@ TEST_P(Jointed, SpringsFollowTheClosedForm) {
     for (const double ratio : {0.0, 0.1, 0.7, 1.0, 3.0}) {
       const double h = 1.0 / 240, angle = 2 * pi * frequency * h;
       const double coarse = spring_error(frequency, ratio, 4, Precision::f64, options());
-      // Euler's speed is half a substep late, all else is exact: frequency and decay do not depend on h.
+      // Euler's velocity lags by half a substep. Frequency and decay do not depend on h.
       EXPECT_LT(coarse, 0.6 * angle) << frequency << ' ' << ratio;
       const double fine = spring_error(frequency, ratio, 16, Precision::f64, options());
       EXPECT_NEAR(coarse / fine, 4, 0.4) << "first order: " << frequency << ' ' << ratio;
@@ -247,7 +249,7 @@ TEST_P(Jointed, SpringsFollowTheClosedForm) {
 }
 
 TEST_P(Jointed, SpringsSwingAsOftenAsTheyShouldWhateverTheSubstep) {
-  // Of a hundred swings, not one too many.
+  // A hundred oscillations must have the right count.
   Scene scene = space(0);
   scene.physics.substeps = 1;
   scene.bodies = {sphere(0.3, Vector3d(1.5, 0, 0))};
@@ -295,7 +297,8 @@ TEST_P(Jointed, TheStiffestSpringIsARod) {
   const double h = 1.0 / 240;
   for (int k = 0; k < 300; ++k) {
     world.step();
-    // As stiff as one radian a substep: it yields to 3 m g, the most that a pendulum pulls, by 3 g h^2.
+    // The stiffness is that of one radian per substep. The load of a pendulum is at most 3 m g, so the rod
+    // stretches by 3 g h^2.
     EXPECT_NEAR(world.bodies().position[0].norm(), 1, 2 * 3 * g * h * h);
   }
 }
@@ -331,7 +334,7 @@ TEST_P(Jointed, ANetOfStiffSpringsStaysCalm) {
 
 // ---- balls and hinges ----
 
-/// Two bodies that are no balls, turning about everything, with an anchor beside both centres.
+/// Two non-spherical bodies that tumble, with an anchor beside both centres.
 Scene tumbling(JointKind kind) {
   Scene scene = space(0);
   scene.bodies = {sphere(0.5, Vector3d(0, 0, 0), Vector3d(0.2, 0.1, 0.3)),
@@ -342,7 +345,7 @@ Scene tumbling(JointKind kind) {
   scene.bodies[1].inertia = Vector3d(0.2, 0.1, 0.15);
   scene.bodies[1].orientation = Quaterniond(0.8, 0.6, 0, 0);
   for (Body& body : scene.bodies) body.angular_velocity = Vector3d(1, 3, -2);
-  scene.bodies[1].velocity += Vector3d(1, 3, -2).cross(Vector3d(1, 0, 0));  // as one body, at first
+  scene.bodies[1].velocity += Vector3d(1, 3, -2).cross(Vector3d(1, 0, 0));  // initially a common rigid motion
   scene.bodies[1].angular_velocity += Vector3d(0, 0, 4);
   const Vector3d anchor(0.5, 0.1, 0);
   scene.bodies[1].velocity -= Vector3d(0, 0, 4).cross(anchor - Vector3d(1, 0, 0));
@@ -399,7 +402,7 @@ TEST_P(Jointed, ATumblingPairKeepsItsMomentaAndItsAnchors) {
 }
 
 TEST_P(Jointed, AFreeHingeKeepsTheAngularMomentumAboutItsAxis) {
-  // Two wheels on one axle: each keeps its own turning about it.
+  // Two wheels on one axle: each keeps its angular momentum about it.
   Scene scene = space(0);
   scene.bodies = {sphere(0.5, Vector3d(0, 0, -0.6)), sphere(0.5, Vector3d(0, 0, 0.6))};
   scene.bodies[0].angular_velocity = Vector3d(0, 0, 5);
@@ -414,7 +417,7 @@ TEST_P(Jointed, AFreeHingeKeepsTheAngularMomentumAboutItsAxis) {
   EXPECT_LT(world.measure().max_joint_angle, 1e-12);
 }
 
-/// A sphere on a hinge along y through its centre, held by the world, spinning at `spin`.
+/// A sphere on a hinge along y through its centre. The other side is the world. The sphere spins at `spin`.
 Scene hinged(double spin, const std::optional<std::array<double, 2>>& limits) {
   Scene scene = space(0);
   scene.bodies = {sphere(0.5, Vector3d(1, 2, 3))};
@@ -431,7 +434,7 @@ Scene hinged(double spin, const std::optional<std::array<double, 2>>& limits) {
 double angle_about_y(const Quaterniond& q) { return 2 * std::atan2(q.y(), q.w()); }
 
 TEST_P(Jointed, AHingeStopsAtItsLimits) {
-  // The limits are those of b, here the world, against a; a turns the other way.
+  // The limits apply to b, here the world, relative to a. Body a rotates the opposite way.
   for (const double spin : {-7.0, -0.9, 0.4, 5.0})
     for (const double limit : {1.0, 45.0, 90.0, 170.0}) {
       World world(hinged(spin, std::array{-limit, limit / 2}), options());
@@ -458,7 +461,7 @@ TEST_P(Jointed, AHingeTurnsOnlyAboutItsAxis) {
 
 // ---- chains and loops ----
 
-/// Fifty links of 1 m, the last with 1,000 times the mass; let go to one side, or hanging down.
+/// Fifty links of 1 m, the last with 1,000 times the mass, released horizontally or hanging down.
 Scene chain(JointKind kind, bool to_the_side, double ratio) {
   Scene scene = space(g, Precision::f32);
   const Vector3d link = to_the_side ? Vector3d(1, 0, 0) : Vector3d(0, 0, -1);
@@ -478,7 +481,8 @@ Scene chain(JointKind kind, bool to_the_side, double ratio) {
 TEST_P(Jointed, AChainOf50StretchesUnder5PercentBelow1000TimesItsMass) {
   for (const JointKind kind : {JointKind::distance, JointKind::ball})
     for (const bool to_the_side : {false, true}) {
-      const Scene scene = chain(kind, to_the_side, 1000);  // "auto": as many substeps as the load calls for
+      const Scene scene =
+          chain(kind, to_the_side, 1000);  // "auto": the number of substeps follows from the load
       World world(scene, options());
       EXPECT_EQ(substeps_of(scene, world.initial()), 17);
       double worst = 0, worst_joint = 0;
@@ -511,7 +515,7 @@ TEST_P(Jointed, AHangingLoadRestsWhereTheJointsYieldTo) {
 TEST(JointSubsteps, AreAsManyAsTheLoadCallsFor) {
   const auto of = [](const Scene& scene) { return substeps_of(scene, initial_bodies(scene)); };
   Scene scene = chain(JointKind::distance, false, 1000);
-  // Two joints at a body: yields by F h^2 / (2 m), m = 1/2 kg, at most 1 % of 1 m.
+  // Two joints at a body: the stretch is F h^2 / (2 m) with m = 1/2 kg, at most 1 % of 1 m.
   const double load = (49 + 1000) * g, h = std::sqrt(0.01 * 2 * 0.5 / load);
   EXPECT_EQ(of(scene), static_cast<int>(std::ceil(1 / (60 * h))));
   scene.physics.time_step = scene.physics.time_step / 2;
@@ -536,7 +540,7 @@ TEST_P(Jointed, LoopsAndRedundantJointsStayFinite) {
   Scene scene = space(g, Precision::f32);
   for (int i = 0; i < 4; ++i)
     scene.bodies.push_back(sphere(0.3, Vector3d(i % 2 == 0 ? 0 : 1, 0, i < 2 ? 0 : -1)));
-  // A square with both diagonals, one of which is too long for it; twice over, and hinged as well.
+  // A square with both diagonals, one of them too long. All joints exist twice, and hinges are added.
   for (int twice = 0; twice < 2; ++twice)
     for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {3, 2}, {2, 0}, {0, 3}, {1, 2}}) {
       scene.joints.push_back(between(JointKind::distance, a, b));
@@ -555,8 +559,8 @@ TEST_P(Jointed, LoopsAndRedundantJointsStayFinite) {
   EXPECT_LT(stats.max_speed, 0.01) << "and hang still";
 }
 
-/// Metres apart, and held by bodies that next to nothing turns: impulses of the substep before, carried over
-/// to arms that have turned since, brought more energy each time.
+/// Joints that are metres apart, at bodies with a small moment of inertia. Warm starting with impulses for
+/// the lever arms of the previous substep added energy in each substep.
 TEST_P(Jointed, ContradictionsStayBoundedHoweverLightlyBodiesTurn) {
   for (const double inertia : {1.0, 100.0, 650.0}) {
     Scene scene = space(g, Precision::f64);
@@ -592,15 +596,17 @@ TEST_P(Jointed, BodiesHeldTogetherMayTouchOnlyIfTheySaySo) {
 }
 
 TEST_P(Jointed, BodiesThatNoForceMovesHoldTheOthers) {
-  // One drags a pendulum along at a steady speed: in its frame nothing has changed.
+  // A kinematic body pulls a pendulum along at constant speed. The motion in its frame equals that of the
+  // fixed one.
   Scene scene = space(g);
   scene.bodies = {sphere(0.1, Vector3d(0, 0, 0), Vector3d(3, 0, 0)),
                   sphere(0.3, Vector3d(1, 0, 0), Vector3d(3, 0, 0)), sphere(0.1, Vector3d(0, 5, 0)),
                   sphere(0.3, Vector3d(1, 5, 0))};
   scene.bodies[0].motion = Motion::kinematic;
   scene.bodies[2].motion = Motion::fixed;
-  scene.joints = {between(JointKind::distance, 0, 1), between(JointKind::distance, 3, 2),
-                  between(JointKind::ball, 0, 2)};  // of no use to anybody
+  scene.joints = {
+      between(JointKind::distance, 0, 1), between(JointKind::distance, 3, 2),
+      between(JointKind::ball, 0, 2)};  // a joint between two bodies without dynamics has no effect
   World world(scene, options());
   world.step(120);
   const BodyStates s = world.bodies();
@@ -630,7 +636,7 @@ TEST_P(Jointed, AreDrawnWhereTheyAre) {
   world.publisher().publish(target);
   std::array<JointInstance, 3> drawn;
   world.publisher().copy_to_host(drawn.data(), target.joints, sizeof drawn);
-  // Colour by colour: the rope and the hinge share no body.
+  // In order of colours: the rope and the hinge share no body.
   const auto at = [](const float(&v)[3]) { return Vector3d(v[0], v[1], v[2]); };
   EXPECT_EQ(drawn[0].look, static_cast<float>(JointLook::rope));
   EXPECT_NEAR((at(drawn[0].from) - Vector3d(0, 0, 0)).norm(), 0, 1e-6);
@@ -646,7 +652,7 @@ TEST_P(Jointed, AreDrawnWhereTheyAre) {
   EXPECT_EQ(drawn[2].look, static_cast<float>(JointLook::spring));
 }
 
-// ---- one answer ----
+// ---- determinism ----
 
 Scene everything(Precision precision) {
   Scene scene = box_collider(300);
@@ -703,7 +709,7 @@ TEST_P(Jointed, AnotherWorldGoesOnBitForBit) {
   second.step(9);
   EXPECT_EQ(second.state_hash(), whole.state_hash());
 
-  // Without the last bodies and their joints, those that are left remember theirs.
+  // After a removal of the last bodies and their joints, the remaining joints keep their impulses.
   Scene fewer = scene;
   fewer.generators[0].count = 150;
   std::erase_if(fewer.joints,

@@ -1,3 +1,5 @@
+// Tests the JSON parser: exact numbers, positions of tokens, limits of size and nesting, and one line per
+// fault. Damaged text must never crash it.
 #include "sim_cuda/scene/json_document.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::StartsWith;
 
-/// Where a node's token starts, as "line:column".
+/// The start of a node's token, as "line:column".
 std::string position(const JsonDocument& document, std::uint32_t offset) {
   const std::string line = document.lines({{offset, "x"}}).at(0);
   return line.substr(2, line.size() - 5);
@@ -57,7 +59,7 @@ TEST(JsonDocument, NodesKnowWhereTheirTokensStart) {
   EXPECT_EQ(position(document, b.key_begin), "3:2");
   EXPECT_EQ(position(document, b.begin), "4:3");
   const JsonNode& s = document.children(root)[3];
-  EXPECT_EQ(position(document, s.begin), "4:23");  // a letter of two bytes is one column
+  EXPECT_EQ(position(document, s.begin), "4:23");  // a two-byte character is one column
   EXPECT_EQ(document.text(s), "t");
   EXPECT_EQ(document.find(root, "s"), &s);
   EXPECT_EQ(document.find(root, "t"), nullptr);
@@ -222,7 +224,7 @@ TEST(JsonSyntax, Utf8) {
   }
 }
 
-// Whatever a text is cut or spoilt to: a tree or one line that starts with a position; never a crash.
+// Any truncated or damaged text gives a tree or one line that starts with a position. It never crashes.
 TEST(JsonSyntax, EverySpoiltTextIsExplained) {
   const std::string good =
       "// c\n{\"a\\u00e9\": [1, -2.5e+3, \"x\xC3\xA9\"], /* d */ \"b\": {\"c\": null, \"d\": false}}\n";

@@ -1,3 +1,4 @@
+// Tests the automatic choice of the Morton key length against scenes for which short or long keys are right.
 #include "sim_cuda/broad_phase/key_bits.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-/// The bodies of the Box Collider, 30 % of a box that is `times` as wide.
+/// The bodies of the Box Collider with 30 % filling, in a box `times` as wide.
 Scene in_a_larger_box(std::int64_t count, double times) {
   const InitialBodies bodies = initial_bodies(box_collider(count, Variant::scaled));
   Scene scene = empty_space();

@@ -1,5 +1,5 @@
-// Kinematic and static bodies: that they carry and are not carried, with closed forms; what is counted of
-// them; and that a scene without them does not pay for them.
+// Tests kinematic and static bodies: they move others and are not moved, against closed forms. Also tests
+// their counts, and that scenes without them pay no cost.
 
 #include <cmath>
 
@@ -64,7 +64,7 @@ TEST_P(Prescribed, NothingStopsAKinematicBody) {
     EXPECT_LT(stats.max_penetration, 0.1);
   }
   const double parts = 120.0 * substeps_in_effect(scene.physics);
-  const double turn = parts * 2 * std::atan(std::sqrt(14.0) / parts / 2);  // Cayley's
+  const double turn = parts * 2 * std::atan(std::sqrt(14.0) / parts / 2);  // angle of Cayley's update
   EXPECT_NEAR(std::abs(world.bodies().orientation[0].w()), std::abs(std::cos(turn / 2)), 1e-9);
 }
 
@@ -197,9 +197,11 @@ TEST_P(PrescribedSoftly, ASpinningOneDragsWhatItTouches) {
 }
 
 TEST_P(PrescribedSoftly, AStaticSphereBearsAPile) {
-  // Spheres in a tube of four planes, on a sphere that fills it: it bears all of their weight.
+  // Spheres in a tube of four planes above a sphere that fills the tube. That sphere carries their whole
+  // weight.
   Scene scene = space();
-  scene.materials.push_back({.name = "rough", .restitution = 0, .friction = 0.5});  // among themselves
+  scene.materials.push_back(
+      {.name = "rough", .restitution = 0, .friction = 0.5});  // used by the spheres of the pile
   for (const double side : {1.0, -1.0}) {
     scene.obstacles.push_back(Plane{Vector3d(side, 0, 0), -1, 0});
     scene.obstacles.push_back(Plane{Vector3d(0, side, 0), -1, 0});

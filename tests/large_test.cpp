@@ -1,4 +1,5 @@
-// Scenes that are larger than what a machine does at once: refused with figures, or ended within a second.
+// Tests scenes beyond the memory or the time of the machine: they are refused with figures, or end within a
+// second of a signal.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,14 +22,14 @@ namespace {
 using testing::MatchesRegex;
 using Clock = std::chrono::steady_clock;
 
-/// s. The program ends within one; a machine that does much else may take a while to say so.
+/// s. The program ends within one second; a busy machine may detect the end later.
 constexpr double soon = 2;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The headless program, in a folder of its own, to be ended by a signal.
+/// The headless program, started in a temporary folder, to be ended by a signal.
 class Started {
  public:
   explicit Started(const std::vector<std::string>& arguments) : child_(fork()) {
@@ -54,14 +55,14 @@ class Started {
     return !ended_;
   }
   void send(int signal) const { kill(child_, signal); }
-  /// Sends it; how long the program takes to end then.
+  /// Sends the signal; returns the seconds until the program ends.
   double end_by(int signal) {
     const Clock::time_point start = Clock::now();
     kill(child_, signal);
     while (running() && seconds_since(start) < 20) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     return seconds_since(start);
   }
-  /// As shells count.
+  /// The exit status as a shell reports it.
   int status() const { return WIFSIGNALED(status_) ? 128 + WTERMSIG(status_) : WEXITSTATUS(status_); }
   const TemporaryFolder& folder() const { return folder_; }
 
@@ -86,7 +87,7 @@ TEST(LargeRuns, EndWithinASecondOfASignal) {
     }
 }
 
-/// The first signal lets it write the steps that were made, which may take longer.
+/// After the first signal the program writes the completed steps, which may take longer.
 TEST(LargeRuns, WithFilesEndWithinASecondOfASecondSignalAndLeaveNoFile) {
   std::vector<std::string> with_files = large_run;
   with_files.insert(with_files.end(), {"--json", "report", "--save", "end", "--dump-bodies", "bodies"});
@@ -213,7 +214,7 @@ TEST_F(LargeWindow, ClosesWhileAStepIsMadeAndRemembersItsPanels) {
   window.hands({"key", "ctrl+a"});
   window.hands({"type", "100000"});
   window.hands({"key", "Return"});
-  std::this_thread::sleep_for(std::chrono::seconds(3));  // it is at work: no frame comes
+  std::this_thread::sleep_for(std::chrono::seconds(3));  // the program is busy: no frame is drawn
   window.press_close_button();
   int status = -1;
   const double seconds = window.seconds_to_end(status);

@@ -1,4 +1,4 @@
-// What panels say of launches.
+// Tests the texts about kernel launches in the panels.
 
 #include "ui/launch_text.h"
 

@@ -1,4 +1,4 @@
-// Leading errors against those that can be worked out by hand, and against runs of the methods themselves.
+// Tests leading error terms against values by hand and against runs of the methods.
 
 #include "sim_cuda/reference/leading_error.h"
 
@@ -41,7 +41,8 @@ TEST(LeadingError, OfASpringIsKnownToAllThree) {
   const SmoothState euler = leading_error(spring, euler_step(pull), 1, t);
   EXPECT_NEAR(euler[0], -w / 2 * std::sin(w * t), 0.01 * w) << "half a kick ahead, half a kick late";
   EXPECT_NEAR(euler[1], 0, 0.01 * w * w);
-  // Verlet swings too fast by the share (w h)^2 / 24, and its greatest speed is short by (w h)^2 / 8.
+  // Verlet's frequency is too high by the factor (w h)^2 / 24, and its maximum speed is too low by (w h)^2 /
+  // 8.
   const SmoothState verlet = leading_error(spring, verlet_step(pull), 2, t);
   EXPECT_NEAR(verlet[0], -std::sin(w * t) * w * t * w * w / 24, 0.01 * w * w);
   EXPECT_NEAR(verlet[1], -w * std::cos(w * t) * w * t * w * w / 24 + w * w * w / 8 * std::sin(w * t),

@@ -1,3 +1,4 @@
+// Tests quick lighting against full lighting: the colours must agree. Also tests that pictures are opaque.
 #include "viewer/render/light_pass.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ Image draw(Quality quality, bool spheres, int supersampling = 1) {
   return renderer.read_picture();
 }
 
-/// Mean and greatest difference of a channel, in 255ths.
+/// Mean and largest difference of a channel, in 255ths.
 std::pair<double, int> difference(const Image& a, const Image& b) {
   double sum = 0;
   int most = 0;
@@ -36,8 +37,8 @@ std::pair<double, int> difference(const Image& a, const Image& b) {
 
 TEST(LightPass, QuickLightHasTheColoursOfTheFullOne) {
   test_context();
-  // Where there is nothing, the two differ by the powers' fit alone; among spheres, by occlusion and the
-  // edges of shadows.
+  // Without bodies the two differ only by the fit of the powers. With bodies they also differ in occlusion
+  // and shadow edges.
   EXPECT_LE(difference(draw(Quality::quick, false), draw(Quality::full, false)).second, 3);
   EXPECT_LT(difference(draw(Quality::quick, true), draw(Quality::full, true)).first, 8);
 }

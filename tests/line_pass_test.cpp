@@ -1,5 +1,5 @@
-// Boxes in any number: broad while they are few, thin beyond, none forgotten. Marks of contacts, as they
-// reach the picture.
+// Tests the drawing of boxes and contact marks. All boxes must be visible at any count: wide lines for few,
+// thin lines for many.
 
 #include "viewer/render/line_pass.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int plan_width = 640, plan_height = 480;
 
-/// From straight above, without perspective, 120 m high: a metre is four pixels.
+/// An orthographic view from above, 120 m high: four pixels per metre.
 OrbitCamera plan_view() {
   OrbitCamera camera;
   camera.orthographic = true;
@@ -39,7 +39,7 @@ Image draw_plan(const std::vector<BoxInstance>& boxes, int last_level) {
   return renderer.read_picture();
 }
 
-/// Pixels that differ within `reach` pixels of a place of the plan, in m.
+/// Counts the pixels that differ within `reach` pixels of a point of the plan, in m.
 int changed_near(const Image& a, const Image& b, double x, double y, int reach) {
   const int middle_x = static_cast<int>(4 * (x - 50) + plan_width / 2.0),
             middle_y = static_cast<int>(4 * (50 - y) + plan_height / 2.0);
@@ -60,7 +60,7 @@ int changed_near(const Image& a, const Image& b, double x, double y, int reach) 
 TEST(LinePass, EveryBoxLeavesItsMarkThinOrBroad) {
   test_context();
   const Image nothing = draw_plan({}, 0);
-  // A root, and below it more than are drawn broad.
+  // A root, and more children than the limit for wide lines.
   std::vector<BoxInstance> boxes{box_instance({-4, -4, 0}, {104, 104, 100}, 0)};
   for (int i = 0; i < 100 * 100; ++i)
     boxes.push_back(box_instance({i % 100 + 0.0, i / 100 + 0.0, 40}, {i % 100 + 0.6, i / 100 + 0.6, 60}, 1));
@@ -69,7 +69,7 @@ TEST(LinePass, EveryBoxLeavesItsMarkThinOrBroad) {
   for (int i = 0; i < 100 * 100; ++i)
     ASSERT_GE(changed_near(many, nothing, i % 100 + 0.3, i / 100 + 0.3, 1), 3) << i;
 
-  // The root is as broad as ever, its children are thinner than where they are few.
+  // The root keeps its line width. The children are thinner than in a small set.
   const std::vector<BoxInstance> few(boxes.begin(), boxes.begin() + 5000);
   const Image broad = draw_plan(few, 1);
   EXPECT_EQ(changed_near(broad, nothing, 50, -4, 4), changed_near(many, nothing, 50, -4, 4));
@@ -79,7 +79,7 @@ TEST(LinePass, EveryBoxLeavesItsMarkThinOrBroad) {
 TEST(LinePass, BuffersLargerThanAShaderReachesAreDrawnToTheEnd) {
   test_context();
   const Image nothing = draw_plan({}, 0);
-  // All but the first and the last few lie behind the eye.
+  // All but the first and the last few are behind the camera.
   std::vector<BoxInstance> boxes((1 << 20) + 9, box_instance({1000, 1000, 1000}, {1000, 1000, 1000}, 3));
   boxes.front() = box_instance({10, 10, 40}, {20, 20, 60}, 3);
   for (int i = 0; i < 12; ++i)
@@ -90,7 +90,7 @@ TEST(LinePass, BuffersLargerThanAShaderReachesAreDrawnToTheEnd) {
   EXPECT_EQ(changed_near(picture, nothing, 90, 90, 20), 0);
 }
 
-/// A box full of spheres, the box of each and those around every eight of them, and as many contacts.
+/// A box full of spheres, a box for each and for every eight of them, and as many contacts.
 struct Crowd {
   TestBodies spheres = test_spheres(40'000, 2.5, 3);
   std::vector<BoxInstance> boxes;
@@ -113,7 +113,7 @@ struct Crowd {
   }
 };
 
-/// Draws it with or without what is hidden.
+/// Draws with or without culling.
 struct CrowdPicture {
   Renderer renderer;
   CrowdPicture(const Crowd& crowd, bool cull, int samples)
@@ -138,9 +138,9 @@ TEST(LinePass, WhatIsLeftOutBeforeItIsDrawnWouldNotHaveBeenSeen) {
       lines_alone{.boxes = true, .last_level = 2, .contacts = true, .grid = false};
   const OrbitCamera all = frame_all({{0, 0, 0}, {100, 100, 100}}, 4.0 / 3, {});
   OrbitCamera inside = all, near = all, beside = all, flat = all;
-  inside.distance = 20;  // among the bodies: some reach before the near plane
+  inside.distance = 20;  // inside the crowd: some bodies cross the near plane
   near.distance = 90;
-  beside.target += Vector3d(90, 40, 0);  // half of it outside of the picture
+  beside.target += Vector3d(90, 40, 0);  // half of the crowd is outside the picture
   flat.orthographic = true;
   CrowdPicture culled(crowd, true, 1), whole(crowd, false, 1);
   for (const OrbitCamera& camera : {all, inside, near, beside, flat})
@@ -149,7 +149,7 @@ TEST(LinePass, WhatIsLeftOutBeforeItIsDrawnWouldNotHaveBeenSeen) {
           << "distance " << camera.distance;
   EXPECT_TRUE(CrowdPicture(crowd, true, 2).draw(near, everything) ==
               CrowdPicture(crowd, false, 2).draw(near, everything));
-  // There are boxes and contacts in these pictures.
+  // These pictures contain boxes and contacts.
   FrameLayers no_boxes = everything, no_contacts = everything;
   no_boxes.boxes = no_contacts.contacts = false;
   const Image both = culled.draw(all, everything);
@@ -159,7 +159,7 @@ TEST(LinePass, WhatIsLeftOutBeforeItIsDrawnWouldNotHaveBeenSeen) {
 
 constexpr int size = 200;
 
-/// One contact in the middle of the box, seen along its normal: the ring, and of the needle only its end.
+/// One contact in the middle of the box, seen along its normal: the ring and the tip of the needle.
 Image contact_of(float impulse, double strongest, bool from_the_side = false) {
   test_context();
   Renderer renderer(size, size);
@@ -183,7 +183,7 @@ Image contact_of(float impulse, double strongest, bool from_the_side = false) {
   return renderer.read_picture();
 }
 
-/// Pixels that are nothing of the backdrop, which is grey.
+/// Counts reddish pixels. The background is grey.
 int reddish(const Image& image) {
   int count = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) count += image.rgba[i] > image.rgba[i + 1] + 40;
@@ -196,10 +196,10 @@ int near_white(const Image& image) {
   return count;
 }
 
-/// Greatest red, green and blue of the ring's rim.
+/// Largest red, green and blue of the ring's rim.
 Rgb ring_color(const Image& image) {
   Rgb most;
-  for (int x = size / 2 + 6; x < size; ++x) {  // beyond the needle's end
+  for (int x = size / 2 + 6; x < size; ++x) {  // beyond the tip of the needle
     const std::size_t at = 4 * static_cast<std::size_t>(size * (size / 2) + x);
     most = {std::max(most.r, image.rgba[at] / 255.0f), std::max(most.g, image.rgba[at + 1] / 255.0f),
             std::max(most.b, image.rgba[at + 2] / 255.0f)};
@@ -213,7 +213,7 @@ TEST(ContactMark, TakesTheColourOfItsImpulse) {
     EXPECT_NEAR(seen.r, expected.r, 0.06) << impulse;
     EXPECT_NEAR(seen.g, std::max(expected.g, 0.2f), 0.08) << impulse;
   }
-  // Unknown: as the middle of the scale.
+  // With an unknown scale the colour is that of its middle.
   EXPECT_EQ(contact_of(0, 0), contact_of(5, 0));
   EXPECT_NEAR(ring_color(contact_of(0, 0)).g, contact_color(0.5).g, 0.06);
 }

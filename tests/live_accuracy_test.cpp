@@ -1,4 +1,5 @@
-// A study of a running scene in slices: what it starts from, what it survives, what it says.
+// Tests an accuracy study in slices beside a running scene: its start state, the changes that restart it, and
+// its messages.
 
 #include "viewer/session/live_accuracy.h"
 

@@ -1,4 +1,4 @@
-// Where a live run stops: at conditions, and at what guards find; and the ways on.
+// Tests the stops of a live run: break conditions, findings of guards, and how the run continues.
 
 #include "viewer/session/live_breakpoints.h"
 
@@ -42,7 +42,7 @@ TEST(LiveBreakpoints, StopsWhereAConditionIsMet) {
   EXPECT_EQ(stop.state_before, 4);
   EXPECT_THAT(stop.what, testing::HasSubstr("speed"));
 
-  // The state before it, and the run where it was.
+  // snapshot_before() returns the state before the step and does not change the run.
   const std::uint64_t hash = run.live.world().state_hash();
   const Snapshot before = run.breaks.snapshot_before(run.live);
   EXPECT_EQ(before.state.steps, 4);
@@ -52,7 +52,7 @@ TEST(LiveBreakpoints, StopsWhereAConditionIsMet) {
   again.step();
   EXPECT_EQ(again.state_hash(), hash);
 
-  // Gone on from, it is not met anew while it lasts.
+  // After resume(), a condition that stays true does not stop the run again.
   run.breaks.resume();
   for (int k = 0; k < 5; ++k) EXPECT_FALSE(run.step());
   run.conditions.limit(BreakCondition::speed) = 15.5;

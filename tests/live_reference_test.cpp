@@ -1,5 +1,5 @@
-// Where bodies should be, beside where they are: what the reference is, what turns it and what does not,
-// where it ends; against formulas of the flight that Euler's method gets wrong.
+// Tests the live reference: its kind, the settings that restart it, and its end. Expected offsets come from
+// formulas for the error of Euler's method in free flight.
 
 #include "viewer/session/live_reference.h"
 
@@ -45,7 +45,7 @@ struct Beside {
   int waits = 0;
 };
 
-/// In free flight under gravity, in double.
+/// Free flight under gravity, in double.
 Scene flight() {
   Scene scene = hard_space(Vector3d(0, 0, -10));
   scene.physics.solver = Solver::impulse;
@@ -61,7 +61,7 @@ TEST(LiveReference, OfHardSpheresIsExact) {
   run.step(32);
   const std::vector<GhostInstance> ghosts = run.ghosts();
   ASSERT_EQ(ghosts.size(), 2u);
-  const double off = 0.5 * 10 * (1.0 / 64) * 0.5;  // g h t / 2: what Euler's method falls too far
+  const double off = 0.5 * 10 * (1.0 / 64) * 0.5;  // g h t / 2: the error of Euler's method
   for (const GhostInstance& ghost : ghosts) {
     EXPECT_NEAR(ghost.offset[2], off, 1e-8);
     EXPECT_NEAR(ghost.offset[0], 0, 1e-12);
@@ -80,7 +80,7 @@ TEST(LiveReference, OfOtherScenesIsFinerAndKnowsHowFine) {
   Scene scene = flight();
   scene.physics.solver = Solver::soft_step;
   scene.physics.substeps = 1;
-  scene.physics.drag.viscosity = 1e-9;  // no hard spheres any more, and no force to speak of
+  scene.physics.drag.viscosity = 1e-9;  // excludes the event-driven reference; the force is negligible
   Beside run(scene);
   EXPECT_THAT(run.reference.view().name, HasSubstr("1/8"));
   run.step(32, 0);
@@ -99,7 +99,7 @@ TEST(LiveReference, GoesOnWhateverNumericalSettingsTurn) {
   run.change([](Settings& s) { s.physics.iterations = 3; });
   run.step(32);
   EXPECT_EQ(run.reference.view().start_state, 0);
-  // A quarter of a second at each step.
+  // A quarter of a second at each step length.
   const double off = 0.5 * 10 * 0.25 * (1.0 / 64 + 1.0 / 128);
   EXPECT_NEAR(run.ghosts()[0].offset[2], off, 1e-4);
 
@@ -111,7 +111,7 @@ TEST(LiveReference, GoesOnWhateverNumericalSettingsTurn) {
   EXPECT_EQ(run.reference.view().start_state, 0);
 }
 
-// The finer runs take other steps where the run does, from where they are.
+// The finer runs also change their step length, from their current states.
 TEST(LiveReference, RunsFollowAnotherStep) {
   Scene scene = flight();
   scene.physics.solver = Solver::soft_step;
@@ -122,7 +122,7 @@ TEST(LiveReference, RunsFollowAnotherStep) {
   run.change([](Settings& s) { s.physics.time_step = 1.0 / 96; });
   run.step(24);
   EXPECT_EQ(run.reference.view().start_state, 0);
-  // From an eighth of the first step to the nearest part of the second: a fifth.
+  // The reference step changes from 1/8 of the first step to 1/5 of the second, the nearest divisor.
   const double off = 0.5 * 10 * 0.25 * (1.0 / 64 - 1.0 / 512 + 1.0 / 96 - 1.0 / 480);
   EXPECT_NEAR(run.ghosts()[0].offset[2], off, 1e-6);
 }
@@ -137,17 +137,17 @@ TEST(LiveReference, EndsWhereNothingIsExactAnyMore) {
   EXPECT_TRUE(run.ghosts().empty());
   EXPECT_THAT(run.reference.view().unavailable_reason, HasSubstr("Zeno point"));
   EXPECT_TRUE(run.live.world().publisher().errors().empty());
-  run.step(3);  // nothing waits for it
+  run.step(3);  // the run continues without the reference
   EXPECT_FALSE(run.reference.view().known());
 
   EXPECT_EQ(LiveReference::unavailable_reason(2000), "");
   EXPECT_THAT(LiveReference::unavailable_reason(LiveReference::max_bodies + 1), HasSubstr("50000"));
 }
 
-// Whoever draws may be shown other bodies than were followed last: a step plays what a run changes of itself,
-// and another scene can be opened at any time.
+// The drawn bodies may differ from those of the last follow(): a step plays changes of the run, and another
+// scene can be opened at any time.
 TEST(LiveReference, NeverSpeaksOfBodiesThatAreGone) {
-  for (const double viscosity : {0.0, 1e-9}) {  // exact, and not
+  for (const double viscosity : {0.0, 1e-9}) {  // with the exact reference, and without it
     Scene scene = flight();
     scene.physics.drag.viscosity = viscosity;
     Beside run(scene);

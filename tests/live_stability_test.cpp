@@ -1,4 +1,5 @@
-// Hard cases beside a running scene, in slices: their marks, and the way to the state where one failed.
+// Tests hard cases in slices beside a running scene: their results, and opening the state at which a case
+// failed.
 
 #include "viewer/session/live_stability.h"
 

@@ -1,4 +1,4 @@
-// Settings turned while a world runs: what they may change of the result, and what not.
+// Tests settings that change while a world runs: which of them may change the result, and which may not.
 // More than 400 lines: each setting has its own case.
 
 #include "viewer/session/live_world.h"
@@ -144,7 +144,7 @@ Change addition(const Body& body) {
   return change;
 }
 
-/// The hash of what a run without a window makes of the recorded changes.
+/// The state hash of a run without a window that replays the recorded changes.
 std::uint64_t replayed_hash(LiveWorld& live, const Scene& scene) {
   const TemporaryFolder folder;
   std::ofstream(folder / "changes.json") << live.changes_text();
@@ -161,7 +161,7 @@ std::uint64_t replayed_hash(LiveWorld& live, const Scene& scene) {
   return world.state_hash();
 }
 
-// Hands that turn this and that, from random numbers: the window's run, and the same from its file.
+// Random user actions: the run with a window and the replay from its file must agree.
 TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Scene scene = box_of(150);
@@ -235,7 +235,7 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
             break;
         }
       } catch (const InputError&) {
-        // friction with the solver impulse: refused, and nothing has changed
+        // friction with the solver impulse: refused without a change
       }
       for (unsigned k = random() % 4; k > 0; --k) live.step(false);
     }
@@ -243,7 +243,7 @@ TEST(LiveWorld, WhatWasDoneIsDoneAgainFromItsFile) {
   }
 }
 
-// "auto" is another setting than the number that it comes to, and comes to another one with the solver.
+// "auto" differs from the number that it resolves to, and resolves to another number if the solver changes.
 TEST(LiveWorld, SubstepsAndIterationsActAtTheNextStep) {
   Scene scene = box_of(200);
   scene.box->max = Vector3d(25, 25, 25);
@@ -282,7 +282,7 @@ TEST(LiveWorld, ARemovedBodyAndOneThatIsThrown) {
   ball.position = Vector3d(50, 50, 50);
   live.apply(addition(ball));
   EXPECT_EQ(live.world().initial().size(), 50u);
-  // It comes after the generated ones, and moves with N.
+  // The thrown body comes after the generated ones, and its id changes with N.
   change(live, [](Settings& s) { s.generator.count = 60; });
   EXPECT_EQ(live.world().initial().size(), 60u);
   EXPECT_EQ(live.world().initial().radius[59], 1);
@@ -315,7 +315,7 @@ TEST(LiveWorld, FreezingABodyIsAChange) {
   ASSERT_EQ(live.changes().size(), 1u);
   EXPECT_EQ(live.changes()[0].step, 4);
   EXPECT_THAT(live.changes()[0].freeze, testing::ElementsAre(7));
-  // It keeps its place, whatever else is changed.
+  // The frozen body keeps its position through all later changes.
   live.apply(removal(3));
   change(live, [](Settings& s) { s.material.restitution = 0.5; });
   for (int k = 0; k < 6; ++k) live.step(false);
@@ -331,7 +331,7 @@ TEST(LiveWorld, FreezingABodyIsAChange) {
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
 }
 
-// At state 0, where a change of settings begins anew: what is frozen stays so.
+// At state 0, a change of settings restarts the run. The frozen body stays frozen.
 TEST(LiveWorld, AFrozenBodyStaysSoAtTheStart) {
   const Scene scene = box_of(60);
   LiveWorld live(scene, on_cpu());
@@ -355,7 +355,7 @@ TEST(LiveWorld, WhatGuardsFreezeIsAChange) {
   ASSERT_FALSE(live.changes().empty());
   EXPECT_EQ(live.changes()[0].step, live.world().steps() - 1) << "in the state before the step that failed";
   for (int k = 0; k < 5; ++k) live.step(false);
-  // Also where no guard looks.
+  // The replay agrees also with guards disabled.
   disable_guards(scene.physics);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
 }
@@ -437,8 +437,8 @@ TEST(LiveWorld, AfterARestartOnlyTheDifferenceIsLeft) {
       s.material.restitution = 0.1 + 0.05 * k;
     });
     if (k == 3 || k == 7 || k == 9) live.apply(addition(ball));
-    if (k == 4) live.apply(removal(1));   // of those that the scene lists
-    if (k == 8) live.apply(removal(30));  // of the generator's
+    if (k == 4) live.apply(removal(1));   // a body that the scene lists
+    if (k == 8) live.apply(removal(30));  // a body of the generator
     if (k == 10) live.apply(removal(static_cast<std::int64_t>(live.world().initial().size()) - 2));
     live.step(false);
   }
@@ -452,7 +452,7 @@ TEST(LiveWorld, AfterARestartOnlyTheDifferenceIsLeft) {
   for (int k = 0; k < 4; ++k) live.step(false);
   EXPECT_EQ(replayed_hash(live, scene), live.state_hash());
 
-  // What is turned back at the start is no change, nor is what is turned to and fro.
+  // A setting that returns to its start value is no change. Neither is one that is changed back and forth.
   live.restart();
   for (const double restitution : {0.7, 0.6, 0.5})
     change(live, [&](Settings& s) { s.material.restitution = restitution; });

@@ -1,3 +1,4 @@
+// Tests mass, centre and inertia of triangle meshes against closed forms, and the principal axes.
 #include "sim_cuda/scene/mass_properties.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ struct Solid {
   Faces faces;
 };
 
-/// A box of full sides `size` about the origin: 12 triangles, counter-clockwise from outside.
+/// A box with edge lengths `size` about the origin: 12 triangles, counter-clockwise from outside.
 Solid box(const Vector3d& size) {
   Solid solid;
   for (int i = 0; i < 8; ++i) {
@@ -54,8 +55,9 @@ TEST(MassProperties, BoxAgainstItsFormula) {
 }
 
 TEST(MassProperties, CornerTetrahedronAgainstItsFormula) {
-  // (0,0,0), (a,0,0), (0,b,0), (0,0,c): volume abc/6, centre (a,b,c)/4; about the centre
-  // Ixx = V 3 (b^2 + c^2) / 80 and Ixy = +V a b / 80 (from the integrals of y^2, V b^2/10, and xy, V ab/20).
+  // Vertices (0,0,0), (a,0,0), (0,b,0), (0,0,c): volume abc/6, centre (a,b,c)/4. About the centre, Ixx = V 3
+  // (b^2 + c^2) / 80 and Ixy = +V a b / 80. These follow from the integrals of y^2, V b^2/10, and of xy, V
+  // ab/20.
   const double a = 2, b = 3, c = 7, volume = a * b * c / 6;
   const std::vector<Vector3d> vertices{{0, 0, 0}, {a, 0, 0}, {0, b, 0}, {0, 0, c}};
   const Faces faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -91,7 +93,7 @@ TEST(PrincipalAxes, OfATurnedBox) {
     const Solid solid = moved(box(size), turn.normalized(), {3, -4, 5});
     const MassProperties mass = mass_properties(solid.vertices, solid.faces);
     const PrincipalAxes principal = principal_axes(mass.inertia);
-    // Smallest first: about the long axis.
+    // The smallest moment comes first: the one about the long axis.
     const Vector3d moments = box_moments(size);
     EXPECT_TRUE(principal.moments.isApprox(Vector3d(moments[2], moments[1], moments[0]), 1e-12));
     const Matrix3d r = principal.axes.toRotationMatrix();
@@ -108,7 +110,7 @@ TEST(PrincipalAxes, EqualMomentsKeepTheAxes) {
     const PrincipalAxes principal = principal_axes(mass_properties(solid.vertices, solid.faces).inertia);
     EXPECT_TRUE(principal.axes.isApprox(Quaterniond::Identity(), 1e-15)) << principal.axes.coeffs();
   }
-  // A cube has the same inertia about every axis: turning it finds no better ones.
+  // All moments of a cube are equal, so the axes stay as they are after a rotation.
   const Solid turned = moved(box({1, 1, 1}), Quaterniond(0.1, -0.7, 0.3, 0.6).normalized(), {0, 0, 0});
   const PrincipalAxes principal = principal_axes(mass_properties(turned.vertices, turned.faces).inertia);
   EXPECT_TRUE(principal.axes.isApprox(Quaterniond::Identity(), 1e-15)) << principal.axes.coeffs();

@@ -1,3 +1,5 @@
+// Tests the OBJ mesh reader and its mass properties against closed forms, and one message per fault with its
+// line.
 #include "sim_cuda/scene/mesh.h"
 
 #include <gmock/gmock.h>
@@ -38,7 +40,7 @@ TEST(Mesh, IsMovedToItsCentreAndPrincipalAxes) {
   EXPECT_NEAR(mesh.bounding_radius, farthest, 1e-14);
   EXPECT_LE(mesh.inertia_per_density[0], mesh.inertia_per_density[1]);
   EXPECT_LE(mesh.inertia_per_density[1], mesh.inertia_per_density[2]);
-  EXPECT_NEAR(mesh.inertia_per_density.sum(), 7.0 * 6 * (4 + 9 + 49) / 80, 1e-12);  // the trace stays
+  EXPECT_NEAR(mesh.inertia_per_density.sum(), 7.0 * 6 * (4 + 9 + 49) / 80, 1e-12);  // the trace is invariant
 }
 
 TEST(Mesh, AllFormsOfFacesMeanTheSame) {
@@ -130,7 +132,7 @@ TEST(Mesh, AllFaultsAreListed) {
   EXPECT_EQ(faults_of("v a 0 0\nv 0 b 0\nz\n").size(), 3u);
   std::string many;
   for (int i = 0; i < 1000; ++i) many += "z\n";
-  EXPECT_EQ(faults_of(many).size(), 100u);  // enough is enough
+  EXPECT_EQ(faults_of(many).size(), 100u);  // the limit of listed faults
 }
 
 TEST(Mesh, MissingFileAndFolder) {

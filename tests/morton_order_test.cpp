@@ -1,4 +1,5 @@
-// The order of a tree's leaves: sorted by all bits of their keys, equal keys by id, whatever sorts them.
+// Tests the order of a tree's leaves: sorted by all bits of their Morton keys, equal keys by id, with every
+// sort method.
 
 #include "sim_cuda/broad_phase/morton.h"
 
@@ -12,7 +13,7 @@
 namespace collidoscope {
 namespace {
 
-/// A tree as its nodes report it, level by level.
+/// The tree as reported by inspection, in level order.
 struct Reported {
   std::vector<NodeReport> nodes;
   explicit Reported(World& world) {
@@ -40,7 +41,7 @@ struct Reported {
   }
 };
 
-/// Of each body, by its float box, as its world has it.
+/// Morton key of each body, from the float box that its world uses.
 std::vector<std::uint64_t> keys_of(World& world, int bits) {
   const BodyStates states = world.bodies();
   const Box& box = *world.initial().box;
@@ -57,7 +58,7 @@ std::vector<std::uint64_t> keys_of(World& world, int bits) {
   return keys;
 }
 
-/// 30 % of the bodies in a corner, a thousandth of the box wide, and all of them in the box.
+/// 30 % of the bodies are in a corner of a thousandth of the box's width, the rest is spread over the box.
 Scene corner_of_a_gas(std::int64_t count) {
   Scene scene = box_collider(0);
   scene.generators.clear();
@@ -75,7 +76,7 @@ struct NamedScene {
   std::string name;
   Scene scene;
 };
-/// In each of the crowded ones a cell of the counting sort holds hundreds of bodies.
+/// In the crowded scenes, one cell of the counting sort holds hundreds of bodies.
 std::vector<NamedScene> scenes_to_sort() {
   std::vector<NamedScene> scenes{{"scaled", box_collider(800, Variant::scaled)},
                                  {"corner", corner_of_a_gas(800)}};
@@ -140,13 +141,13 @@ TEST_P(MortonOrders, MakeOneTreeWhateverSortsAndInWhateverOrderBodiesArrive) {
       }
 }
 
-/// What is reported as the number of bits, the order has.
+/// The order uses as many bits as are reported.
 TEST_P(MortonOrders, ReportTheirBits) {
   for (const int bits : {24, 30, 63})
     EXPECT_EQ(world(corner_of_a_gas(200), "lbvh_ropes", bits, SortMethod::automatic).info().key_bits, bits);
 }
 
-/// No default needs more than twice the visits that the best length of a key does.
+/// The default key length needs at most twice the visits of the best key length.
 TEST_P(MortonOrders, AreGoodByDefault) {
   std::vector<NamedScene> scenes = scenes_to_sort();
   scenes.push_back({"paper", box_collider(800, Variant::paper)});

@@ -1,3 +1,4 @@
+// Tests Morton keys against a bit-by-bit definition, and at the border of the extent.
 #include "sim_cuda/broad_phase/morton.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +7,7 @@
 namespace collidoscope {
 namespace {
 
-/// Bit by bit, as the definition says.
+/// Interleaves bit by bit, by the definition.
 std::uint64_t interleave(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   std::uint64_t key = 0;
   for (int bit = 0; bit < 21; ++bit)

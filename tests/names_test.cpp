@@ -1,3 +1,5 @@
+// Tests tables of names: lookup in both directions, suggestions for unknown names, and text made safe for a
+// terminal.
 #include "sim_cuda/scene/names.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +46,7 @@ TEST(Names, UnknownNameSaysWhatIsKnown) {
 TEST(Names, PrintableKeepsTerminalsSafe) {
   EXPECT_EQ(printable("a\x1b[31m\n"), "a?[31m?");
   EXPECT_EQ(printable(std::string(61, 'x')), std::string(60, 'x') + "...");
-  // 30 two-byte characters and one more byte before them: the cut would fall inside one.
+  // One byte, then 40 two-byte characters: the cut must not fall inside a character.
   std::string accents = "x";
   for (int i = 0; i < 40; ++i) accents += "\xc3\xa9";
   EXPECT_EQ(printable(accents).size(), 59u + 3u);

@@ -1,4 +1,5 @@
-// Numbers as they are typed into fields: taken whole and within their range, or refused with that range.
+// Tests the parsing of numbers typed into fields. A number is accepted in full and within its range, or
+// refused with the range.
 
 #include "ui/number_field.h"
 

@@ -1,4 +1,4 @@
-// What is remembered of the states before.
+// Tests the data that an observation keeps from earlier states, against values by hand.
 
 #include "sim_cuda/stability/observation.h"
 
@@ -47,7 +47,7 @@ TEST_P(Observations, ScalesAreTheLargestSoFar) {
   Observation observation(world, assertions_of({Quantity::energy_gain, Quantity::momentum_change}));
   EXPECT_DOUBLE_EQ(observation.energy_scale(), 6.25);
   EXPECT_DOUBLE_EQ(observation.momentum_scale(), 5);
-  world.step(2);  // at its highest
+  world.step(2);  // at the highest point
   observation.update(world, 0.25);
   EXPECT_DOUBLE_EQ(observation.momentum_scale(), 5);
   EXPECT_GE(observation.energy_scale(), 6.0);

@@ -1,5 +1,4 @@
-// Why no more of a kernel runs at once. The counts are those of NVIDIA's occupancy calculator for compute
-// capability 9.0.
+// Tests the occupancy limits of kernels against NVIDIA's occupancy calculator for compute capability 9.0.
 
 #include "sim_cuda/core/occupancy.h"
 
@@ -11,9 +10,9 @@ namespace {
 constexpr MultiprocessorLimits hopper{2048, 32, 228 * 1024, 1024};
 
 TEST(Occupancy, NamesWhatRunsOut) {
-  EXPECT_EQ(residency_limit(hopper, 256, 0, 8), LaunchLimit::threads);    // 32 registers: full
-  EXPECT_EQ(residency_limit(hopper, 256, 0, 4), LaunchLimit::registers);  // 64 registers: half of that
-  EXPECT_EQ(residency_limit(hopper, 32, 0, 32), LaunchLimit::blocks);     // 1,024 threads in all
+  EXPECT_EQ(residency_limit(hopper, 256, 0, 8), LaunchLimit::threads);    // 32 registers: full occupancy
+  EXPECT_EQ(residency_limit(hopper, 256, 0, 4), LaunchLimit::registers);  // 64 registers: half of it
+  EXPECT_EQ(residency_limit(hopper, 32, 0, 32), LaunchLimit::blocks);     // 1,024 threads in total
   EXPECT_EQ(residency_limit(hopper, 64, 48 * 1024, 4), LaunchLimit::shared_memory);
   EXPECT_EQ(residency_limit(hopper, 1024, 0, 2), LaunchLimit::threads);
   EXPECT_EQ(residency_limit(hopper, 37, 0, 32), LaunchLimit::threads) << "takes two warps, as 64 threads do";

@@ -1,6 +1,6 @@
-// The first promise: a scene, a seed and the physical settings determine the state bit for bit, whatever runs
-// it. Golden hashes of a dozen scenes are committed, so that a machine without a GPU checks what a GPU must
-// produce, and the reverse.
+// Tests determinism: scene, seed and physical settings determine the state bit for bit, at every launch
+// shape, on every executor. Golden hashes of a dozen scenes are committed, so that machines with and without
+// a GPU check each other's results.
 
 #include <gmock/gmock.h>
 
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int golden_steps = 60;
 
-/// The thread sanitizer takes 30 times as long. A race shows at any shape with several lanes and threads.
+/// The thread sanitizer is 30 times slower. Any shape with several lanes and threads shows a race.
 #if defined(__SANITIZE_THREAD__)
 const std::vector<LaunchShape> launch_shapes{{2, 4}, {0, 0}};
 const std::vector<LaneOrder> lane_orders{LaneOrder::shuffled};
@@ -126,7 +126,7 @@ TEST_P(OneAnswer, WithEverySortAtEveryLaunchShape) {
       o.broad_phase = method;
       o.sort = sort;
       World world(scene, o);
-      // A running scene's (B, T) changes; the sort's table must have room for all of them.
+      // (B, T) may change during a run. The sort's table must be large enough for all shapes.
       for (const LaunchShape shape : {LaunchShape{2, 4}, {16, 16}, {64, 1024}}) {
         world.set_launch_shape(shape);
         world.step(10);
@@ -135,7 +135,7 @@ TEST_P(OneAnswer, WithEverySortAtEveryLaunchShape) {
     }
 }
 
-// On a GPU, the threads of a block share what it has to do.
+// On a GPU, the threads of a block share the work of one body with many contacts.
 TEST_P(OneAnswer, OfOneWhoTouchesThousands) {
   Scene scene;
   scene.physics.gravity = Vector3d::Zero();
@@ -199,7 +199,7 @@ INSTANTIATE_TEST_SUITE_P(Executors, OneAnswerOfASolver,
 TEST_P(OneAnswerOfASolver, WithCapacitiesTenTimesTooSmall) {
   Scene scene = box_collider(1000);
   scene.physics.solver = std::get<1>(GetParam());
-  scene.physics.substeps = 3;  // so that runs within a step overflow too
+  scene.physics.substeps = 3;  // so that lists also overflow within a step
   World roomy(scene, options());
   roomy.step(30);
   const std::int64_t pairs = roomy.measure().pairs;
@@ -251,11 +251,11 @@ struct GoldenRun {
   std::string scene, key;
   Precision precision;
   Solver solver;
-  std::optional<Integrator> integrator;  ///< with the rotation update lie_group; none: the scene's own
+  std::optional<Integrator> integrator;  ///< with the rotation update lie_group; empty: the scene's own
 };
 
 std::vector<GoldenRun> golden_runs() {
-  // With impulse as well, whatever the default solver is.
+  // These scenes also run with impulse, independent of the default solver.
   const std::vector<std::string> with_impulse{"box_collider",
                                               "box_collider_equal",
                                               "box_collider_scaled",
@@ -274,7 +274,7 @@ std::vector<GoldenRun> golden_runs() {
                                               "mixed_materials",
                                               "one_body",
                                               "empty"};
-  // These have effects that impulse does not have.
+  // These scenes have effects that impulse lacks.
   const std::vector<std::string> soft_step_only{"rolling", "rolling_out", "sinking",
                                                 "orbits",  "carousel",    "marble_run"};
   std::vector<GoldenRun> runs;

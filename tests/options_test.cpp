@@ -1,3 +1,5 @@
+// Tests command-line options: each flag belongs to a command, overrides reach the scene, and faults name the
+// flag that caused them.
 #include "headless/cli/options.h"
 
 #include <gtest/gtest.h>
@@ -115,7 +117,7 @@ TEST(Options, GeneratorFlagsNeedOneGenerator) {
 }
 
 TEST(Options, AFaultThatAFlagCausedNamesTheFlag) {
-  Scene scene = generated();  // 2000 generated bodies and one listed: together too many
+  Scene scene = generated();  // 2000 generated bodies and one listed: too many together
   scene.bodies.emplace_back();
   try {
     apply(read({{"--bodies", "134217728"}}).overrides, "x.json", scene);

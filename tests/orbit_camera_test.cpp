@@ -1,3 +1,4 @@
+// Tests the orbit camera against geometry: axes, depth, framing and the scene's own camera.
 #include "viewer/render/orbit_camera.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What does not fit is said with its bytes, and the world that there was goes on as if nobody had asked. On
-// the device as on the host: RunOptions::memory_limit stands for what the machine has.
+// Tests requests that exceed the memory: the message states the bytes, and the existing world continues
+// unchanged. RunOptions::memory_limit stands for the memory of the device or host.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 class OutOfMemoryOn : public OnEachExecutor {};
 ON_EACH_EXECUTOR(OutOfMemoryOn);
 
-/// The largest number of the line: the bytes that were needed.
+/// The largest number in the line: the required bytes.
 std::int64_t largest_number(const std::string& line) {
   std::int64_t largest = 0;
   const std::regex number("[0-9]+");
@@ -37,7 +37,7 @@ std::string refusal_of(const std::function<void()>& work) {
   return "none";
 }
 
-/// 300 spheres that come from all sides to one point: more and more pairs.
+/// 300 spheres that move towards one point, so that the number of pairs grows.
 Scene implosion(Solver solver) {
   Scene scene = empty_space();
   scene.physics.solver = solver;
@@ -62,7 +62,7 @@ TEST_P(OutOfMemoryOn, ARefusedBufferIsNamedWithWhatAllTake) {
                                  "600000, 'c' 500000, 'b' 300000); it answered: 148576 bytes are free"));
 }
 
-/// While a world is set up: not one buffer alone, but the total so far.
+/// The message states the total during the construction of a world, not only the failing buffer.
 TEST_P(OutOfMemoryOn, AWorldThatDoesNotFitIsRefusedWithATotal) {
   RunOptions scarce = options();
   scarce.memory_limit = 1 << 20;
@@ -95,7 +95,7 @@ TEST_P(OutOfMemoryOn, GrowthThatDoesNotFitLeavesTheState) {
     EXPECT_EQ(world.state_hash(), beside.state_hash()) << "at state " << world.steps();
     EXPECT_THAT(refusal_of([&] { world.step(); }), testing::StartsWith(line.substr(0, line.find(" pairs"))));
     EXPECT_EQ(world.state_hash(), beside.state_hash());
-    // With more room it goes on from there.
+    // With more memory the run continues from the state.
     World roomier(scene, roomy);
     roomier.restore(world);
     roomier.step(25 - static_cast<int>(world.steps()));
@@ -121,7 +121,7 @@ TEST_P(OutOfMemoryOn, AChangeOfNThatDoesNotFitLeavesTheRun) {
   EXPECT_EQ(world.state_hash(), undisturbed.state_hash());
 }
 
-/// The same as somebody does it who moves the slider of N.
+/// The same change, made by the slider of N in the window.
 TEST_P(OutOfMemoryOn, TheWindowKeepsTheRunThatItHas) {
   Scene scene = box_collider(200);
   scene.physics.solver = Solver::soft_step;

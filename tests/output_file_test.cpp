@@ -1,3 +1,4 @@
+// Tests OutputFile: a target appears complete at commit(), and errors are reported before or instead of it.
 #include "headless/cli/output_file.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@ TEST(OutputFile, AppearsWholeAtCommit) {
   const TemporaryFolder folder;
   std::ofstream(folder / "x") << "old";
   OutputFile file("--x", folder / "x");
-  EXPECT_EQ(folder.files(), 1u);  // the trial left nothing
+  EXPECT_EQ(folder.files(), 1u);  // the writability check leaves no file
   file.write("new ");
   file.write("text");
   EXPECT_EQ(text_of(folder / "x"), "old");

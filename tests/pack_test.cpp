@@ -1,4 +1,4 @@
-// What is packed of a tree, its boxes and its bodies, against a person's measure of it.
+// Tests the packed instances of tree boxes and bodies against a brute-force tree.
 
 #include "sim_cuda/publish/pack.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
@@ -61,7 +61,7 @@ TEST_P(PackedTree, BodiesCarryTheErrorsThatSomebodyKnows) {
   std::vector<float> values;
   for (const BodyInstance& body : bodies(world, BodyColor::error)) values.push_back(body.value);
   EXPECT_EQ(values, errors);
-  world.publisher().set_errors({1, 2});  // of other bodies
+  world.publisher().set_errors({1, 2});  // for another set of bodies
   for (const BodyInstance& body : bodies(world, BodyColor::error)) EXPECT_EQ(body.value, 0);
 }
 
@@ -141,7 +141,7 @@ TEST_P(PackedTree, TheSpreadCountsEveryNodeOnce) {
             (brute.nodes[i].children > 0 || has_leaf_values(metric)))
           values.push_back(brute.value(i, metric));
       std::ranges::sort(values);
-      // Between two values, so that rounding decides nothing.
+      // The boundary is between two distinct values, so rounding cannot decide.
       const std::size_t third = values.size() / 3;
       std::size_t from = third;
       while (from + 1 < values.size() && values[from + 1] - values[from] <= 1e-4 * values[from + 1]) ++from;
@@ -162,8 +162,8 @@ TEST_P(PackedTree, TheSpreadCountsEveryNodeOnce) {
   }
 }
 
-// The worst that is named is the worst there is, for the tree that is bad on purpose, whatever levels are
-// asked for.
+// The reported worst node is the worst of the whole tree, whatever levels are requested. The method builds a
+// bad tree.
 TEST_P(PackedTree, TheWorstNodeNamedIsTheWorst) {
   World world = world_of("bvh_input_order", 300);
   const BruteTree brute(world);

@@ -1,3 +1,4 @@
+// Tests the numbering of pairs: bijective, and exact where a float is not.
 #include "sim_cuda/broad_phase/pair_code.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// How much a frame of panels draws. It depends on the space on the screen, not on the length of the run or
-// the size of the tree. `bench frames` measures the time of the same work: its part "ui".
+// Tests that the draw data of the panels depends on their size and not on the length of the run or the size
+// of the tree. `bench frames` measures the time of the same work as its part "ui".
 
 #include <gtest/gtest.h>
 #include <imgui.h>
@@ -13,13 +13,13 @@
 namespace collidoscope {
 namespace {
 
-/// What ImGui hands to OpenGL.
+/// Sizes of the draw data of ImGui.
 struct Drawn {
   int vertices, indices, commands;
 };
 
-/// Of one frame of panels: a run of `steps` steps, and a tree of about 2 `leaves` nodes in the tree's panel,
-/// with a query.
+/// Draw data of one frame of panels: a run of `steps` steps, and the tree panel with a query in a tree of
+/// about 2 `leaves` nodes.
 Drawn drawn_panels(int steps, std::int64_t leaves) {
   GuiPass gui(14);
   WorkspaceView view;
@@ -61,7 +61,7 @@ Drawn drawn_panels(int steps, std::int64_t leaves) {
   panel_view.visited.resize(
       static_cast<std::size_t>(std::min<std::int64_t>(panel_view.visits, TreePanelView::max_visited)));
   view.tree = &panel_view;
-  for (int frame = 0; frame < 3; ++frame) {  // a window that fits its contents draws them in its second
+  for (int frame = 0; frame < 3; ++frame) {  // auto-sized windows draw in their second frame
     gui.begin(1280, 720);
     draw_workspace(workspace, view);
     gui.build();
@@ -78,7 +78,7 @@ TEST(PanelDrawCounts, DoNotGrowWithTheRunOrTheTree) {
   EXPECT_LT(few.vertices, 32'000);
   EXPECT_LT(few.indices, 100'000);
   EXPECT_LT(few.commands, 30);
-  // Only digits of larger numbers are added.
+  // Larger numbers have more digits; nothing else is added.
   EXPECT_LT(many.vertices, few.vertices + 400);
   EXPECT_LT(many.indices, few.indices + 600);
   EXPECT_EQ(many.commands, few.commands);

@@ -1,4 +1,4 @@
-// The workspace as a picture: the panels that the viewer draws, by the same function, against goldens.
+// Tests pictures of the panels against goldens. The viewer draws the panels with the same function.
 // More than 400 lines: each panel has its own picture.
 
 #include "headless/pictures/panel_picture.h"
@@ -40,7 +40,7 @@ Scene small_box(std::int64_t bodies) {
   return scene;
 }
 
-/// A world at state 40, and its panels.
+/// A world at state 40 with its panels.
 struct Desk {
   explicit Desk(
       const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4},
@@ -86,7 +86,7 @@ TEST(PanelPicture, Light) {
   EXPECT_EQ(check_golden<"workspace_light">(desk.draw()), "");
 }
 
-// Switches that are on, one that was switched off, greyed ones with the reason; bytes as they are, no times.
+// Effects that are on, one switched off, and greyed ones with the reason. Bytes are shown, times are not.
 TEST(PanelPicture, Effects) {
   test_context();
   Scene scene = small_box(300);
@@ -107,7 +107,7 @@ FrameLayers tree_layers(NodeMetric metric) {
   return layers;
 }
 
-// The worst node in the table is selected: thick in the picture, its children in two colours.
+// The worst node of the table is selected: thick lines, and two colours for its children.
 TEST(PanelPicture, TreeWithItsWorstNode) {
   test_context();
   Desk desk(tree_layers(NodeMetric::empty_space));
@@ -121,7 +121,7 @@ TEST(PanelPicture, TreeWithItsWorstNode) {
   EXPECT_EQ(check_golden<"workspace_tree">(picture), "");
 }
 
-// The query of a body, halfway: met and apart in two colours, the current box bright.
+// A body's query, halfway: overlapping and separate boxes in two colours, the current box bright.
 TEST(PanelPicture, TreeWithAQuery) {
   test_context();
   Desk desk(tree_layers(NodeMetric::visits));
@@ -134,8 +134,8 @@ TEST(PanelPicture, TreeWithAQuery) {
   EXPECT_EQ(check_golden<"workspace_query">(desk.draw()), "");
 }
 
-/// Of a pile at rest: two substeps of soft_step, three sweeps each, written down. Solvers that get better
-/// draw no other picture.
+/// Residuals of a pile at rest: two substeps of soft_step with three iterations each. They are constants, so
+/// a better solver does not change the picture.
 std::vector<Residual> residuals_of_a_pile() {
   constexpr double rms[] = {6.30e-5, 1.52e-5, 5.37e-6, 1.93e-6, 6.39e-5, 2.36e-5, 4.93e-6, 0,
                             6.12e-5, 1.45e-5, 3.54e-6, 1.02e-6, 6.22e-5, 2.41e-5, 4.71e-6, 6.19e-7};
@@ -145,14 +145,14 @@ std::vector<Residual> residuals_of_a_pile() {
   return residuals;
 }
 
-/// A panel alone, with a mouse.
+/// A single panel with a mouse.
 struct Alone {
   using Panel = void (*)(Workspace&, const WorkspaceView&);
   Alone(Panel draw_panel, int w, int h) : panel(draw_panel), width(w), height(h), frame(w, h) {}
   void draw() {
     gui.begin(width, height);
     ImGui::GetIO().MousePos = pointer;
-    ImGui::GetIO().MouseDown[0] = pressed;  // both of the next frame
+    ImGui::GetIO().MouseDown[0] = pressed;  // used by the next frame
     apply_theme(workspace.theme, ImGui::GetFontSize());
     ImGui::SetNextWindowPos({0, 0});
     ImGui::SetNextWindowSize({static_cast<float>(width), static_cast<float>(height)});
@@ -183,7 +183,7 @@ struct Alone {
   bool pressed = false;
 };
 
-/// A cost whose middle half of differences goes from low to high, ms.
+/// An effect whose cost has an interquartile range from `low` to `high`, ms.
 EffectView costly(double low, double high) {
   EffectView effect;
   effect.name = "rotation";
@@ -197,7 +197,7 @@ EffectView costly(double low, double high) {
   return effect;
 }
 
-// A number that may as well be 0 is grey, and the panel says what grey means.
+// A cost that is not significantly different from 0 is grey. The panel explains the colour.
 TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
   test_context();
   const auto picture = [&](double low, double high) {
@@ -206,7 +206,7 @@ TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
     alone.view.effect_views = {costly(low, high)};
     return alone.picture();
   };
-  // The same text, ±2.000, but for what lies on one side of 0.
+  // Both pictures show ±2.000. Only the second interval excludes 0.
   const Image noise = picture(-1.5, 2.5), real = picture(0.1, 4.1);
   const auto brightest = [&](const Image& image) {  // of the row's number
     int most = 0;
@@ -230,14 +230,14 @@ Image picture_of_convergence(Theme theme, ImVec2 pointer) {
   return alone.picture();
 }
 
-// Of each sweep the error, by decades; one that leaves none lies on the floor.
+// The residual of each iteration on a logarithmic scale. A residual of 0 is at the bottom.
 TEST(PanelPicture, Convergence) {
   test_context();
   EXPECT_EQ(check_golden<"convergence_dark">(picture_of_convergence(Theme::dark, {-1, -1})), "");
   EXPECT_EQ(check_golden<"convergence_light">(picture_of_convergence(Theme::light, {262, 60})), "");
 }
 
-/// A study that was measured once: a hundred spheres of the Box Collider.
+/// A recorded study: a hundred spheres of the Box Collider.
 AccuracyView stored_study() {
   const std::string file = golden_file<"accuracy_study.json">().string();
   std::ifstream stream(file);
@@ -255,7 +255,7 @@ AccuracyView stored_study() {
   return panel_view;
 }
 
-/// The panel on it.
+/// The accuracy panel with this study.
 struct AccuracyPanel : Alone {
   AccuracyPanel() : Alone(draw_accuracy_panel, 338, 470) {
     workspace.visible_panels.accuracy = true;
@@ -332,12 +332,12 @@ TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   panel.mouse({line.x, line.y + 40}, false);
   panel.mouse(line, false);
   EXPECT_EQ(panel.workspace.accuracy.tolerance, dragged) << "let go, it stays";
-  // Beside the line and beside all points, a click does nothing.
+  // A click beside the line and all points has no effect.
   panel.mouse({line.x - 4, line.y - 30}, true);
   panel.mouse({line.x - 4, line.y - 60}, true);
   panel.mouse({line.x - 4, line.y - 60}, false);
   EXPECT_EQ(panel.workspace.accuracy.tolerance, dragged);
-  // Down to a tenth of the least error, no further.
+  // The line stops at a tenth of the smallest error.
   panel.allow(dragged);
   panel.picture();
   panel.mouse(panel.line(), true);
@@ -349,7 +349,7 @@ TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   panel.mouse({-1, -1}, false);
 }
 
-/// Cases and marks of every kind, as a run of the suite might have left them.
+/// Cases and results of every kind.
 HardCasesView hard_cases() {
   HardCasesView panel_view;
   panel_view.executor = "the CPU";
@@ -444,7 +444,7 @@ TEST(PanelPicture, ACaseAndEachOfItsMarksCanBeOpened) {
   EXPECT_EQ(requests.selected, "stack_50");
   EXPECT_EQ(requests.open->which, 3u);
   EXPECT_EQ(requests.open->test_run, 5u);
-  // What cannot be opened is selected.
+  // A case that cannot be opened is selected.
   requests.open.reset();
   panel.click("hard_cases.case.radius_zero");
   EXPECT_EQ(requests.selected, "radius_zero");
@@ -569,7 +569,7 @@ TEST(PanelPicture, ABarThatIsCutIsMarked) {
 
 TEST(PanelPicture, AMarkIsReadableOnABar) {
   test_context();
-  // In the bars' own colour, no digit would differ from another.
+  // Digits in the colour of the bars would be invisible, and the pictures equal.
   EXPECT_FALSE(bars_with(2, "60 Hz") == bars_with(2, "88 Hz"));
 }
 

@@ -1,3 +1,4 @@
+// Tests the timing of render passes: each pass of a frame has one name and a time.
 #include "viewer/render/gl/pass_clock.h"
 
 #include <gmock/gmock.h>

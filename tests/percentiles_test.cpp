@@ -1,3 +1,4 @@
+// Tests percentiles against sorted samples, one sample and no sample.
 #include "headless/reporting/percentiles.h"
 
 #include <gtest/gtest.h>

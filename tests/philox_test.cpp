@@ -1,3 +1,5 @@
+// Tests the random number generator Philox against the published vectors. Equal numbers on every machine
+// depend on it.
 #include "sim_cuda/core/philox.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +15,7 @@ struct KnownAnswer {
   PhiloxWords bits;
 };
 
-// The three vectors for philox4x32-10 that Random123 publishes (tests/kat_vectors): zeros, ones, digits of
+// The three vectors for philox4x32-10 published with Random123 (tests/kat_vectors): zeros, ones, digits of
 // pi.
 constexpr KnownAnswer known_answers[] = {
     {{{0, 0, 0, 0}}, {{0, 0}}, {{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}}},
@@ -40,7 +42,7 @@ TEST(Philox, SeedIsTheKeyLowWordFirst) {
 
 TEST(Philox, UnitFloatStaysBelowOne) {
   EXPECT_EQ(unit_float(0), 0.0f);
-  EXPECT_EQ(unit_float(0xff), 0.0f);  // the lowest 8 bits do not count
+  EXPECT_EQ(unit_float(0xff), 0.0f);  // the lowest 8 bits are unused
   EXPECT_EQ(unit_float(0x100), 0x1p-24f);
   EXPECT_EQ(unit_float(0x80000000u), 0.5f);
   EXPECT_EQ(unit_float(0xffffffffu), 1 - 0x1p-24f);

@@ -1,4 +1,5 @@
-// Obstacles in pictures, against rays in double: where a plane is drawn, what it hides, what shines through.
+// Tests planes and boxes in pictures against rays in double: position, hidden bodies, and transparency from
+// behind.
 
 #include "viewer/render/plane_pass.h"
 
@@ -15,7 +16,8 @@ namespace {
 
 constexpr int width = 160, height = 120;
 
-// A valley of two slopes along y, and a sphere above it; perhaps one beneath, where no body can be.
+// A valley of two slopes along y with a sphere above it. Optionally another sphere is below the planes,
+// inside the obstacle.
 struct Valley {
   TestBodies bodies;
   OrbitCamera camera;
@@ -50,11 +52,11 @@ struct Valley {
 
 struct Hit {
   double distance = 1e300;
-  double reach = 0;  ///< from the middle of the plane, as a share of the radius at which it has faded
+  double reach = 0;  ///< distance to the centre of the plane, relative to the radius at which it has faded
   double edge = 0;   ///< m to the nearest other plane
 };
 
-// The first face of the valley that a ray meets, from either side.
+// The first face of the valley on a ray, from either side.
 Hit first_plane(const FrameScene& scene, const EyeRay& ray) {
   Hit first;
   const double radius = 1.5 * (scene.bounds.max - scene.bounds.min).maxCoeff();
@@ -144,7 +146,7 @@ TEST(PlanePass, FromBehindAPlaneIsAVeil) {
   EXPECT_GT(veiled, 50);
 }
 
-// Distance along a ray at which it enters a box grown by `more`, m; 1e300 where it misses.
+// Distance along a ray to a box grown by `more`, m; 1e300 for a miss.
 double entry(const BoxObstacle& box, const EyeRay& ray, double more) {
   const Vector3d from = box.orientation.conjugate() * Vector3d(ray.origin - box.center),
                  along = box.orientation.conjugate() * ray.direction;

@@ -1,4 +1,5 @@
-// The variant `settled`: at rest before its first step, made once, and never in the way.
+// Tests the variant `settled`: bodies are at rest before the first step, the result is cached, and a broken
+// cache only costs time.
 
 #include "sim_cuda/snapshot/presimulation.h"
 
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A cache of this test's own, and what was said.
+/// A fixture with its own cache folder and recorded messages.
 class Settled : public OnEachExecutor {
  protected:
   Settled() {
@@ -43,7 +44,7 @@ class Settled : public OnEachExecutor {
       files.insert(entry.path());
     return files;
   }
-  /// Whether making a world of it took steps.
+  /// Whether the construction of a world ran presimulation steps.
   bool was_made(const Scene& scene, const RunOptions& how) {
     told_ = 0;
     World world(scene, how);
@@ -66,7 +67,7 @@ Scene pile(std::int64_t bodies, double friction = 0) {
   return scene;
 }
 
-/// Of the mass, what moves by less than `speed`, m/s.
+/// Mass fraction of bodies slower than `speed`, m/s.
 double share_slower_than(double speed, World& world) {
   const std::vector<Vector3d> velocity = world.bodies().velocity;
   const std::vector<double>& mass = world.initial().mass;
@@ -92,8 +93,8 @@ TEST_P(Settled, IsAtRestBeforeItsFirstStepAndStaysThere) {
       EXPECT_EQ(start.escaped, 0);
       EXPECT_EQ(world.initial().radius, initial_bodies(box_collider(bodies, Variant::scaled)).radius);
       world.step(60);
-      // A grain that slips through between larger ones falls by metres, bounces, and may for a moment have
-      // ten times the energy that counts as rest; it has it of its height. Nothing is thrown, nearly all
+      // A small sphere may slip between larger ones, fall metres and bounce. For a moment it may have ten
+      // times the energy at rest, from its potential energy. No body gains energy, and 95 % of the mass
       // stays.
       const StepStats end = world.measure();
       EXPECT_LE(end.energy(), start.energy() + at_rest) << bodies << ' ' << friction;
@@ -189,7 +190,7 @@ TEST_P(Settled, ABrokenCacheCostsTimeAlone) {
 
 TEST_P(Settled, WhatNeverRestsEndsWithALine) {
   Scene scene = pile(40);
-  scene.physics.gravity.z() = -1e6;  // through all there is in a step
+  scene.physics.gravity.z() = -1e6;  // bodies cross the whole box in a step
   EXPECT_TRUE(was_made(scene, options()));
   ASSERT_EQ(lines_.size(), 1u);
   EXPECT_THAT(lines_[0], HasSubstr("not at rest after 9 steps: a kinetic energy of"));

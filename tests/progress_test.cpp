@@ -1,3 +1,4 @@
+// Tests the progress line: content, width of the terminal, a clean line at the end, and no output to a pipe.
 #include "headless/cli/progress.h"
 
 #include <fcntl.h>
@@ -39,7 +40,7 @@ TEST(Progress, ATerminalIsDrawnOnAndLeftClean) {
     EXPECT_TRUE(progress.visible());
     progress.update(5);
   }
-  // The kernel hands over what was written in as many pieces as it likes.
+  // A read may return any part of the written text.
   const std::string wiped = "\r\x1b[K";
   std::string drawn;
   pollfd ready{.fd = terminal, .events = POLLIN, .revents = 0};

@@ -1,4 +1,4 @@
-// The ball that is thrown from the eye: where it starts, and when there is none.
+// Tests the ball thrown from the camera: its start position, and the cases without free space.
 
 #include "viewer/session/projectile.h"
 
@@ -41,7 +41,7 @@ TEST(Projectile, StartsAbovePlanesAndBesideBodies) {
   EXPECT_FALSE(make_projectile({0, 0, -10}, Vector3d(1, 0, 0), 150, room)) << "below it";
   EXPECT_EQ(make_projectile({0, 0, 20}, -up, 150, room)->position, Vector3d(0, 0, 20));
 
-  // Three in a row while nothing moves.
+  // Three balls in a row while the run is paused.
   std::vector<Vector3d> position{{100, 0, 20}};
   std::vector<double> radius{1};
   for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// Each quantity of a criterion, measured where its value is known by hand.
+// Tests each quantity of a criterion against a value computed by hand.
 
 #include "sim_cuda/stability/quantities.h"
 
@@ -18,7 +18,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 class Quantities : public OnEachExecutor {
  protected:
-  /// Of a state that the scene's first one is turned into.
+  /// The extremes of an assertion after `change` is applied to the scene's first state.
   template <class Change>
   Extremes after(const Scene& scene, const Assertion& assertion, Change change) {
     World world(scene, options());
@@ -43,7 +43,7 @@ Assertion term_of(Quantity quantity) {
   return assertion;
 }
 
-/// Three of 1 m, 1 kg: two that overlap by 0.5 m, and one 0.25 m deep in the floor, that turns.
+/// Three bodies of 1 m and 1 kg. Two overlap by 0.5 m. One is 0.25 m deep in the floor and rotates.
 Scene three() {
   Scene scene = hard_space();
   scene.bodies = {sphere(1, Vector3d(0, 0, 5), Vector3d(1, 0, 0)), sphere(1, Vector3d(1.5, 0, 5)),
@@ -113,10 +113,10 @@ TEST_P(Quantities, CompareWithTheStart) {
     bodies.velocity[1] = Vector3d(0, 1, 0);
   };
   EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::displacement), push).max, 0.5);
-  // 0.5 J more of 4.8 J, which is then the most that there was.
+  // 0.5 J more. The scale is 4.8 J, the largest energy so far.
   EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_gain), push).max, 0.5 / 4.8);
   EXPECT_DOUBLE_EQ(after(three(), term_of(Quantity::energy_loss), push).max, -0.5 / 4.8);
-  // Gravity owes each -10 m/s of a second: here -10 h. Body 1 has 1 kg m/s more, of 4.
+  // Without gravity the expected change is 0. Body 1 has 1 kg m/s more, relative to 4.
   Scene floating = three();
   floating.physics.gravity = Vector3d(0, 0, 0);
   EXPECT_DOUBLE_EQ(after(floating, term_of(Quantity::momentum_change), push).max, 1.0 / 4);

@@ -1,5 +1,5 @@
 #pragma once
-// A seeded source of 32-bit words for tests: std::mt19937, the same on every standard library.
+// A seeded source of 32-bit words for tests: std::mt19937, equal on every standard library.
 
 #include <cstdint>
 #include <random>
@@ -17,7 +17,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// The same of numbers.
+/// Uniformly distributed numbers and vectors.
 struct Uniform {
   Random random;
   double operator()(double low, double high) { return low + (high - low) * (random() / 4294967296.0); }

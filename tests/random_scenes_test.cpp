@@ -1,5 +1,5 @@
-// Scenes that nobody would think of, and what must hold of every one. COLLIDOSCOPE_RANDOM_SCENES says how
-// many (200); one that fails is told as the scene file that it is.
+// Tests invariants on random scenes: determinism, snapshots and energy. COLLIDOSCOPE_RANDOM_SCENES sets their
+// number (200). A failing scene is printed as a scene file.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ int scenes() {
   return asked != nullptr ? std::atoi(asked) : 200;
 }
 
-/// Another way to the same state.
+/// Other run options that must give the same state.
 RunOptions another_way(RunOptions options, std::uint32_t seed) {
   Random random(seed);
   const std::vector<std::string> methods = broad_phase_names(options.executor);
@@ -37,7 +37,7 @@ RunOptions another_way(RunOptions options, std::uint32_t seed) {
   return options;
 }
 
-/// Of `options` from the start to the end, and from a file half-way.
+/// Results of a run with `options`, and of one that continues from a snapshot taken halfway.
 struct Outcome {
   std::uint64_t hash = 0, hash_from_file = 0;
   StepStats start, end;
@@ -61,14 +61,15 @@ Outcome run(const Scene& scene, const RunOptions& options, const std::string& fi
   return result;
 }
 
-/// The paper's update keeps the angular momentum of what tumbles, and brings it by and by to turn about the
-/// axis that takes the most energy for that: in twelve steps noticeably, where it turns far in one.
+/// The first-order update of the paper conserves angular momentum and slowly increases the kinetic energy of
+/// a tumbling body. The increase is visible in twelve steps if the rotation per step is large.
 bool tumbles_far(const Body& body, const Physics& physics) {
   const double turn = std::sqrt(body.angular_velocity.dot(body.angular_velocity)) * physics.time_step;
   return physics.rotation_update == RotationUpdate::first_order && body.inertia && turn > 0.3;
 }
 
-/// Nothing in it brings energy: what moves by itself, springs and rods that start out of length, attractors.
+/// Whether the scene has no source of energy: kinematic bodies, tumbling bodies (see above), joints that may
+/// start with a wrong length, or attractors.
 bool keeps_its_energy(const Scene& scene) {
   for (const std::vector<Body>* list : {&scene.bodies, &scene.extra_bodies})
     for (const Body& body : *list)
@@ -76,7 +77,7 @@ bool keeps_its_energy(const Scene& scene) {
   return scene.joints.empty() && scene.physics.attractors.empty();
 }
 
-/// J over J, of the largest that it had at the start or the end.
+/// Energy gain relative to the larger kinetic energy plus the change of potential energy.
 double energy_gain(const Outcome& run) {
   const double gain = run.end.energy() - run.start.energy() - (run.end.push_work - run.start.push_work);
   const double scale = std::max(run.start.kinetic_energy, run.end.kinetic_energy) +

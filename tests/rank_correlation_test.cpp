@@ -1,3 +1,4 @@
+// Tests the rank correlation against closed forms, with equal values and with constant input.
 #include "headless/bench/rank_correlation.h"
 
 #include <gtest/gtest.h>

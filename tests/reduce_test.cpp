@@ -1,3 +1,5 @@
+// Tests the reduction tree against a recursive version. The fixed tree makes sums independent of the launch
+// shape.
 #include "sim_cuda/core/reduce.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +19,7 @@ struct LoadValue {
   Sum operator()(std::int64_t i) const { return {values[i]}; }
 };
 
-/// The tree written the other way round: recursively.
+/// The same tree, recursively.
 double tree(const double* values, std::int64_t count) {
   if (count == 1) return values[0];
   std::int64_t half = 1;

@@ -1,3 +1,5 @@
+// Tests the report of a run as JSON and as a table: exact numbers, null for unknown values, and the width of
+// lines.
 #include "headless/reporting/report.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// What is recorded of each sweep: how far it left the contacts from a solution.
+// Tests the recorded residual of each iteration against hand-computed impacts. Recording must not change the
+// state.
 
 #include "sim_cuda/solver/residual.h"
 
@@ -16,7 +17,7 @@ ON_EACH_EXECUTOR(Residuals);
 
 constexpr Solver all_solvers[] = {Solver::impulse, Solver::soft_step, Solver::jacobi_split};
 
-/// Two equal spheres that touch and meet at 10 m/s.
+/// Two equal spheres in contact that approach at 10 m/s.
 Scene head_on(Solver solver) {
   Scene scene = empty_space();
   scene.physics.solver = solver;
@@ -28,7 +29,7 @@ Scene head_on(Solver solver) {
   return scene;
 }
 
-/// `count` spheres one on another, which have just been put there: their contacts know nothing yet.
+/// `count` spheres in a stack without cached impulses.
 Scene stack(Solver solver, int count, int iterations) {
   Scene scene;
   scene.physics.solver = solver;
@@ -37,7 +38,7 @@ Scene stack(Solver solver, int count, int iterations) {
   scene.physics.iterations = iterations;
   scene.materials[0].restitution = 0;
   if (solver != Solver::impulse) scene.obstacles.push_back({});
-  // As if they had fallen for a step, so that there is something for `impulse`, too, to do.
+  // Velocities as after a fall of one step, so that the solver `impulse` also has work to do.
   for (int k = 0; k < count; ++k)
     scene.bodies.push_back(sphere(1, Vector3d(0, 0, 1 + 2 * k), Vector3d(0, 0, k == 0 ? 0 : -k)));
   return scene;
@@ -53,7 +54,8 @@ TEST_P(Residuals, ATwoBodyImpactIsSolvedByOneSweep) {
     EXPECT_EQ(residuals[0].stage, "solve");
     EXPECT_EQ(residuals[0].iteration, 0);
     EXPECT_EQ(residuals[0].contacts, 1);
-    // `impulse` bounces in the sweep: 10 m/s to and 10 m/s fro. A soft contact yields a little.
+    // `impulse` applies the bounce within the iteration: 10 m/s of approach and 10 m/s of separation. A soft
+    // contact yields slightly.
     const double all = solver == Solver::impulse ? 20 : 10 * Softness<double>::of(1.0 / 30).mass_scale;
     EXPECT_NEAR(residuals[0].rms, all, 1e-12);
     EXPECT_EQ(residuals[0].max, residuals[0].rms);
@@ -65,8 +67,8 @@ TEST_P(Residuals, ATwoBodyImpactIsSolvedByOneSweep) {
 }
 
 TEST_P(Residuals, OfAStackFallFromSweepToSweep) {
-  // The first sweep only shifts it: what one colour's contacts gain, those of the other lose. Mass splitting
-  // spreads half of it in each sweep.
+  // The first iteration only moves the residual: the gain of one colour's contacts is the loss of the
+  // other's. Mass splitting distributes half of it in each iteration.
   for (const Solver solver : all_solvers)
     for (const int count : {2, 5, 10}) {
       const std::size_t iterations = 40;
@@ -115,7 +117,7 @@ TEST_P(Residuals, AreTheSameAtEveryLaunchShapeAndCapacity) {
       world.step(30);
       EXPECT_EQ(world.records().residuals(), expected) << shape.blocks << " x " << shape.threads;
     }
-    // A machine without a GPU says what one with a GPU must find.
+    // The CPU result is the expected value for the GPU.
     RunOptions cpu = options();
     cpu.executor = ExecutorKind::cpu;
     World other(pile(solver), cpu);

@@ -1,5 +1,5 @@
-// Rolling resistance against closed forms: how a ball rolls out, on which inclines it stays, how a spin dies;
-// what it keeps; and that a scene without it does not pay for it.
+// Tests rolling resistance against closed forms: stopping distances, inclines and the decay of spin. Also
+// tests conservation laws, and that a scene without it pays no cost.
 
 #include <cmath>
 
@@ -15,7 +15,7 @@ constexpr double r = 0.5;
 class Resisting : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Resisting);
 
-/// One sphere of 0.5 m that touches a plane through the origin, whose slope falls along +x by `angle`.
+/// One sphere of 0.5 m in contact with a plane through the origin that descends along +x by `angle`.
 Scene on_a_plane(double resistance, double angle) {
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
@@ -43,7 +43,8 @@ TEST_P(Resisting, ABallRollsOut) {
     world.step(half - half / 2);
     const BodyStates s = world.bodies();
     EXPECT_NEAR(before - s.velocity[0].norm(), slowing * (half - half / 2) / 120.0, 1e-9) << "5/7 c g";
-    // The first substeps rub before they resist: a few of them are not yet at 5/7.
+    // In the first few substeps the friction precedes the resistance, so the deceleration is not yet 5/7 of c
+    // g.
     EXPECT_NEAR(s.velocity[0].norm(), v0 - slowing * half / 120.0, 4 * c * g * h) << c;
     EXPECT_NEAR(s.angular_velocity[0].norm() * r, s.velocity[0].norm(), 1e-9) << "it rolls";
     world.step(half + 240);
@@ -91,7 +92,7 @@ TEST_P(Resisting, DrillingDiesOutAsWell) {
 }
 
 TEST_P(Resisting, APairTakesTheLargerAndThePartOfItsRadii) {
-  // Two spheres that an attractor between them presses together, spinning against each other.
+  // An attractor presses two spheres together, which spin in opposite directions.
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
   scene.physics.precision = Precision::f64;
@@ -106,7 +107,7 @@ TEST_P(Resisting, APairTakesTheLargerAndThePartOfItsRadii) {
   World world(scene, options());
   world.step(60);
   const BodyStates s = world.bodies();
-  const double force = 20 * r / std::pow(r * r + 1, 1.5);  // a kilogram's
+  const double force = 20 * r / std::pow(r * r + 1, 1.5);  // per kilogram
   const double slowing = 0.1 * (r / 2) * force / (0.4 * r * r);
   EXPECT_NEAR(s.angular_velocity[0].y(), 3 - slowing * 0.5, 0.02 * slowing * 0.5);
   EXPECT_NEAR(s.angular_velocity[1].y(), -1 + slowing * 0.5, 0.02 * slowing * 0.5);

@@ -1,6 +1,6 @@
 #pragma once
-// Runs a program as a user would and keeps what it printed. Its stdin is empty and its stdout and stderr are
-// files, so it sees no terminal.
+// Runs a program as a user does and keeps its output. stdin is empty, and stdout and stderr are files, so the
+// program sees no terminal.
 
 #include <fcntl.h>
 #include <linux/capability.h>
@@ -23,7 +23,7 @@
 namespace collidoscope {
 
 struct Outcome {
-  int status = -1;  ///< exit status; 128 + n where signal n ended it, as shells count
+  int status = -1;  ///< exit status; 128 + n if signal n ended the program
   std::string out, err;
 };
 
@@ -32,20 +32,20 @@ inline std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// How a program is started, where it is not as usual.
+/// Options of a program start.
 struct Launch {
-  std::string stdout_to = "";  ///< a file that takes stdout in place of Outcome::out
-  bool close_stdout = false;   ///< the program starts without one
+  std::string stdout_to = "";  ///< file for stdout instead of Outcome::out
+  bool close_stdout = false;   ///< start without a stdout
   bool close_stderr = false;
-  bool break_pipe = false;           ///< stdout is a pipe that nothing reads
-  bool obey_permissions = false;     ///< also as root: a file without permissions cannot be opened
-  std::int64_t max_file_bytes = -1;  ///< beyond it a write fails; -1: no limit
-  /// Off for a window: the software renderer loses a few bytes when it ends, and the address sanitizer would
-  /// change the exit status.
+  bool break_pipe = false;           ///< stdout is a pipe without a reader
+  bool obey_permissions = false;     ///< also for root: files without permissions cannot be opened
+  std::int64_t max_file_bytes = -1;  ///< larger writes fail; -1: no limit
+  /// Leak check of the address sanitizer. Must be off for windows: the software renderer leaks a few bytes at
+  /// exit, which would change the exit status.
   bool check_leaks = true;
 };
 
-/// Ends in the program, or with _exit(126) or _exit(127). In a child process.
+/// Replaces this process by the program, or calls _exit(126) or _exit(127). Call it in a child process.
 [[noreturn]] inline void become_program(const std::filesystem::path& program,
                                         const std::vector<std::string>& arguments, const Launch& launch,
                                         const std::string& out, const std::string& err) {
@@ -66,7 +66,8 @@ struct Launch {
   if (launch.close_stderr) close(STDERR_FILENO);
   if (launch.obey_permissions && geteuid() == 0)
     for (const unsigned long right : {CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH})
-      if (prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0) _exit(126);  // what exec keeps is within this set
+      if (prctl(PR_CAPBSET_DROP, right, 0, 0, 0) != 0)
+        _exit(126);  // capabilities after exec are limited to this set
   if (launch.max_file_bytes >= 0) {
     const auto bytes = static_cast<rlim_t>(launch.max_file_bytes);
     const rlimit limit{bytes, bytes};
@@ -76,7 +77,7 @@ struct Launch {
     const char* options = std::getenv("ASAN_OPTIONS");
     setenv("ASAN_OPTIONS", (std::string(options ? options : "") + ":detect_leaks=0").c_str(), 1);
   }
-  alarm(300);  // s; a program that hangs is ended by SIGALRM
+  alarm(300);  // s; SIGALRM ends a program that hangs
   std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -108,7 +109,7 @@ inline Outcome run_headless(const std::vector<std::string>& arguments, const Lau
 inline Outcome run_headless(const std::vector<std::string>& arguments, const std::string& stdout_to = "") {
   return run_program(headless_program(), arguments, stdout_to);
 }
-/// The window's program, where there is no display.
+/// Runs the program with a window, without a display.
 inline Outcome run_viewer(const std::vector<std::string>& arguments, const Launch& launch = {}) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");

@@ -1,5 +1,5 @@
-// All faults of a scene file are listed together, each with its line and column, whatever is wrong with it;
-// as the program prints them.
+// Tests that all faults of a scene file are listed together, each with its line and column. The real program
+// prints them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::MatchesRegex;
 using testing::StartsWith;
 
-/// What the program prints of a scene with this text, a line each, without the name of the file.
+/// The lines that the program prints for a scene with this text, without the file name.
 std::vector<std::string> lines_of(const std::string& text, const std::vector<std::string>& flags = {}) {
   const TemporaryFolder folder;
   const std::string file = folder / "s.json";
@@ -76,7 +76,7 @@ TEST(SceneFaults, BeforeTheTextBreaksOffAreListed) {
   EXPECT_THAT(lines_of(begin + " \"time_step\": nan,\n \"bodies\": [{\"radius\": 1e999}\n"),
               ElementsAre(StartsWith("2:15: nan is not a number"), StartsWith("3:24: 1e999 is beyond"),
                           StartsWith("4:1: the text ends inside the array")));
-  // Words in texts and comments are none of them.
+  // Words inside strings and comments are ignored.
   EXPECT_THAT(lines_of(begin + " // NaN\n \"name\": \"NaN \\\" 1e999\", /* inf */ \"iterations\": +3}"),
               ElementsAre(StartsWith("3:50: \"+3\" is not a number as JSON writes it")));
 }
@@ -104,7 +104,7 @@ TEST(SceneFaults, OfDerivedMassesHaveALine) {
               ElementsAre("5:3: bodies[1]: its mass would be 4.19e-33" + range,
                           "6:3: bodies[2]: its mass would be 4.19e+42" + range,
                           "7:14: bodies[3].radius: must lie in [1e-09, 1e+09] m, not -1"));
-  // What only the bodies themselves show: those that a generator makes, and where bodies turn.
+  // These faults only show in the generated bodies, or for bodies that rotate.
   EXPECT_THAT(lines_of(begin + R"( "box": {"min": [0, 0, 0], "max": [1e9, 1e9, 1e9]},
  "materials": {"default": {"density": 1e18}},
  "generators": [{"kind": "box_collider", "count": 3,
@@ -117,8 +117,8 @@ TEST(SceneFaults, OfDerivedMassesHaveALine) {
               ElementsAre(StartsWith("4:3: bodies[1]: its moment of inertia would be 1.68e-37 kg m^2")));
 }
 
-// On 8efde11, a number that is none hid what follows from other values, and a mesh file that is missing had
-// no line.
+// In commit 8efde11 an invalid number hid faults derived from other values, and a missing mesh file had no
+// line.
 TEST(SceneFaults, OfDerivedValuesAreListedBesideOthers) {
   EXPECT_THAT(lines_of(begin + R"( "time_step": NaN,
  "box": {"min": [0, 0, 0], "max": [1e9, 1e9, 1e9]},

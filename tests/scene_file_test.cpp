@@ -1,4 +1,4 @@
-// Scene files: every field, its range and its default; what is written is read again bit for bit.
+// Tests scene files: each field with its range and default. A written file must be read back bit for bit.
 // More than 400 lines: one case for each field.
 
 #include "sim_cuda/scene/scene_file.h"
@@ -160,7 +160,7 @@ TEST(SceneFile, NormalisingHugeAndTinyDirections) {
 }
 
 struct Bad {
-  std::string text;  ///< after `head`, so on line 2
+  std::string text;  ///< the text after `head`, which begins on line 2
   std::string line;
 };
 class BadScene : public testing::TestWithParam<Bad> {};
@@ -253,7 +253,7 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:15: attractors: must not hold attractors with the solver impulse"},
         Bad{"\"effects\": [\"attractor\"], \"solver\": \"impulse\"}",
             "s:2:12: effects: must not hold attractors with the solver impulse"},
-        // what impulse has not
+        // effects that impulse lacks
         Bad{"\"materials\": {\"default\": {\"friction\": 0.5}}, \"solver\": \"impulse\"}",
             "s:2:39: materials.default.friction: must be 0 with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"materials\": {\"default\": {\"friction\": 101}}}",
@@ -313,7 +313,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"radius_max\": 60}]}",
             "s:2:66: generators[0].radius_max: must be at most 50 m, for the spheres to fit in the box, not "
             "60"},
-        // either, not both
+        // exclusive alternatives
         Bad{"\"time_step\": 0.1, \"steps_per_second\": 10}",
             "s:2:19: time_step and steps_per_second are both given; keep one of them"},
         Bad{"\"bodies\": [{\"shape\": \"mesh\", \"mesh\": \"a.obj\", \"radius\": 1}]}",
@@ -371,7 +371,7 @@ TEST(SceneFile, FilesThatCannotBeRead) {
             folder.path().string() + ": is a folder; give the path of a scene file (.json)");
   const std::string huge = (folder / "huge.json").string();
   std::ofstream(huge).put('{');
-  std::filesystem::resize_file(huge, std::uintmax_t{1} << 40);  // sparse: refused before it is read
+  std::filesystem::resize_file(huge, std::uintmax_t{1} << 40);  // a sparse file, refused before it is read
   EXPECT_THAT(line(huge), StartsWith(huge + ": holds more than 64 MiB, the most that is read"));
   EXPECT_THAT(line("/dev/zero"), StartsWith("/dev/zero: holds more than 64 MiB"));  // has no size
 }
@@ -385,7 +385,7 @@ TEST(SceneFile, MeshPathsStartAtTheFile) {
   EXPECT_EQ(scene.file, file);
 }
 
-/// Random scenes for the round trip: every field, at awkward values.
+/// Random scenes for the round trip: every field, with awkward values.
 class RandomScene {
  public:
   explicit RandomScene(unsigned seed) : random_(seed) {}
@@ -498,7 +498,7 @@ class RandomScene {
   std::mt19937_64 random_;
 };
 
-/// Every bit of a scene that a file holds, one line a value, independent of write_scene().
+/// All bits of a scene's fields, one line per value, independent of write_scene().
 std::string bits(const Scene& s) {
   std::string text;
   const auto real = [&](double x) { text += std::to_string(std::bit_cast<std::uint64_t>(x)) + " "; };
@@ -618,7 +618,7 @@ TEST(SceneFile, ScenesOfTheProjectSurviveTheRoundTrip) {
   }
 }
 
-// Spoilt files end in complete lines of ours or a valid scene, whatever byte is changed.
+// A damaged file gives complete fault lines or a valid scene, whatever byte is changed.
 TEST(SceneFile, SpoiltFilesAreNeverWorseThanFaults) {
   const std::string good = write_scene(RandomScene(5).make());
   std::mt19937 random(1);

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes that tests are made of: a few bodies placed by hand, or a named scene of the project.
+// Scenes for tests: a few explicit bodies, or a named scene of the project.
 
 #include <string>
 #include "tests/random.h"
@@ -13,7 +13,7 @@ inline Scene project_scene(const std::string& name) {
   return read_scene(project_file("assets/scenes/" + name + ".json").string());
 }
 
-/// No box, no gravity, elastic; the paper's solver.
+/// No box, no gravity, elastic, solver impulse.
 inline Scene empty_space() {
   Scene scene;
   scene.name = "test";
@@ -23,7 +23,7 @@ inline Scene empty_space() {
   return scene;
 }
 
-/// No box, in double; elastic by default. For soft_step and for the event-driven reference.
+/// No box, in double, elastic by default. For soft_step and the event-driven reference.
 inline Scene hard_space(Vector3d gravity = Vector3d(0, 0, 0), double restitution = 1) {
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
@@ -42,7 +42,7 @@ inline Body sphere(double radius, Vector3d position, Vector3d velocity = Vector3
   return body;
 }
 
-/// By the paper's solver.
+/// With the solver impulse.
 inline Scene box_collider(std::int64_t count, Variant variant = Variant::paper, std::uint64_t seed = 1) {
   Scene scene;
   scene.name = "Box Collider";
@@ -56,7 +56,7 @@ inline Scene box_collider(std::int64_t count, Variant variant = Variant::paper, 
   return scene;
 }
 
-/// Up to `most` spheres of mixed sizes in a random cloud, some of them coincident, some moving.
+/// Up to `most` spheres of mixed sizes in a random cloud. Some coincide, some move.
 inline Scene random_scene(unsigned seed, int most = 200) {
   Random random(seed);
   const auto uniform = [&](double low, double high) {

@@ -10,7 +10,7 @@
 namespace collidoscope {
 namespace {
 
-// Numbers of the header, each of 32 bits, the highest byte first (file version 7 of xwd).
+// Fields of the header: 32 bits each, big-endian (file version 7 of xwd).
 enum Field : std::size_t {
   header_size = 0,
   file_version = 1,

@@ -1,6 +1,5 @@
 #pragma once
-// What an X server shows: the file that Xvfb keeps of its screen (-fbdir), in the format of xwd. A free
-// function.
+// The picture on an X server's screen, from the file that Xvfb writes (-fbdir) in the format of xwd.
 
 #include <string>
 
@@ -8,8 +7,8 @@
 
 namespace collidoscope {
 
-/// `width` x `height` pixels of the screen from (x, y) on. Throws std::runtime_error where the file is none
-/// of a screen with 32 bits per pixel, or the screen is smaller.
+/// Reads `width` x `height` pixels at (x, y). Throws std::runtime_error if the file has no screen of 32 bits
+/// per pixel, or the screen is smaller.
 Image screen_picture(const std::string& file, int x, int y, int width, int height);
 
 }  // namespace collidoscope

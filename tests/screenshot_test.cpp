@@ -1,4 +1,4 @@
-// The tight and loose tiers: pictures against goldens (tests/golden.h).
+// Tests pictures against goldens (tests/golden.h), tightly for known renderers and loosely for others.
 
 #include <gmock/gmock.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int width = 360, height = 270;
 
-// Spheres that rest on each other's outlines, with two levels of boxes and a contact between neighbours.
+// Overlapping spheres with two levels of boxes and a contact between neighbours.
 struct Example {
   TestBodies bodies = test_spheres(120, 10, 11);
   std::vector<BoxInstance> boxes{box_instance({0, 0, 0}, {100, 100, 100}, 0),
@@ -83,7 +83,7 @@ TEST(Screenshot, SpheresInOrthographicView) {
   EXPECT_EQ(check_golden<"orthographic">(example.draw(true)), "");
 }
 
-/// Ghosts beside every third sphere, as far away as its id says; every ninth is not known.
+/// Ghosts beside every third sphere, at a distance given by its id. Every ninth is unknown.
 Example with_ghosts() {
   Example example;
   example.layers = {.spheres = true, .ghosts = true, .errors = true, .overlay = false};
@@ -136,8 +136,8 @@ TEST(Screenshot, EveryLayerLeavesItsMark) {
 }
 
 TEST(Screenshot, AMovedSphereIsFound) {
-  // The deliberate mistake. One of 120 spheres, moved by its own radius, fails the tight tier; a tenth of
-  // them moved fails the loose one, whose bound must leave room for other drivers.
+  // An injected error: one of 120 spheres moved by its radius fails the tight comparison. The loose
+  // comparison allows for other drivers; it fails if a tenth of the spheres move.
   const Example right;
   const Image golden = right.draw();
   EXPECT_EQ(judge(golden, golden, true), "");

@@ -1,4 +1,4 @@
-// What is remembered of panels from one time to the next.
+// Tests the settings file of the panels: round trip, invalid content, other versions, and an atomic write.
 
 #include "viewer/session/settings_file.h"
 

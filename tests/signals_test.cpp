@@ -1,4 +1,5 @@
-// Signals that end a program while it writes: it ends as the signal says, and no temporary file is left.
+// Tests signals that end a program during a write. The program must end by the signal and leave no temporary
+// file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
-/// A temporary file of which the name begins so, in a folder or its subfolders.
+/// Whether a temporary file whose name begins with `name` exists in the folder or its subfolders.
 bool part_of(const fs::path& folder, const std::string& name) {
   std::error_code gone;
   for (auto at = fs::recursive_directory_iterator(folder, gone); at != fs::recursive_directory_iterator();
@@ -29,8 +30,8 @@ bool part_of(const fs::path& folder, const std::string& name) {
   return false;
 }
 
-/// Starts the program again and again, sends the signal while a file of that name is being written, and
-/// counts how often it came in time.
+/// Repeatedly starts the program and sends the signal during the write of the file `name`. Returns how often
+/// the signal came in time.
 int end_while_writing(const Arguments& arguments, const TemporaryFolder& folder, const std::string& name,
                       int signal, int times) {
   int hits = 0;
@@ -73,7 +74,7 @@ TEST(Signals, LeaveNoFileOfARun) {
     EXPECT_GT(end_while_writing(run, folder, "", signal, 4), 0) << signal;
 }
 
-/// A run that writes files ends early by a signal, and the files hold the steps that were made.
+/// A signal ends a run early, and its files hold the completed steps.
 TEST(Signals, KeepWhatARunHasComeTo) {
   const TemporaryFolder folder;
   const std::string saved = folder / "s", json = folder / "j", trace = folder / "t", err = folder / "err";
@@ -105,7 +106,7 @@ TEST(Signals, KeepWhatARunHasComeTo) {
   }
 }
 
-/// Of suites each row's files are committed before the next is measured.
+/// The files of each row of a suite are committed before the next row is measured.
 TEST(Signals, LeaveNoFileOfASuite) {
   const TemporaryFolder folder;
   const Arguments suite{"bench",      "broad-phases", "box_collider", "--sizes",    "10",
@@ -115,7 +116,8 @@ TEST(Signals, LeaveNoFileOfASuite) {
   EXPECT_GT(end_while_writing(suite, folder, "", SIGINT, 6), 0);
 }
 
-/// Results that take long note the first signal, and write what there is; a second one ends them at once.
+/// Long measurements stop at the first signal and write the results so far. A second signal ends them at
+/// once.
 TEST(Signals, LeaveNoFileOfAStudyThatIsInterruptedTwice) {
   const TemporaryFolder folder;
   const Arguments study{"accuracy", "box_collider", "--bodies",  "200", "--seconds",  "0.3",
@@ -140,7 +142,7 @@ TEST(Signals, LeaveNoFileOfAStudyThatIsInterruptedTwice) {
   }
 }
 
-/// `nohup`, and a job in the background of a script: what the parent ignores stays ignored.
+/// As under `nohup` or in a script's background job: signals that the parent ignores stay ignored.
 TEST(Signals, ThatAreIgnoredStaySo) {
   const TemporaryFolder folder;
   const pid_t child = fork();

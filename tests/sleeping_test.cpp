@@ -1,4 +1,4 @@
-// Islands fall asleep at rest, cost nothing while they sleep, and wake when something may touch them.
+// Tests sleeping: islands fall asleep at rest, cost nothing while asleep, and wake at a possible contact.
 
 #include "sim_cuda/solver/sleeping.h"
 
@@ -18,7 +18,7 @@ namespace {
 class Sleepers : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Sleepers);
 
-/// By body: whether it slept in the last step.
+/// Whether each body slept in the last step, by id.
 std::vector<bool> sleepers(World& world) {
   std::vector<bool> asleep;
   for (const std::uint32_t timer : world.state().warm_start.sleep_timer)
@@ -32,7 +32,7 @@ int count(World& world, std::size_t first = 0, std::size_t last = ~std::size_t{0
                  asleep.begin() + static_cast<std::ptrdiff_t>(std::min(last, asleep.size())), true));
 }
 
-/// A floor, and columns of `high` spheres of 1 m at these places; friction, and nothing bounces much.
+/// A floor and columns of `high` spheres of 1 m at these places, with friction and little restitution.
 Scene columns(const std::vector<double>& places, int high) {
   Scene scene;
   scene.physics.solver = Solver::soft_step;
@@ -54,7 +54,7 @@ TEST_P(Sleepers, FallAsleepTogetherOnceAllHaveBeenSlowForTheTime) {
     world.step();
     const int left = count(world, 0, 3), right = count(world, 3);
     EXPECT_TRUE(left == 0 || left == 3) << step;
-    // Until it lands, the falling sphere is an island of its own.
+    // Before its impact, the falling sphere is an island of its own.
     EXPECT_TRUE(right == 0 || right == 3 || (step < 40 && right == 2)) << step;
     if (left == 3 && first == 0) first = step;
     if (right == 3 && second == 0) second = step;
@@ -73,7 +73,7 @@ TEST_P(Sleepers, KeepTheirStateAndWhatIsRememberedOfThem) {
     World world(scene, options());
     world.step(150);
     ASSERT_EQ(count(world), 9) << name_of(precision_names, precision);
-    world.step(2);  // contacts that pressed nothing are forgotten with the speed
+    world.step(2);  // contacts without impulse lose their cache entry with the velocity
     const RunState before = world.state();
     const std::uint64_t hash = world.state_hash();
     world.step(100);
@@ -93,7 +93,7 @@ TEST_P(Sleepers, KeepTheirStateAndWhatIsRememberedOfThem) {
 
 TEST_P(Sleepers, WakeWhereTheyAreTouchedAndOnlyThere) {
   Scene scene = columns({0, 10, 20}, 4);
-  scene.bodies.push_back(sphere(0.5, Vector3d(10, 0, 60)));  // falls for 3.2 s onto the middle one
+  scene.bodies.push_back(sphere(0.5, Vector3d(10, 0, 60)));  // falls for 3.2 s onto the middle column
   World world(scene, options());
   world.step(80);
   ASSERT_EQ(count(world), 12);
@@ -113,8 +113,8 @@ TEST_P(Sleepers, WakeWhereTheyAreTouchedAndOnlyThere) {
 }
 
 TEST_P(Sleepers, AWokenSceneGoesOnAsOneThatNeverSlept) {
-  // A ball rolls into a sleeping row. What sleeping takes is at most the slow speed of each body for a
-  // moment, and what it saves is the creep of 3 s: 1 mm and 1 cm/s remain.
+  // A ball rolls into a sleeping row. Sleeping removes at most the low speed of each body and avoids a creep
+  // of 3 s. The difference is at most 1 mm and 1 cm/s.
   Scene scene = columns({0, 2, 4, 6}, 1);
   scene.materials[0].friction = 0.1;
   scene.bodies.push_back(sphere(1, Vector3d(-24, 0, 1), Vector3d(6, 0, 0)));
@@ -129,7 +129,7 @@ TEST_P(Sleepers, AWokenSceneGoesOnAsOneThatNeverSlept) {
     never.step(90);
     ASSERT_EQ(count(slept, 0, 4), 4);
     EXPECT_EQ(count(slept, 4), 0);
-    slept.step(50);  // it hits at state 110
+    slept.step(50);  // the impact is at state 110
     never.step(50);
     EXPECT_EQ(count(slept), 0);
     const BodyStates a = slept.bodies(), b = never.bodies();
@@ -142,8 +142,8 @@ TEST_P(Sleepers, AWokenSceneGoesOnAsOneThatNeverSlept) {
 }
 
 TEST_P(Sleepers, TouchedInTheVeryStepInWhichTheyWouldFallAsleep) {
-  // The row would sleep at its 16th step. A fast ball reaches it then, a step before and a step after: it
-  // never meets a body that stands still as if nailed down.
+  // The row falls asleep in its 16th step. A fast ball arrives in one of the steps from 13 to 18. It must
+  // never hit a body that acts like a fixed one.
   for (int k = 13; k <= 18; ++k) {
     Scene scene = columns({0}, 1);
     scene.physics.gravity = Vector3d(0, 0, 0);
@@ -177,7 +177,7 @@ TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
   other.step();
   EXPECT_EQ(count(other), 0);
 
-  // The last column's lower sphere goes: 2 rests on 3.
+  // The lower sphere of the last column is removed; body 2 rests on body 3.
   Scene upside_down = columns({0}, 2);
   upside_down.bodies.push_back(sphere(1, Vector3d(10, 0, 3)));
   upside_down.bodies.push_back(sphere(1, Vector3d(10, 0, 1)));
@@ -187,7 +187,7 @@ TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
   RunState state = full.state();
   upside_down.bodies.pop_back();
   World less(upside_down, options());
-  state.settings = less.state().settings;  // as where N of a generator is turned
+  state.settings = less.state().settings;  // as after a change of a generator's N
   less.restore(state);
   less.step();
   EXPECT_EQ(count(less), 2);
@@ -196,7 +196,7 @@ TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
 
 TEST_P(Sleepers, ABodyThatSpinsOrRollsIsNotAtRest) {
   Scene scene = columns({0, 10}, 1);
-  scene.bodies[0].angular_velocity = Vector3d(0, 0, 1);  // drills on: friction of a point does not stop it
+  scene.bodies[0].angular_velocity = Vector3d(0, 0, 1);  // drills: friction at a point does not stop it
   World world(scene, options());
   world.step(60);
   EXPECT_FALSE(sleepers(world)[0]);
@@ -204,7 +204,7 @@ TEST_P(Sleepers, ABodyThatSpinsOrRollsIsNotAtRest) {
 }
 
 TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
-  // A rod of 10 m between two balls, the second of which is hit.
+  // A rod of 10 m between two balls. The second ball is hit.
   Scene scene = columns({0, 10}, 1);
   scene.joints.emplace_back();
   scene.joints[0].a = 0;
@@ -216,7 +216,7 @@ TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
   EXPECT_EQ(count(joined, 0, 2), 2);
   const std::uint64_t impulses = joined.state().warm_start.joints.size();
   EXPECT_EQ(impulses, 1u);
-  joined.step(90);  // it hits 1 at state 110, and 0 is 10 m from there
+  joined.step(90);  // it hits body 1 at state 110; body 0 is 10 m away
   EXPECT_EQ(count(joined), 0);
   EXPECT_LT(joined.bodies().velocity[0].x(), -0.5);
   scene.joints.clear();
@@ -227,7 +227,7 @@ TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
 }
 
 TEST_P(Sleepers, OnWhatNoForceMovesAreOnesOwnAndWakeWhenItMoves) {
-  // Two balls on a static slab of a sphere and on a slow kinematic one.
+  // Two balls, one on a static sphere and one on a slow kinematic sphere.
   Scene scene = columns({}, 1);
   scene.obstacles.clear();
   for (const double x : {0.0, 40.0}) {
@@ -235,7 +235,7 @@ TEST_P(Sleepers, OnWhatNoForceMovesAreOnesOwnAndWakeWhenItMoves) {
     scene.bodies.back().motion = x == 0 ? Motion::fixed : Motion::kinematic;
     scene.bodies.push_back(sphere(1, Vector3d(x, 0, 1)));
   }
-  scene.bodies[2].velocity = Vector3d(0, 0, 0.01);  // slower than slow, and it goes on
+  scene.bodies[2].velocity = Vector3d(0, 0, 0.01);  // below the sleep speed, but it keeps moving
   World world(scene, options());
   world.step(90);
   const std::vector<bool> asleep = sleepers(world);
@@ -250,7 +250,7 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
   Scene scene = box_collider(400);
   scene.generators[0].radius_max = 7;
   scene.physics.solver = Solver::soft_step;
-  scene.physics.sleep = Sleep{.speed = 1, .time = 0.1};  // some fall asleep and are woken all the time
+  scene.physics.sleep = Sleep{.speed = 1, .time = 0.1};  // bodies fall asleep and wake all the time
   scene.materials[0].friction = 0.6;
   World first(scene, options());
   first.step(150);
@@ -264,7 +264,7 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
       o.shape = shape;
       o.lane_order = order;
       o.cpu_threads = 2;
-      o.initial_pair_capacity = 50;  // steps that are done again count no sleep twice
+      o.initial_pair_capacity = 50;  // a repeated step counts sleep only once
       World world(scene, o);
       world.step(70);
       World second(scene, o);
@@ -276,7 +276,7 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
 
 TEST_P(Sleepers, AreCountedAndDrawn) {
   Scene scene = columns({0, 10, 20}, 2);
-  scene.bodies[5].position.z() = 40;  // falls
+  scene.bodies[5].position.z() = 40;  // falling
   World world(scene, options());
   EXPECT_TRUE(world.measure().can_sleep);
   EXPECT_EQ(world.measure().islands, 0) << "before the first step";
@@ -340,7 +340,7 @@ TEST_P(Sleepers, APileOfThousandsSleepsWholeAndWakesWhereItIsTouched) {
   scene.physics.solver = Solver::soft_step;
   scene.physics.sleep = Sleep{};
   scene.materials[0].friction = 0.5;
-  scene.materials[0].rolling_resistance = 0.1;  // without, what rolls in a bowl rolls for ever
+  scene.materials[0].rolling_resistance = 0.1;  // without it, bodies roll in bowls for ever
   scene.materials[0].restitution = 0.2;
   World world(scene, options());
   while (count(world) < 5000 && world.steps() < 400) world.step(25);
@@ -352,7 +352,7 @@ TEST_P(Sleepers, APileOfThousandsSleepsWholeAndWakesWhereItIsTouched) {
   world.step(5);
   EXPECT_EQ(world.state_hash(), hash);
 
-  // The topmost is thrown down at one corner.
+  // The topmost body is thrown down at one corner.
   RunState thrown = world.state();
   const auto& at = thrown.bodies.position;
   const auto top = static_cast<std::size_t>(

@@ -1,3 +1,5 @@
+// Tests the rotation of needle-shaped bodies against the closed form of the symmetric top, with every
+// rotation update.
 #include "sim_cuda/dynamics/slender_body.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +29,7 @@ TEST(Needle, TurnsAsEulersEquationsSay) {
         Quaterniond q(1, 0, 0, 0);
         Vector3d w = spin;
         for (int k = 0; k < steps; ++k) rotate_slender(0, q, w, inertia, 1.0 / steps);
-        // symmetric_top has its own axis along z.
+        // The symmetry axis of symmetric_top is z.
         const Quaterniond axes(Eigen::AngleAxisd(-1.57079632679489662, Vector3d::UnitY()));
         const Vector3d along_z(inertia.z(), inertia.y(), inertia.x());
         const Quaterniond exact = symmetric_top(along_z, axes * spin, 1);
@@ -37,7 +39,7 @@ TEST(Needle, TurnsAsEulersEquationsSay) {
   EXPECT_NEAR(order, 4, 0.15) << "of the angle of a turn; beside that it is exact";
 }
 
-/// The most that energy and angular momentum change, over what they were.
+/// Largest relative changes of energy and angular momentum.
 template <class Real, class Turn>
 std::pair<double, double> change(const Turn& turn, double h) {
   const Vector3<Real> inertia(Real(1e-6), 1, 1);

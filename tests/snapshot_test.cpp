@@ -1,4 +1,4 @@
-// A run in a file: it goes on bit for bit, and no file that is not whole, ours and of today is believed.
+// Tests snapshots: a run continues bit for bit, and incomplete, foreign or newer files are refused.
 
 #include "sim_cuda/snapshot/snapshot.h"
 
@@ -39,7 +39,7 @@ Snapshot by_way_of_a_file(const Snapshot& snapshot) {
   return read_snapshot(folder / "s");
 }
 
-/// One step of `world`, and of what its snapshot leads to: the same.
+/// Steps `world` and a world made from its snapshot, and compares them.
 void step_also_from_a_file(World& world) {
   const Snapshot snapshot = by_way_of_a_file(snapshot_of(world));
   World again = world_from(snapshot, snapshot.scene, world.options());
@@ -95,7 +95,8 @@ TEST_P(Snapshots, ARunGoesOnBitForBit) {
       }
 }
 
-/// The face of a box that a ball was pressed through is in no snapshot: each substep has to find it again.
+/// The snapshot does not store the face through which a ball entered a box. Each substep must find the same
+/// face again.
 TEST_P(Snapshots, OfBallsInsideABoxGoOnBitForBit) {
   for (const double coulomb : {0.3, 1.0}) {
     Scene scene = hard_space(Vector3d(0, 0, -9.81), 0);
@@ -111,8 +112,8 @@ TEST_P(Snapshots, OfBallsInsideABoxGoOnBitForBit) {
   }
 }
 
-/// A joint of 4,000 km tears two bodies to what is no number; one of them touches a kinematic ball at a wall,
-/// on which a third comes to lie.
+/// A joint of 4,000 km gives two bodies NaN states. One of them is in contact with a kinematic ball at a
+/// wall, and a third body comes to rest on that ball.
 TEST_P(Snapshots, BesideBodiesThatFailedGoOnBitForBit) {
   const Scene scene =
       parse_scene(R"({"format": "collidoscope-scene", "version": 1, "steps_per_second": 60, "iterations": 3,
@@ -183,7 +184,7 @@ TEST(Snapshot, AMeshThatHasChangedIsRefused) {
   }
 }
 
-/// A snapshot that is spoilt in one way or another, and what is said of it.
+/// A snapshot with one kind of damage, and the message about it.
 class SpoiltSnapshot : public testing::Test {
  protected:
   SpoiltSnapshot() {
@@ -208,7 +209,7 @@ class SpoiltSnapshot : public testing::Test {
     write_file(folder_ / "s", bytes);
     return line(folder_ / "s");
   }
-  /// Eight bytes put at a place, with a hash that fits.
+  /// The snapshot with eight bytes replaced at `at` and a matching hash.
   std::string with(std::size_t at, std::uint64_t value) const {
     std::string bytes = good_;
     std::memcpy(bytes.data() + at, &value, 8);
@@ -226,7 +227,7 @@ class SpoiltSnapshot : public testing::Test {
 };
 
 TEST_F(SpoiltSnapshot, OfTheFirstVersionItIsReadWithoutFrozenBodies) {
-  // Its last list, empty here, and the time were not there.
+  // The first version lacks the last list, empty here, and the time.
   good_.erase(good_.size() - 24, 16);
   const std::uint64_t size = good_.size();
   good_[24] = 1;
@@ -275,7 +276,7 @@ TEST_F(SpoiltSnapshot, ForeignNewerAndNoFile) {
 }
 
 TEST_F(SpoiltSnapshot, AListLongerThanTheFileTakesNoMemory) {
-  // The first list's length follows the header, the scene, the folder, and four numbers.
+  // The length of the first list follows the header, the scene, the folder and four numbers.
   std::uint64_t scene_bytes = 0;
   std::memcpy(&scene_bytes, good_.data() + 40, 8);
   EXPECT_THAT(line_of(with(40, std::uint64_t{1} << 60)), HasSubstr("longer than the file"));
@@ -283,7 +284,7 @@ TEST_F(SpoiltSnapshot, AListLongerThanTheFileTakesNoMemory) {
   for (const std::uint64_t bodies : {std::uint64_t{1} << 61, ~std::uint64_t{0}, std::uint64_t{1} << 40})
     EXPECT_THAT(line_of(with(positions, bodies)), HasSubstr("longer than the file"));
   EXPECT_THAT(line_of(with(positions, 19)), HasSubstr("is damaged"));
-  // A file of a terabyte, most of it a hole, is not what its header says.
+  // A sparse file of a terabyte does not match its header.
   write_file(folder_ / "s", good_);
   std::filesystem::resize_file(folder_ / "s", std::uintmax_t{1} << 40);
   EXPECT_THAT(line(folder_ / "s"), HasSubstr("is damaged: it has 1099511627776 of"));

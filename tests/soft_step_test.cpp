@@ -1,4 +1,5 @@
-// soft_step against formulas: weights, rebounds, Newton's impacts, momenta; and whether piles come to rest.
+// Tests soft_step against formulas: weights, rebounds, Newton's law of impact and momenta. Also tests that
+// piles come to rest.
 // More than 400 lines: each formula has its own scene.
 
 #include <algorithm>
@@ -23,7 +24,7 @@ Scene soft_space(Precision precision = Precision::f64) {
   return scene;
 }
 
-/// `count` spheres of 0.5 m radius in a tube 1.1 m wide, alternately off its axis; 60 steps of 4 substeps.
+/// `count` spheres of 0.5 m in a tube 1.1 m wide, alternately off its axis; 60 steps per second, 4 substeps.
 Scene column(int count, Precision precision) {
   Scene scene = soft_space(precision);
   scene.physics.gravity = Vector3d(0, 0, -9.81);
@@ -87,8 +88,8 @@ TEST_P(SoftStep, AColumnCarriesAHundredTimesItsSpheresMass) {
 }
 
 TEST(Softness, ALoadSinksInByItsStiffness) {
-  // At rest the spring alone would carry the load: depth = load / (mass omega^2), load in N. Relaxing gives
-  // the impulse back, so the depth is where the spring's change is zero.
+  // In static equilibrium the spring alone carries the load: depth = load / (mass omega^2), load in N. The
+  // relax iterations cancel the bias impulse, so at this depth the impulse no longer changes.
   const double h = 1.0 / 240, load = 7, mass = 3;
   const Softness<double> softness = Softness<double>::of(h);
   const double omega = 2 * 3.14159265358979323846 * Softness<double>::cycles_per_substep / h;
@@ -126,7 +127,7 @@ TEST_P(SoftStep, ReboundsRiseToTheSquareOfRestitution) {
       world.step();
       const double now = world.bodies().velocity[0].z(), z = world.bodies().position[0].z() - 1;
       if (before > 0 && now <= 0) {
-        // Semi-implicit Euler loses g h / 2 of height a second; a peak lies between states.
+        // Semi-implicit Euler loses g h / 2 of height per second. A peak may lie between two states.
         expected *= e * e;
         loss = e * e * loss + g * h * std::sqrt(2 * expected / g) * (1 + e);
         EXPECT_LE(std::max(peak, z), expected + 1e-9) << "a bounce gains nothing";
@@ -162,9 +163,9 @@ TEST_P(SoftStep, HeadOnImpactsFollowNewton) {
 }
 
 TEST_P(SoftStep, WhatOthersPushIntoAWallDoesNotBounceOffItBeforeItMoves) {
-  // A body rests at a wall and is hit: the two part by Newton's law, then the first meets the wall, by the
-  // same law. The speed at which sweeps push it into the wall is none of its own: bounced off, it made the
-  // outcome hang on the time step, and kept bodies that are wedged in at walls from their rest.
+  // A body at rest at a wall is hit. First the two bodies collide by Newton's law, then the body hits the
+  // wall by the same law. Intermediate solver velocities into the wall must not bounce. Otherwise the result
+  // depended on the time step, and bodies wedged at walls did not come to rest.
   double rebound[2];
   for (int k = 0; k < 2; ++k) {
     Scene scene = soft_space();
@@ -181,7 +182,7 @@ TEST_P(SoftStep, WhatOthersPushIntoAWallDoesNotBounceOffItBeforeItMoves) {
 }
 
 TEST_P(SoftStep, MomentaAreKeptToRounding) {
-  // No walls, no gravity; overlaps, coincident centres and impacts.
+  // No walls and no gravity; overlaps, coincident centres and impacts.
   for (const unsigned seed : {3u, 8u, 21u})
     for (const Precision precision : {Precision::f32, Precision::f64}) {
       Scene scene = random_scene(seed, 300);
@@ -302,7 +303,7 @@ TEST_P(SoftStep, GoesOnInAnotherWorldBitForBit) {
   World straight(scene, options()), first(scene, options()), second(scene, options());
   straight.step(60);
   first.step(40);
-  second.step(3);  // of another past
+  second.step(3);  // a different history
   second.restore(first);
   second.step(20);
   EXPECT_EQ(second.state_hash(), straight.state_hash());
@@ -312,7 +313,7 @@ TEST_P(SoftStep, RecordingImpulsesChangesNothing) {
   Scene scene = box_collider(800);
   scene.physics.solver = Solver::soft_step;
   RunOptions o = options();
-  o.initial_pair_capacity = 100;  // grows while it remembers
+  o.initial_pair_capacity = 100;  // the list grows during the recording
   World off(scene, o), on(scene, o);
   on.records().record_impulses(true);
   for (int k = 0; k < 30; ++k) {
@@ -341,15 +342,15 @@ TEST_P(SoftStep, AnEffectThatIsOffCostsNoLaunchAndNoByte) {
     for (const StageTime& stage : world.times().stages) sum += stage.launches;
     return sum;
   };
-  // Planes: before each move and each relax, and the bounce.
+  // Planes add a stage before each move and each relax, and one for the bounce.
   EXPECT_EQ(launches(b) - launches(a), 4 * 2 + 1);
 }
 
 template <bool with_drag>
 void expect_predicted() {
-  // Each body moves in K substeps of semi-implicit Euler under what gravity leaves of itself where
-  // frictionless support takes a part of it, and drag the more; whoever touch at some substep were foreseen,
-  // by boxes and by gap.
+  // Each body moves in K substeps of semi-implicit Euler. Its acceleration is gravity, minus part of it for a
+  // frictionless support, with drag. Bodies in contact at some substep must have a predicted contact, by
+  // boxes and by gap.
   Random random(5);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (random() / 4294967296.0);

@@ -1,3 +1,4 @@
+// Tests the sort and the prefix sum on each executor against the standard library, at every launch shape.
 #include "sim_cuda/core/sort.h"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 class Sort : public OnEachExecutor {
  protected:
-  /// Sorts on the executor and beside std::stable_sort; few different keys, so that stability shows.
+  /// Sorts on the executor and by std::stable_sort. Few distinct keys, so that a lack of stability shows.
   template <class Key>
   void check(std::size_t count, int key_bits, std::uint64_t distinct) {
     Executor executor(options());
@@ -91,7 +92,7 @@ TEST_P(Sort, IsStableForEveryKindOfKey) {
     }
 }
 
-/// (B, T), the order of lanes, and lengths about the least stretch of a lane and the groups of the sums.
+/// Covers (B, T), the lane order, and lengths near the minimum per lane and the group size of the sums.
 TEST_P(Sort, ByRadixIsTheSameAtEveryLaunchShape) {
   for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {3, 37}, {16, 16}, {8, 64}, {64, 1024}, {0, 0}})
     for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled})
@@ -112,7 +113,7 @@ TEST_P(Scan, SumsCounts) {
   for (const std::size_t count : {0u, 1u, 3u, 1000u, 65537u}) {
     std::vector<std::uint32_t> counts(count + 1);
     Random random(7);
-    for (auto& c : counts) c = random();  // 65537 of them exceed 2^32 by far
+    for (auto& c : counts) c = random();  // the sum of 65537 of them exceeds 2^32
     Buffer<std::uint32_t> in(executor, "counts");
     Buffer<std::uint32_t> out(executor, "offsets");
     Buffer<std::byte> temporary(executor, "workspace");

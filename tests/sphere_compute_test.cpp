@@ -1,4 +1,5 @@
-// Spheres by compute against spheres by quads: the same picture, whatever they are and wherever the eye is.
+// Tests spheres drawn by a compute shader against spheres drawn as quads. The pictures must agree for all
+// scenes and cameras.
 
 #include "viewer/render/sphere_compute.h"
 
@@ -23,7 +24,7 @@ Image draw(const TestBodies& bodies, const OrbitCamera& camera, SphereMethod met
 
 void expect_same_picture(const TestBodies& bodies, const OrbitCamera& camera) {
   const Image quads = draw(bodies, camera, SphereMethod::quads);
-  // Drivers may round the two differently, which an outline shows.
+  // Drivers may round the two methods differently, which is visible at outlines.
   const ImageDifference difference = compare_images(quads, draw(bodies, camera, SphereMethod::compute));
   EXPECT_LE(difference.share_over_5, 0.0005);
   EXPECT_LE(difference.perceptual_mean, 0.0005);
@@ -52,15 +53,17 @@ TEST(SphereCompute, FromEverywhere) {
   camera.orthographic = false;
   camera.target = {50, 50, 50};
   camera.distance = 1;
-  camera.field_of_view = 1.9;  // wide, among them: outlines are far from round, some reach behind the eye
+  camera.field_of_view =
+      1.9;  // a wide view among the spheres: outlines are not circular, some extend behind the camera
   expect_same_picture(bodies, camera);
 
   bodies.initial.position.push_back(camera.eye());
   bodies.initial.radius.push_back(3);
-  bodies.instances.push_back(sphere_instance(camera.eye(), 3, 0, 400));  // seen through from within
+  bodies.instances.push_back(
+      sphere_instance(camera.eye(), 3, 0, 400));  // contains the camera, so it is not drawn
   expect_same_picture(bodies, camera);
 
-  camera.distance = 1e5;  // all of them in a pixel or two
+  camera.distance = 1e5;  // all spheres in one or two pixels
   expect_same_picture(bodies, camera);
 }
 

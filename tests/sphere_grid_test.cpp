@@ -1,3 +1,4 @@
+// Tests the grid for overlap queries of spheres against a comparison of all pairs.
 #include "sim_cuda/scene/sphere_grid.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ TEST(SphereGrid, AgreesWithAllAgainstAll) {
       ASSERT_EQ(grid.overlaps(center, r), expected) << i;
       hits += expected;
       if (expected && i % 7 != 0) continue;
-      const double inserted = i % 50 == 0 ? any(random) : r;  // some larger than a cell is made for
+      const double inserted = i % 50 == 0 ? any(random) : r;  // some exceed the cell size
       grid.insert(center, inserted);
       spheres.emplace_back(center, inserted);
     }
@@ -36,7 +37,7 @@ TEST(SphereGrid, TouchingCounts) {
   SphereGrid grid({0, 0, 0}, {10, 10, 10}, 1, 2);
   grid.insert({5, 5, 5}, 1);
   EXPECT_TRUE(grid.overlaps({7, 5, 5}, 1));
-  EXPECT_TRUE(grid.overlaps({7 + 5e-7, 5, 5}, 1));  // nearer than floats can tell
+  EXPECT_TRUE(grid.overlaps({7 + 5e-7, 5, 5}, 1));  // within the resolution of a float
   EXPECT_FALSE(grid.overlaps({7 + 5e-6, 5, 5}, 1));
 }
 

@@ -1,5 +1,5 @@
-// The table of stability in assets/results/stability.md: what it says of runs on several machines, and that
-// it lists the cases in assets/scenes/hard.
+// Tests the stability table in assets/results/stability.md: its text for results of several machines, and its
+// list of the cases in assets/scenes/hard.
 
 #include "headless/stability/stability_readme.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What --json writes, as far as the table is made of it. The test runs of `stack` are impulse and soft_step,
+/// The output of --json, as far as the table uses it. The test runs of `stack` use impulse and soft_step,
 /// both in float.
 std::string run(const std::string& executor, const std::string& first, const std::string& second,
                 const std::string& hash) {
@@ -76,7 +76,7 @@ TEST(StabilityReadme, IsWrittenFromFiles) {
   EXPECT_THROW(rewrite_readme(folder / "README.md", {folder / "b.json"}), InputError);
 }
 
-/// The rest of each line that begins so, between the marks of the project's page.
+/// The rest of each line with this beginning, between the marks of the results page.
 std::vector<std::string> lines_of_page(const std::string& beginning) {
   const std::string page = text_of(project_file("assets/results/stability.md"));
   const std::size_t begin = page.find(stability_begin), end = page.find(stability_end);

@@ -1,4 +1,4 @@
-// What test runs came to, as a table and as JSON.
+// Tests the results of test runs as a table and as JSON.
 
 #include "headless/stability/stability_report.h"
 

@@ -1,4 +1,5 @@
-// `stability` as its users meet it: tables, files, exit status, Ctrl-C. The whole suite is a matter of CI.
+// Tests `stability` through the real program: tables, files, exit status and Ctrl-C. The whole suite runs in
+// CI.
 
 #include "headless/stability/stability.h"
 
@@ -20,7 +21,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// A folder with one case: a sphere that falls past a speed of 5 m/s after half a second.
+/// A folder with one case: a sphere that exceeds 5 m/s after half a second of free fall.
 class StabilityCommand : public testing::Test {
  protected:
   void write_case(const std::string& criterion) {
@@ -42,7 +43,7 @@ TEST(Stability, TheQuickCasesHoldAndTheirFaultsShow) {
   const std::vector<std::string> quick{"stability", "ball_at_rest", "head_on", "moved_away", "radius_zero"};
   const Outcome outcome = run_headless(quick);
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
-  // On a GPU what is refused on reading is not tried again.
+  // On a GPU, cases refused by the reader are not repeated.
   EXPECT_THAT(outcome.out,
               HasSubstr(cuda_available() ? "18 trials of 4 cases on " : "19 trials of 4 cases on "));
   std::vector<std::string> injected = quick;

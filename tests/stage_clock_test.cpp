@@ -1,3 +1,4 @@
+// Tests the timing of stages: sums within a step, percentiles, and a repeated step that does not count.
 #include "sim_cuda/core/stage_clock.h"
 #include "sim_cuda/core/statistics.h"
 
@@ -34,7 +35,7 @@ TEST(StageClock, AddsUpTheRunsOfAStageWithinAStep) {
   clock.add(build, 2);
   clock.commit_step();
   clock.add(build, 100);
-  clock.discard_step();  // an overflow: the step is done again
+  clock.discard_step();  // an overflow: the step is repeated
   clock.add(build, 4);
   clock.commit_step();
   const RunTimes times = clock.times();

@@ -1,4 +1,4 @@
-// What guards look at, stage by stage: faults planted in what a stage writes, on each executor.
+// Tests the checks of guards after each stage: faults injected into the stage's output, on each executor.
 
 #include "sim_cuda/guard/stage_validator.h"
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t n = 5;
 
-/// Five sane bodies with boxes, one contact, and an acceleration each; and stages that do nothing but what a
-/// test has them do.
+/// Five valid bodies with boxes, one contact and an acceleration each. The stages only do what a test
+/// specifies.
 template <class Real>
 class Stages {
  public:
@@ -36,10 +36,10 @@ class Stages {
     control.upload({counts});
   }
 
-  /// A stage that spoils a value, by bytes that make it not a number.
+  /// A stage that overwrites a value with the bytes of a NaN.
   struct Spoilt {
     const char* stage;
-    void* value = nullptr;  ///< null: it spoils nothing
+    void* value = nullptr;  ///< null: no change
     int substep = 0;
   };
   void run(const std::vector<Spoilt>& stages) {
@@ -134,7 +134,7 @@ void find_each(const RunOptions& options) {
     };
     const std::vector<typename Stages<Real>::Spoilt> run{{"bounds"},          {"keys"}, {"contacts"},
                                                          {stage, place(), 2}, {"keep"}, {"later"}};
-    // One that follows its like is one with it.
+    // A stage after one of the same name counts as the same stage.
     stages.run(run);
     const FirstViolation found = stages.found();
     const std::string what = std::string(stage) + ", " + std::string(name_of(quantity));
@@ -166,14 +166,14 @@ TEST_P(StageValidators, AreQuietWhereAllIsWell) {
 
 TEST_P(StageValidators, KeepTheFirstStageAndItsLowestBody) {
   Stages<float> stages(options());
-  // What no stage with quantities has shown is found by the next that might have written it.
+  // Stage "keys" has no checks. Its fault is found after the next stage that may have written the value.
   stages.run({{"bounds"},
               {"keys", &stages.bodies.velocity.data()[4]},
               {"forces", &stages.bodies.velocity.data()[2]},
               {"solve", &stages.bodies.velocity.data()[0]}});
   EXPECT_EQ(stages.found().stage(), 2u);
   EXPECT_EQ(stages.found().body(), 2u);
-  // And what a later run shows, sooner in it, comes too late.
+  // A fault in a later run of the stages does not replace the first one, even in an earlier stage.
   stages.run({{"bounds", &stages.boxes.data()[1]}});
   EXPECT_EQ(stages.found().stage(), 2u);
   EXPECT_EQ(stages.found().body(), 2u);
@@ -193,9 +193,15 @@ TEST_P(StageValidators, LookAtBoxesAloneInARunThatAnOverflowStopped) {
 
 TEST_P(StageValidators, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
   ValidationSettings guards;
+<<<<<<< HEAD
   guards.speed = 5;          // as fast as they are
   guards.angular_speed = 7;  // the same
   guards.distance = 4;       // their boxes reach as far
+=======
+  guards.speed = 5;     // equal to the speed of the bodies
+  guards.spin = 7;      // equal to their spin
+  guards.distance = 4;  // equal to the extent of their boxes
+>>>>>>> 57ef68384f31d2400cb9318cdeb211dea33730dd
   const auto finds = [&](const ValidationSettings& limits) {
     Stages<double> stages(options(), limits);
     stages.run({{"bounds"}, {"move"}});
@@ -209,7 +215,7 @@ TEST_P(StageValidators, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
     narrow.*limit = limit == &ValidationSettings::distance ? 3.99 : below(guards.*limit);
     EXPECT_TRUE(finds(narrow)) << narrow.*limit;
   }
-  // Whatever the precision, what overflows when it is squared is beyond all limits.
+  // In both precisions, a value whose square overflows is beyond every limit.
   Stages<float> fast(options());
   fast.bodies.velocity.upload(std::vector<PackedVector3<float>>(n, Vector3f(0, 1e30f, 0)));
   fast.run({{"forces"}});

@@ -1,5 +1,5 @@
-// What the programs do where a result cannot be written: a full disk, a closed stdout, a pipe that nothing
-// reads, a limit of file size. One line, a defined status, and no half of a file.
+// Tests results that cannot be written: a full disk, a closed stdout, a pipe without a reader, and a file
+// size limit. The program must print one line, exit with a defined status and leave no partial file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ Arguments joined(Arguments arguments, const Arguments& more) {
   return arguments;
 }
 
-/// Runs of each command that take little time.
+/// Short runs of each command.
 const Arguments run_one{"run", "one_body", "--steps", "3"};
 const Arguments grade{"bvh", "box_collider", "--bodies", "10", "--methods", "lbvh_ropes", "--repeats", "1"};
 const Arguments study{"accuracy", "box_collider", "--bodies", "2",          "--seconds",
@@ -113,7 +113,7 @@ TEST(Files, AreWholeWhateverBecomesOfStdout) {
 TEST(Files, GetNothingOfAClosedStream) {
   const TemporaryFolder folder;
   const std::string json = folder / "j";
-  // A stream that is closed would be the number of the next file that is opened.
+  // Without protection, the next opened file would get the closed stream's descriptor.
   const Outcome run =
       run_headless(joined(run_one, {"--json", json, "--changes", "/dev/null"}), Launch{.close_stderr = true});
   EXPECT_EQ(run.status, 2) << "an empty list of changes is none";
@@ -128,7 +128,7 @@ TEST(Pipe, ThatNothingReadsEndsTheProgramWithoutAWord) {
     EXPECT_EQ(outcome.status, 128 + SIGPIPE);
     EXPECT_EQ(outcome.err, "");
   }
-  // Files that are being written then: dynamics are committed, the pipe breaks, the snapshot is open.
+  // At the moment of the failure the dynamics file is committed, the pipe breaks, and the snapshot is open.
   const TemporaryFolder folder;
   const Outcome outcome = run_headless(joined(run_one, {"--dump-dynamics", folder / "d", "--energy-trace",
                                                         "/dev/stdout", "--save", folder / "s"}),
@@ -138,7 +138,7 @@ TEST(Pipe, ThatNothingReadsEndsTheProgramWithoutAWord) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
-/// `@`: the target.
+/// `@` in the arguments stands for the target.
 struct Target {
   Arguments arguments;
   std::string flag;
@@ -229,7 +229,7 @@ TEST(OutputTarget, BeyondTheLimitOfAFilesSizeStaysAsItWas) {
   EXPECT_TRUE(fs::is_empty(pictures));
 }
 
-/// Ends its process when it goes.
+/// Ends its process in the destructor.
 class Process {
  public:
   Process(const fs::path& program, const Arguments& arguments, const Launch& launch, const std::string& out,

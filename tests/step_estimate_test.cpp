@@ -1,4 +1,4 @@
-// What a step is expected to take, against what it takes.
+// Tests the estimate of a step's pairs, contacts and bytes against a real step.
 
 #include "sim_cuda/run/step_estimate.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// The largest factor between the two.
+/// The ratio of the larger to the smaller value.
 double factor(double a, double b) { return std::max(a, b) / std::max(std::min(a, b), 1e-300); }
 
 StepEstimate estimate_of(const Scene& scene, const RunOptions& options) {
@@ -39,7 +39,8 @@ class StepEstimates : public OnEachExecutor {
     tight.initial_pair_capacity = 1;
     const StepEstimate expected = estimate_of(scene, tight);
     World world(scene, tight);
-    constexpr std::int64_t many = 20'000;  // what these find at rest is close to what they find in a step
+    constexpr std::int64_t many =
+        20'000;  // larger scenes: measured at rest, where the counts are close to those of a step
     if (expected.bodies <= many) world.step();
     const StepStats found = world.measure();
     EXPECT_EQ(expected.bodies, found.bodies);
@@ -47,7 +48,7 @@ class StepEstimates : public OnEachExecutor {
         << expected.pairs << " for " << found.pairs;
     EXPECT_LT(factor(expected.contacts, static_cast<double>(found.speculative)), 1.5)
         << expected.contacts << " for " << found.speculative;
-    // Lists that were too small hold half as much again as they need.
+    // Lists that overflowed have a capacity of 1.5 times the required one.
     const double bytes = static_cast<double>(world.info().allocated_bytes);
     EXPECT_LT(static_cast<double>(expected.bytes), 1.5 * bytes);
     EXPECT_GT(static_cast<double>(expected.bytes), bytes / 1.5 / 1.5);
@@ -77,7 +78,7 @@ TEST_P(StepEstimates, AreRightForFastBodiesInDouble) {
   expect_right(scene);
 }
 
-/// Small ones in a corner beside large ones.
+/// Small spheres in a corner beside large ones.
 TEST_P(StepEstimates, AreRightForACrowdedCorner) {
   Scene scene = empty_space();
   scene.physics.solver = Solver::soft_step;
@@ -130,7 +131,7 @@ TEST_P(StepEstimates, NeverMindScenesOfTheProject) {
     for (const fs::directory_entry& entry : fs::directory_iterator(project_file(folder))) {
       const fs::path file = entry.path();
       if (file.extension() != ".json" || file.stem().has_extension()) continue;
-      if (file.stem() == "bodies_16777217") continue;  // for GPUs alone
+      if (file.stem() == "bodies_16777217") continue;  // for GPUs only
       Scene scene;
       try {
         scene = read_scene(file.string());
@@ -138,7 +139,7 @@ TEST_P(StepEstimates, NeverMindScenesOfTheProject) {
           if (generator.variant == Variant::settled) generator.variant = Variant::scaled;
         World world(scene, options());
       } catch (const InputError&) {
-        continue;  // a hard case that is to be refused
+        continue;  // a hard case whose scene must be refused
       }
       ++scenes;
       const StepEstimate expected = estimate_of(scene, options());
@@ -150,7 +151,7 @@ TEST_P(StepEstimates, NeverMindScenesOfTheProject) {
   EXPECT_TRUE(lines.empty()) << lines.front();
 }
 
-/// The same figures for any number of threads, and all pairs where the sample is everybody.
+/// The figures do not depend on the number of threads. With all bodies in the sample, all pairs are counted.
 TEST(SampledPairs, AreExactOfAll) {
   const InitialBodies bodies = initial_bodies(box_collider(3000));
   const MovingSpheres spheres{bodies.position, bodies.radius, bodies.velocity};

@@ -1,4 +1,5 @@
-// The suites that compare broad phases, run as a user runs them.
+// Tests the benchmark suites through the real program: a row for each method, their fits, and the claims of
+// the paper.
 
 #include "headless/bench/suites.h"
 
@@ -78,7 +79,7 @@ TEST(Suites, PredictorsRankEveryMeasure) {
       EXPECT_GE(score[which], -1.0000001);
       EXPECT_LE(score[which], 1.0000001);
     }
-  // At each N the tree over the bodies as they come is visited most.
+  // At each N the tree in input order has the most visits.
   std::map<int, std::pair<double, std::string>> worst;
   for (const json& row : report["rows"])
     worst[row["bodies"]] = std::max(
@@ -114,7 +115,7 @@ TEST(Suites, CrowdedScenesKeepDefaultKeysGood) {
   EXPECT_THAT(scenes, testing::ElementsAre("clusters", "log_normal", "mixed", "paper"));
 }
 
-// The tree has as many levels as its file says; no launch is made for a level that it does not have.
+// The number of levels equals the one in the file. No kernel is launched for a level that does not exist.
 TEST(Suites, TopDownBuildsNoEmptyLevel) {
   const Outcome run =
       run_headless({"bench", "broad-phases", box, "--executor", "cpu", "--sizes", "3000", "--methods",
@@ -188,7 +189,7 @@ TEST(Suites, ThePaperOwnsItsShapesAndSaysWhatItClaims) {
   EXPECT_EQ(run_headless({"bench", "paper", box, "--executor", "cpu", "--sizes", "7"}).status, 2);
 }
 
-/// Table 5 of two shapes, the second of which has an efficiency of `share`.
+/// Table 5 for two shapes, the second with an efficiency of `share`.
 std::string claims_at(double share) {
   PaperResults results;
   for (const PaperCell& cell : paper_cells())
@@ -223,7 +224,7 @@ TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {
   }
   for (const EffectName& effect : effect_names)
     EXPECT_TRUE(seen.contains(std::string(effect.name))) << effect.name;
-  // Frictionless spheres that cannot turn: nothing is stored of how they turn, or of friction.
+  // Frictionless spheres without rotation: no rotation or friction data is stored.
   for (const char* absent :
        {"orientations", "angular velocities", "inertia", "friction of contacts", "friction at walls"})
     EXPECT_FALSE(report["effects"][0]["without"]["buffers"].contains(absent)) << absent;

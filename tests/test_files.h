@@ -1,5 +1,5 @@
 #pragma once
-// Where a test finds files of the project and leaves files of its own, in a build tree and in a bundle alike.
+// Locations of the project's files and of temporary files, in a build tree and in a bundle.
 
 #include <unistd.h>
 
@@ -10,13 +10,13 @@
 
 namespace collidoscope {
 
-/// A file by its path from the project's root, such as "tests/golden/x.png": in a build the source tree's, in
-/// a bundle the bundle's. The file itself need not exist.
+/// Resolves a path relative to the project root, such as "tests/golden/x.png": in the source tree for a
+/// build, in the bundle for a bundle. The file need not exist.
 inline std::filesystem::path project_file(const std::string& path) {
   return asset("").parent_path().parent_path() / path;
 }
 
-/// A fresh folder of this test's own, removed with everything in it at the end of the scope.
+/// A new temporary folder, deleted with its contents at the end of the scope.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -33,7 +33,7 @@ class TemporaryFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
-  /// How many files and folders lie in it.
+  /// The number of files and folders in it.
   std::size_t files() const {
     using Entries = std::filesystem::directory_iterator;
     return static_cast<std::size_t>(std::distance(Entries(path_), Entries()));

@@ -1,4 +1,4 @@
-// Test runs side by side come to what they come to alone.
+// Tests that test runs in parallel give the same results as single runs.
 
 #include "headless/stability/test_pool.h"
 

@@ -1,4 +1,5 @@
-// A test run of a hard case: what it measures and when, what makes it fail, and what its outcome says.
+// Tests a test run of a hard case: its measured states, the conditions that make it fail, and its reported
+// outcome.
 
 #include "sim_cuda/stability/test_run.h"
 
@@ -17,8 +18,8 @@ using testing::HasSubstr;
 
 class TestRuns : public OnEachExecutor {
  protected:
-  /// A case whose criterion has these members: two spheres in free flight at 1 m/s along x, 4 m apart, in
-  /// steps of 1/8 s.
+  /// A case whose criterion has `members`: two spheres in free flight at 1 m/s along x, 4 m apart, in steps
+  /// of 1/8 s.
   HardCase flight(const std::string& members) {
     HardCase one;
     one.name = "flight";

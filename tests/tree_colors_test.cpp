@@ -1,4 +1,4 @@
-// Boxes and bodies coloured by the tree: goldens, and what a range leaves out.
+// Tests boxes and bodies coloured by tree metrics against goldens, and the filter by a range of values.
 
 #include <gmock/gmock.h>
 

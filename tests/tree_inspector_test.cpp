@@ -1,4 +1,5 @@
-// What the panel of the tree asks of a world, and when.
+// Tests the measurements that the tree panel requests from a world: their values against a brute-force tree,
+// and their number.
 
 #include "viewer/session/tree_inspector.h"
 
@@ -21,7 +22,7 @@ World world_of(const std::string& method, std::int64_t bodies = 200) {
   return World(box_collider(bodies), options);
 }
 
-/// Paused, with the panel open.
+/// Paused, with the tree panel open.
 Workspace open_panel() {
   Workspace workspace;
   workspace.playing = false;
@@ -63,8 +64,8 @@ TEST(TreeInspector, MeasuresAStateOnce) {
   EXPECT_EQ(inspector.view()->step, 1);
 }
 
-// The tree that is bad on purpose: row by row and page by page the panel names the nodes worst first, as a
-// person would who measures every one.
+// The method builds a bad tree. Each row and page of the panel lists the nodes worst first, as in the
+// brute-force tree.
 TEST(TreeInspector, NamesTheWorstFirst) {
   World world = world_of("bvh_input_order");
   const BruteTree brute(world);
@@ -115,7 +116,7 @@ TEST(TreeInspector, ARankSelectsANodeOrABodyUntilTheNextState) {
     EXPECT_EQ(marks[2].min[k], std::min(marks[0].min[k], marks[1].min[k])) << "they fill it";
     EXPECT_EQ(marks[2].max[k], std::max(marks[0].max[k], marks[1].max[k]));
   }
-  // The last by level is the root; the deepest are leaves.
+  // By level, the last node is the root; the first are the deepest leaves.
   workspace.tree.sort = NodeMetric::level;
   workspace.tree.rank = 0;
   inspector.refresh(world, 0, workspace);
@@ -156,7 +157,7 @@ TEST(TreeInspector, AQueryIsFollowedInItsOrder) {
     for (const auto& [a, b] : world.pairs()) expected += a == 17 || b == 17;
     EXPECT_EQ(pairs, expected) << method;
 
-    // As far as the slider stands, the newest on top, with a halo.
+    // Marks for the visits up to the slider, the newest on top with a halo.
     const BodyReport body = world.inspect(17);
     workspace.tree.visit = 5;
     const std::vector<BoxInstance> marks = tree_marks(workspace, &body, &view);

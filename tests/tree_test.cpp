@@ -1,3 +1,4 @@
+// Tests the generic tree view on degenerate and on real trees, against their known structure.
 #include "sim_cuda/broad_phase/tree.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 
@@ -11,8 +12,8 @@
 namespace collidoscope {
 namespace {
 
-/// A tree that is a list: inner node i holds leaf i and inner node i + 1. Bodies stand apart on a line, so
-/// each level parts one of them from the rest.
+/// A degenerate tree: inner node i holds leaf i and inner node i + 1. The bodies lie on a line without
+/// overlap, so each level separates one of them.
 class ListOfLeaves final : public BroadPhase {
  public:
   ListOfLeaves(Executor& executor, std::uint32_t n) : executor_(executor), n_(n) {}
@@ -26,7 +27,7 @@ class ListOfLeaves final : public BroadPhase {
     for (std::uint32_t i = 0; i < n_; ++i) {
       box.push_back(from_to(i, i));
       parent.push_back(n_ + std::min(i, n_ - 2));
-      body.push_back(n_ - 1 - i);  // ids are no places
+      body.push_back(n_ - 1 - i);  // ids differ from places
     }
     for (std::uint32_t i = 0; i + 1 < n_; ++i) {
       box.push_back(from_to(i, n_ - 1));
@@ -56,14 +57,14 @@ TEST_P(ArrangedTree, IsWholeHoweverDeep) {
     const TreeView& view = tree.view();
     const std::int64_t nodes = 2 * std::int64_t{n} - 1;
     ASSERT_EQ(view.nodes, nodes);
-    // The root, two nodes a level, and all that is deeper on the last.
+    // The root, then two nodes per level; the last level holds all deeper nodes.
     ASSERT_EQ(view.levels(), static_cast<int>(std::min(n, 64u)));
     for (int level = 1; level + 1 < view.levels(); ++level) EXPECT_EQ(view.level_size(level), 2) << n;
     std::int64_t all = 0;
     for (int level = 0; level < view.levels(); ++level) all += view.level_size(level);
     EXPECT_EQ(all, nodes);
 
-    // Of a body that i of the others come before, a query passes 2 nodes on each of i + 1 levels.
+    // A body with i others before it: its query visits 2 nodes on each of i + 1 levels.
     BvhStatistics statistics(executor);
     const TreeQuality quality = statistics.measure(view, n);
     std::int64_t visits = 0;
@@ -78,7 +79,7 @@ TEST_P(ArrangedTree, IsWholeHoweverDeep) {
     for (const std::int64_t at_level : quality.leaves) leaves += at_level;
     EXPECT_EQ(leaves, n);
 
-    // Children follow each other, one level below, and know their parent.
+    // Children are adjacent, one level below their parent, and refer to it.
     std::vector<std::uint32_t> places(static_cast<std::size_t>(nodes));
     for (std::size_t k = 0; k < places.size(); ++k) places[k] = static_cast<std::uint32_t>(k);
     std::vector<int> born(places.size());
@@ -93,7 +94,7 @@ TEST_P(ArrangedTree, IsWholeHoweverDeep) {
   }
 }
 
-// Bullet makes a list of bodies that coincide.
+// Bullet builds a list for coincident bodies.
 TEST_P(ArrangedTree, OfCoincidentBodiesLeadsToAllPairs) {
   constexpr int n = 300;
   Scene scene = empty_space();

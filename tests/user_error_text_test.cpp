@@ -1,4 +1,4 @@
-// Errors as the window shows them: without the words of C++.
+// Tests the error texts in the window: they contain no C++ terms.
 
 #include "viewer/user_error_text.h"
 

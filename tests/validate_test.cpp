@@ -1,4 +1,4 @@
-// validate(): every range from both sides, on structs.
+// Tests validate(): each range at both ends, on structs.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using testing::StartsWith;
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// One of everything, valid.
+/// A valid scene with one element of each kind.
 Scene full_scene() {
   Scene scene;
   scene.physics.solver = Solver::impulse;
@@ -34,14 +34,14 @@ Scene full_scene() {
   return scene;
 }
 
-/// An attractor, and a solver that has them.
+/// Adds an attractor, and selects a solver that supports it.
 std::vector<Attractor>& pulling(Scene& scene) {
   scene.physics.solver = Solver::soft_step;
   scene.physics.attractors = {{.strength = 10}};
   return scene.physics.attractors;
 }
 
-/// Boxes, and a solver that has them.
+/// Adds boxes, and selects a solver that supports them.
 std::vector<BoxObstacle>& boxes(Scene& scene) {
   scene.physics.solver = Solver::soft_step;
   scene.boxes.resize(2);
@@ -218,7 +218,7 @@ TEST(Validate, NamesEveryFault) {
     ASSERT_FALSE(faults.empty()) << c.path << ": " << c.message;
     EXPECT_EQ(faults[0].path, c.path);
     EXPECT_THAT(faults[0].message, StartsWith(c.message)) << c.path;
-    // A fault in the first material's name, or none, shifts all others: there may be more than one.
+    // A fault in the name of the first material causes further faults.
     if (c.path != "materials" && c.path != "materials.default") {
       EXPECT_EQ(faults.size(), 1u) << c.path << ", and " << faults.back().path;
     }

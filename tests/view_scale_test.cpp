@@ -1,3 +1,4 @@
+// Tests the resolution scale of the 3D view with simulated renderers: time budget, limits and stability.
 #include "viewer/view_scale.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 namespace collidoscope {
 namespace {
 
-/// A renderer that takes so long for everything, and so long for each share of the pixels.
+/// The final scale for a renderer with the time `fixed` plus `whole` for all pixels.
 double settled(ViewScale& scale, double fixed, double whole) {
   for (int frame = 0; frame < 60; ++frame) {
     const double time = fixed + whole * scale.scale() * scale.scale();

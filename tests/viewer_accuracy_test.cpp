@@ -1,5 +1,5 @@
-// What accuracy costs, in the window, by real events: points come while the picture moves, a click on one
-// applies its setting, the line across picks the cheapest; ghosts and errors beside the run.
+// Tests the accuracy panel in the window, by real events. Points appear during the run, a click on a point
+// applies its setting, the tolerance line selects the cheapest one, and ghosts show the errors.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ TEST_F(Viewer, MeasuresWhatAccuracyCostsAndAppliesIt) {
   const auto accuracy = [&](const char* name) { return window.frame()["accuracy"][name]; };
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 3; }));
   EXPECT_TRUE(window.frame()["accuracy"].is_null()) << "folded, nothing is measured";
-  window.click("panel.timing");  // folded, it leaves room
+  window.click("panel.timing");  // folded, to make room
   window.click("panel.accuracy");
   ASSERT_TRUE(window.wait_for(
       [](const Json& f) { return f["accuracy"].is_object() && f["accuracy"]["points"].size() >= 3; }, 120));
@@ -36,7 +36,7 @@ TEST_F(Viewer, MeasuresWhatAccuracyCostsAndAppliesIt) {
   EXPECT_EQ(window.frame()["edited"], true);
   EXPECT_EQ(accuracy("done"), 1) << "the study stays";
 
-  // The line across, dragged down, allows less; what is cheapest then is applied by its button.
+  // Dragging the line down lowers the tolerance. The button applies the cheapest setting below it.
   const double before = accuracy("tolerance");
   const Json line = accuracy("line");
   window.drag(line[0].get<int>(), line[1].get<int>(), line[0].get<int>(), line[1].get<int>() + 30);
@@ -50,7 +50,7 @@ TEST_F(Viewer, MeasuresWhatAccuracyCostsAndAppliesIt) {
   ASSERT_TRUE(
       window.wait_for([&](const Json& f) { return f["accuracy"]["now"] == f["accuracy"]["cheapest"]; }));
 
-  // Anew, stopped, and folded.
+  // The study is restarted, stopped and folded.
   window.click("accuracy.restart");
   ASSERT_TRUE(
       window.wait_for([](const Json& f) { return f["accuracy"]["done"] < 1 && f["accuracy"]["since"] > 0; }));

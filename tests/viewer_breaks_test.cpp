@@ -1,5 +1,5 @@
-// Where the window stops a run by itself, by real events: conditions that are met, what guards find, and the
-// ways on.
+// Tests the automatic stops of the window's run, by real events: break conditions, findings of guards, and
+// the ways to continue.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ std::string write_scene_file(const TemporaryFolder& folder, const std::string& g
   return file;
 }
 
-/// Pixels in the colour of what is frozen.
+/// Counts pixels in the colour of frozen bodies.
 int pale_blue(const Image& picture) {
   int count = 0;
   for (std::size_t at = 0; at + 3 < picture.rgba.size(); at += 4)
@@ -42,7 +42,7 @@ TEST_F(Viewer, StopsWhereTheCommandLineSays) {
 TEST_F(Viewer, StopsWhereAConditionIsMet) {
   TemporaryFolder folder;
   WindowDriver window({write_scene_file(folder, ""), "--steps", "1", "--size", "1280x900"});
-  window.click("panel.timing");  // folded, it leaves room
+  window.click("panel.timing");  // folded, to make room
   ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("timing.csv"); }));
   window.next_frame();
   window.click("panel.breaks");
@@ -57,7 +57,7 @@ TEST_F(Viewer, StopsWhereAConditionIsMet) {
   EXPECT_EQ(window.frame()["selection"], 1);
   EXPECT_THAT(window.frame()["stop"]["what"].get<std::string>(), testing::HasSubstr("body 1"));
 
-  window.next_frame();  // the line is laid out
+  window.next_frame();  // lets the layout include the new line
   window.click("stop.save");
   ASSERT_TRUE(window.wait_for([](const Json& f) {
     return f["notice"].get<std::string>().find("wrote captures/") != std::string::npos;
@@ -95,7 +95,7 @@ TEST_F(Viewer, PausesAtWhatAGuardFinds) {
   EXPECT_EQ(window.frame()["step"], 5);
   EXPECT_EQ(window.frame()["selection"], 0);
 
-  // Switched off among the effects, they hold nothing.
+  // Guards that are switched off in the effects panel do not pause the run.
   window.click("panel.timing");
   window.click("panel.effects");
   window.click("effects.guards");

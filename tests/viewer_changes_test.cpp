@@ -1,4 +1,4 @@
-// What was done in the window, by real events, and the same made again from its file by the other program.
+// Tests changes made in the window, by real events, against their replay from a file by the headless program.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ std::string written_changes(WindowDriver& window) {
   return window.file(window.frame()["notice"].get<std::string>().substr(6));
 }
 
-/// The hash that `collidoscope-headless run` comes to with a file of changes.
+/// The state hash of `collidoscope-headless run` with a changes file.
 std::string replayed(const std::string& scene, const std::vector<std::string>& flags,
                      const std::string& changes) {
   std::vector<std::string> arguments{"run", scene, "--executor", "cpu", "--changes", changes, "--json", "-"};
@@ -63,7 +63,7 @@ TEST_F(Viewer, ADragIsOneChange) {
     };
     window.hands({"mousemove", std::to_string(x(from)), std::to_string(y), "mousedown", "1"});
     window.next_frame();
-    for (int k = 1; k <= 6; ++k) {  // frames between: while it plays, steps could be made
+    for (int k = 1; k <= 6; ++k) {  // wait for frames, so that steps could be made in between
       window.move(x(from + (to - from) * k / 6), y);
       window.next_frame();
     }
@@ -87,7 +87,7 @@ TEST_F(Viewer, ADragIsOneChange) {
   const std::string hash = window.frame()["state_hash"];
   EXPECT_EQ(replayed("box_collider", {"--bodies", "200"}, written_changes(window)), hash);
 
-  // At the start one change is left, of what differs.
+  // At the start only the net difference remains, as one change.
   window.move(640, 300);
   window.key("r");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 0; }));

@@ -1,5 +1,5 @@
-// Effects switched and bodies thrown and taken away in the window, by real events, and the same run from the
-// file that the window wrote of it.
+// Tests effects, thrown bodies and removed bodies in the window, by real events. The run is replayed from the
+// file that the window writes.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   EXPECT_EQ(effect("gravity")["on"], true);
   EXPECT_EQ(effect("drag")["called_for"], false);
 
-  // What the scene does not call for is greyed: nothing to click, and a click does nothing.
+  // Effects that the scene does not require are greyed: no widget, and a click has no effect.
   const Json seen = window.frame()["widgets"];
   EXPECT_FALSE(seen.contains("effects.drag"));
   const Json gravity = seen["effects.gravity"], guards = seen["effects.guards"];
@@ -51,12 +51,11 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   window.click("effects.auto");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["effects"]["gravity"]["on"] == true; }));
 
-  // Other parts of a step, and sweeps in each: typed, by the slider, and back by "auto". What they leave is
-  // drawn.
+  // Substeps and iterations: typed, by the slider, and reset by "auto". The residuals are drawn.
   EXPECT_EQ(window.frame()["substeps"], "auto");
   window.type_into("settings.substeps", "2");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["substeps"] == 2; }));
-  window.click("panel.timing");  // folded, it leaves room
+  window.click("panel.timing");  // folded, to make room
   window.click("panel.convergence");
   const Json slider = window.frame()["widgets"]["settings.iterations.slider"];
   const int x = slider[0].get<int>(), y = slider[1].get<int>() + slider[3].get<int>() / 2;
@@ -78,7 +77,7 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["integrator"] == "velocity_verlet"; }));
   EXPECT_FALSE(window.frame()["widgets"].contains("settings.rotation_update")) << "nothing turns";
 
-  // A ball comes, a body goes.
+  // A ball is thrown, then a body is removed.
   window.move(640, 20);
   window.key("b");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 301; }));

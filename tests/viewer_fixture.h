@@ -1,6 +1,5 @@
 #pragma once
-// What tests of the window share: the viewer, driven by real mouse and key events, its pictures, and how it
-// ends.
+// The fixture of window tests: the viewer driven by real mouse and key events, its pictures, and its exit.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +20,7 @@ namespace collidoscope {
 
 using Json = nlohmann::json;
 
-/// What the headless program computes: the hash of the Box Collider after that many steps.
+/// The state hash of the Box Collider after that many steps, computed without a window.
 inline std::string expected_hash(std::int64_t steps, std::int64_t bodies) {
   Scene scene = read_scene(asset("scenes/box_collider.json").string());
   scene.generators[0].count = bodies;
@@ -39,9 +38,8 @@ class Viewer : public testing::Test {
     if (!reason.empty()) GTEST_SKIP() << reason;
   }
 
-  /// Whether the sanitizer found nothing but a few bytes that libraries lose on their way out: Mesa's
-  /// software renderer keeps 240. What a long run loses again and again is more, and what this program loses
-  /// has its name among the frames.
+  /// Whether the leak report holds only the small leaks of libraries at exit: Mesa's software renderer leaks
+  /// 240 bytes. A repeated leak is larger, and a leak of this program has its name in the stack frames.
   static bool only_others_leak(const std::string& said) {
     static const std::regex summary(R"(SUMMARY: AddressSanitizer: (\d+) byte\(s\) leaked)");
     static const std::regex ours(R"(\n +#\d+ 0x[0-9a-f]+ .*collidoscope)");
@@ -50,7 +48,7 @@ class Viewer : public testing::Test {
            !std::regex_search(said, ours);
   }
 
-  /// Closes the window; "" if all went well, else what went wrong.
+  /// Closes the window. Returns "" or what failed.
   static std::string close(WindowDriver& window) {
     const int status = window.end();
     const std::string said = window.errors();
@@ -59,7 +57,7 @@ class Viewer : public testing::Test {
     return "status " + std::to_string(status) + "\n" + said;
   }
 
-  /// A picture of the window, by the key P.
+  /// A picture of the window, taken with the key P.
   static Image picture(WindowDriver& window) {
     const std::string before = window.frame()["picture"];
     window.key("p");
@@ -67,8 +65,8 @@ class Viewer : public testing::Test {
     return read_png(window.file(window.frame()["picture"]));
   }
 
-  /// Empty, or where the X server shows something else than the window has drawn. The number of frames per
-  /// second differs all the time, so a few pixels of a tile may.
+  /// Returns where the X server's screen differs from the drawn picture, or "". The number of frames per
+  /// second changes, so a few pixels of a tile may differ.
   static std::string shown_fault(WindowDriver& window) {
     if (!window.wait_for([](const Json& f) { return f["notice"] == ""; })) return "a notice stays";
     const Image drawn = picture(window);
@@ -96,14 +94,14 @@ class Viewer : public testing::Test {
     return "";
   }
 
-  /// Share of the 3D view's pixels that differ.
+  /// Fraction of the 3D view's pixels that differ.
   static double difference(const Image& a, const Image& b, const Json& frame) {
     EXPECT_EQ(a.rgba.size(), b.rgba.size());
     const Json& rect = frame["widgets"]["scene"];
     const int x0 = rect[0].get<int>(), y0 = rect[1].get<int>(), w = rect[2].get<int>(),
               h = rect[3].get<int>();
     int changed = 0;
-    for (int y = y0; y < y0 + h - 60; ++y)  // notices stand at the bottom
+    for (int y = y0; y < y0 + h - 60; ++y)  // notices are at the bottom
       for (int x = x0; x < x0 + w; ++x) {
         const std::size_t at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(a.width) +
                                     static_cast<std::size_t>(x));

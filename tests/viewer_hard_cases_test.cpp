@@ -1,5 +1,5 @@
-// The list of hard cases in the window, by real events: marks come while the picture moves, a click opens a
-// case, or the state where it failed, and there is a way back.
+// Tests the list of hard cases in the window, by real events. Results appear during the run, and a click
+// opens a case or its failing state.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,14 +20,14 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   const std::string scene = window.frame()["scene"];
   window.type_into("settings.restitution.value", "0.5");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["edited"] == true && f["changes"] == 1; }));
-  window.click("panel.timing");  // folded, it leaves room
+  window.click("panel.timing");  // folded, to make room
   ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("timing.csv"); }));
   window.next_frame();
   window.click("panel.hard_cases");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["hard_cases"].is_object(); }));
   EXPECT_EQ(cases("counts")["not run"], 31);
 
-  // One, then all, while the scene plays.
+  // One case, then all cases, while the scene plays.
   window.click("hard_cases.case.flies");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["scene"] == "flies"; }));
   EXPECT_EQ(cases("selected"), "flies");
@@ -45,7 +45,7 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   EXPECT_EQ(mark("rubs", "impulse f32"), "not applicable");
   EXPECT_EQ(mark("wrong", "soft_step f32"), "passed");
 
-  // Where it failed: paused there, in that setting, with the body selected.
+  // The failing state: paused, with its setting, and the body selected.
   window.click("hard_cases.mark.falls.jacobi_split f64");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["scene"] == "falls" && f["playing"] == false; }));
   EXPECT_EQ(window.frame()["step"], 4);
@@ -53,7 +53,7 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   EXPECT_EQ(window.frame()["solver"], "jacobi_split");
   EXPECT_EQ(window.frame()["precision"], "f64");
   EXPECT_THAT(window.frame()["notice"].get<std::string>(), testing::HasSubstr("position"));
-  // From there it goes on, and a case that is opened now stays paused.
+  // The run continues from there. A case opened now stays paused.
   window.move(640, 300);
   window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 5; }));

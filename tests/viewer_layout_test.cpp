@@ -1,4 +1,4 @@
-// The size of text and the room for the 3D view, by real clicks; boxes as they are first shown.
+// Tests the size of text, the space of the 3D view and the initial boxes, by real clicks.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ double scene_share(const Json& frame) {
   return frame["widgets"]["scene"][2].get<double>() / frame["window"][0].get<double>();
 }
 
-/// Share of the pixels of the right column's lower half that differ: names and numbers of tables.
+/// Fraction of differing pixels in the lower half of the right column, which holds names and numbers.
 double column_difference(const Image& a, const Image& b, const Json& frame) {
   const Json& scene = frame["widgets"]["scene"];
   const int x0 = static_cast<int>(scene[0].get<double>() + scene[2].get<double>());
@@ -42,13 +42,13 @@ TEST_P(ViewerLayout, TextGrowsUnderThePointerAndLeavesThePicture) {
   const Image before = picture(window);
   EXPECT_GE(scene_share(window.frame()), 0.4);
 
-  // The pointer stays where A+ was at first.
+  // The pointer stays at the initial position of A+.
   const auto [x, y] = window.place("view.larger");
   const double first = window.frame()["font_scale"];
   int grown = 0;
   for (int k = 0; k < 10; ++k) {
     const double scale = window.frame()["font_scale"];
-    if (!window.sees("view.larger")) break;  // grey: as large as fits
+    if (!window.sees("view.larger")) break;  // grey at the largest size that fits
     const Json rect = window.frame()["widgets"]["view.larger"];
     EXPECT_TRUE(rect[0] <= x && x <= rect[0].get<double>() + rect[2].get<double>() && rect[1] <= y &&
                 y <= rect[1].get<double>() + rect[3].get<double>())
@@ -60,7 +60,7 @@ TEST_P(ViewerLayout, TextGrowsUnderThePointerAndLeavesThePicture) {
   }
   EXPECT_GE(grown, 2);
   EXPECT_GT(window.frame()["font_scale"], 1.2 * first);
-  // Down to less than at first, and back: the tables are as they were.
+  // Smaller than at first and back: the tables look the same.
   for (int k = 0; k < 6 && window.sees("view.smaller"); ++k) {
     window.click("view.smaller");
     EXPECT_GE(scene_share(window.frame()), 0.4) << k;
@@ -88,7 +88,7 @@ TEST_F(Viewer, BoxesBeginWithAFewLevels) {
   EXPECT_EQ(window.frame()["layers"]["last_level"], 4);
   EXPECT_EQ(window.frame()["drawn"]["boxes"], 4 + 8 + 16);
 
-  // A level under the pointer is told from the others, in the picture, too.
+  // The level under the pointer is highlighted in the picture.
   const Json bar = window.frame()["widgets"]["layers.levels"];
   const auto cell = [&](int level) {
     return static_cast<int>(bar[0].get<double>() + (level + 0.5) * bar[2].get<double>() / 16);
@@ -102,7 +102,7 @@ TEST_F(Viewer, BoxesBeginWithAFewLevels) {
   window.move(640, 20);
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["hovered_level"] == -1; }));
 
-  // What was chosen stays.
+  // The chosen levels are kept.
   window.drag(cell(4), y, cell(6), y);
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["layers"]["last_level"] > 4; }));
   const int last = window.frame()["layers"]["last_level"];
@@ -126,7 +126,7 @@ TEST_F(Viewer, AStageStaysHighlighted) {
   window.move(640, 300);
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["notice"] == ""; }));
   const Image chosen = picture(window);
-  // The graph: other stages are faint there, also where the pointer is elsewhere.
+  // The graph dims the other stages even if the pointer is elsewhere.
   const Json rect = window.frame()["widgets"]["graph.stages"];
   int changed = 0;
   for (int y = rect[1].get<int>() + 25; y < rect[1].get<int>() + rect[3].get<int>(); ++y)

@@ -1,4 +1,4 @@
-// What the X server shows of the window, and a window that goes on where a picture cannot be written.
+// Tests the window's picture on the X server, and that the window continues if a picture cannot be written.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ TEST_F(Viewer, ShowsWhatItDrewAtEverySize) {
   EXPECT_EQ(shown_fault(window), "") << "smaller";
   window.move_window(60, 40);
   EXPECT_EQ(shown_fault(window), "") << "moved";
-  // There is no window manager: maximised is at the screen's corner, with its size.
+  // Without a window manager, maximised means the size and position of the screen.
   window.move_window(0, 0);
   window.resize(1920, 1200);
   EXPECT_EQ(shown_fault(window), "") << "maximised";
@@ -53,7 +53,7 @@ TEST_F(Viewer, GoesOnWhereNothingCanBeWritten) {
   EXPECT_THAT(error, HasSubstr("Cannot create folder captures"));
   for (const char* word : {"filesystem", "std::", "error:", "[", "create_directories"})
     EXPECT_THAT(error, Not(HasSubstr(word)));
-  // The message is on the screen, in its red bar, and the next frames come.
+  // The message is shown in its red bar, and drawing continues.
   window.next_frame();
   EXPECT_GT(window.frame()["frame"], before);
   const auto [x, y] = window.place("error.dismiss");
@@ -79,7 +79,7 @@ TEST_F(Viewer, GoesOnWhereNothingCanBeWritten) {
     EXPECT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_null(); })) << widget;
   }
 
-  // It plays on.
+  // The run continues to play.
   window.move(560, 30);
   window.key("space");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == true; }));
@@ -91,7 +91,7 @@ TEST_F(Viewer, GoesOnWhereNothingCanBeWritten) {
   window.key("space");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
 
-  // As soon as it can, it does.
+  // When the path is free again, the picture is written.
   std::filesystem::remove(window.file("captures"));
   window.move(560, 30);
   EXPECT_EQ(picture(window).width, 1280);

@@ -1,5 +1,5 @@
-// A scene that settles first, in the window, by real events: the run that there is goes on meanwhile, can be
-// kept after all, and the next start is instant.
+// Tests a presimulated scene in the window, by real events. The current run continues meanwhile and can be
+// kept, and the next start is immediate.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ class ViewerSettles : public Viewer {
     window.click(list);
     ASSERT_TRUE(window.wait_for([](const Json& f) { return f["list_open"] == true; }));
     window.click(list + "." + choice);
-    window.move(550, 300);  // off the list, where keys are the run's
+    window.move(550, 300);  // away from the list, so that keys go to the run
   }
-  /// The step that a scene has come to on its way to rest; -1 where none is.
+  /// The presimulation step shown in the notice; -1 without one.
   static int settling_step(const Json& frame) {
     int step = -1;
     std::sscanf(frame["notice"].get<std::string>().c_str(), "bodies come to rest first, step %d of", &step);
@@ -37,7 +37,7 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   EXPECT_EQ(window.frame()["bodies"], 300);
   EXPECT_FALSE(waits(window.frame()));
 
-  // So many that nobody waits for them: the run goes on, and is kept.
+  // The presimulation takes long: the current run continues and is kept.
   window.type_into("settings.bodies", "20000");
   window.move(550, 300);
   ASSERT_TRUE(window.wait_for(waits));
@@ -45,7 +45,7 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   const int step = window.frame()["step"];
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > step + 2 && waits(f); }));
   const int activate = settling_step(window.frame());
-  window.key("r");  // waits its turn
+  window.key("r");  // deferred
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return settling_step(f) > activate; }));
   EXPECT_GT(window.frame()["step"], step);
   window.key("Escape");
@@ -54,7 +54,7 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   EXPECT_EQ(window.frame()["bodies"], 300);
   EXPECT_FALSE(waits(window.next_frame()));
 
-  // Back and forth: it is known now, and starts in the frame that asks for it.
+  // There and back: the state is cached, and the run starts in the frame of the request.
   choose(window, "settings.variant", "scaled");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["variant"] == "scaled"; }));
   window.key("space");
@@ -69,7 +69,7 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   EXPECT_EQ(window.frame()["step"], 0);
   const std::string at_rest = window.frame()["state_hash"];
 
-  // Physics that settle otherwise: the restart waits for them.
+  // Changed physics need another presimulation: the restart is deferred.
   window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 1; }));
   choose(window, "settings.solver", "jacobi_split");

@@ -1,4 +1,4 @@
-// Numbers typed into the window: what cannot be used is reported there, and changes nothing.
+// Tests numbers typed into the window: an invalid one is reported there and changes nothing.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST_F(Viewer, ReportsNumbersThatItCannotUse) {
   refused("settings.radius", "60", "radius: 60 is out of range; allowed: 0.001 to 50 m");
   refused("settings.seed", "-1", "seed: -1 is out of range");
 
-  // The report is in the window, in red below its row, until something else is typed.
+  // The report appears in red below its row until the next input.
   window.move(640, 300);
   const Image reported = picture(window);
   const Json rect = window.frame()["widgets"]["settings.seed"];
@@ -69,7 +69,7 @@ TEST_F(Viewer, ReportsNumbersThatItCannotUse) {
   window.move(640, 300);
   EXPECT_EQ(red(picture(window)), 0);
 
-  // A number counts when another widget is clicked, too; Escape leaves the value.
+  // A click on another widget accepts the number; Escape restores the value.
   window.click("settings.seed");
   window.hands({"key", "ctrl+a"});
   window.hands({"type", "--", "77"});

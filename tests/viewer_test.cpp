@@ -1,4 +1,4 @@
-// The viewer, driven through its window by real mouse and key events.
+// Tests the viewer through its window, by real mouse and key events.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   WindowDriver window({"box_collider", "--bodies", "300", "--size", "1280x720"});
   const auto value = [&](const char* name) { return window.frame()[name]; };
 
-  // Opens playing; pauses, steps.
+  // The viewer starts playing; then pause and single steps.
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == true && f["step"] >= 2; }));
   window.click_at(640, 300);
   window.key("space");
@@ -48,7 +48,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   EXPECT_EQ(value("state_hash"), expected_hash(paused_at + 2, 300));
   window.key("Escape");
 
-  // Every layer, seen in the picture and in what is drawn.
+  // Each layer changes the picture and the frame data.
   window.move(640, 20);  // no tooltip on the picture
   const Image plain = picture(window);
   for (const char* layer : {"boxes", "contacts", "spheres", "grid", "walls"}) {
@@ -68,7 +68,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   window.move(640, 20);
   EXPECT_LT(difference(plain, picture(window), window.frame()), 0.0005) << "all as before";
 
-  // (B, T): typed, and by the slider; nothing of it reaches the state.
+  // (B, T), typed and by the slider, does not change the state.
   window.type_into("settings.blocks", "7");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["blocks"] == 7; }));
   const Json slider = window.frame()["widgets"]["settings.threads.slider"];
@@ -82,7 +82,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   EXPECT_EQ(value("state_hash"), expected_hash(paused_at + 5, 300));
   EXPECT_EQ(value("edited"), false);
 
-  // The camera: turned, pulled nearer, pushed aside, along an axis, without perspective.
+  // The camera: orbit, zoom, pan, axis view and orthographic projection.
   const auto camera = [&](int i) {
     return window.frame()["camera"][static_cast<std::size_t>(i)].get<double>();
   };
@@ -104,7 +104,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   EXPECT_NEAR(camera(4), 0, 1e-9);
   EXPECT_TRUE(value("selection").is_null());
 
-  // A click selects what is under it; the inspector says so, and is closed.
+  // A click selects a body. The inspector opens, and is closed.
   for (int k = 0; k < 12 && window.frame()["selection"].is_null(); ++k)
     window.click_at(560 + 14 * k, 420 - 6 * k);
   ASSERT_FALSE(value("selection").is_null());
@@ -115,7 +115,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   window.click("inspector.close");
   EXPECT_TRUE(window.wait_for([](const Json& f) { return f["selection"].is_null(); }));
 
-  // A new N keeps the others' state, and is a physical change; a restart is a run of its own.
+  // A new N keeps the state of existing bodies and is a physical change. A restart is a new run.
   window.type_into("settings.bodies", "500");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 500; }));
   EXPECT_EQ(value("step"), paused_at + 5);
@@ -128,7 +128,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 1; }));
   EXPECT_EQ(value("state_hash"), expected_hash(1, 500));
 
-  // Impulses are known where contacts are shown, and cost nothing where they are not.
+  // Impulses are recorded only while contacts are shown.
   EXPECT_EQ(value("max_impulse"), 0);
   window.click("layers.contacts");
   window.move(640, 20);
@@ -145,7 +145,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 1; }));
   EXPECT_EQ(value("max_impulse"), 0);
 
-  // What this machine or build lacks is grey in its list: a click on it does nothing.
+  // Unavailable items are grey, and a click on them has no effect.
   if (!cuda_available()) {
     window.click("settings.executor");
     const auto [left, cpu] = window.place("settings.executor.cpu");
@@ -158,7 +158,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
     ASSERT_TRUE(window.wait_for([](const Json& f) { return f["list_open"] == false; }));
   }
 
-  // An error shows, without flags of the command line, and the program lives on with what it had.
+  // An error is shown without terms of the command line, and the program continues as before.
   const std::filesystem::path pictures = window.file("captures"), aside = window.file("aside");
   std::filesystem::rename(pictures, aside);
   std::ofstream(pictures) << "in the way";
@@ -173,7 +173,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   window.key("s");
   EXPECT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == state + 2; }));
 
-  // Another size, and panels folded away.
+  // Another window size, and folded panels.
   window.resize(1000, 760);
   const Image resized = picture(window);
   EXPECT_EQ(resized.width, 1000);
@@ -184,7 +184,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   window.click("timing.csv");
   EXPECT_TRUE(window.wait_for(
       [](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote captures/history_"); }));
-  window.click("panel.settings");  // folded, it leaves room
+  window.click("panel.settings");  // folded, to make room
   window.click("view.light");
   EXPECT_TRUE(window.wait_for([](const Json& f) { return f["light"] == true; }));
 

@@ -1,4 +1,4 @@
-// The panel of the tree, operated in the window by real mouse and key events.
+// Tests the tree panel in the window, by real mouse and key events.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ class ViewerTree : public Viewer {
  protected:
   static constexpr int bodies = 300, state = 20;
 
-  /// The same state, of the same tree, here.
+  /// The same state with the same tree, computed in this process.
   static World same_world() {
     Scene scene = read_scene(asset("scenes/box_collider.json").string());
     scene.generators[0].count = bodies;
@@ -23,7 +23,7 @@ class ViewerTree : public Viewer {
     world.step(state);
     return world;
   }
-  /// Without the pointer's tooltip.
+  /// A picture without a tooltip.
   static Image still(WindowDriver& window) {
     window.move(640, 12);
     return picture(window);
@@ -57,7 +57,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   };
   World world = same_world();
 
-  // Unfolded, in the room of others; another method, while it runs or rests.
+  // Unfold the panel in place of others; change the method while the run plays or pauses.
   window.click("panel.timing");
   window.click("panel.numbers");
   window.click("panel.tree");
@@ -68,7 +68,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   ASSERT_TRUE(wait([&](const Json& t) { return t["sah"] > 1.5 * good; })) << "the tree is worse";
   EXPECT_NEAR(tree("sah").get<double>(), world.tree().quality().sah, 1e-9);
 
-  // Colours, each seen in the picture.
+  // Each colour changes the picture.
   const Image without = still(window);
   window.click("tree.boxes");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["layers"]["boxes"] == true; }));
@@ -85,7 +85,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
     before = now;
   }
 
-  // The worst are the worst, by every column; pages and neighbours in the order.
+  // Rows are sorted worst first by every column; pages and neighbours follow the order.
   EXPECT_EQ(places(tree("rows")),
             places(world.tree().ranked(NodeMetric::sibling_overlap, 0, TreePanelView::page)));
   for (const auto& [column, metric] : {std::pair{"tree.sort.empty", NodeMetric::empty_space},
@@ -120,7 +120,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   EXPECT_NE(distance(), far) << "the camera goes there";
   window.key("shift+f");
 
-  // A range: dragged from below, and all of it again.
+  // A range: dragged from below, then reset.
   const std::int64_t all = tree("inside");
   EXPECT_GT(all, bodies - 10) << "the inner nodes";
   before = still(window);
@@ -137,7 +137,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   window.click("tree.auto");
   ASSERT_TRUE(wait([&](const Json& t) { return t["range"][0] == 0 && t["inside"] == all; }));
 
-  // Levels, by the bar that the panel of layers has, too; the table is of these levels.
+  // Levels, by the same bar as in the layers panel; the table shows these levels.
   const Json levels = window.frame()["widgets"]["tree.levels"];
   window.drag(levels[0].get<int>() + 2, levels[1].get<int>() + 5,
               levels[0].get<int>() + levels[2].get<int>() / 2, levels[1].get<int>() + 5);
@@ -147,7 +147,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   EXPECT_EQ(places(tree("rows"))[0],
             world.tree().ranked(NodeMetric::sibling_overlap, 0, 1, first).front().node);
 
-  // A leaf selects its body; what its query visits, step by step.
+  // A leaf selects its body and shows its query step by step.
   window.click("tree.sort.lvl");
   ASSERT_TRUE(wait([](const Json& t) { return t["sort"] == 0; }));
   window.click("tree.row.0");
@@ -183,7 +183,7 @@ TEST_F(ViewerTree, ThePanelIsOperatedByHand) {
   ASSERT_TRUE(tree("node").is_number());
   EXPECT_GE(world.tree().node(tree("node")).level, first) << "of the levels that are drawn";
 
-  // Nothing of it reached the state; the next one has another tree.
+  // The state is unchanged; the next one has another tree.
   EXPECT_EQ(window.frame()["state_hash"], expected_hash(state, bodies));
   window.key("s");
   ASSERT_TRUE(wait([](const Json& t) { return t["step"] == state + 1; }));

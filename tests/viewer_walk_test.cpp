@@ -1,4 +1,4 @@
-// A random walk over all that can be touched in the window.
+// Tests the viewer with random input on all its widgets.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@
 namespace collidoscope {
 namespace {
 
-/// What a long walk must have come round to: every choice of every list, and what lies deepest: in scrolled
-/// panels, in those that are folded at first, and in what only a selected body, node or query shows.
+/// Widgets that a long walk must reach: every choice of every list, and widgets in scrolled or folded panels
+/// or shown only for a selected body, node or query.
 std::vector<std::string> named_widgets() {
   std::vector<std::string> names{"scene",
                                  "graph.momentum",
@@ -80,14 +80,14 @@ std::vector<std::string> named_widgets() {
   return names;
 }
 
-// COLLIDOSCOPE_WALK_SECONDS=300 makes it long, COLLIDOSCOPE_WALK_SEED another walk.
+// COLLIDOSCOPE_WALK_SECONDS sets the duration (300 for a long walk), COLLIDOSCOPE_WALK_SEED the seed.
 TEST_F(Viewer, SurvivesARandomWalk) {
   const auto from_environment = [](const char* name, int otherwise) {
     const char* text = std::getenv(name);
     return text ? std::atoi(text) : otherwise;
   };
   const int seconds = from_environment("COLLIDOSCOPE_WALK_SECONDS", 12);
-  HardCaseFolder cases;  // few, so that the walk comes round
+  HardCaseFolder cases;  // few, so that the walk reaches all
   WindowDriver window({"box_collider", "--bodies", "1000", "--size", "1100x960", "--cases", cases.path()});
   WindowWalker walker(window, static_cast<unsigned>(from_environment("COLLIDOSCOPE_WALK_SEED", 1)));
   std::vector<std::string> missing = named_widgets();
@@ -106,8 +106,8 @@ TEST_F(Viewer, SurvivesARandomWalk) {
   ASSERT_TRUE(window.running()) << "after " << walker.trail() << "\n" << window.errors();
   EXPECT_EQ(close(window), "") << walker.trail();
 
-  // Whatever was in sight for long had its turn: while a widget waits for its first, least touched first,
-  // others take theirs, and three touches in four go by that.
+  // Every widget visible long enough must have been pressed. The walker prefers the least touched widget in
+  // three of four touches, so a widget may wait while others have their turn.
   const int seen = static_cast<int>(walker.widgets().size());
   std::vector<std::string> passed_over;
   int pressed = 0;
@@ -118,7 +118,8 @@ TEST_F(Viewer, SurvivesARandomWalk) {
   EXPECT_THAT(passed_over, testing::IsEmpty());
   std::printf("%d steps, %d touches; %d of %d widgets seen were pressed, %zu of %zu named ones by touch %d\n",
               steps, walker.touches(), pressed, seen, named - missing.size(), named, complete);
-  // A choice takes two touches, and what is hidden as many again until it is found; half of all is chance.
+  // A choice needs two touches, and a hidden widget as many again until it is found. The factor of two allows
+  // for chance.
   if (walker.touches() < 5 * seen)
     std::printf("a walk that must find all has %d touches: %s\n", 5 * seen,
                 testing::PrintToString(missing).c_str());

@@ -1,4 +1,4 @@
-// The window in a Wayland session.
+// Tests that the window uses the X server within a Wayland session.
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 namespace collidoscope {
 namespace {
 
-/// Takes connections as a compositor does, and answers none.
+/// A compositor that accepts connections and never answers.
 class SilentCompositor {
  public:
   SilentCompositor() {
@@ -40,7 +40,7 @@ class SilentCompositor {
 };
 
 TEST_F(Viewer, UsesTheXServerOfAWaylandSession) {
-  // GLFW 3.4 by itself connects to the compositor here, and waits for its answer.
+  // By default GLFW 3.4 connects to this compositor and waits for its answer.
   const SilentCompositor compositor;
   WindowDriver window({"one_body", "--steps", "1"}, compositor.session());
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false && f["step"] == 1; }));

@@ -75,7 +75,7 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
 
 WindowDriver::WindowDriver(const std::vector<std::string>& arguments, Environment environment, Wait wait)
     : environment_(std::move(environment)) {
-  // The server chooses a display that is free, and says which.
+  // Xvfb chooses a free display and prints its number.
   server_ = start({"Xvfb", "-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-nocursor",
                    "-fbdir", file(".")},
                   file("display"), file("xvfb.err"));
@@ -126,7 +126,7 @@ const WindowDriver::Json& WindowDriver::frame() {
 }
 
 const WindowDriver::Json& WindowDriver::next_frame() {
-  // Two on: the one in the making may have taken its events already.
+  // The second next frame: the next one may have read its events already.
   const std::int64_t now = frame().value("frame", std::int64_t{0});
   wait_for([now](const Json& f) { return f["frame"] > now + 1; });
   return frame_;
@@ -159,8 +159,8 @@ int WindowDriver::end() {
 
 namespace {
 
-/// What a window manager does when its close button is pressed; xdotool cannot. By name, since nothing else
-/// here needs the library.
+/// Sends the close request of a window manager, which xdotool cannot. Loads the library by name, as nothing
+/// else needs it.
 class XServer {
  public:
   explicit XServer(const std::string& display) : library_(dlopen("libX11.so.6", RTLD_NOW)) {

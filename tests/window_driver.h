@@ -1,7 +1,6 @@
 #pragma once
-// A person at the window, for tests: an X server of its own (Xvfb), the viewer in it, and xdotool's hands,
-// which make real mouse and key events. Finds widgets by name in what --automation writes. Ends all that it
-// started.
+// Drives the viewer's window for tests: an own X server (Xvfb), the viewer, and xdotool for real mouse and
+// key events. Widgets are found by name in the output of --automation. All started processes are ended.
 
 #include <nlohmann/json.hpp>
 
@@ -17,7 +16,7 @@
 
 namespace collidoscope {
 
-/// Empty, or what is missing here for a test that needs a window.
+/// Empty, or the missing requirement of window tests.
 std::string window_tests_unavailable_reason();
 
 class WindowDriver {
@@ -27,8 +26,8 @@ class WindowDriver {
   using Environment = std::vector<std::pair<std::string, std::string>>;
   enum class Wait { for_frame, for_window };
 
-  /// `environment`: variables of the programs, beside those of this process. Returns when the first frame is
-  /// drawn, or when the window is there. Throws std::runtime_error where it does not come up.
+  /// `environment`: additional variables for the programs. Returns after the first frame, or when the window
+  /// exists. Throws std::runtime_error if it does not appear.
   explicit WindowDriver(const std::vector<std::string>& arguments, Environment environment = {},
                         Wait wait = Wait::for_frame);
   ~WindowDriver();
@@ -37,22 +36,22 @@ class WindowDriver {
 
   /// The newest frame.
   const Json& frame();
-  /// Waits for a frame that was begun after this call.
+  /// Waits for a frame that begins after this call.
   const Json& next_frame();
-  /// Waits, at most `seconds`, until a frame is so. Returns whether one was.
+  /// Waits at most `seconds` for a frame with so(frame). Returns whether there was one.
   bool wait_for(const std::function<bool(const Json&)>& so, double seconds = 30);
   bool running();
-  /// Closes the window as Ctrl+C does; its exit status.
+  /// Closes the window as Ctrl+C does; returns the exit status.
   int end();
-  /// The same by its close button; returns at once.
+  /// Presses the close button; returns at once.
   void press_close_button();
-  /// Seconds until the program has ended; its status is in `status`. -1 where it has not after `most`.
+  /// Returns the seconds until the program ends, with its exit status in `status`; -1 after `most` seconds.
   double seconds_to_end(int& status, double most = 20);
   void send_signal(int number);
-  /// How many colours the X server shows of the window.
+  /// The number of colours in the window, as shown by the X server.
   std::size_t colors_shown();
 
-  /// The middle of a widget; fails the wait, and throws, if none of that name is seen.
+  /// The centre of a widget. Fails the wait and throws if no widget of that name is visible.
   std::pair<int, int> place(const std::string& widget);
   bool sees(const std::string& widget);
 
@@ -62,15 +61,15 @@ class WindowDriver {
   void click_at(int x, int y, int button = 1);
   void key(const std::string& name);
   void type_into(const std::string& widget, const std::string& text);
-  void type(const std::string& text);  ///< in place of what the field holds, and Return
+  void type(const std::string& text);  ///< replaces the field's content, then Return
   void drag(int from_x, int from_y, int to_x, int to_y, int button = 1);
   void resize(int width, int height);
-  /// To this place on the screen, of 1920x1200 pixels; at first it is at (0, 0).
+  /// Moves the window to this place of the 1920x1200 screen; initially it is at (0, 0).
   void move_window(int x, int y);
-  /// What the X server shows of the window.
+  /// The window's picture on the X server.
   Image shown();
 
-  std::string errors();  ///< what the program wrote on stderr
+  std::string errors();  ///< the program's stderr
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
 
  private:
@@ -86,7 +85,7 @@ class WindowDriver {
   std::string partial_;
   Json frame_;
   int status_ = -1;
-  int x_ = 0, y_ = 0;  ///< of the window
+  int x_ = 0, y_ = 0;  ///< position of the window
 };
 
 }  // namespace collidoscope

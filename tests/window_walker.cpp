@@ -35,7 +35,7 @@ void WindowWalker::step() {
   }
 }
 
-/// It lies above or below in its column, or behind a fold, or is there only while a body is selected.
+/// Brings a widget into view: scrolls its column, unfolds its panel, or selects a body.
 void WindowWalker::seek(const std::string& name, const Json& now) {
   const Json& widgets = now["widgets"];
   const std::string part = name.substr(0, name.find('.')), panel = "panel." + part;
@@ -55,13 +55,13 @@ void WindowWalker::seek(const std::string& name, const Json& now) {
     return std::abs(widgets_[other].x - widgets_[name].x);
   };
   for (auto at = widgets.begin(); at != widgets.end(); ++at)
-    if (!at.key().starts_with("fold.") &&  // the bar at the bottom does not scroll
+    if (!at.key().starts_with("fold.") &&  // the bottom bar does not scroll
         (nearest == widgets.end() || distance(at.key()) < distance(nearest.key())))
       nearest = at;
   if (nearest != widgets.end()) wheel(nearest.key(), *nearest);
 }
 
-/// Those of the open list that can be seen; a long one scrolls.
+/// Records the visible choices of the open list; long lists scroll.
 void WindowWalker::remember_choices(const Json& now) {
   if (now["list_open"] == false) open_list_.clear();
   if (open_list_.empty()) return;
@@ -78,7 +78,7 @@ int WindowWalker::within(const Json& rect, std::size_t axis, double from, double
 }
 
 int WindowWalker::wear(const std::string& name) const {
-  // A touch that something else took is no reason to come back at once.
+  // A touch that another widget received counts little, so that the walker does not return at once.
   const auto of = [&](const std::string& n) {
     const auto found = widgets_.find(n);
     return found == widgets_.end() ? 0 : found->second.touches + 2 * found->second.presses;
@@ -124,23 +124,23 @@ void WindowWalker::resize() {
   const auto& [width, height] = sizes[pick(std::size(sizes))];
   note(std::to_string(width) + "x" + std::to_string(height));
   window_.resize(width, height);
-  // So small a window hides most of what there is to touch, and so large a one is slow to draw.
+  // A very small window hides most widgets, and a very large one is slow to draw.
   if (width < 1000 || width > 1300) window_.resize(1100, 960);
 }
 
-/// Of the many that are in the middle of the view.
+/// Clicks in the middle of the view, where most bodies are.
 void WindowWalker::choose_body(const Json& widgets) {
   if (!widgets.contains("scene")) return;
   const Json& rect = widgets["scene"];
   note("body");
-  if (pick(2)) window_.key("shift+f");  // where the camera has lost sight of them
+  if (pick(2)) window_.key("shift+f");  // recentres the camera
   window_.click_at(within(rect, 0, 0.4, 0.6), within(rect, 1, 0.5, 0.7));
 }
 
 void WindowWalker::touch(const Json& widgets) {
   std::vector<std::string> names;
   for (const auto& [name, rect] : widgets.items())
-    // A list closes at a click elsewhere.
+    // A click elsewhere closes the list.
     if (open_list_.empty() || choices_[open_list_].contains(name)) names.push_back(name);
   std::ranges::shuffle(names, random_);
   const std::string name = pick(4) == 0
@@ -158,8 +158,8 @@ void WindowWalker::touch(const Json& widgets) {
 }
 
 void WindowWalker::act_on(const std::string& name, const Json& rect) {
-  // A few bodies touch nothing, and a frame of a million takes seconds: between lie 50 and 6,000. So does one
-  // of many sweeps.
+  // Few bodies have no contacts, and a frame of a million takes seconds, so N stays between 50 and 6,000. The
+  // same applies to many iterations.
   const bool number = name == "settings.bodies.slider";
   const bool sweeps = name == "settings.substeps.slider" || name == "settings.iterations.slider";
   const double from = number ? 0.4 : 0, to = number ? 0.6 : sweeps ? 0.4 : 1;

@@ -1,9 +1,8 @@
 #pragma once
-// Hands at the window that do anything, anywhere. Drawn from a seed, they mostly turn to what was touched
-// least of all that can be seen, and open the list that holds it: pure chance would take hours to come round
-// to the last of 250 widgets. Chance still decides between equals, where in a widget it is touched and how,
-// what key or wheel comes between, and one touch in four altogether: order is what finds faults. Frames come
-// when they come, so the same seed walks another way each time; trail() says where it went.
+// Random input for the window, from a seed. The walker prefers the least touched visible widget and opens the
+// list that holds it. Uniform random clicks would need hours to reach the last of 250 widgets. Ties,
+// positions, keys and wheel events are random, and so is one touch in four, since unusual orders find faults.
+// Frame times vary, so the same seed gives another walk; trail() records it.
 
 #include <map>
 #include <random>
@@ -16,19 +15,19 @@ namespace collidoscope {
 
 class WindowWalker {
  public:
-  /// What a widget has been through.
+  /// Statistics of a widget.
   struct Widget {
-    int offers = 0;   ///< touches while it could be seen
-    int touches = 0;  ///< of them on it: clicked, dragged or typed into
-    int presses = 0;  ///< of them that the program took: not when what lies over it took them
-    double x = 0;     ///< pixels, where it was seen last
+    int offers = 0;   ///< touches while it was visible
+    int touches = 0;  ///< touches on it: clicked, dragged or typed into
+    int presses = 0;  ///< touches that the program attributed to it; a widget on top may receive the touch
+    double x = 0;     ///< pixels, last seen position
   };
 
   WindowWalker(WindowDriver& window, unsigned seed) : window_(window), random_(seed) {}
 
   void step();
 
-  /// All that was ever seen, by name.
+  /// All widgets seen so far, by name.
   const std::map<std::string, Widget>& widgets() const { return widgets_; }
   int touches() const { return touches_; }
   const std::string& trail() const { return trail_; }
@@ -39,10 +38,10 @@ class WindowWalker {
   std::size_t pick(std::size_t n) { return static_cast<std::size_t>(random_() % n); }
   int within(const Json& rect, std::size_t axis, double from = 0, double to = 1);
   void note(const std::string& what) { trail_ += what + ' '; }
-  /// How much it was touched, or the least touched choice in it.
+  /// The number of touches, weighted; for a list, the minimum over its choices.
   int wear(const std::string& name) const;
   void remember_choices(const Json& now);
-  /// What was touched least, of the list that is open or else of all, where it cannot be seen; else empty.
+  /// The least touched widget of the open list, or else of all, if it is not visible; otherwise empty.
   std::string out_of_sight(const Json& widgets);
   void seek(const std::string& name, const Json& now);
 
@@ -56,7 +55,7 @@ class WindowWalker {
   WindowDriver& window_;
   std::mt19937 random_;
   std::map<std::string, Widget> widgets_;
-  std::map<std::string, std::set<std::string>> choices_;  ///< of each list that was ever open
+  std::map<std::string, std::set<std::string>> choices_;  ///< choices of each list opened so far
   std::string open_list_;                                 ///< empty: none
   int touches_ = 0;
   std::string trail_;

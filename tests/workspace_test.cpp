@@ -1,4 +1,4 @@
-// The layout of panels, the colours of stages, and a frame that an error has left half drawn.
+// Tests the workspace: layout of panels, colours of stages, and a frame interrupted by an error.
 
 #include "ui/workspace.h"
 
@@ -30,8 +30,8 @@ TEST(Workspace, ThePictureKeepsItsShareOfTheWidth) {
       EXPECT_GE(scene.width, 0.4f * static_cast<float>(width) - 1) << width << ' ' << scale;
       EXPECT_GE(scene.height, 0.5f * static_cast<float>(height)) << width << ' ' << scale;
     }
-  // Text can grow at each of these sizes, more so where a column is folded; it never shrinks below its usual
-  // size.
+  // The text can grow at each of these sizes, and more with a folded column. It never becomes smaller than
+  // the default.
   PanelVisibility one_column;
   one_column.right = false;
   for (const auto& [width, height] : {std::pair{1280, 720}, {1440, 900}, {1920, 1080}}) {
@@ -50,12 +50,12 @@ TEST(Workspace, TheSizeOfTextIsChangedWithinWhatActs) {
   EXPECT_FLOAT_EQ(workspace.font_scale, 1.24f);
   workspace.scale_font(1 / 1.1f);
   EXPECT_LT(workspace.font_scale, 1.2f) << "one step back acts at once";
-  workspace.font_scale = 3;  // as it was in a larger window
+  workspace.font_scale = 3;  // as set in a larger window
   workspace.scale_font(1 / 1.1f);
   EXPECT_LT(workspace.font_scale, 1.2f);
 }
 
-/// Oklab (B. Ottosson 2020), in which distances are about as people see them.
+/// Oklab (B. Ottosson 2020): distances correspond to perceived differences.
 struct Lab {
   double l, a, b;
 };
@@ -88,7 +88,8 @@ TEST(StageColor, StagesAreToldApart) {
     }
 }
 
-// An error between any two calls: what was begun is ended, the report is drawn, and so is the next frame.
+// An error between any two calls: open ImGui scopes are closed, the report is drawn, and the next frame
+// works.
 TEST(Workspace, AHalfDrawnFrameIsEnded) {
   test_context();
   constexpr int width = 640, height = 480;
@@ -184,7 +185,7 @@ TEST(Workspace, TheHintStaysWithinTheView) {
   gui.end(frame.target());
 }
 
-// With a long name, "edited" and the button stand in a row of their own.
+// With a long name, "edited" and the button have a row of their own.
 TEST(Workspace, EditedIsNotCoveredByTheChanges) {
   test_context();
   GuiPass gui(13);

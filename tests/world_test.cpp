@@ -1,3 +1,5 @@
+// Tests World: continued runs, changes of N and of the launch shape, inspection against hand-computed values,
+// and memory limits.
 #include "sim_cuda/world.h"
 
 #include "sim_cuda/core/error.h"
@@ -70,7 +72,7 @@ TEST_P(Worlds, InspectTellsAllOfABody) {
   top.step(7);
   const BodyReport report = top.inspect(0);
   const StepStats stats = top.measure();
-  // One body: its own momenta are the world's, and L = I w.
+  // One body: its momenta are those of the world, and L = I w.
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(report.P[k], stats.momentum[k], 1e-6 * (1 + std::abs(stats.momentum[k])));
     EXPECT_NEAR((report.X.cross(report.P) + report.L)[k], stats.angular_momentum[k], 1e-6 * report.L.norm());
@@ -192,7 +194,7 @@ TEST_P(Worlds, SayHowManyBytesTheyLackAndLiveOn) {
     EXPECT_LE(tight.info().allocated_bytes, o.memory_limit);
   }
 
-  // What is just enough is enough, though it leaves nothing over to grow by.
+  // A limit of exactly the required memory suffices, without spare capacity.
   o.memory_limit = 0;
   World grown(scene, o);
   grown.step(20);

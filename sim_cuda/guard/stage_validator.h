@@ -82,10 +82,10 @@ struct ValidationLimits {
     return good;
   }
 
-  Real speed;     ///< m^2/s^2
-  Real distance;  ///< m^2
-  Real angular_speed;      ///< rad^2/s^2
-  float reach;    ///< largest coordinate of a box, m
+  Real speed;          ///< m^2/s^2
+  Real distance;       ///< m^2
+  Real angular_speed;  ///< rad^2/s^2
+  float reach;         ///< largest coordinate of a box, m
 };
 
 template <class Real>

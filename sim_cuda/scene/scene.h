@@ -199,10 +199,10 @@ inline int substeps_in_effect(const Physics& physics) {
 
 struct Scene {
   std::string name = "unnamed";
-  std::string directory = ".";  ///< base of relative mesh paths; not written to files
-  std::string file;             ///< source file, for messages; not written to files
+  std::string directory = ".";        ///< base of relative mesh paths; not written to files
+  std::string file;                   ///< source file, for messages; not written to files
   std::vector<std::string> warnings;  ///< one line per old name in the file; not written to files
-  std::optional<Box> box;       ///< unset: no walls
+  std::optional<Box> box;             ///< unset: no walls
   Physics physics;
   std::vector<Material> materials{Material{}};  ///< materials[0] is always "default"
   std::vector<Body> bodies;                     ///< ids 0, 1, ... in order

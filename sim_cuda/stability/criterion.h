@@ -133,9 +133,9 @@ struct ExpectedFinding {
 };
 
 struct Criterion {
-  std::string file;         ///< source file
+  std::string file;                   ///< source file
   std::vector<std::string> warnings;  ///< one line per old name in the file
-  std::string what, group;  ///< one line; one of hard_case_groups
+  std::string what, group;            ///< one line; one of hard_case_groups
   std::int64_t steps = 0;
   std::optional<std::int64_t> long_steps;  ///< steps of the extended variant; unset: there is none
   std::int64_t every = 1;                  ///< measure every n-th state

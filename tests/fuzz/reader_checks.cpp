@@ -28,7 +28,7 @@ void expect(bool holds, const std::string& what) {
 
 bool is_finite(const Vector3d& vector) { return vector.allFinite(); }
 
-/// Few bodies can be made here and now, from no other file.
+/// Few bodies, all spheres, and no other files: fast enough for fuzzing.
 bool is_small(const Scene& scene) {
   const auto is_sphere = [](const Body& body) { return body.shape == Shape::sphere; };
   return bodies_of(scene) <= 100 &&
@@ -46,7 +46,7 @@ void check_bodies(const Scene& scene) {
            "a body that cannot be simulated");
 }
 
-/// A file that lies in memory.
+/// A file in memory.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& bytes) : file_(memfd_create("snapshot", 0)) {

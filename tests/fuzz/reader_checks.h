@@ -1,27 +1,28 @@
 #pragma once
-// What must hold for whatever bytes a reader is given. A text is read, or refused by an InputError, each line
-// of which begins with the file's name; what was read is whole, and written and read again it is the same.
-// Each function throws std::logic_error where that is not so. For the fuzzers, and for the test that reads
-// their corpora.
+// Properties that hold for any input of a reader, for the fuzzers and for the test that reads their corpora.
+// A text is read, or refused by an InputError whose lines begin with the file's name. A text that was read is
+// valid, and writing and reading it again gives the same result. Each function throws std::logic_error on a
+// violation.
 
 #include <functional>
 #include <string>
 
 namespace collidoscope {
 
-/// Whether `read` read it; if not, it threw an InputError, each line of which begins with the file's name.
+/// Returns whether `read` succeeded. A refusal must be an InputError whose lines begin with the file's name.
 bool reads(const std::string& file, const std::function<void()>& read);
 
 void check_scene(const std::string& text);
-/// Of the scene of three bodies, a generator and a joint that changed_scene() is.
+/// Checks changes of changed_scene(): three bodies, a generator and a joint.
 void check_changes(const std::string& text);
-/// As it is, and with the size and the hash that it should have, so that what lies behind them is reached.
+/// Checks the bytes as they are, and with the correct size and hash, so that the reader reaches the data
+/// after them.
 void check_snapshot(const std::string& bytes);
-/// Beside changed_scene(), and beside a scene that could not be read.
+/// Checks a criterion of changed_scene(), and one of a scene that was not readable.
 void check_criterion(const std::string& text);
 void check_object(const std::string& text);
 
-/// A scene, as a file.
+/// A scene as file text.
 std::string changed_scene();
 
 }  // namespace collidoscope

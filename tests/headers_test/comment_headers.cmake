@@ -1,5 +1,5 @@
-# cmake -DROOT=<repository> -P comment_headers.cmake: fails, and lists every offence, unless each header that a comment
-# names exists. A comment may give the end of the path alone: body_state.h, dynamics/body_state.h.
+# cmake -DROOT=<repository> -P comment_headers.cmake: checks that each header named in a comment exists, and lists the missing ones.
+# A comment may give only the end of the path: body_state.h, dynamics/body_state.h.
 cmake_minimum_required(VERSION 3.25)
 
 set(of_the_system "GL/gl.h")

@@ -1,5 +1,5 @@
-# cmake -DROOT=<repository> -P include_graph.cmake: fails, and lists every offence, unless all includes point
-# the way that the design allows: sim_cuda <- viewer/render, viewer/session <- viewer, headless; ui sees plain data alone.
+# cmake -DROOT=<repository> -P include_graph.cmake: checks that all includes follow the layers of the design, and lists the violations.
+# Layers: sim_cuda <- viewer/render, viewer/session <- viewer, headless. ui may include only plain data.
 cmake_minimum_required(VERSION 3.25)
 
 set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|stage_launch|stage_times)[.]h" "sim_cuda/scene/(effects|limits|names|run_options|scene|settings|settings_patch)[.]h"
@@ -8,8 +8,9 @@ set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|stage_launch|st
 set(windows "GLFW/|X11/")
 set(drawing "${windows}|GL/|epoxy/|EGL/|KHR/|imgui|stb_|png")
 
-# folder(NAME NOT system MAY folders...): NAME may include itself and these folders, without those in them; "x/*": with them. An entry
-# with a "." is a pattern of headers. It may not include headers of the system that begin with NOT. Each folder with sources has a list.
+# folder(NAME NOT system MAY folders...): NAME may include headers of itself and of these folders. Subfolders are excluded; "x/*"
+# includes them. An entry with a "." is a regular expression for headers. System headers that begin with NOT are forbidden. Each folder
+# with sources needs a list.
 set(folders "")
 function(folder name)
   cmake_parse_arguments(PARSE_ARGV 1 list "" "NOT" "MAY")
@@ -27,7 +28,7 @@ function(folder name)
   set(${name}_not "^(${list_NOT})" PARENT_SCOPE)
 endfunction()
 
-# sim(NAME folders...): the same within sim_cuda/. "world": the files of its root.
+# sim(NAME folders...): the same for a folder in sim_cuda/. "world" stands for the files of its root.
 macro(sim name)
   set(may ${ARGN})
   list(TRANSFORM may PREPEND sim_cuda/)
@@ -35,7 +36,7 @@ macro(sim name)
   folder(sim_cuda/${name} NOT "${drawing}|CLI/" MAY ${may})
 endmacro()
 
-# Bottom up.
+# Lowest layer first.
 sim(core)
 sim(scene core)
 sim(dynamics core scene)
@@ -60,7 +61,7 @@ folder(viewer/render/gl NOT "${windows}" MAY sim_cuda/core)
 folder(viewer/render NOT "${windows}" MAY sim_cuda/* viewer/render/gl)
 folder(viewer/render/interop NOT "${windows}" MAY sim_cuda/* viewer/render viewer/render/gl)
 folder(viewer/session NOT "${drawing}|CLI/" MAY sim_cuda/* ui)
-# Of headless/ the viewer shares the command line, the progress bar, signals, the set-up of the process and its exit status.
+# The viewer uses these parts of headless/: command line, progress bar, signals, process set-up and exit status.
 folder(viewer NOT "cuda|nlohmann/|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/cli)
 
 folder(headless/cli NOT "${drawing}" MAY sim_cuda/* "viewer/render/(draw_options|frame_layers|interop/display_path)[.]h")
@@ -78,7 +79,7 @@ foreach(top sim_cuda ui viewer headless tests)
   foreach(file IN LISTS files)
     math(EXPR seen "${seen} + 1")
     string(REGEX REPLACE "/[^/]+$" "" folder "${file}")
-    if(top STREQUAL "tests")  # see all
+    if(top STREQUAL "tests")  # tests may include everything
       set(may "^(sim_cuda|ui|viewer|headless|tests)/")
       set(not "^$")
     elseif(folder IN_LIST folders)

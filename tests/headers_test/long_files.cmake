@@ -1,4 +1,4 @@
-# cmake -DROOT=<repository> -P long_files.cmake: fails on a source file of more than 400 lines whose first comment does not say why.
+# cmake -DROOT=<repository> -P long_files.cmake: checks that each source file of more than 400 lines gives the reason in its first comment.
 cmake_minimum_required(VERSION 3.25)
 set(faults "")
 foreach(top sim_cuda ui viewer headless tests)

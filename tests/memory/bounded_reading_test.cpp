@@ -1,4 +1,5 @@
-// What a file can make a reader take: files beyond every limit, and the worst ones within the limits.
+// Tests the memory that a reader uses for an input file: files beyond each limit, and the worst files within
+// the limits.
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -28,11 +29,11 @@ using testing::HasSubstr;
 constexpr std::int64_t mebibyte = std::int64_t{1} << 20;
 
 struct Reading {
-  std::string line;  ///< the first, if it was refused
+  std::string line;  ///< the first line of the refusal, or empty
   std::int64_t peak_bytes = 0;
 };
 
-/// What `read` said, and the most that it took.
+/// Calls `read`; returns its message and its peak memory.
 Reading tried(const std::function<void()>& read) {
   Reading reading;
   const std::int64_t before = counted_new().live_bytes;
@@ -51,7 +52,7 @@ std::string repeated(const std::string& begin, const std::string& piece, std::si
   std::string text = begin;
   text.reserve(bytes + piece.size() + end.size());
   while (text.size() < bytes) text += piece;
-  text.pop_back();  // a comma or a newline
+  text.pop_back();  // removes a trailing comma or newline
   return text + end;
 }
 
@@ -65,7 +66,7 @@ class BoundedReading : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// Every reader of files.
+/// All file readers.
 const std::pair<const char*, void (*)(const std::string&)> readers[] = {
     {"scene", [](const std::string& file) { read_scene(file); }},
     {"changes", [](const std::string& file) { read_changes(file, Scene{}, {}, 0); }},
@@ -113,7 +114,7 @@ TEST_F(BoundedReading, OfFoldersAndPipes) {
   for (const auto& [name, read] : readers) {
     EXPECT_THAT(tried([&] { read(folder_.path()); }).line, HasSubstr(": is a folder")) << name;
     if (std::string(name) == "snapshot") continue;
-    // Scenes that another program writes: collidoscope-headless run <(...)
+    // A pipe from another program: collidoscope-headless run <(...)
     std::thread writer([&] { std::ofstream(pipe) << "v 0 0\n"; });
     EXPECT_THAT(tried([&] { read(pipe); }).line, testing::StartsWith(pipe + ":1:1: ")) << name;
     writer.join();
@@ -122,7 +123,7 @@ TEST_F(BoundedReading, OfFoldersAndPipes) {
             pipe + ": is a pipe; a snapshot is a file, and is read twice");
 }
 
-/// Two snapshots of as many bytes take turns in one file, in place.
+/// Two snapshots of equal size alternate in one file that is rewritten in place.
 TEST_F(BoundedReading, ASnapshotThatChangesWhileItIsReadIsNoMixture) {
   Snapshot snapshot;
   snapshot.scene.bodies.resize(20'000);
@@ -175,14 +176,14 @@ TEST_F(BoundedReading, AFullSceneOfAHundredThousandBodies) {
   EXPECT_LT(per_byte, 12);
 }
 
-/// The address sanitizer takes five times as long, so that its files are smaller.
+/// The address sanitizer needs five times as long, so the files are smaller with it.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr std::size_t part = 4;
 #else
 constexpr std::size_t part = 1;
 #endif
 
-/// As large as a file may be, and of what becomes the most.
+/// Files of the maximum size, with the content that needs the most memory.
 TEST_F(BoundedReading, TheWorstFilesTakeNoMoreThanAGibibyte) {
   const std::string head = R"({"format": "collidoscope-scene", "version": 1, )";
   const std::pair<const char*, std::string> files[] = {
@@ -221,7 +222,7 @@ TEST_F(BoundedReading, TheWorstMeshesTakeTwentyTimesTheirSize) {
   }
 }
 
-/// Each corner was once looked for among all before it.
+/// An earlier version compared each corner with all before it.
 TEST_F(BoundedReading, OneFaceOfAMillionCorners) {
   std::string text = "f";
   for (int i = 1; i <= 1'000'000; ++i) text += fmt::format(" {}", i);

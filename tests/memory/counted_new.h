@@ -1,24 +1,23 @@
 #pragma once
-// This program's operator new: it counts what is taken and given back, and can be told to refuse. What the
-// executor takes on the CPU comes from here too; what C libraries take does not. All threads share the
-// counts.
+// The operator new of the memory tests: it counts allocations and can make them fail. The executor's CPU
+// buffers are included; allocations of C libraries are not. The counts are shared by all threads.
 
 #include <cstdint>
 
 namespace collidoscope {
 
 struct CountedNew {
-  std::int64_t live_bytes = 0;   ///< taken and not given back
-  std::int64_t peak_bytes = 0;   ///< the most of these since forget_peak()
-  std::int64_t allocations = 0;  ///< asked for since the program began, refused ones among them
+  std::int64_t live_bytes = 0;   ///< allocated and not freed
+  std::int64_t peak_bytes = 0;   ///< largest live_bytes since forget_peak()
+  std::int64_t allocations = 0;  ///< since the start of the program, including failed ones
 };
 CountedNew counted_new();
-/// The peak is what there is now.
+/// Sets the peak to the current live bytes.
 void forget_peak();
 
 enum class Refusal { once, from_then_on };
 
-/// While it lives, the allocation after `granted` more is refused, or that and all that follow.
+/// During its lifetime, the allocation after `granted` more fails, or that and all later ones.
 class RefusedNew {
  public:
   RefusedNew(std::int64_t granted, Refusal refusal);
@@ -26,7 +25,7 @@ class RefusedNew {
   RefusedNew(const RefusedNew&) = delete;
   RefusedNew& operator=(const RefusedNew&) = delete;
 
-  /// Whether it came to a refusal.
+  /// Whether an allocation failed.
   bool refused() const;
 };
 

@@ -1,5 +1,5 @@
-// At each allocation in turn the machine has no memory: what is being done ends with an error that says so,
-// gives back all that it took, and leaves what there was before as it was.
+// Tests an allocation failure at each allocation in turn. The operation must end with an error message, free
+// its memory, and leave existing data unchanged.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,14 +32,14 @@ using testing::Contains;
 using testing::HasSubstr;
 
 struct Refusals {
-  std::int64_t allocations = 0;  ///< that the work asks for
+  std::int64_t allocations = 0;  ///< by the work
   std::set<std::string> said;
 };
 
-/// Does `work` again and again, each time with a later allocation refused, until none is.
+/// Repeats `work`, each time with a later allocation failing, until no allocation fails.
 Refusals refuse_each(Refusal refusal, const std::function<void()>& work, std::int64_t stride = 1) {
   Refusals refusals;
-  work();  // what is made once for all, is
+  work();  // initialises static data
   for (bool refused = true; refused; refusals.allocations += stride) {
     char said[200] = "";
     const std::int64_t before = counted_new().live_bytes;
@@ -72,7 +72,7 @@ RunOptions one_thread() {
   return options;
 }
 
-/// Spheres that fall on each other, more and more of them.
+/// More and more spheres fall on each other.
 Scene rain(Solver solver) {
   Scene scene = box_collider(60);
   scene.physics.solver = solver;
@@ -135,7 +135,7 @@ TEST(FailingAllocations, OfWorlds) {
     }
 }
 
-/// Growth among them: the world that was refused goes on, bit for bit as one that never was.
+/// Includes growing lists. After a failure the world continues bit for bit like one without a failure.
 TEST(FailingAllocations, OfSteps) {
   for (const Solver solver : {Solver::impulse, Solver::soft_step, Solver::jacobi_split}) {
     const Scene scene = rain(solver);
@@ -181,7 +181,7 @@ TEST(FailingAllocations, OfSteps) {
   }
 }
 
-/// With the address sanitizer, a process takes three times as long, so that every third allocation fails.
+/// With the address sanitizer a process needs three times as long, so only every third allocation fails.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr int stride = 3;
 #else
@@ -202,7 +202,7 @@ TEST(FailingAllocations, OfTheProgram) {
   for (const Refusal refusal : both) {
     int failures = 0;
     for (std::int64_t granted = 0;; granted += stride) {
-      const pid_t child = fork();  // where a library ends the program, it is this one
+      const pid_t child = fork();  // a library may end the program, so it runs in a child process
       ASSERT_GE(child, 0);
       if (child == 0) {
         install_out_of_memory_handler();
@@ -225,7 +225,7 @@ TEST(FailingAllocations, OfTheProgram) {
         ASSERT_TRUE(text == "old" || text.size() > 500) << name << " is cut short: " << said;
       }
       if (status == 0) break;
-      if (status == 77) continue;  // somebody could do without
+      if (status == 77) continue;  // no allocation failed, or its failure was handled
       ++failures;
       ASSERT_EQ(status, missing_resource) << said;
       ASSERT_TRUE(said.ends_with('\n') && std::count(said.begin(), said.end(), '\n') == 1) << said;

@@ -1,5 +1,5 @@
-// A run may last for days: its memory does not grow with its steps, of which COLLIDOSCOPE_SMALL_STEPS says
-// how many (100,000), nor with the worlds that come and go.
+// Tests that memory does not grow with the number of steps, nor with the worlds created and destroyed.
+// COLLIDOSCOPE_SMALL_STEPS sets the number of steps (100,000). A run may last for days.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,14 +13,14 @@
 #include "tests/scenes.h"
 
 #ifdef __SANITIZE_ADDRESS__
-// The address sanitizer keeps what was given back from use, up to 256 MiB of it: a growth of its own.
+// The address sanitizer quarantines up to 256 MiB of freed memory, which would look like growth.
 extern "C" const char* __asan_default_options() { return "quarantine_size_mb=1"; }
 #endif
 
 namespace collidoscope {
 namespace {
 
-/// Bytes of this process that lie in memory.
+/// Resident memory of this process in bytes.
 std::int64_t resident_bytes() {
   std::int64_t all = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> all >> resident;
@@ -47,7 +47,7 @@ TEST(SteadyMemory, OfSmallSteps) {
         world.times();
       }
     };
-    go_to(20'000);  // what keeps the latest times is full
+    go_to(20'000);  // the history of step times is full
     const std::int64_t taken = counted_new().live_bytes, resident = resident_bytes();
     go_to(20'000 + steps / 3);
     EXPECT_EQ(counted_new().live_bytes, taken);
