@@ -193,15 +193,9 @@ TEST_P(StageValidators, LookAtBoxesAloneInARunThatAnOverflowStopped) {
 
 TEST_P(StageValidators, TakeForAbsurdWhatIsBeyondTheLimitsAlone) {
   ValidationSettings guards;
-<<<<<<< HEAD
-  guards.speed = 5;          // as fast as they are
-  guards.angular_speed = 7;  // the same
-  guards.distance = 4;       // their boxes reach as far
-=======
-  guards.speed = 5;     // equal to the speed of the bodies
-  guards.spin = 7;      // equal to their spin
-  guards.distance = 4;  // equal to the extent of their boxes
->>>>>>> 57ef68384f31d2400cb9318cdeb211dea33730dd
+  guards.speed = 5;          // equal to the speed of the bodies
+  guards.angular_speed = 7;  // equal to their angular speed
+  guards.distance = 4;       // equal to the extent of their boxes
   const auto finds = [&](const ValidationSettings& limits) {
     Stages<double> stages(options(), limits);
     stages.run({{"bounds"}, {"move"}});
