@@ -1,5 +1,4 @@
-// BvhStatistics: sums over nodes and over the queries of all bodies. node_ranking.cpp has the part on single
-// nodes.
+// BvhStatistics: sums over nodes and over the queries of all bodies. Single nodes: node_ranking.cpp.
 
 #include "sim_cuda/broad_phase/bvh_statistics.h"
 
@@ -19,13 +18,8 @@ SIM_HD inline NodeSums combine(const NodeSums& a, const NodeSums& b) {
 }
 
 SIM_HD inline QuerySums combine(const QuerySums& a, const QuerySums& b) {
-  return {a.q1 + b.q1,
-          a.q2 + b.q2,
-          a.q3 + b.q3,
-          a.area + b.area,
-          a.epo + b.epo,
-          a.visits + b.visits,
-          a.overlaps + b.overlaps};
+  return {a.q1 + b.q1,   a.q2 + b.q2,         a.q3 + b.q3,      a.area + b.area,
+          a.epo + b.epo, a.visits + b.visits, a.pairs + b.pairs};
 }
 
 namespace {
@@ -193,7 +187,7 @@ struct LoadQuery {
     sums.area = extent.area();
     sums.epo = epo[place];
     sums.visits = leaf_visits[place];
-    sums.overlaps = overlaps[place];
+    sums.pairs = overlaps[place];
     return sums;
   }
 };
@@ -331,8 +325,8 @@ TreeQuality BvhStatistics::measure(const TreeView& tree, std::int64_t bodies) {
                            8 * over_queries.q3 * static_cast<double>(tree.nodes)) /
                               count,
       whole.volume());
-  quality.pairs = over_queries.overlaps / 2;
-  quality.tests_per_pair = ratio(over_queries.visits, static_cast<double>(over_queries.overlaps));
+  quality.pairs = over_queries.pairs / 2;
+  quality.tests_per_pair = ratio(over_queries.visits, static_cast<double>(over_queries.pairs));
   quality.visits_mean = over_queries.visits / count;
 
   const QueryDistribution distribution(leaf_visits_.download());

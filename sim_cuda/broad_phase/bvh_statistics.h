@@ -16,11 +16,11 @@ namespace collidoscope {
 struct NodeSums {
   double area = 0, overlap = 0, empty = 0, sides = 0, faces = 0, volume = 0, inner = 0;
 };
-/// Sums over queries: powers of the half extent, areas, end point overlap and visits. `overlaps` counts
+/// Sums over queries: powers of the half extent, areas, end point overlap and visits. `pairs` counts
 /// overlapping leaves of other bodies, so each pair twice.
 struct QuerySums {
   double q1 = 0, q2 = 0, q3 = 0, area = 0, epo = 0, visits = 0;
-  std::int64_t overlaps = 0;
+  std::int64_t pairs = 0;
 };
 
 /// Minimum and maximum of `count` values; unused if `count` is 0.

@@ -1,5 +1,5 @@
-// Validation of scenes: ranges and unsupported combinations. Over 400 lines: one check per field, in the
-// order of the file format.
+// Validation of scenes: ranges and unsupported combinations.
+// More than 400 lines: the rules between fields, in the order of the file format.
 
 #include <fmt/format.h>
 

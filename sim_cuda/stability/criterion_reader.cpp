@@ -1,5 +1,5 @@
-// Converts criterion files to structs. Checks types, keys, names, and references to the scene. Over 400
-// lines: one reader per key of the format.
+// Converts criterion files to structs. Checks types, keys, names, and references to the scene.
+// More than 400 lines: one reader per key of the format.
 
 #include <fmt/format.h>
 
