@@ -34,14 +34,14 @@ AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
                              bool light) {
   AccuracyChart result;
   Chart& chart = result.chart;
-  chart.x = {"ms for a simulated second", short_number, true};
-  chart.y = {"error, rms", length_text, true};
+  chart.x = {"ms per simulated second", short_number, true};
+  chart.y = {"rms error", length_text, true};
   chart.fits_error_bars = false;  // a run that something disturbed is no reason to shrink all
   chart.level = tolerance > 0 ? tolerance : no_value;
-  chart.level_name = length_text(tolerance) + " allowed";
+  chart.level_name = "tolerance " + length_text(tolerance);
   if (reference && reference->error > 0) {
     chart.floor = reference->error;
-    chart.floor_name = "less than the reference's own error";
+    chart.floor_name = "below reference error";
   }
 
   // Cheap to dear, so that lines run to the right.

@@ -16,18 +16,18 @@ namespace {
 void draw_condition(Workspace& workspace, const BreakConditionName& condition) {
   const auto k = static_cast<std::size_t>(condition.condition);
   BreakRequests& requests = workspace.breaks;
+  const auto& [label, help] = break_text(condition.condition);
   const std::string name(condition.name);
   ImGui::PushID(name.c_str());
-  ImGui::Checkbox(name.c_str(), &requests.on[k]);
+  ImGui::Checkbox(label, &requests.on[k]);
   track(workspace, ("breaks." + name).c_str());
-  explain(
-      fmt::format("Stops where {}{}", condition.meaning, condition.has_limit ? " than this" : "").c_str());
+  explain(help);
   if (condition.has_limit) {
     ImGui::SameLine(ImGui::GetFontSize() * 10);
     ImGui::SetNextItemWidth(-1);
     const std::string unit(condition.unit), field = "breaks." + name + ".limit";
-    number_field(workspace, field.c_str(), name.c_str(), requests.limits[k],
-                 {0, condition.max_limit, unit.c_str()}, ("{:.6g} " + unit).c_str());
+    number_field(workspace, field.c_str(), label, requests.limits[k], {0, condition.max_limit, unit.c_str()},
+                 ("{:.6g} " + unit).c_str());
     draw_input_fault(workspace, field.c_str());
   }
   ImGui::PopID();
@@ -39,23 +39,23 @@ void draw_stop(Workspace& workspace, const StopView& stop, const std::string& wh
   ImGui::TextUnformatted(stop.what.c_str());
   ImGui::PopTextWrapPos();
   StopRequest& request = workspace.breaks.stop;
-  if (ImGui::Button("go on")) request = StopRequest::resume;
+  if (ImGui::Button("resume")) request = StopRequest::resume;
   track(workspace, (where + ".go_on").c_str());
-  explain(stop.is_violation ? "Does the step as it is, with guards switched off"
-                            : "Stops again where the condition is met anew");
+  explain(stop.is_violation ? "Runs the failing step with guards switched off"
+                            : "Stops again the next time the condition becomes true");
   if (stop.body) {
     ImGui::SameLine();
     ImGui::BeginDisabled(!stop.can_freeze);
     if (ImGui::Button(fmt::format("freeze body {}", *stop.body).c_str())) request = StopRequest::freeze;
     ImGui::EndDisabled();
     track(workspace, (where + ".freeze").c_str());
-    explain("Fixes it where it is, at rest; all that it never touches goes on as if it had been well");
+    explain("Fixes the body in place, at rest. Bodies that never touch it are not affected");
   }
   ImGui::SameLine();
   if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.state_before)).c_str()))
     request = StopRequest::save;
   track(workspace, (where + ".save").c_str());
-  explain("A snapshot of the state before that step, from which a run comes to the same");
+  explain("Writes a snapshot of the state before that step. A run from it reproduces the stop");
 }
 
 }  // namespace

@@ -12,6 +12,25 @@
 
 namespace collidoscope {
 
+/// Texts of a condition, in the order of break_condition_names.
+struct BreakConditionText {
+  const char *label, *help;
+};
+inline constexpr std::array<BreakConditionText, break_condition_names.size()> break_condition_texts{
+    {{"non-finite value", "Stops if a value of a body is not finite"},
+     {"energy gain",
+      "Stops if the energy exceeds the initial energy by more than this share, %. The share is of the "
+      "largest "
+      "kinetic energy and change of potential energy so far"},
+     {"penetration", "Stops if the max penetration exceeds this depth, m"},
+     {"speed", "Stops if the speed of a body exceeds this, m/s"},
+     {"stage time", "Stops if a stage takes longer than this, ms. Odd-numbered steps are timed by stage"},
+     {"body left box", "Stops if the centre of a body is outside the box"}}};
+
+constexpr const BreakConditionText& break_text(BreakCondition condition) {
+  return break_condition_texts[static_cast<std::size_t>(condition)];
+}
+
 /// What is to be done where a run has stopped.
 enum class StopRequest { none, resume, freeze, save };
 

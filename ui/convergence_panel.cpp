@@ -38,11 +38,11 @@ void residual_tooltip(const Residual& r) {
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(
       (fmt::format("substep {}, {}", r.substep + 1, r.stage) +
-       (r.iteration == 0 ? ": before the first sweep" : fmt::format(": after sweep {}", r.iteration)))
+       (r.iteration == 0 ? ": before the first iteration" : fmt::format(": after iteration {}", r.iteration)))
           .c_str());
   ImGui::TextUnformatted(
-      fmt::format("rms {}, worst {}", with_prefix(r.rms, "m/s"), with_prefix(r.max, "m/s")).c_str());
-  ImGui::TextUnformatted((grouped_number(r.contacts) + " contacts, with walls").c_str());
+      fmt::format("rms {}, max {}", with_prefix(r.rms, "m/s"), with_prefix(r.max, "m/s")).c_str());
+  ImGui::TextUnformatted((grouped_number(r.contacts) + " contacts, including walls").c_str());
   ImGui::EndTooltip();
 }
 
@@ -99,10 +99,10 @@ void draw_key(bool light, bool relaxes) {
   };
   name("solve", 0);
   if (relaxes) name("relax", 3);
-  faint_text("o before its first sweep");
+  faint_text("o before the first iteration");
   explain(
-      "Root mean square, over contacts that press, of the speed by which each would still change its bodies' "
-      "motion. Without softness it is |min(w, impulse / mass)|, the natural residual of the contact problem");
+      "Residual: root mean square, over contacts with an impulse, of the velocity error that remains, m/s. "
+      "Without softness it is |min(w, impulse / mass)|, the natural residual of the contact problem");
 }
 
 }  // namespace
@@ -112,13 +112,14 @@ void draw_convergence_panel(Workspace& workspace, const WorkspaceView& view) {
     return end_panel();
   const bool light = workspace.theme == Theme::light;
   if (view.residuals.empty()) {
-    faint_text("of the next step");
+    faint_text("available after the next step");
   } else {
     plot(view.residuals, ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 9, light);
     track(workspace, "convergence.plot");
     draw_key(light, view.residuals.back().stage != "solve");
     const Residual& last = view.residuals.back();
-    row_text("left", with_prefix(last.rms, "m/s") + ", worst " + with_prefix(last.max, "m/s"));
+    row_text("residual", with_prefix(last.rms, "m/s") + " rms, " + with_prefix(last.max, "m/s") + " max",
+             "After the last iteration of the last step");
   }
   end_panel();
 }

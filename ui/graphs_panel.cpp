@@ -38,7 +38,7 @@ int draw_stages(Workspace& workspace, const WorkspaceView& view, std::size_t fir
   bars.marks = {{1000.0f / 60, "60 Hz"}, {1000.0f / 30, "30 Hz"}};
   bars.highlighted = workspace.hovered_stage >= 0 ? workspace.hovered_stage : workspace.chosen_stage;
   if (first < history.size()) bars.first_step = history[first].step;
-  if (!view.with_times) bars.note = "left out: times differ from run to run";
+  if (!view.with_times) bars.note = "not shown: times differ between runs";
   const int under = plot_stacked("stages", width, height, bars);
   track(workspace, "graph.stages");
   return under;

@@ -86,7 +86,7 @@ void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run
     ImGui::TextUnformatted(assertion.assertion.c_str());
     ImGui::PushStyleColor(ImGuiCol_Text, assertion.passed ? ImGui::GetColorU32(ImGuiCol_TextDisabled)
                                                           : test_status_color(TestStatus::failed, light));
-    ImGui::TextUnformatted(fmt::format("    {} {} at state {}{}", assertion.passed ? "at worst" : "fails:",
+    ImGui::TextUnformatted(fmt::format("    {} {} at state {}{}", assertion.passed ? "worst:" : "fails:",
                                        assertion.value, grouped_number(assertion.state),
                                        assertion.body ? fmt::format(", body {}", *assertion.body) : "")
                                .c_str());
@@ -94,8 +94,8 @@ void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run
   }
   if (!hard_case.refused && test_run.status != TestStatus::not_applicable)
     faint_text(test_run.failed_state
-                   ? fmt::format("A click opens it at state {}", grouped_number(*test_run.failed_state))
-                   : "A click opens it from state 0");
+                   ? fmt::format("Click to open it at state {}", grouped_number(*test_run.failed_state))
+                   : "Click to open it at state 0");
   ImGui::EndTooltip();
 }
 
@@ -111,23 +111,22 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
   const double share =
       panel.opening ? *panel.opening
                     : static_cast<double>(is_finished) / static_cast<double>(std::max<std::int64_t>(all, 1));
-  const std::string text = panel.opening ? fmt::format("on the way: {:.0f} %", std::floor(100 * share))
-                                         : fmt::format("{} of {} trials", is_finished, all);
+  const std::string text = panel.opening ? fmt::format("opening: {:.0f} %", std::floor(100 * share))
+                                         : fmt::format("{} of {} test runs", is_finished, all);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
   ImGui::ProgressBar(static_cast<float>(share), {ImGui::GetContentRegionAvail().x - 12.6f * size, 0},
                      text.c_str());
   ImGui::PopStyleColor();
-  explain(fmt::format("{}; on {}", panel.current_task.empty() ? "nothing runs" : panel.current_task,
-                      panel.executor)
+  explain(fmt::format("{}; on {}", panel.current_task.empty() ? "idle" : panel.current_task, panel.executor)
               .c_str());
   ImGui::SameLine();
   const char* const label = running             ? "stop"
                             : is_finished == 0  ? "run all"
-                            : is_finished < all ? "go on"
+                            : is_finished < all ? "resume"
                                                 : "run again";
   if (ImGui::Button(label, {5.4f * size, 0})) (running ? requests.stop : requests.run_all) = true;
   track(workspace, "hard_cases.run_all");
-  explain("All cases with each solver in each precision, in slices: the scene goes on meanwhile");
+  explain("Runs all cases with each solver and precision, a slice per frame. The scene continues meanwhile");
   ImGui::SameLine();
   const bool any = std::ranges::any_of(
       panel.cases, [&](const auto& hard_case) { return hard_case.name == requests.selected; });
@@ -135,7 +134,7 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
   if (ImGui::Button("run selected", {-1, 0})) requests.run_selected = true;
   ImGui::EndDisabled();
   track(workspace, "hard_cases.run");
-  if (any) explain(("Runs " + requests.selected + " with each solver in each precision").c_str());
+  if (any) explain(("Runs " + requests.selected + " with each solver and precision").c_str());
 }
 
 /// What has come of all, and with it what the marks mean.
@@ -150,11 +149,10 @@ void draw_counts(const HardCasesView& panel, bool light) {
     ImGui::BeginGroup();
     with_status(kinds[k].first, light, fmt::format("{} {}", panel.count(kinds[k].first), kinds[k].second));
     ImGui::EndGroup();
-    static constexpr const char* meanings[] = {
-        "Every term of the criterion held",
-        "It does not hold there, as the criterion declares, with the reason",
-        "A term did not hold, or a limit is declared where all holds",
-        "The solver cannot take the scene, or the case is not for this executor"};
+    static constexpr const char* meanings[] = {"All terms of the criterion hold",
+                                               "A term fails, as the criterion declares, with the reason",
+                                               "A term fails, or a limit is declared although all terms hold",
+                                               "The solver or the executor does not support this case"};
     explain(meanings[k]);
   }
 }
@@ -243,7 +241,7 @@ void draw_case(Workspace& workspace, const HardCasesView& panel, std::size_t whi
   }
   track(workspace, ("hard_cases.case." + hard_case.name).c_str());
   explain((hard_case.name + ": " + hard_case.what +
-           (hard_case.refused ? ". It must be refused on reading" : ". A click opens it from state 0"))
+           (hard_case.refused ? ". The reader must reject it" : ". Click to open it at state 0"))
               .c_str());
   for (std::size_t k = 0; k < hard_case.test_runs.size(); ++k)
     draw_test_run(workspace, panel, which, k, columns, view);
@@ -278,7 +276,7 @@ void draw_selected(Workspace& workspace, const HardCasesView& panel) {
   if (panel.scene_before.empty()) return;
   if (ImGui::Button(("back to " + panel.scene_before).c_str())) workspace.hard_cases.back = true;
   track(workspace, "hard_cases.back");
-  explain("The scene that was there before, at the state that it was left in");
+  explain("Returns to the previous scene, at its last state");
 }
 
 }  // namespace
@@ -287,7 +285,9 @@ void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "hard_cases", "Hard cases", workspace.visible_panels.hard_cases))
     return end_panel();
   if (view.hard_cases == nullptr || !view.hard_cases->unavailable_reason.empty()) {
-    wrapped(view.hard_cases == nullptr ? "of the next frame" : view.hard_cases->unavailable_reason, true);
+    wrapped(
+        view.hard_cases == nullptr ? "available after the next frame" : view.hard_cases->unavailable_reason,
+        true);
     return end_panel();
   }
   const HardCasesView& panel = *view.hard_cases;

@@ -212,7 +212,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled);
   // One line of text: the title, the nearest mark that lies higher, the end of the axis. What does not fit is
   // left out.
-  const char* const title = "stages (line: step)";
+  const char* const title = "stage ms (line: step)";
   const std::string axis_text = tops.empty() ? "" : fmt::format("{:g} ms", axis);
   const auto width_of = [](const char* text) { return ImGui::CalcTextSize(text).x; };
   const float title_end = area.at.x + pad + width_of(title) + 0.5f * line_height,
@@ -222,7 +222,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
     if (mark.value > axis) {
       const std::string text = fmt::format("↑ {}: {:.1f} ms", mark.label, mark.value);
       const float text_width = width_of(text.c_str());
-      const float x = area.at.x + 0.5f * (width - text_width) + 3 * line_height;
+      const float x = std::max(area.at.x + 0.5f * (width - text_width) + 3 * line_height, title_end);
       if (!beyond && !tops.empty() && x >= title_end && x + text_width + 0.5f * line_height <= axis_begin)
         area.list->AddText({x, area.at.y + 0.15f * line_height}, faint, text.c_str());
       beyond = true;

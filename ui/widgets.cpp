@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace collidoscope {
 
@@ -151,6 +152,39 @@ std::uint32_t stage_color(std::size_t stage, bool light) {
       0xff1f9fb0u, 0xff8054c4u, 0xff55946cu, 0xff707070u, 0xff4a6cd8u, 0xff005000u, 0xff881050u,
       0xfff87890u, 0xff180078u, 0xff804800u, 0xfff09808u, 0xff680088u, 0xffa888a0u};
   return light ? light_theme[stage % light_theme.size()] : dark_theme[stage % dark_theme.size()];
+}
+
+std::string_view stage_term(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 26> terms{
+      {{"bounds", "AABBs: axis-aligned bounding boxes of all bodies"},
+       {"keys", "Morton codes, or keys of grid cells or planes"},
+       {"sort", "sort by key"},
+       {"build", "build of the tree or grid"},
+       {"pairs", "traversal: pairs of overlapping AABBs"},
+       {"contacts", "narrow phase: contact points and normals"},
+       {"colour", "graph colouring of the contacts"},
+       {"prepare", "constraint setup"},
+       {"attractor", "field of the attractors"},
+       {"drag", "drag force"},
+       {"forces", "external forces and warm starting"},
+       {"solve", "constraint solver iterations"},
+       {"joints", "joint solver"},
+       {"walls", "collision with planes and walls"},
+       {"integrate", "higher-order integration of bodies without contacts"},
+       {"continuous", "continuous collision: limit of each displacement"},
+       {"move", "integration of positions and orientations"},
+       {"turn", "integration of orientations"},
+       {"prescribe", "motion of kinematic bodies"},
+       {"relax", "relaxation: iterations without position correction"},
+       {"bounce", "restitution"},
+       {"friction", "friction of bouncing contacts"},
+       {"keep", "warm-start store"},
+       {"islands", "islands and sleeping"},
+       {"residual", "residuals of the solver"},
+       {"guard", "guards: validation of stage results"}}};
+  const auto* const found =
+      std::ranges::find(terms, name, &std::pair<std::string_view, std::string_view>::first);
+  return found == terms.end() ? name : found->second;
 }
 
 }  // namespace collidoscope

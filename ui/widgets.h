@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "ui/workspace.h"
 
@@ -52,5 +53,8 @@ std::string bytes_text(std::int64_t bytes);
 /// The colour of a stage in graph and table, 0xAABBGGRR: more of them than a step has stages.
 inline constexpr std::size_t stage_colors = 20;
 std::uint32_t stage_color(std::size_t stage, bool light);
+/// The standard term for a stage of this name: "narrow phase: contact points and normals". The name itself if
+/// it is not in the table.
+std::string_view stage_term(std::string_view name);
 
 }  // namespace collidoscope

@@ -93,7 +93,7 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
     y = from.y - 0.5f * ImGui::GetFontSize();
   };
   if (workspace.hint)
-    line("Space plays and pauses · S steps · drag turns · wheel zooms · click selects · F1 keys",
+    line("Space play/pause · S step · drag orbit · wheel zoom · click select · F1 keys",
          IM_COL32(235, 238, 242, 255));
   if (!workspace.notice.empty()) line(workspace.notice, IM_COL32(255, 214, 92, 255));
   list->PopClipRect();

@@ -45,15 +45,16 @@ enum class CameraRequest { none, frame_all, frame_selection, front, side, top, o
 enum class Theme { dark, light };
 
 struct SpeedChoice {
-  double speed;  ///< simulated seconds in each second; 0: a step in every drawn frame
-  const char* name;
+  double speed;      ///< simulated seconds in each second; 0: a step in every drawn frame
+  const char* name;  ///< in names of widgets
+  const char* label;
 };
-inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×"},
-                                                           {0.25, "0.25 ×"},
-                                                           {0.5, "0.5 ×"},
-                                                           {1, "1 × real time"},
-                                                           {2, "2 ×"},
-                                                           {0, "a step a frame"}}};
+inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×", "0.1 × real time"},
+                                                           {0.25, "0.25 ×", "0.25 × real time"},
+                                                           {0.5, "0.5 ×", "0.5 × real time"},
+                                                           {1, "1 × real time", "1 × real time"},
+                                                           {2, "2 ×", "2 × real time"},
+                                                           {0, "a step a frame", "one step per frame"}}};
 
 /// Which panels are unfolded.
 struct PanelVisibility {

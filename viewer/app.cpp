@@ -69,8 +69,7 @@ App::App(const Start& start, const Options& options)
       software_(gl::is_software_renderer()) {
   cuda_available(&cuda_unavailable_reason_);
   workspace_.settings = live_.settings();
-  if (!live_.world().initial().meshes.empty())
-    show_notice("mesh bodies collide as their bounding spheres for now");
+  if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");
 }
 
 /// The world, which may take long to make; the window says so, and can be closed.

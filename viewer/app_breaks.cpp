@@ -22,7 +22,7 @@ void App::handle_stop_request() {
       if (stop->is_violation) {
         workspace_.settings.guards.reset();
         apply_settings(0);
-        show_notice("guards are off now");
+        show_notice("guards are switched off");
       }
       workspace_.playing = true;
       break;
@@ -30,7 +30,7 @@ void App::handle_stop_request() {
       if (!stop->can_freeze) break;
       breaks_.resume();
       live_.freeze(*stop->body);
-      show_notice(fmt::format("body {} is frozen where it was; Space goes on", *stop->body));
+      show_notice(fmt::format("body {} is frozen; Space: resume", *stop->body));
       break;
     case StopRequest::save: {
       std::string bytes;

@@ -114,7 +114,7 @@ void App::handle_key(const InputEvent& event) {
       if (presimulation_) {
         workspace_.settings = live_.settings();
         workspace_.restart_requested = false;
-        show_notice("left as it is");
+        show_notice("settling cancelled");
         break;
       }
       workspace_.help = false;

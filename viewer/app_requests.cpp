@@ -81,7 +81,7 @@ bool App::finish_presimulation(const Scene& scene, double seconds, std::optional
   // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
   presimulation_->advance(std::clamp(500 * seconds, 30.0, 250.0));
   if (!presimulation_->done()) {
-    show_notice(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
+    show_notice(fmt::format("settling the bodies: step {} of at most {}; Esc: cancel",
                             presimulation_->steps(), presimulation_->max_steps()));
     return false;
   }
@@ -181,7 +181,7 @@ void App::spawn_projectile() {
   const ProjectileSpace room{world.initial().box, world.scene().obstacles, position, world.initial().radius};
   const std::optional<Body> ball =
       make_projectile(eye, scene_.camera().target - eye, scene_.scene_size(), room);
-  if (!ball) return show_notice("on this line of sight there is no room for a ball");
+  if (!ball) return show_notice("no free space for a ball in this direction");
   Change change;
   change.add = {*ball};
   live_.apply(std::move(change));

@@ -96,15 +96,15 @@ ColorMeaning color_meaning(BodyColor color) {
     case BodyColor::id:
       return {"id", ""};
     case BodyColor::contacts:
-      return {"contacts of a body", ""};
+      return {"contacts per body", ""};
     case BodyColor::order:
-      return {"place in the tree's order", ""};
+      return {"tree order", ""};
     case BodyColor::depth:
-      return {"depth in the tree", ""};
+      return {"tree depth", ""};
     case BodyColor::visits:
-      return {"boxes that a body's query tests", ""};
+      return {"query visits per body", ""};
     case BodyColor::sleep:
-      return {"how far from sleep", ""};
+      return {"sleep state", ""};
     case BodyColor::error:
       return {"error", "m"};
   }
@@ -118,11 +118,11 @@ ColorMeaning color_meaning(NodeMetric metric) {
     case NodeMetric::sah_share:
       return {"share of SAH cost", ""};
     case NodeMetric::sibling_overlap:
-      return {"overlap of siblings", ""};
+      return {"sibling overlap", ""};
     case NodeMetric::empty_space:
       return {"empty space", ""};
     case NodeMetric::visits:
-      return {"visits", "queries"};
+      return {"visits per box", "queries"};
   }
   return {"", ""};
 }

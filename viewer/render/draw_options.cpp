@@ -33,7 +33,7 @@ SphereMethod parse_sphere_method(const std::string& text, const std::string& whe
   if (text == "auto") return SphereMethod::automatic;
   if (text == "quads") return SphereMethod::quads;
   if (text == "compute") return SphereMethod::compute;
-  throw InputError(where + ": '" + text + "': unknown way to draw spheres; one of auto, quads, compute");
+  throw InputError(where + ": '" + text + "': unknown sphere method; one of auto, quads, compute");
 }
 
 }  // namespace collidoscope

@@ -27,7 +27,7 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.clamped_below = color == BodyColor::error;
   if (color == BodyColor::sleep) {
     legend.low_word = "asleep";
-    legend.high_word = "moves";
+    legend.high_word = "awake";
   }
   return legend;
 }

@@ -31,8 +31,8 @@ void LiveAccuracy::begin(World& world) {
   view_ = {};
   view_.start_state = world.steps();
   if (static_cast<std::int64_t>(world.initial().size()) > max_bodies) {
-    view_.unavailable_reason = fmt::format(
-        "Here with at most {} bodies; `collidoscope-headless accuracy` takes its time.", max_bodies);
+    view_.unavailable_reason =
+        fmt::format("At most {} bodies here; use `collidoscope-headless accuracy` for more.", max_bodies);
     return;
   }
   try {

@@ -64,7 +64,7 @@ void LiveReference::forget() {
 }
 
 std::string LiveReference::unavailable_reason(std::int64_t bodies) {
-  return bodies > max_bodies ? fmt::format("no reference of more than {} bodies", max_bodies) : "";
+  return bodies > max_bodies ? fmt::format("no reference for more than {} bodies", max_bodies) : "";
 }
 
 void LiveReference::follow(World& world, int generation) {
@@ -91,7 +91,7 @@ void LiveReference::begin(World& world) {
   if (!view_.unavailable_reason.empty()) return;
   try {
     exact_ = std::make_unique<HardSpheres>(steps_ == 0 ? world.scene() : scene_of_now(world));
-    view_.name = "hard spheres, event by event";
+    view_.name = "event-driven hard spheres";
     return;
   } catch (const InputError&) {  // not such a scene
   }
@@ -104,7 +104,7 @@ void LiveReference::begin(World& world) {
       scene.physics.time_step = world.scene().physics.time_step / parts;
       runs_.push_back({std::make_unique<World>(scene, world.options(), &state), parts});
     }
-    view_.name = "the same in double, in steps of 1/8";
+    view_.name = "double precision, 1/8 of the time step";
   } catch (const std::exception& error) {  // most likely no memory for two more worlds
     runs_.clear();
     view_.unavailable_reason = error.what();
@@ -181,7 +181,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
     if (exact_->zeno_point() && exact_->time() < time_)
       view_.unavailable_reason = exact_->zeno_line();
     else if (collisions > 20)
-      view_.unavailable_reason = "after 20 collisions of each sphere rounding decides";
+      view_.unavailable_reason = "Reference ended: after 20 collisions per sphere, rounding errors dominate";
   }
   if (!view_.known()) {
     world.publisher().set_errors({});
@@ -216,7 +216,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   view_.rms = count ? std::sqrt(sum / static_cast<double>(count)) : 0;
   view_.error_estimate = count ? std::sqrt(error_estimate_sum / static_cast<double>(count)) : 0;
   if (quantile(error_estimate_in_radii, 0.5) > 1) {
-    view_.unavailable_reason = "its own error is beyond a radius, as that of any reference would be";
+    view_.unavailable_reason = "Reference ended: motion is chaotic, its own error exceeds a body radius";
     world.publisher().set_errors({});
     return {};
   }

@@ -32,9 +32,9 @@ std::string restart_notice(const Change& change, const Scene& before, const Worl
       change.settings.any([](const auto& setting) { return setting.live == Live::restart; });
   const std::optional<Box> old_box = box_in_effect(before), box = next.initial().box;
   if (!new_bodies && box && old_box && box->max != old_box->max)
-    return fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
+    return fmt::format("restarted: the box size depends on N and is now {:.4g} m",
                        box->max.x() - box->min.x());
-  return steps > 0 ? "restarted: these are other bodies" : "";
+  return steps > 0 ? "restarted with new bodies" : "";
 }
 
 }  // namespace
