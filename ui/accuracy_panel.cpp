@@ -1,6 +1,6 @@
-// What accuracy costs on the running scene: error over cost of many settings, measured while the panel is
-// unfolded. A point is a setting: a click applies it. The line across is the error that is allowed: the
-// cheapest setting below it is named.
+// Panel Accuracy: error versus cost of many settings of the running scene, measured while the panel is open.
+// A click on a point applies its setting. The tolerance is a line across the diagram. The cheapest setting
+// below it is recommended.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -26,7 +26,7 @@ void wrapped_faint(const std::string& text) {
 
 void request_settings(const AccuracySetting& setting, const AccuracyView& panel, Settings& settings) {
   apply(patch_of(setting), settings);
-  settings.physics.effects = panel.effects;  // a list: "auto" may depend on the time step
+  settings.physics.effects = panel.effects;  // a fixed list: "auto" may depend on the time step
   settings.physics.effects->continuous_collision = setting.continuous_collision;
 }
 
@@ -123,7 +123,7 @@ void draw_diagram(Workspace& workspace, const AccuracyView& panel, const Workspa
   const bool clicked = ImGui::IsItemClicked(), held = ImGui::IsItemActive();
   track(workspace, "accuracy.diagram");
 
-  // What the button went down on it keeps.
+  // The drag continues on the element on which the button was pressed.
   ImGuiStorage* const memory = ImGui::GetStateStorage();
   const ImGuiID dragging = ImGui::GetID("tolerance is dragged");
   if (clicked) memory->SetBool(dragging, hit.level);
@@ -135,7 +135,7 @@ void draw_diagram(Workspace& workspace, const AccuracyView& panel, const Workspa
   if (hit.level_at > 0) requests.line = {0, hit.right - 0.25f * ImGui::GetFontSize(), hit.level_at};
   requests.places.clear();
   for (const ChartHit::Place& place : hit.places)
-    if (place.series > 0)  // the front's are points of the others
+    if (place.series > 0)  // points of the front belong to other series
       requests.places.push_back(
           {diagram.points[static_cast<std::size_t>(place.series)][static_cast<std::size_t>(place.point)],
            place.x, place.y});

@@ -1,5 +1,5 @@
-// Where a run is to stop: a condition in each row, asked of every state while it is on. What it has stopped
-// at is one line, over the picture and here, with what can be done about it.
+// Panel Break when: one row per break condition, evaluated at each state while switched on. A stop is shown
+// as one line here and over the 3D view, with buttons.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -33,7 +33,7 @@ void draw_condition(Workspace& workspace, const BreakConditionName& condition) {
   ImGui::PopID();
 }
 
-/// The line, and its buttons; `where` begins their names.
+/// The stop line and its buttons. `where`: prefix of the widget names.
 void draw_stop(Workspace& workspace, const StopView& stop, const std::string& where) {
   ImGui::PushTextWrapPos(0);
   ImGui::TextUnformatted(stop.what.c_str());
@@ -75,7 +75,7 @@ void draw_stop_bar(Workspace& workspace, const WorkspaceView& view) {
   const ScreenRect& at = workspace.scene_view;
   const float margin = ImGui::GetFontSize();
   const bool light = workspace.theme == Theme::light;
-  // Above the hint and the notice.
+  // Position above the hint and the notice.
   ImGui::SetNextWindowPos({at.x + margin, at.y + at.height - 5 * margin}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({std::max(at.width - 2 * margin, 100.0f), 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg,

@@ -1,6 +1,5 @@
-// How far each sweep of the solver, in the last step, has left the contacts from a solution: the root mean
-// square of their residuals (sim_cuda/solver/residual.h) by decades. Recorded only while the panel is
-// unfolded.
+// Panel Convergence: residual of the contacts after each solver iteration of the last step (root mean square,
+// sim_cuda/solver/residual.h), on a logarithmic axis. Recorded only while the panel is open.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -14,7 +13,8 @@
 namespace collidoscope {
 namespace {
 
-/// Decades that hold all values above zero, at least three, at most twelve; those below lie on the floor.
+/// Decades of the axis: all positive values, at least three and at most twelve. Smaller values lie at the
+/// bottom.
 struct Decades {
   int low = -3, high = 0;
   explicit Decades(const std::vector<Residual>& residuals) {
@@ -27,7 +27,7 @@ struct Decades {
     high = static_cast<int>(std::ceil(std::log10(most)));
     low = std::clamp(static_cast<int>(std::floor(std::log10(least))), high - 12, high - 3);
   }
-  /// 0 at the floor, 1 at the top.
+  /// Position on the axis: 0 at the bottom, 1 at the top.
   float place(double value) const {
     const double at = value > 0 ? (std::log10(value) - low) / (high - low) : 0;
     return static_cast<float>(std::clamp(at, 0.0, 1.0));
@@ -77,7 +77,7 @@ void plot(const std::vector<Residual>& residuals, float width, float height, boo
     if (residuals[k].iteration > 0) list->AddLine(point(k - 1), point(k), color, std::max(1.0f, size / 10));
     if (residuals[k].iteration > 0)
       list->AddCircleFilled(point(k), dot, color, 12);
-    else  // what it starts from is nobody's work
+    else  // residual before the first iteration
       list->AddCircle(point(k), dot, color, 12);
     if (k > 0 && residuals[k].substep != residuals[k - 1].substep) {
       const float x = 0.5f * (point(k - 1).x + point(k).x);

@@ -16,7 +16,7 @@ std::string spaced(std::string name) {
   return name;
 }
 
-/// With its sign, which is not that of a rounded 0.
+/// Signed value with three decimals; "+0.000" instead of "-0.000".
 std::string signed_time(double ms) {
   const std::string text = fmt::format("{:+.3f}", ms);
   return text == "-0.000" ? "+0.000" : text;
@@ -26,7 +26,7 @@ std::string signed_bytes(std::int64_t bytes) {
   return bytes == 0 ? "0" : (bytes < 0 ? "-" : "+") + bytes_text(std::abs(bytes));
 }
 
-/// Text that ends at `right`, from the panel's left edge.
+/// Right-aligned text that ends at `right`, measured from the panel's left edge.
 void text_to(float right, const std::string& text) {
   ImGui::SameLine(right - ImGui::CalcTextSize(text.c_str()).x);
   ImGui::TextUnformatted(text.c_str());
@@ -74,7 +74,7 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
   text_to(size * 25.0f, signed_bytes(cost.bytes));
 }
 
-/// What they do where something goes wrong is a setting; what they look at decides no state.
+/// Row of the guards. Their action on failure is a setting. They do not change the state.
 void draw_guards(Workspace& workspace, const EffectView& effect, const WorkspaceView& view,
                  const Effects& now) {
   std::optional<OnFailure>& request = workspace.settings.guards;

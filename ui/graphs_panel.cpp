@@ -56,10 +56,10 @@ void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view) {
   const float wide = std::round(0.44f * (room.x - gap)), narrow = room.x - gap - wide;
 
   const int under = draw_stages(workspace, view, first, wide, room.y);
-  // Whoever is pointed at, here or in the table; kept for the next frame's table and graph.
+  // Stage under the pointer in graph or table, used by both in the next frame.
   workspace.hovered_stage = under;
 
-  // Over time, one below the other, so that what happened at once stands in one place.
+  // Time series below each other, with a common time axis.
   const float space = std::round(0.6f * ImGui::GetStyle().ItemSpacing.y);
   const float height = std::floor((room.y - 2 * space) / 3);
   const std::int64_t first_step = first < history.size() ? history[first].step : 0;

@@ -1,6 +1,5 @@
-// The hard cases: scenes that try to break the simulation, by group, each with a mark for every solver in
-// either precision. A click on a case opens its scene; a click on a mark opens it with that solver in that
-// precision, at the state where it failed.
+// Panel Hard cases: stress scenes by group, with one mark per solver and precision. A click on a name opens
+// the scene. A click on a mark opens it with that solver and precision, at the failing state.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -15,13 +14,15 @@
 namespace collidoscope {
 namespace {
 
-/// Where marks stand: two columns for each solver, from the right edge.
+/// Layout of the marks: two columns per solver, aligned to the right edge.
 struct Columns {
   explicit Columns(float right_edge) : size(ImGui::GetFontSize()), right(right_edge) {}
   float cell() const { return 1.75f * size; }
   float gap() const { return 0.55f * size; }
   float width() const { return static_cast<float>(solver_names.size()) * (2 * cell() + gap()); }
-  float left() const { return right - width(); }  ///< of all, with a gap before the first
+  float left() const {
+    return right - width();
+  }  ///< left end of all columns, including the gap before the first
   float left(Solver solver) const {
     return left() + gap() + static_cast<float>(solver) * (2 * cell() + gap());
   }
@@ -37,7 +38,7 @@ std::string test_run_name(const TestRunView& test_run) {
                      name_of(precision_names, test_run.precision));
 }
 
-/// As much of it as there is room for.
+/// The text, shortened to this width with an ellipsis.
 std::string fitted(const std::string& text, float width) {
   if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
   std::string part = text;
@@ -45,7 +46,7 @@ std::string fitted(const std::string& text, float width) {
   return part + "…";
 }
 
-/// `width`: pixels; 0: as wide as the panel.
+/// `width` in pixels; 0: width of the panel.
 void wrapped(const std::string& text, bool faint, float width = 0) {
   ImGui::PushStyleColor(ImGuiCol_Text,
                         ImGui::GetStyleColorVec4(faint ? ImGuiCol_TextDisabled : ImGuiCol_Text));
@@ -55,7 +56,7 @@ void wrapped(const std::string& text, bool faint, float width = 0) {
   ImGui::PopStyleColor();
 }
 
-/// A mark in a line of text, and what follows it.
+/// A status mark followed by text.
 void with_status(TestStatus status, bool light, const std::string& text) {
   const float size = ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -137,7 +138,7 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
   if (any) explain(("Runs " + requests.selected + " with each solver and precision").c_str());
 }
 
-/// What has come of all, and with it what the marks mean.
+/// Number of test runs by status; also the legend of the marks.
 void draw_counts(const HardCasesView& panel, bool light) {
   constexpr std::pair<TestStatus, const char*> kinds[] = {{TestStatus::passed, "passed"},
                                                           {TestStatus::expected_failure, "limit"},
@@ -158,7 +159,7 @@ void draw_counts(const HardCasesView& panel, bool light) {
 }
 
 void draw_heads(const Columns& columns) {
-  // Solvers over their two columns, with a line for each word; below them the precisions.
+  // Solver names over two columns each, one word per line. Precisions below.
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const float line = ImGui::GetTextLineHeight();
@@ -205,7 +206,7 @@ void draw_test_run(Workspace& workspace, const HardCasesView& panel, std::size_t
   }
   if (panel.shown == which && panel.shown_test_run == k)
     list->AddRect(from, to, ImGui::GetColorU32(ImGuiCol_CheckMark), 3);
-  if (hard_case.refused) {  // one answer for all of them
+  if (hard_case.refused) {  // one result for all solvers
     const float room = 0.8f * columns.size;
     const ImU32 line = ImGui::GetColorU32(ImGuiCol_Border);
     list->AddLine({from.x + 0.4f * columns.size, middle.y}, {middle.x - room, middle.y}, line);

@@ -18,7 +18,7 @@ std::string small_vector_text(const Vector3d& v) {
 }
 
 void draw_state(const BodyReport& body) {
-  // The paper's Dynamics, after Baraff 1997.
+  // Symbols follow Baraff 1997, as in the paper.
   row_text("mass", with_prefix(body.mass, "kg"), "Mass");
   row_text("radius", fmt::format("{:.4g} m", body.radius), "Radius, of a mesh that of its bounding sphere");
   row_text("X  m", vector_text(body.X), "Position x of the centre of mass, m");
@@ -38,8 +38,8 @@ void draw_state(const BodyReport& body) {
   row_text("T  N m", small_vector_text(body.T), "Torque that the next step applies, N m");
 }
 
-/// The others, the strongest contact first; where no impulses are known, by id. Rows that the pointer rests
-/// on keep their places: a click must find what it was aimed at.
+/// Ids of the contact partners, by descending impulse, else by id. Rows under the pointer keep their order,
+/// so that a click selects the intended row.
 const std::vector<std::uint32_t>& contact_rows(Workspace& workspace, const BodyReport& body) {
   constexpr std::size_t most = 6;
   Workspace::ContactRows& rows = workspace.contact_rows;
@@ -62,7 +62,7 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
   faint_text(fmt::format("{:<14}{:>8}{:>14}",
                          fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"),
                          "depth", "impulse"));
-  // Those that were not recorded are no zeros.
+  // Unrecorded impulses are shown as a dash, not as 0.
   const bool known = std::ranges::any_of(body.contacts, [](const auto& c) { return c.impulse != 0; });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto found = std::ranges::find(body.contacts, rows[i], &BodyReport::Contact::other);
@@ -88,8 +88,7 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
   if (body.contact_count > shown) faint_text(fmt::format("and {} more", body.contact_count - shown));
 }
 
-// From the leaf (left) to the root (right): a bar for each box, as wide as its diagonal's share of the
-// root's.
+// One bar per box from the leaf (top) to the root. Length: diagonal of the box over that of the root.
 void draw_path(const WorkspaceView& view, const BodyReport& body) {
   if (body.path.empty()) {
     faint_text("this method has no tree");

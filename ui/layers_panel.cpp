@@ -25,7 +25,7 @@ void draw_contact_legend(const WorkspaceView& view) {
     faint_text("no impulses recorded in the last step");
 }
 
-// Of powers of ten, or as it suits.
+// List of error scales: powers of ten, or automatic.
 void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
   static constexpr std::array<int, 8> choices{0, 1, 10, 100, 1000, 10'000, 100'000, 1'000'000};
   const auto name = [&](int scale) {
@@ -46,7 +46,7 @@ void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
   track(workspace, "layers.error_scale");
 }
 
-// What should be, beside what is.
+// Switches of the reference layers, and the error of the run.
 void draw_reference(Workspace& workspace, const WorkspaceView& view, float column) {
   FrameLayers& layers = workspace.layers;
   const ReferenceView& reference = view.reference;
@@ -87,7 +87,7 @@ void draw_reference(Workspace& workspace, const WorkspaceView& view, float colum
   faint_text(fmt::format("from state {}", grouped_number(reference.start_state)));
 }
 
-/// All levels at once are a tangle of thousands of boxes.
+/// Starts with few levels, since all levels are thousands of boxes.
 void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
   if (std::exchange(workspace.levels_chosen, true)) return;
   const int count = static_cast<int>(view.level_sizes.size());
@@ -97,7 +97,7 @@ void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
 
 struct BodyColorChoice {
   BodyColor color;
-  const char *name, *label;  ///< in names of widgets; in the list
+  const char *name, *label;  ///< name: in names of widgets
 };
 
 }  // namespace
@@ -131,8 +131,8 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     choose_box_color(workspace, "layers.box_color");
-    const bool in_histogram =
-        workspace.visible_panels.right && workspace.visible_panels.tree;  // by the histogram there
+    const bool in_histogram = workspace.visible_panels.right &&
+                              workspace.visible_panels.tree;  // legend drawn by the histogram in that panel
     if (!in_histogram) draw_legend(view.box_colors);
   }
   static constexpr std::array<BodyColorChoice, 9> colors{

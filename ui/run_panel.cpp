@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-/// Behind the scene's name; in a row of its own where the name leaves no room.
+/// "edited" and the number of changes, after the scene name or in a row of their own if it is too long.
 void draw_edited(Workspace& workspace, const WorkspaceView& view) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };

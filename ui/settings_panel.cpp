@@ -17,14 +17,14 @@
 namespace collidoscope {
 namespace {
 
-// A whole number that can be typed, and a logarithmic slider of the same.
+// A logarithmic slider and a text field for a whole number.
 struct LogRow {
   const char *name, *label, *help;
-  std::int64_t low, high, limit;        ///< the slider's ends, and the most that can be typed
-  bool decides = true;                  ///< the result depends on it
-  const std::string* chosen = nullptr;  ///< set: 0 is "auto", which has come to this, if it says so
-  std::int64_t manual = 0;              ///< in its place, where "auto" is let go
-  float column = 2, field = 5.4f;       ///< ems: where the slider begins, and what is typed into
+  std::int64_t low, high, limit;        ///< range of the slider; maximum of the field
+  bool decides = true;                  ///< the setting affects the result
+  const std::string* chosen = nullptr;  ///< set: 0 means "auto"; text of the automatic value, may be empty
+  std::int64_t manual = 0;              ///< value after "auto" is switched off
+  float column = 2, field = 5.4f;       ///< ems: position of the slider, width of the field
 };
 
 void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
@@ -64,21 +64,21 @@ void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
   ImGui::PopID();
 }
 
-/// The same of a number that is stored as an int.
+/// Row for a number stored as int.
 void log_row(Workspace& workspace, int& value, const LogRow& row) {
   std::int64_t wide = value;
   log_row(workspace, wide, row);
   value = static_cast<int>(wide);
 }
 
-/// A choice that cannot be made is grey, with the reason beside it.
+/// A choice that is disabled, with the reason.
 template <class Choice>
 struct Unavailable {
   Choice choice;
-  std::string why;  ///< empty: it can be made
+  std::string why;  ///< reason; empty: enabled
 };
 
-/// A list of a setting's choices. Resting on the list or on an item shows its help.
+/// A list of a setting's choices. The tooltip of the list or of an item is its help.
 template <auto member, class Choice>
 void choice_row(Workspace& workspace, const Field<member>& setting, Choice& value,
                 const Unavailable<Choice>& unavailable_reason = {}) {
@@ -112,7 +112,7 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
              "Number of bodies. It can be changed in scenes with one generator");
     return;
   }
-  // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
+  // Pairs of "paper" grow as N²: the slider stays within playable counts, the field accepts more.
   const std::int64_t highest = s.generator.variant == Variant::paper ? 20'000 : 2'000'000;
   log_row(workspace, s.generator.count,
           {"settings.bodies", "N",
@@ -177,7 +177,7 @@ void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   log_row(workspace, s.physics.iterations, row);
 }
 
-/// A number that is typed.
+/// A row with a number field.
 template <class Number>
 void number_row(Workspace& workspace, const char* name, std::string_view label, std::string_view help,
                 Number& value, const NumberRange<Number>& range, const char* format) {
@@ -188,7 +188,7 @@ void number_row(Workspace& workspace, const char* name, std::string_view label, 
   draw_input_fault(workspace, name);
 }
 
-/// The lists of a table of settings, each enumeration a row.
+/// One list per enumeration in a table of settings.
 template <class Table, class Owner>
 void choice_rows(Workspace& workspace, const WorkspaceView& view, const Table& table, Owner& owner) {
   for_each_field(
@@ -200,7 +200,7 @@ void choice_rows(Workspace& workspace, const WorkspaceView& view, const Table& t
       });
 }
 
-/// A slider from 0 to 1, and a field for the number.
+/// A slider from 0 to 1 with a number field.
 void draw_restitution(Workspace& workspace, double& value) {
   constexpr auto& setting = field_of<&Material::restitution>;
   row_label("restitution", std::string(setting.help).c_str());
@@ -208,7 +208,7 @@ void draw_restitution(Workspace& workspace, double& value) {
   const float field = 3.4f * ImGui::GetFontSize(), gap = ImGui::GetStyle().ItemSpacing.x;
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - field - gap, field));
   float restitution = static_cast<float>(value);
-  // The scene's 0.8 is not a float: only a value that was moved is written back.
+  // The slider holds floats and 0.8 is no float: write back only if the slider moved.
   if (ImGui::SliderFloat("##slider", &restitution, 0, 1, "",
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
     value = static_cast<double>(restitution);

@@ -32,7 +32,7 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
                       ? " (software)"
                       : fmt::format(" (software; {:.0f} % resolution in motion)", 100 * view.view_scale),
                   view.display_path);
-  // The buttons stand in the corner, where a larger font leaves them under the pointer.
+  // The buttons are anchored in the corner, so that they stay under the pointer when the font grows.
   const ImVec2 padding = ImGui::GetStyle().WindowPadding;
   const float gap = ImGui::GetStyle().ItemSpacing.x, right = ImGui::GetWindowWidth() - padding.x;
   const auto width = [](const char* label) {

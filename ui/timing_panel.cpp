@@ -33,7 +33,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
   const int highlighted = workspace.hovered_stage >= 0 ? workspace.hovered_stage : workspace.chosen_stage;
   int hovered = -1;
   if (ImGui::BeginTable("stages", 6, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_PadOuterX)) {
-    // Shares of the width, which go with it and with the font.
+    // Relative widths, which scale with the panel and the font.
     for (const auto& [column, share] :
          {std::pair{"stage", 6.8f}, std::pair{"now", 3.4f}, std::pair{"median", 3.4f}, std::pair{"p95", 3.4f},
           std::pair{"share", 3.0f}, std::pair{"launches", 4.4f}})
@@ -49,7 +49,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     for (std::size_t k = 0; k < history.stages().size(); ++k) {
       const History::Stage& stage = history.stages()[k];
       const TimeSummary times = history.summarize_stage(k, window);
-      if (times.samples == 0) continue;  // of another broad phase or executor
+      if (times.samples == 0) continue;  // stage of another broad phase or executor
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       const ImVec2 at = ImGui::GetCursorScreenPos();

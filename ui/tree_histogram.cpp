@@ -37,7 +37,7 @@ void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view) {
   const float width = ImGui::GetContentRegionAvail().x, height = 3.2f * ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   if (drag_ends("spread", width, height, bins, first, last)) {
-    // Beyond the least and the greatest the range is open: it stays so in the next state.
+    // At its extreme position an end has no limit, so that it stays at the extreme in later states.
     layers.box_low = first == 0 ? 0 : histogram.edge[static_cast<std::size_t>(first)];
     layers.box_high = last == bins - 1
                           ? std::numeric_limits<float>::infinity()

@@ -1,5 +1,5 @@
-// The panel of the tree: how good it is in numbers, what colours its boxes and how that spreads, its worst
-// nodes, and what the query of a body visits. Measured only while the panel is unfolded.
+// Panel Tree: quality measures, histogram of the metric that colours the boxes, worst nodes, and the query of
+// a body. Measured only while the panel is open.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-// Leaves of each level, over the cells of the bar that chooses levels.
+// Number of leaves per level, aligned with the level bar.
 void draw_depths(Workspace& workspace, const WorkspaceView& view) {
   const std::vector<std::int64_t>& leaves = view.tree->quality.leaves;
   const float width = ImGui::GetContentRegionAvail().x, height = 1.8f * ImGui::GetFontSize();

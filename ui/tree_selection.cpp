@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-// What a mark's colour means.
+// Legend entry of a mark.
 void key(const WorkspaceView& view, BoxMark mark, const char* text) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float size = ImGui::GetFontSize();
@@ -50,7 +50,7 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
   }
   const auto count = static_cast<int>(panel.visited.size());
   if (requests.playing) {
-    // The whole of it in at most five seconds, and no faster than an eye can follow where they are few.
+    // Replay rate: at most five seconds in total, at least five visits per second.
     const double more = static_cast<double>(ImGui::GetIO().DeltaTime) * std::max(5.0, count / 5.0);
     requests.visit = std::min(requests.visit + more, static_cast<double>(count));
     if (requests.visit >= count) requests.playing = false;
@@ -91,7 +91,7 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
 }  // namespace
 
 void draw_tree_selection(Workspace& workspace, const WorkspaceView& view) {
-  ImGui::PushID("selection");  // the table has buttons of the same faces
+  ImGui::PushID("selection");  // distinct from the buttons of the table
   draw_node(workspace, view);
   draw_query(workspace, view);
   ImGui::PopID();

@@ -10,7 +10,7 @@
 namespace collidoscope {
 namespace {
 
-/// A metric as the table has it.
+/// A metric column of the table.
 struct Column {
   NodeMetric metric;
   const char *name, *label, *help;  ///< name: in names of widgets
@@ -55,7 +55,7 @@ std::string size_text(const NodeReport& node) {
 void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
   const TreePanelView& panel = *view.tree;
   TreeRequests& requests = workspace.tree;
-  // ImGui keeps the width of a column that is out of sight: another font begins with another table.
+  // ImGui keeps the width of a hidden column, so each font size uses its own table.
   const std::string table = fmt::format("nodes {}", ImGui::GetFontSize());
   if (ImGui::BeginTable(table.c_str(), 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
     ImGui::TableSetupColumn("node", ImGuiTableColumnFlags_WidthStretch);
@@ -112,7 +112,7 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
        std::max<std::int64_t>(panel.first - TreePanelView::page, 0));
   turn("tree.page.next", ">", "Next page", panel.first + shown < panel.ranked,
        panel.first + TreePanelView::page);
-  // The selected one's neighbours in the order of the table, wherever their page is.
+  // Rank of the selected node, if it is on this page.
   std::optional<std::int64_t> rank;
   for (std::int64_t i = 0; i < shown; ++i) {
     const NodeReport& node = panel.rows[static_cast<std::size_t>(i)];

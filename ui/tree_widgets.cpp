@@ -14,7 +14,7 @@ namespace collidoscope {
 
 namespace {
 
-/// Whether white text reads better than black text on the window in this colour.
+/// Whether white text is more legible than black text on this colour over the window.
 bool is_dark(ImU32 color) {
   const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color), under = ImGui::GetStyleColorVec4(ImGuiCol_WindowBg);
   const auto mixed = [&](float over, float below) { return c.w * over + (1 - c.w) * below; };
@@ -55,7 +55,7 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
   if (drag_ends("levels", width, height, count, first, last)) {
     workspace.levels_chosen = true;
     layers.first_level = first;
-    layers.last_level = last == count - 1 ? 63 : last;  // "to the leaves" stays so when the tree grows
+    layers.last_level = last == count - 1 ? 63 : last;  // keeps "to the leaves" when the tree grows
   }
   track(workspace, name);
   const bool inside = ImGui::IsItemHovered() || ImGui::IsItemActive();
@@ -158,7 +158,7 @@ void choose_box_color(Workspace& workspace, const char* name) {
       if (ImGui::Selectable(text, metric == layers.box_color) && metric != layers.box_color) {
         layers.box_color = metric;
         if (metric != NodeMetric::level) workspace.tree.sort = metric;
-        layers.box_low = 0;  // another metric has other values
+        layers.box_low = 0;  // the old range belongs to another metric
         layers.box_high = std::numeric_limits<float>::infinity();
       }
       track(workspace, (std::string(name) + "." + text).c_str());

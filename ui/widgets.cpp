@@ -16,7 +16,7 @@ void track(Workspace& workspace, const char* name, const ScreenRect& rect) {
 }
 
 void track(Workspace& workspace, const char* name) {
-  // Neither what is grey nor what scrolled out of its window can be clicked.
+  // Disabled or scrolled-out widgets cannot be clicked.
   if (!ImGui::IsItemVisible() || (ImGui::GetItemFlags() & ImGuiItemFlags_Disabled) != 0) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 low = list->GetClipRectMin(), high = list->GetClipRectMax();
@@ -121,7 +121,7 @@ std::string with_prefix(double value, const char* unit) {
   if (!std::isfinite(value)) return fmt::format("{} {}", value, unit);
   for (const auto& p : prefixes)
     if (std::abs(value) >= p.scale && std::abs(value) < 1e15) {
-      // A prefix is read with the whole unit: kkg m/s is not one.
+      // The unit already has the prefix k: "kkg m/s" would be wrong.
       if (unit[0] == 'k') return fmt::format("{:.4g} {}", value, unit);
       return fmt::format("{:.4g} {}{}", value / p.scale, p.prefix, unit);
     }
@@ -142,7 +142,7 @@ std::string bytes_text(std::int64_t bytes) {
 }
 
 std::uint32_t stage_color(std::size_t stage, bool light) {
-  // Neighbours in the stack differ in hue and in lightness.
+  // Adjacent colours of the stack differ in hue and lightness.
   static constexpr std::array<std::uint32_t, stage_colors> dark_theme{
       0xffe8a14fu, 0xff4fb3f5u, 0xff7ac36au, 0xff5a6ee8u, 0xffd184c0u, 0xffc9c04eu, 0xff6f93c4u,
       0xff53d6e4u, 0xffb58af0u, 0xff8fd3a9u, 0xffa6a6a6u, 0xff7fa0ffu, 0xff789000u, 0xfff8d8f8u,
