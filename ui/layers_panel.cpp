@@ -97,7 +97,7 @@ void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
 
 struct BodyColorChoice {
   BodyColor color;
-  const char *name, *label;  ///< name: in names of widgets
+  const char *name, *label;  ///< name: part of the widget names
 };
 
 }  // namespace

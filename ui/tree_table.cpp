@@ -13,7 +13,7 @@ namespace {
 /// A metric column of the table.
 struct Column {
   NodeMetric metric;
-  const char *name, *label, *help;  ///< name: in names of widgets
+  const char *name, *label, *help;  ///< name: part of the widget names
 };
 constexpr std::array<Column, 5> columns{
     {{NodeMetric::level, "lvl", "level", "Level; 0 is the root"},

@@ -46,7 +46,7 @@ enum class Theme { dark, light };
 
 struct SpeedChoice {
   double speed;      ///< simulated seconds per second; 0: one step per drawn frame
-  const char* name;  ///< in names of widgets
+  const char* name;  ///< part of the widget names
   const char* label;
 };
 inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×", "0.1 × real time"},

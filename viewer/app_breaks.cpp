@@ -1,4 +1,4 @@
-// Where the run stops for somebody to look, and what is done about it.
+// Stops of the run, and the actions at a stop.
 
 #include <fmt/format.h>
 
@@ -44,7 +44,7 @@ void App::handle_stop_request() {
   }
 }
 
-/// One step, if nothing is in its way.
+/// Makes one step and handles a stop.
 void App::step_once() {
   const BreakConditions conditions = workspace_.breaks.conditions();
   const std::size_t frozen = live_.world().validation().frozen().size();
@@ -64,7 +64,7 @@ void App::step_once() {
   }
 }
 
-/// Whether guards hold the run; at a condition that is met, it goes on as soon as somebody plays or steps.
+/// Whether guards block the run. At a break condition, the request to play or step resumes the run.
 bool App::is_blocked_by_stop() {
   if (!breaks_.stop(live_)) return false;
   if (!live_.world().validation().paused()) {

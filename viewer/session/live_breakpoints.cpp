@@ -80,7 +80,7 @@ bool LiveBreakpoints::after_step(LiveWorld& live, const BreakConditions& conditi
   stop.what = stop_text(*hit);
   stop.body = hit->body;
   stop.state_before = world.steps() - 1;
-  cannot_restore_ = generation_ != live.generation();  // the run made a change of its script here
+  cannot_restore_ = generation_ != live.generation();  // the run applied a change of its script at this state
   stop_at(live, std::move(stop));
   return true;
 }

@@ -18,7 +18,7 @@
 namespace collidoscope {
 namespace {
 
-/// The scene with its bodies listed, as they are in the world.
+/// The scene with the present bodies of the world as a list.
 Scene scene_of_now(World& world) {
   Scene scene = world.scene();
   const InitialBodies& initial = world.initial();
@@ -73,7 +73,8 @@ void LiveReference::follow(World& world, int generation) {
   const std::string problem = another ? problem_fingerprint(world) : problem_;
   generation_ = generation;
   ++version_;
-  if (problem == problem_ && world.steps() == steps_ && !view_.name.empty()) return;  // it was only turned
+  if (problem == problem_ && world.steps() == steps_ && !view_.name.empty())
+    return;  // only a numerical setting changed
   problem_ = problem;
   begin(world);
 }
@@ -93,7 +94,7 @@ void LiveReference::begin(World& world) {
     exact_ = std::make_unique<HardSpheres>(steps_ == 0 ? world.scene() : scene_of_now(world));
     view_.name = "event-driven hard spheres";
     return;
-  } catch (const InputError&) {  // not such a scene
+  } catch (const InputError&) {  // not a scene of hard spheres
   }
   Scene scene = world.scene();
   scene.physics.precision = Precision::f64;
@@ -105,13 +106,14 @@ void LiveReference::begin(World& world) {
       runs_.push_back({std::make_unique<World>(scene, world.options(), &state), parts});
     }
     view_.name = "double precision, 1/8 of the time step";
-  } catch (const std::exception& error) {  // most likely no memory for two more worlds
+  } catch (const std::exception& error) {  // most likely out of memory
     runs_.clear();
     view_.unavailable_reason = error.what();
   }
 }
 
-/// Another step of the run is another part of it, as near to the one so far as there is.
+/// Adapts the time step of a reference run to a new time step of the run: an integer fraction near the
+/// present one.
 void LiveReference::fit(Run& run, double dt) {
   const double now = run.world->scene().physics.time_step;
   run.parts = std::max(1, static_cast<int>(std::lround(dt / now)));
@@ -144,7 +146,7 @@ bool LiveReference::advance_to_next_step(double dt, double milliseconds) {
         if (slice.passed()) return &run == &runs_.back() && run.done == run.parts;
       }
     }
-  } catch (const std::exception& error) {  // no memory for what they grew to
+  } catch (const std::exception& error) {  // out of memory while growing
     runs_.clear();
     view_.unavailable_reason = error.what();
   }
@@ -160,7 +162,7 @@ void LiveReference::stepped(double dt) {
   ++version_;
 }
 
-/// Takes what the reference has of this state, before it goes on.
+/// Stores the reference state that corresponds to the present state of the run.
 void LiveReference::compare() {
   states_known_ = true;
   if (exact_) reference_state_ = exact_->bodies();
@@ -196,7 +198,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d off = reference_state_.position[i] - now.position[i];
     double error = off.norm();
-    if (!(error < 1e30)) error = 1e30;  // what is not finite is as wrong as can be
+    if (!(error < 1e30)) error = 1e30;  // non-finite errors count as very large
     const double error_estimate =
         exact_ ? 0 : (reference_state_.position[i] - coarser_state_.position[i]).norm();
     GhostInstance ghost{};
