@@ -46,14 +46,14 @@ TEST(LaunchText, SaysWhatAndWhy) {
                   timed("cpu", {.items = 2000, .blocks = 4, .threads = 2, .chunk = 512})});
   const auto text = [&](std::size_t stage) { return launch_text(history.stages()[stage]); };
   EXPECT_THAT(text(0), HasSubstr("528 blocks of 256 threads for 1,000,000 items"));
-  EXPECT_THAT(text(0), HasSubstr("4 on each of 132 multiprocessors at once: occupancy 50 %"));
+  EXPECT_THAT(text(0), HasSubstr("4 resident blocks on each of 132 multiprocessors: occupancy 50 %"));
   EXPECT_THAT(text(0), HasSubstr("limited by registers"));
   EXPECT_THAT(text(1), HasSubstr("1 block of 256 threads"));
   EXPECT_THAT(text(1), HasSubstr("too few items"));
-  EXPECT_THAT(text(1), HasSubstr("own shape in part"));
-  EXPECT_THAT(text(2), HasSubstr("leaves 512 places for blocks empty"));
-  EXPECT_EQ(text(3), "own shape: a library launches it, and ignores (B, T)");
-  EXPECT_THAT(text(4), HasSubstr("2,000 items in 4 pieces of 512, on 2 threads"));
+  EXPECT_THAT(text(1), HasSubstr("some kernels have a library launch shape"));
+  EXPECT_THAT(text(2), HasSubstr("room for 512 more blocks"));
+  EXPECT_EQ(text(3), "library launch shape: independent of (B, T)");
+  EXPECT_THAT(text(4), HasSubstr("2,000 items in 4 chunks of 512, on 2 threads"));
 }
 
 TEST(LaunchText, TheRangeIsOfTheNewestStep) {
@@ -71,7 +71,7 @@ TEST(LaunchText, TheRangeIsOfTheNewestStep) {
       launch_range(history_of({timed("a", {.items = 1, .blocks = 1, .threads = 1, .chunk = 512}),
                                timed("b", {.items = 2000, .blocks = 4, .threads = 2, .chunk = 512})}));
   EXPECT_EQ(cpu.blocks, "");
-  EXPECT_THAT(cpu.lines, ElementsAre("pieces of 512 items, 2 threads"));
+  EXPECT_THAT(cpu.lines, ElementsAre("CPU: chunks of 512 items on 2 threads"));
 }
 
 }  // namespace

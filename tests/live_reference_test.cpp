@@ -56,7 +56,7 @@ Scene flight() {
 
 TEST(LiveReference, OfHardSpheresIsExact) {
   Beside run(flight());
-  EXPECT_EQ(run.reference.view().name, "hard spheres, event by event");
+  EXPECT_EQ(run.reference.view().name, "event-driven hard spheres");
   EXPECT_EQ(run.ghosts()[0].offset[2], 0);
   run.step(32);
   const std::vector<GhostInstance> ghosts = run.ghosts();

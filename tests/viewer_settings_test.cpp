@@ -37,8 +37,8 @@ TEST_F(Viewer, ReportsNumbersThatItCannotUse) {
           "T: 1025 is out of range; allowed: a whole number from 1 to 1,024, or auto");
   refused("settings.bodies", "0", "N: 0 is out of range; allowed: a whole number from 1 to 134,217,728");
   refused("settings.bodies", "many", "N: 'many' is not a whole number");
-  refused("settings.rate", "abc", "rate: 'abc' is not a number; allowed: 0.001 to 1e+06 Hz");
-  refused("settings.rate", "1e9", "rate: 1e9 is out of range; allowed: 0.001 to 1e+06 Hz");
+  refused("settings.rate", "abc", "step rate: 'abc' is not a number; allowed: 0.001 to 1e+06 Hz");
+  refused("settings.rate", "1e9", "step rate: 1e9 is out of range; allowed: 0.001 to 1e+06 Hz");
   refused("settings.restitution.value", "1.5", "restitution: 1.5 is out of range; allowed: 0 to 1");
   refused("settings.substeps", "1001",
           "substeps: 1001 is out of range; allowed: a whole number from 1 to 1,000, or auto");

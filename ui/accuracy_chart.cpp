@@ -8,7 +8,7 @@
 namespace collidoscope {
 namespace {
 
-/// "soft_step rk4 f64" is of the kind "soft_step rk4".
+/// "soft_step rk4" for the series "soft_step rk4 f64".
 std::string kind_of(const AccuracyPoint& point) {
   std::string kind = point.series_name;
   for (const char* precision : {" f32", " f64"})
@@ -34,17 +34,17 @@ AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
                              bool light) {
   AccuracyChart result;
   Chart& chart = result.chart;
-  chart.x = {"ms for a simulated second", short_number, true};
-  chart.y = {"error, rms", length_text, true};
-  chart.fits_error_bars = false;  // a run that something disturbed is no reason to shrink all
+  chart.x = {"ms per simulated second", short_number, true};
+  chart.y = {"rms error", length_text, true};
+  chart.fits_error_bars = false;  // one disturbed run must not compress the chart
   chart.level = tolerance > 0 ? tolerance : no_value;
-  chart.level_name = length_text(tolerance) + " allowed";
+  chart.level_name = "tolerance " + length_text(tolerance);
   if (reference && reference->error > 0) {
     chart.floor = reference->error;
-    chart.floor_name = "less than the reference's own error";
+    chart.floor_name = "below reference error";
   }
 
-  // Cheap to dear, so that lines run to the right.
+  // Ascending cost, so that lines run to the right.
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < points.size(); ++k)
     if (points[k].has_error() && points[k].has_cost()) order.push_back(k);

@@ -1,6 +1,6 @@
 #pragma once
-// The work-precision diagram: error over what a simulated second costs. A free function over plain data, for
-// the panel and for pictures.
+// The work-precision diagram: error versus cost of a simulated second. A free function over plain data, used
+// by the panel and by pictures.
 
 #include <optional>
 #include <span>
@@ -14,9 +14,9 @@ namespace collidoscope {
 
 struct AccuracyChart {
   Chart chart;
-  /// Of each series and place in it, which of the points.
+  /// points[s][k]: index of the AccuracyPoint at point k of series s.
   std::vector<std::vector<std::size_t>> points;
-  /// What is told apart by colour: series, whatever their precision.
+  /// The series of one colour: all precisions of one solver and integrator.
   struct Kind {
     std::string name;
     std::uint32_t color;
@@ -24,14 +24,13 @@ struct AccuracyChart {
   std::vector<Kind> kinds;
 };
 
-/// A colour for each kind of series; float is a solid line with discs, double a dashed one with diamonds. The
-/// line of a series joins those of its points that no other of them beats in both; the rest are fainter. Bars
-/// are the spread of the cost. The
-/// Pareto front of all is a broad line below. `light`: the theme.
+/// The chart of all points. Each kind of series has a colour. Float: solid line, discs; double: dashed line,
+/// diamonds. The line of a series joins its Pareto-optimal points; the other points are fainter. Bars show
+/// the spread of the cost. The Pareto front of all points is a wide line below. `light`: theme.
 AccuracyChart accuracy_chart(std::span<const AccuracyPoint> points,
                              const std::optional<AccuracyReference>& reference, double tolerance, bool light);
 
-/// 0.00123 m as "1.23 mm".
+/// Length with SI prefix: 0.00123 m is "1.23 mm".
 std::string length_text(double meters);
 
 }  // namespace collidoscope

@@ -1,6 +1,6 @@
-// What accuracy costs on the running scene: error over cost of many settings, measured while the panel is
-// unfolded. A point is a setting: a click applies it. The line across is the error that is allowed: the
-// cheapest setting below it is named.
+// Panel Accuracy: error versus cost of many settings of the running scene, measured while the panel is open.
+// A click on a point applies its setting. The tolerance is a line across the diagram. The cheapest setting
+// below it is recommended.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -26,7 +26,7 @@ void wrapped_faint(const std::string& text) {
 
 void request_settings(const AccuracySetting& setting, const AccuracyView& panel, Settings& settings) {
   apply(patch_of(setting), settings);
-  settings.physics.effects = panel.effects;  // a list: "auto" may depend on the time step
+  settings.physics.effects = panel.effects;  // a fixed list: "auto" may depend on the time step
   settings.physics.effects->continuous_collision = setting.continuous_collision;
 }
 
@@ -37,7 +37,7 @@ std::string count_text(int count, const char* one) {
 void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool now) {
   const auto row = [](const char* name, const std::string& text) {
     ImGui::TextDisabled("%s", name);
-    ImGui::SameLine(ImGui::GetFontSize() * 8);
+    ImGui::SameLine(ImGui::GetFontSize() * 8.6f);
     ImGui::TextUnformatted(text.c_str());
   };
   const auto share = [&](const char* name, double value) {
@@ -48,9 +48,9 @@ void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool no
   };
   const AccuracySetting& s = p.setting;
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted((p.series_name + (now ? " · as the run is" : "")).c_str());
-  row("step", fmt::format("{:.6g} Hz, {}, {}", 1 / s.time_step, count_text(s.substeps, "substep"),
-                          count_text(s.iterations, "iteration")));
+  ImGui::TextUnformatted((p.series_name + (now ? " · current setting" : "")).c_str());
+  row("step rate", fmt::format("{:.6g} Hz, {}, {}", 1 / s.time_step, count_text(s.substeps, "substep"),
+                               count_text(s.iterations, "iteration")));
   row("solver", std::string(name_of(solver_names, s.solver)));
   row("integrator", std::string(name_of(integrator_names, s.integrator)));
   row("rotation", std::string(name_of(rotation_update_names, s.rotation_update)));
@@ -60,34 +60,34 @@ void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool no
   const auto spread = [](const std::string& low, const std::string& high) {
     return " (" + low + " to " + high + ")";
   };
-  row("error", length_text(p.error) + (std::isfinite(p.error_low) && std::isfinite(p.error_high)
-                                           ? spread(length_text(p.error_low), length_text(p.error_high))
-                                           : ""));
-  length("worst body", p.error_worst);
+  row("rms error", length_text(p.error) + (std::isfinite(p.error_low) && std::isfinite(p.error_high)
+                                               ? spread(length_text(p.error_low), length_text(p.error_high))
+                                               : ""));
+  length("max error", p.error_worst);
   if (view.with_times)
-    row("price", fmt::format("{} ms for a second", short_number(p.ms.median)) +
-                     (std::isfinite(p.ms.low) && std::isfinite(p.ms.high)
-                          ? spread(short_number(p.ms.low), short_number(p.ms.high))
-                          : ""));
+    row("cost", fmt::format("{} ms per simulated s", short_number(p.ms.median)) +
+                    (std::isfinite(p.ms.low) && std::isfinite(p.ms.high)
+                         ? spread(short_number(p.ms.low), short_number(p.ms.high))
+                         : ""));
   const AccuracyInvariants& kept = p.invariants;
   share("energy drift", kept.energy_drift);
-  share("momentum", kept.momentum_balance);
-  share("ang. momentum", kept.angular_momentum_balance);
-  length("overlap", kept.penetration_max);
-  length("joints", kept.joint_error);
-  share("cone", kept.cone_violation);
+  share("momentum drift", kept.momentum_balance);
+  share("ang. mom. drift", kept.angular_momentum_balance);
+  length("max penetration", kept.penetration_max);
+  length("joint error", kept.joint_error);
+  share("cone violation", kept.cone_violation);
   length("heights W1", p.distributions.heights);
   if (std::isfinite(p.distributions.speeds))
     row("speeds W1", fmt::format("{} m/s", short_number(p.distributions.speeds)));
-  ImGui::TextDisabled("%s", p.on_front ? "on the Pareto front; a click applies it" : "a click applies it");
+  ImGui::TextDisabled("%s", p.on_front ? "on the Pareto front; click to apply" : "click to apply");
   ImGui::EndTooltip();
 }
 
 void draw_progress(Workspace& workspace, const AccuracyView& panel) {
   const float size = ImGui::GetFontSize();
   const bool over = panel.current_task.empty();
-  const char* const label = over ? "done" : workspace.accuracy.running ? "stop" : "go on";
-  const float buttons = 9.5f * size;
+  const char* const label = over ? "done" : workspace.accuracy.running ? "stop" : "resume";
+  const float buttons = 9.9f * size;
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
   ImGui::ProgressBar(static_cast<float>(panel.done), {ImGui::GetContentRegionAvail().x - buttons, 0},
                      over ? "all measured" : fmt::format("{:.0f} %", std::floor(100 * panel.done)).c_str());
@@ -95,13 +95,13 @@ void draw_progress(Workspace& workspace, const AccuracyView& panel) {
   if (!over) explain(("measuring " + panel.current_task).c_str());
   ImGui::SameLine();
   ImGui::BeginDisabled(over);
-  if (ImGui::Button(label, {3.4f * size, 0})) workspace.accuracy.running = !workspace.accuracy.running;
+  if (ImGui::Button(label, {3.8f * size, 0})) workspace.accuracy.running = !workspace.accuracy.running;
   ImGui::EndDisabled();
   track(workspace, "accuracy.running");
   ImGui::SameLine();
-  if (ImGui::Button("from here", {-1, 0})) workspace.accuracy.restart = true;
+  if (ImGui::Button("restart", {-1, 0})) workspace.accuracy.restart = true;
   track(workspace, "accuracy.restart");
-  explain("Measures anew, from the bodies as they are");
+  explain("Restarts the reference and all measurements from the present state");
 }
 
 void draw_diagram(Workspace& workspace, const AccuracyView& panel, const WorkspaceView& view) {
@@ -123,7 +123,7 @@ void draw_diagram(Workspace& workspace, const AccuracyView& panel, const Workspa
   const bool clicked = ImGui::IsItemClicked(), held = ImGui::IsItemActive();
   track(workspace, "accuracy.diagram");
 
-  // What the button went down on it keeps.
+  // The drag continues on the element on which the button was pressed.
   ImGuiStorage* const memory = ImGui::GetStateStorage();
   const ImGuiID dragging = ImGui::GetID("tolerance is dragged");
   if (clicked) memory->SetBool(dragging, hit.level);
@@ -135,7 +135,7 @@ void draw_diagram(Workspace& workspace, const AccuracyView& panel, const Workspa
   if (hit.level_at > 0) requests.line = {0, hit.right - 0.25f * ImGui::GetFontSize(), hit.level_at};
   requests.places.clear();
   for (const ChartHit::Place& place : hit.places)
-    if (place.series > 0)  // the front's are points of the others
+    if (place.series > 0)  // points of the front belong to other series
       requests.places.push_back(
           {diagram.points[static_cast<std::size_t>(place.series)][static_cast<std::size_t>(place.point)],
            place.x, place.y});
@@ -155,13 +155,13 @@ void draw_diagram(Workspace& workspace, const AccuracyView& panel, const Workspa
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s", name.c_str());
   }
-  faint_text("solid: f32, dashed: f64, broad: Pareto front");
+  faint_text("solid: f32, dashed: f64, wide: Pareto front");
 }
 
 void draw_answer(Workspace& workspace, const AccuracyView& panel, const WorkspaceView& view) {
-  row_label("allowed", "The error that is allowed: drag the line, or type it");
+  row_label("tolerance", "Largest acceptable error, m: drag the line, or type it");
   ImGui::PushID("tolerance");
-  number_field(workspace, "accuracy.tolerance", "allowed", workspace.accuracy.tolerance,
+  number_field(workspace, "accuracy.tolerance", "tolerance", workspace.accuracy.tolerance,
                {limits::min_tolerance, limits::max_tolerance, "m"}, "{:.3g} m");
   ImGui::PopID();
   draw_input_fault(workspace, "accuracy.tolerance");
@@ -172,6 +172,7 @@ void draw_answer(Workspace& workspace, const AccuracyView& panel, const Workspac
   const AccuracyPoint& p = panel.points[*panel.cheapest];
   if (ImGui::Button("apply")) request_settings(p.setting, panel, workspace.settings);
   track(workspace, "accuracy.apply");
+  explain("Applies the cheapest setting within the tolerance");
   ImGui::SameLine();
   ImGui::TextUnformatted(p.series_name.c_str());
   ImGui::TextUnformatted(fmt::format("{}: {}{}", p.name, length_text(p.error),
@@ -183,12 +184,11 @@ void draw_notes(const AccuracyView& panel) {
   if (panel.reference) {
     const AccuracyReference& r = *panel.reference;
     wrapped_faint(r.description);
-    wrapped_faint(fmt::format("From state {}. Positions are compared for {:.3g} s{}",
+    wrapped_faint(fmt::format("From state {}. Positions are compared over {:.3g} s{}",
                               grouped_number(panel.start_state), r.horizon,
                               r.end.empty() ? "." : ": " + r.end));
   } else {
-    wrapped_faint(fmt::format("From state {}: the reference first, which takes a while.",
-                              grouped_number(panel.start_state)));
+    wrapped_faint(fmt::format("From state {}: computing the reference.", grouped_number(panel.start_state)));
   }
   for (const std::string& warning : panel.warnings) wrapped_faint("! " + warning);
 }
@@ -198,7 +198,8 @@ void draw_notes(const AccuracyView& panel) {
 void draw_accuracy_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "accuracy", "Accuracy", workspace.visible_panels.accuracy)) return end_panel();
   if (view.accuracy == nullptr || !view.accuracy->unavailable_reason.empty()) {
-    wrapped_faint(view.accuracy == nullptr ? "of the next frame" : view.accuracy->unavailable_reason);
+    wrapped_faint(view.accuracy == nullptr ? "available after the next frame"
+                                           : view.accuracy->unavailable_reason);
     return end_panel();
   }
   const AccuracyView& panel = *view.accuracy;

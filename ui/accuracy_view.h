@@ -1,6 +1,5 @@
 #pragma once
-// What the panel of accuracy shows and asks for. Plain data: the requests are the panel's, the view its
-// owner's.
+// Data of the accuracy panel. Plain structs: the panel writes the requests, the caller writes the view.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,35 +12,35 @@
 
 namespace collidoscope {
 
-/// Where something was drawn last, in pixels of the screen.
+/// Screen position of a drawn element, in pixels.
 struct AccuracyPlace {
   std::size_t point = 0;
   float x = 0, y = 0;
 };
 
 struct AccuracyRequests {
-  double tolerance = 0;  ///< m, the error that is allowed; 0: nobody said, and the owner sets one
-  bool running = true;   ///< go on measuring while the panel is unfolded
-  bool restart = false;  ///< from the bodies as they are; cleared by the owner
+  double tolerance = 0;  ///< m, largest acceptable error; 0: unset, the caller sets a default
+  bool running = true;   ///< measure while the panel is open
+  bool restart = false;  ///< restart from the present state; cleared by the caller
 
-  std::vector<AccuracyPlace> places;  ///< of the points of the diagram, for whoever clicks by name
-  std::optional<AccuracyPlace> line;  ///< of the grip of the line across
+  std::vector<AccuracyPlace> places;  ///< drawn points of the diagram, for --automation
+  std::optional<AccuracyPlace> line;  ///< grip of the tolerance line
 };
 
 struct AccuracyView {
-  std::vector<AccuracyPoint> points;           ///< coarse to fine, those that are not measured yet, too
-  std::optional<AccuracyReference> reference;  ///< unset while it is being made
-  std::optional<std::size_t> cheapest;         ///< of the points below the tolerance, if one is recommended
-  std::string no_recommendation_reason;        ///< why none is; else empty
-  AccuracySetting now;                         ///< of the run
-  Effects effects;                             ///< of the run
-  std::string executor;                        ///< where costs are measured
-  std::int64_t start_state = 0;                ///< the state that all runs start from
-  double seconds = 0;                          ///< s, how long they are about
-  double done = 0;                             ///< share of the work, 0 to 1
-  std::string current_task;                    ///< in a few words; empty: all is measured
-  std::string unavailable_reason;              ///< why nothing can be measured, or empty
-  std::vector<std::string> warnings;           ///< of the results, a line each
+  std::vector<AccuracyPoint> points;           ///< coarse to fine, including those not measured yet
+  std::optional<AccuracyReference> reference;  ///< unset while it is computed
+  std::optional<std::size_t> cheapest;         ///< index of the recommended point below the tolerance
+  std::string no_recommendation_reason;        ///< why no setting is recommended; empty: one is
+  AccuracySetting now;                         ///< current setting of the run
+  Effects effects;                             ///< effects of the run
+  std::string executor;                        ///< executor that measures the costs
+  std::int64_t start_state = 0;                ///< initial state of all measured runs
+  double seconds = 0;                          ///< s, approximate simulated time of each run
+  double done = 0;                             ///< completed share of the work, 0 to 1
+  std::string current_task;                    ///< short text; empty: all is measured
+  std::string unavailable_reason;              ///< why nothing can be measured; empty: available
+  std::vector<std::string> warnings;           ///< warnings about the results, one line each
 };
 
 }  // namespace collidoscope

@@ -1,5 +1,5 @@
-// Where a run is to stop: a condition in each row, asked of every state while it is on. What it has stopped
-// at is one line, over the picture and here, with what can be done about it.
+// Panel Break when: one row per break condition, evaluated at each state while switched on. A stop is shown
+// as one line here and over the 3D view, with buttons.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -16,46 +16,46 @@ namespace {
 void draw_condition(Workspace& workspace, const BreakConditionName& condition) {
   const auto k = static_cast<std::size_t>(condition.condition);
   BreakRequests& requests = workspace.breaks;
+  const auto& [label, help] = break_text(condition.condition);
   const std::string name(condition.name);
   ImGui::PushID(name.c_str());
-  ImGui::Checkbox(name.c_str(), &requests.on[k]);
+  ImGui::Checkbox(label, &requests.on[k]);
   track(workspace, ("breaks." + name).c_str());
-  explain(
-      fmt::format("Stops where {}{}", condition.meaning, condition.has_limit ? " than this" : "").c_str());
+  explain(help);
   if (condition.has_limit) {
     ImGui::SameLine(ImGui::GetFontSize() * 10);
     ImGui::SetNextItemWidth(-1);
     const std::string unit(condition.unit), field = "breaks." + name + ".limit";
-    number_field(workspace, field.c_str(), name.c_str(), requests.limits[k],
-                 {0, condition.max_limit, unit.c_str()}, ("{:.6g} " + unit).c_str());
+    number_field(workspace, field.c_str(), label, requests.limits[k], {0, condition.max_limit, unit.c_str()},
+                 ("{:.6g} " + unit).c_str());
     draw_input_fault(workspace, field.c_str());
   }
   ImGui::PopID();
 }
 
-/// The line, and its buttons; `where` begins their names.
+/// The stop line and its buttons. `where`: prefix of the widget names.
 void draw_stop(Workspace& workspace, const StopView& stop, const std::string& where) {
   ImGui::PushTextWrapPos(0);
   ImGui::TextUnformatted(stop.what.c_str());
   ImGui::PopTextWrapPos();
   StopRequest& request = workspace.breaks.stop;
-  if (ImGui::Button("go on")) request = StopRequest::resume;
+  if (ImGui::Button("resume")) request = StopRequest::resume;
   track(workspace, (where + ".go_on").c_str());
-  explain(stop.is_violation ? "Does the step as it is, with guards switched off"
-                            : "Stops again where the condition is met anew");
+  explain(stop.is_violation ? "Runs the failing step with guards switched off"
+                            : "Stops again the next time the condition becomes true");
   if (stop.body) {
     ImGui::SameLine();
     ImGui::BeginDisabled(!stop.can_freeze);
     if (ImGui::Button(fmt::format("freeze body {}", *stop.body).c_str())) request = StopRequest::freeze;
     ImGui::EndDisabled();
     track(workspace, (where + ".freeze").c_str());
-    explain("Fixes it where it is, at rest; all that it never touches goes on as if it had been well");
+    explain("Fixes the body in place, at rest. Bodies that never touch it are not affected");
   }
   ImGui::SameLine();
   if (ImGui::Button(fmt::format("save state {}", grouped_number(stop.state_before)).c_str()))
     request = StopRequest::save;
   track(workspace, (where + ".save").c_str());
-  explain("A snapshot of the state before that step, from which a run comes to the same");
+  explain("Writes a snapshot of the state before that step. A run from it reproduces the stop");
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ void draw_stop_bar(Workspace& workspace, const WorkspaceView& view) {
   const ScreenRect& at = workspace.scene_view;
   const float margin = ImGui::GetFontSize();
   const bool light = workspace.theme == Theme::light;
-  // Above the hint and the notice.
+  // Position above the hint and the notice.
   ImGui::SetNextWindowPos({at.x + margin, at.y + at.height - 5 * margin}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSize({std::max(at.width - 2 * margin, 100.0f), 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg,

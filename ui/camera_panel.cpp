@@ -15,12 +15,11 @@ void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
     CameraRequest request;
   };
   static constexpr std::array<Button, 5> buttons{
-      {{"camera.all", "All", "Shift+F: see the whole scene, with all bodies where they are",
-        CameraRequest::frame_all},
-       {"camera.front", "Front", "1", CameraRequest::front},
-       {"camera.side", "Side", "3", CameraRequest::side},
-       {"camera.top", "Top", "7", CameraRequest::top},
-       {"camera.ortho", "Ortho", "5: without perspective", CameraRequest::orthographic}}};
+      {{"camera.all", "All", "Shift+F: frame all bodies", CameraRequest::frame_all},
+       {"camera.front", "Front", "1: front view", CameraRequest::front},
+       {"camera.side", "Side", "3: side view", CameraRequest::side},
+       {"camera.top", "Top", "7: top view", CameraRequest::top},
+       {"camera.ortho", "Ortho", "5: toggle perspective", CameraRequest::orthographic}}};
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   const float width = (ImGui::GetContentRegionAvail().x - 4 * gap) / 5;
   for (const Button& button : buttons) {
@@ -38,11 +37,11 @@ void draw_camera_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::SameLine();
   if (ImGui::Button("Picture")) workspace.screenshot_requested = true;
   track(workspace, "view.picture");
-  explain("P: the window as a PNG, in captures/");
+  explain("P: writes the window as a PNG to captures/");
   ImGui::SameLine();
   if (ImGui::Button("Keys")) workspace.help = !workspace.help;
   track(workspace, "view.help");
-  explain("F1");
+  explain("F1: list of keys");
   end_panel();
 }
 

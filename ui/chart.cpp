@@ -13,7 +13,7 @@ namespace {
 
 ImVec2 text_size(const std::string& text) { return ImGui::CalcTextSize(text.c_str()); }
 
-/// From values to pixels along one axis.
+/// Maps values to pixels along one axis.
 class Scale {
  public:
   Scale(const ChartAxis& axis, double least, double most, float from, float to)
@@ -25,7 +25,7 @@ class Scale {
   float pixel(double value) const {
     return from_ + static_cast<float>((place(value) - low_) / (high_ - low_)) * (to_ - from_);
   }
-  /// Of what lies beyond an end, the end.
+  /// Values outside the axis map to its nearer end.
   float pixel_within(double value) const {
     const double at = axis_.logarithmic && !(value > 0) ? low_ : std::clamp(place(value), low_, high_);
     return from_ + static_cast<float>((at - low_) / (high_ - low_)) * (to_ - from_);
@@ -53,7 +53,7 @@ struct Range {
   }
 };
 
-/// What the axis shows: as asked, else what the points need, and a little more.
+/// Range of the axis: the requested limits, else the range of the points with a margin.
 Range shown(const ChartAxis& axis, Range data) {
   if (data.least > data.most) data = axis.logarithmic ? Range{1, 10} : Range{0, 1};
   if (axis.logarithmic) {
@@ -126,7 +126,7 @@ void draw_line(ImDrawList* list, ImVec2 a, ImVec2 b, ImU32 color, float thick, b
   }
 }
 
-/// Names in a column, each as near to where its series ends as the others let it.
+/// Positions of the names in a column: each as near to the end of its series as possible, without overlap.
 std::vector<float> spread_out(std::vector<float> wanted, float height, float top, float bottom) {
   std::vector<std::size_t> order(wanted.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -221,7 +221,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
   hit.top = top;
   hit.right = right;
   hit.bottom = bottom;
-  const auto write_at = [&](float px, float py, const std::string& text) {  // in a corner of what is drawn
+  const auto write_at = [&](float px, float py, const std::string& text) {  // clamped into the plot area
     py = std::clamp(py, top, std::max(bottom - line, top));
     list->AddText({px, py}, faint, text.c_str());
     return py;
@@ -238,18 +238,18 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
     list->AddTriangleFilled({right - 0.7f * line, hit.level_at}, {right, hit.level_at + 0.4f * line},
                             {right, hit.level_at - 0.4f * line}, ImGui::GetColorU32(ImGuiCol_CheckMark));
     const float from = right - text_size(chart.level_name).x - 0.9f * line;
-    const bool above = hit.level_at - 1.15f * line >= top;  // else the line would cross it
+    const bool above = hit.level_at - 1.15f * line >= top;  // otherwise the line would cross the text
     hit.level_name_at = write_at(from, hit.level_at + (above ? -1.15f : 0.15f) * line, chart.level_name);
   }
   float nearest = 1.2f * line;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  std::vector<std::size_t> named;  // series
+  std::vector<std::size_t> named;  // indices of series
   std::vector<float> wanted;
   std::vector<ImVec2> ends;
   const float r = 0.26f * line;
   const auto mark_of = [&](std::size_t s) {
     return chart.series[s].mark < 0
-               ? (s + s / 12) % 4  // colours come round again after twelve series, with another mark
+               ? (s + s / 12) % 4  // colours repeat after twelve series, with another mark
                : static_cast<std::size_t>(chart.series[s].mark);
   };
   for (std::size_t s = 0; s < chart.series.size(); ++s) {
@@ -309,7 +309,7 @@ ChartHit draw_chart(const char* id, float width, float height, const Chart& char
                 1.3f * thick, series.dashed, 0.3f * line);
     list->AddText({right + lead, places[k]}, ink, series.name.c_str());
   }
-  // Its grip at the right is the line's; along the rest of it, points that are nearer come first.
+  // The grip at the right end always belongs to the line. Elsewhere the nearer of line and point is selected.
   const float off_line = std::abs(mouse.y - hit.level_at);
   const bool at_grip = off_line < 0.6f * line && std::abs(mouse.x - right) < 0.8f * line;
   hit.level = hovered && hit.level_at > 0 && mouse.x >= left &&

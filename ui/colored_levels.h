@@ -1,5 +1,5 @@
 #pragma once
-// Levels of the hierarchy that a frame shows. A free function.
+// Levels of the tree that a frame shows. A free function.
 
 #include <algorithm>
 #include <utility>
@@ -8,8 +8,8 @@
 
 namespace collidoscope {
 
-/// First and last level that colours span: those of the boxes that are drawn, else those of the selected
-/// body's path. `levels`: of the tree.
+/// First and last level of the colour scale: those of the drawn boxes, else those of the selected body's
+/// path. `levels`: number of levels of the tree.
 inline std::pair<int, int> colored_levels(const FrameLayers& layers, std::size_t levels,
                                           const BodyReport* selected) {
   const int deepest = std::max(static_cast<int>(levels) - 1, 0);

@@ -1,6 +1,5 @@
-// How far each sweep of the solver, in the last step, has left the contacts from a solution: the root mean
-// square of their residuals (sim_cuda/solver/residual.h) by decades. Recorded only while the panel is
-// unfolded.
+// Panel Convergence: residual of the contacts after each solver iteration of the last step (root mean square,
+// sim_cuda/solver/residual.h), on a logarithmic axis. Recorded only while the panel is open.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -14,7 +13,8 @@
 namespace collidoscope {
 namespace {
 
-/// Decades that hold all values above zero, at least three, at most twelve; those below lie on the floor.
+/// Decades of the axis: all positive values, at least three and at most twelve. Smaller values lie at the
+/// bottom.
 struct Decades {
   int low = -3, high = 0;
   explicit Decades(const std::vector<Residual>& residuals) {
@@ -27,7 +27,7 @@ struct Decades {
     high = static_cast<int>(std::ceil(std::log10(most)));
     low = std::clamp(static_cast<int>(std::floor(std::log10(least))), high - 12, high - 3);
   }
-  /// 0 at the floor, 1 at the top.
+  /// Position on the axis: 0 at the bottom, 1 at the top.
   float place(double value) const {
     const double at = value > 0 ? (std::log10(value) - low) / (high - low) : 0;
     return static_cast<float>(std::clamp(at, 0.0, 1.0));
@@ -38,11 +38,11 @@ void residual_tooltip(const Residual& r) {
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(
       (fmt::format("substep {}, {}", r.substep + 1, r.stage) +
-       (r.iteration == 0 ? ": before the first sweep" : fmt::format(": after sweep {}", r.iteration)))
+       (r.iteration == 0 ? ": before the first iteration" : fmt::format(": after iteration {}", r.iteration)))
           .c_str());
   ImGui::TextUnformatted(
-      fmt::format("rms {}, worst {}", with_prefix(r.rms, "m/s"), with_prefix(r.max, "m/s")).c_str());
-  ImGui::TextUnformatted((grouped_number(r.contacts) + " contacts, with walls").c_str());
+      fmt::format("rms {}, max {}", with_prefix(r.rms, "m/s"), with_prefix(r.max, "m/s")).c_str());
+  ImGui::TextUnformatted((grouped_number(r.contacts) + " contacts, including walls").c_str());
   ImGui::EndTooltip();
 }
 
@@ -77,7 +77,7 @@ void plot(const std::vector<Residual>& residuals, float width, float height, boo
     if (residuals[k].iteration > 0) list->AddLine(point(k - 1), point(k), color, std::max(1.0f, size / 10));
     if (residuals[k].iteration > 0)
       list->AddCircleFilled(point(k), dot, color, 12);
-    else  // what it starts from is nobody's work
+    else  // residual before the first iteration
       list->AddCircle(point(k), dot, color, 12);
     if (k > 0 && residuals[k].substep != residuals[k - 1].substep) {
       const float x = 0.5f * (point(k - 1).x + point(k).x);
@@ -99,10 +99,10 @@ void draw_key(bool light, bool relaxes) {
   };
   name("solve", 0);
   if (relaxes) name("relax", 3);
-  faint_text("o before its first sweep");
+  faint_text("o before the first iteration");
   explain(
-      "Root mean square, over contacts that press, of the speed by which each would still change its bodies' "
-      "motion. Without softness it is |min(w, impulse / mass)|, the natural residual of the contact problem");
+      "Residual: root mean square, over contacts with an impulse, of the velocity error that remains, m/s. "
+      "Without softness it is |min(w, impulse / mass)|, the natural residual of the contact problem");
 }
 
 }  // namespace
@@ -112,13 +112,14 @@ void draw_convergence_panel(Workspace& workspace, const WorkspaceView& view) {
     return end_panel();
   const bool light = workspace.theme == Theme::light;
   if (view.residuals.empty()) {
-    faint_text("of the next step");
+    faint_text("available after the next step");
   } else {
     plot(view.residuals, ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 9, light);
     track(workspace, "convergence.plot");
     draw_key(light, view.residuals.back().stage != "solve");
     const Residual& last = view.residuals.back();
-    row_text("left", with_prefix(last.rms, "m/s") + ", worst " + with_prefix(last.max, "m/s"));
+    row_text("residual", with_prefix(last.rms, "m/s") + " rms, " + with_prefix(last.max, "m/s") + " max",
+             "After the last iteration of the last step");
   }
   end_panel();
 }

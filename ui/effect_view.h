@@ -1,6 +1,6 @@
 #pragma once
-// What the panel of effects shows of each: whether it is on, whether the scene calls for it, and what it
-// costs. Plain data; whoever runs the scene fills it.
+// Data of the effects panel: for each effect whether it is on, whether the scene needs it, and its cost.
+// Plain structs, written by the caller.
 
 #include <cstdint>
 #include <optional>
@@ -11,16 +11,16 @@
 
 namespace collidoscope {
 
-/// What a step takes with an effect, less what it takes without, from the same state.
+/// Step time with an effect minus step time without it, from the same state.
 struct EffectCost {
-  int pairs = 0;                           ///< of steps, one with and one without; 0: none yet
-  double ms = 0, ms_low = 0, ms_high = 0;  ///< median of their differences, and its quartiles
-  double without_ms = 0;                   ///< median of the steps without
-  std::int64_t bytes = 0;                  ///< in the executor's memory space
-  std::int64_t step = 0;                   ///< of the state that it was measured from
-  std::string unavailable_reason;          ///< why it cannot be measured, or empty
+  int pairs = 0;                           ///< number of pairs of steps, with and without; 0: none yet
+  double ms = 0, ms_low = 0, ms_high = 0;  ///< median and quartiles of the differences
+  double without_ms = 0;                   ///< median step time without the effect
+  std::int64_t bytes = 0;                  ///< difference in the executor's memory
+  std::int64_t step = 0;                   ///< state at which the measurement started
+  std::string unavailable_reason;          ///< why it cannot be measured; empty: measured
 
-  /// Whether it is more than the noise: the middle half of the differences lies on one side of 0.
+  /// Whether the cost is significant: both quartiles of the differences have the same sign.
   bool differs_from_zero() const { return pairs >= 4 && (ms_low > 0 || ms_high < 0); }
 };
 
@@ -28,12 +28,12 @@ struct EffectView {
   std::string name;
   bool Effects::*flag = nullptr;
   bool on = false, required = false;
-  std::string why;                 ///< what calls for it, or why nothing does
-  std::string cannot;              ///< why it cannot be on whatever calls for it, or empty
-  std::optional<EffectCost> cost;  ///< unset: nobody asked
+  std::string why;                 ///< why the scene needs it or does not need it
+  std::string cannot;              ///< why it cannot be switched on; empty: it can
+  std::optional<EffectCost> cost;  ///< unset: not requested
 };
 
-/// Every effect with one switched, and those with it that cannot be without it or that it cannot be without.
+/// Effects after switching one of them, including its prerequisites or dependents.
 inline Effects with_switched(Effects effects, bool Effects::*flag, bool on) {
   effects.*flag = on;
   if (on) {

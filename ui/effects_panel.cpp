@@ -16,7 +16,7 @@ std::string spaced(std::string name) {
   return name;
 }
 
-/// With its sign, which is not that of a rounded 0.
+/// Signed value with three decimals; "+0.000" instead of "-0.000".
 std::string signed_time(double ms) {
   const std::string text = fmt::format("{:+.3f}", ms);
   return text == "-0.000" ? "+0.000" : text;
@@ -26,7 +26,7 @@ std::string signed_bytes(std::int64_t bytes) {
   return bytes == 0 ? "0" : (bytes < 0 ? "-" : "+") + bytes_text(std::abs(bytes));
 }
 
-/// Text that ends at `right`, from the panel's left edge.
+/// Right-aligned text that ends at `right`, measured from the panel's left edge.
 void text_to(float right, const std::string& text) {
   ImGui::SameLine(right - ImGui::CalcTextSize(text.c_str()).x);
   ImGui::TextUnformatted(text.c_str());
@@ -38,8 +38,10 @@ std::string cost_text(const EffectView& effect, const Effects& now) {
   const EffectCost& cost = *effect.cost;
   if (!cost.unavailable_reason.empty()) return text + "Not measured: " + cost.unavailable_reason + ".";
   text += fmt::format(
-      "A step takes {:.4f} ms more with it, the middle half of {} pairs {:.4f} to {:.4f} ms, and {:.4f} ms "
-      "without: two worlds from state {}, stepped in turns. {}Bytes are of their buffers at that state.",
+      "The effect adds {:.4f} ms per step: median of {} pairs of steps, quartiles {:.4f} to {:.4f} ms. A "
+      "step "
+      "without it takes {:.4f} ms. Two worlds from state {} are stepped in turns. {}Bytes: difference of "
+      "their buffers at that state.",
       cost.ms, cost.pairs, cost.ms_low, cost.ms_high, cost.without_ms, grouped_number(cost.step),
       cost.differs_from_zero() ? "" : "The difference is not distinguishable from 0. ");
   const Effects other = with_switched(now, effect.flag, !effect.on);
@@ -49,7 +51,7 @@ std::string cost_text(const EffectView& effect, const Effects& now) {
       along += (along.empty() ? "" : ", ") + std::string(flag == &Effects::rotation   ? "rotation"
                                                          : flag == &Effects::friction ? "friction"
                                                                                       : "rolling resistance");
-  if (!along.empty()) text += " Counted with it, as they go together: " + along + '.';
+  if (!along.empty()) text += " Includes the effects that are switched together with it: " + along + '.';
   return text;
 }
 
@@ -57,7 +59,7 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
   const float size = ImGui::GetFontSize();
   if (!cost.unavailable_reason.empty()) {
     ImGui::SameLine(size * 12.3f);
-    faint_text("cannot be measured");
+    faint_text("not measurable");
     return;
   }
   const bool shown = view.with_times && cost.pairs > 0;
@@ -72,14 +74,14 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
   text_to(size * 25.0f, signed_bytes(cost.bytes));
 }
 
-/// What they do where something goes wrong is a setting; what they look at decides no state.
+/// Row of the guards. Their action on failure is a setting. They do not change the state.
 void draw_guards(Workspace& workspace, const EffectView& effect, const WorkspaceView& view,
                  const Effects& now) {
   std::optional<OnFailure>& request = workspace.settings.guards;
   bool on = request.has_value();
   if (ImGui::Checkbox("guards", &on)) request = on ? std::optional(OnFailure::pause) : std::nullopt;
   track(workspace, "effects.guards");
-  explain(("After each stage a look at all that it wrote, for what is not finite, or absurd. " +
+  explain(("Checks the results of each stage for values that are not finite or out of range. " +
            cost_text(effect, now))
               .c_str());
   ImGui::SameLine(ImGui::GetFontSize() * 6.6f);
@@ -97,7 +99,7 @@ void draw_guards(Workspace& workspace, const EffectView& effect, const Workspace
     track(workspace, "effects.on_failure");
   }
   ImGui::EndDisabled();
-  explain("pause: the run waits before the step that fails. freeze: the body is fixed where it was");
+  explain("pause: stops before the failing step. freeze: fixes the body in place and continues");
   if (effect.cost) draw_cost(view, *effect.cost);
 }
 
@@ -119,7 +121,7 @@ void draw_effect(Workspace& workspace, const EffectView& effect, const Workspace
     draw_cost(view, *effect.cost);
   } else if (!effect.required) {
     ImGui::SameLine(ImGui::GetFontSize() * 12.3f);
-    faint_text("on, though " + effect.why);
+    faint_text("on; not needed: " + effect.why);
   }
   ImGui::PopID();
 }
@@ -134,18 +136,18 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   if (ImGui::Checkbox("auto", &automatic))
     workspace.settings.physics.effects = automatic ? std::nullopt : std::optional(now);
   track(workspace, "effects.auto");
-  explain("What the scene calls for. A switch below makes a list of your own; it changes the result.");
+  explain("Uses the effects that the scene needs. A switch below overrides this. Effects change the result.");
   ImGui::SameLine();
-  ImGui::Checkbox("measure costs", &workspace.measure_effects);
+  ImGui::Checkbox("measure cost of each effect", &workspace.measure_effects);
   track(workspace, "effects.measure");
   explain(
-      "With an effect minus without it, from the state that is shown, in two more worlds. The run is not "
-      "touched, but slower meanwhile.");
+      "Step time with an effect minus step time without it, from the present state, in two more worlds. "
+      "The run is slower meanwhile, with the same result.");
   const bool costs = std::ranges::any_of(view.effect_views, [](const auto& e) { return e.cost.has_value(); });
   if (costs) {
     const float size = ImGui::GetFontSize();
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    text_to(size * 19.4f, "ms a step");
+    text_to(size * 19.4f, "ms per step");
     text_to(size * 25.0f, view.measuring_effects ? "…" : "bytes");
     ImGui::PopStyleColor();
   }

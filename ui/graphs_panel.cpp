@@ -38,7 +38,7 @@ int draw_stages(Workspace& workspace, const WorkspaceView& view, std::size_t fir
   bars.marks = {{1000.0f / 60, "60 Hz"}, {1000.0f / 30, "30 Hz"}};
   bars.highlighted = workspace.hovered_stage >= 0 ? workspace.hovered_stage : workspace.chosen_stage;
   if (first < history.size()) bars.first_step = history[first].step;
-  if (!view.with_times) bars.note = "left out: times differ from run to run";
+  if (!view.with_times) bars.note = "not shown: times differ between runs";
   const int under = plot_stacked("stages", width, height, bars);
   track(workspace, "graph.stages");
   return under;
@@ -56,10 +56,10 @@ void draw_graphs_panel(Workspace& workspace, const WorkspaceView& view) {
   const float wide = std::round(0.44f * (room.x - gap)), narrow = room.x - gap - wide;
 
   const int under = draw_stages(workspace, view, first, wide, room.y);
-  // Whoever is pointed at, here or in the table; kept for the next frame's table and graph.
+  // Stage under the pointer in graph or table, used by both in the next frame.
   workspace.hovered_stage = under;
 
-  // Over time, one below the other, so that what happened at once stands in one place.
+  // Time series below each other, with a common time axis.
   const float space = std::round(0.6f * ImGui::GetStyle().ItemSpacing.y);
   const float height = std::floor((room.y - 2 * space) / 3);
   const std::int64_t first_step = first < history.size() ? history[first].step : 0;

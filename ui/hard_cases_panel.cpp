@@ -1,6 +1,5 @@
-// The hard cases: scenes that try to break the simulation, by group, each with a mark for every solver in
-// either precision. A click on a case opens its scene; a click on a mark opens it with that solver in that
-// precision, at the state where it failed.
+// Panel Hard cases: stress scenes by group, with one mark per solver and precision. A click on a name opens
+// the scene. A click on a mark opens it with that solver and precision, at the failing state.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -15,13 +14,15 @@
 namespace collidoscope {
 namespace {
 
-/// Where marks stand: two columns for each solver, from the right edge.
+/// Layout of the marks: two columns per solver, aligned to the right edge.
 struct Columns {
   explicit Columns(float right_edge) : size(ImGui::GetFontSize()), right(right_edge) {}
   float cell() const { return 1.75f * size; }
   float gap() const { return 0.55f * size; }
   float width() const { return static_cast<float>(solver_names.size()) * (2 * cell() + gap()); }
-  float left() const { return right - width(); }  ///< of all, with a gap before the first
+  float left() const {
+    return right - width();
+  }  ///< left end of all columns, including the gap before the first
   float left(Solver solver) const {
     return left() + gap() + static_cast<float>(solver) * (2 * cell() + gap());
   }
@@ -37,7 +38,7 @@ std::string test_run_name(const TestRunView& test_run) {
                      name_of(precision_names, test_run.precision));
 }
 
-/// As much of it as there is room for.
+/// The text, shortened to this width with an ellipsis.
 std::string fitted(const std::string& text, float width) {
   if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
   std::string part = text;
@@ -45,7 +46,7 @@ std::string fitted(const std::string& text, float width) {
   return part + "…";
 }
 
-/// `width`: pixels; 0: as wide as the panel.
+/// `width` in pixels; 0: width of the panel.
 void wrapped(const std::string& text, bool faint, float width = 0) {
   ImGui::PushStyleColor(ImGuiCol_Text,
                         ImGui::GetStyleColorVec4(faint ? ImGuiCol_TextDisabled : ImGuiCol_Text));
@@ -55,7 +56,7 @@ void wrapped(const std::string& text, bool faint, float width = 0) {
   ImGui::PopStyleColor();
 }
 
-/// A mark in a line of text, and what follows it.
+/// A status mark followed by text.
 void with_status(TestStatus status, bool light, const std::string& text) {
   const float size = ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -86,7 +87,7 @@ void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run
     ImGui::TextUnformatted(assertion.assertion.c_str());
     ImGui::PushStyleColor(ImGuiCol_Text, assertion.passed ? ImGui::GetColorU32(ImGuiCol_TextDisabled)
                                                           : test_status_color(TestStatus::failed, light));
-    ImGui::TextUnformatted(fmt::format("    {} {} at state {}{}", assertion.passed ? "at worst" : "fails:",
+    ImGui::TextUnformatted(fmt::format("    {} {} at state {}{}", assertion.passed ? "worst:" : "fails:",
                                        assertion.value, grouped_number(assertion.state),
                                        assertion.body ? fmt::format(", body {}", *assertion.body) : "")
                                .c_str());
@@ -94,8 +95,8 @@ void test_run_tooltip(const HardCaseView& hard_case, const TestRunView& test_run
   }
   if (!hard_case.refused && test_run.status != TestStatus::not_applicable)
     faint_text(test_run.failed_state
-                   ? fmt::format("A click opens it at state {}", grouped_number(*test_run.failed_state))
-                   : "A click opens it from state 0");
+                   ? fmt::format("Click to open it at state {}", grouped_number(*test_run.failed_state))
+                   : "Click to open it at state 0");
   ImGui::EndTooltip();
 }
 
@@ -111,23 +112,22 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
   const double share =
       panel.opening ? *panel.opening
                     : static_cast<double>(is_finished) / static_cast<double>(std::max<std::int64_t>(all, 1));
-  const std::string text = panel.opening ? fmt::format("on the way: {:.0f} %", std::floor(100 * share))
-                                         : fmt::format("{} of {} trials", is_finished, all);
+  const std::string text = panel.opening ? fmt::format("opening: {:.0f} %", std::floor(100 * share))
+                                         : fmt::format("{} of {} test runs", is_finished, all);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
   ImGui::ProgressBar(static_cast<float>(share), {ImGui::GetContentRegionAvail().x - 12.6f * size, 0},
                      text.c_str());
   ImGui::PopStyleColor();
-  explain(fmt::format("{}; on {}", panel.current_task.empty() ? "nothing runs" : panel.current_task,
-                      panel.executor)
+  explain(fmt::format("{}; on {}", panel.current_task.empty() ? "idle" : panel.current_task, panel.executor)
               .c_str());
   ImGui::SameLine();
   const char* const label = running             ? "stop"
                             : is_finished == 0  ? "run all"
-                            : is_finished < all ? "go on"
+                            : is_finished < all ? "resume"
                                                 : "run again";
   if (ImGui::Button(label, {5.4f * size, 0})) (running ? requests.stop : requests.run_all) = true;
   track(workspace, "hard_cases.run_all");
-  explain("All cases with each solver in each precision, in slices: the scene goes on meanwhile");
+  explain("Runs all cases with each solver and precision, a slice per frame. The scene continues meanwhile");
   ImGui::SameLine();
   const bool any = std::ranges::any_of(
       panel.cases, [&](const auto& hard_case) { return hard_case.name == requests.selected; });
@@ -135,10 +135,10 @@ void draw_buttons(Workspace& workspace, const HardCasesView& panel) {
   if (ImGui::Button("run selected", {-1, 0})) requests.run_selected = true;
   ImGui::EndDisabled();
   track(workspace, "hard_cases.run");
-  if (any) explain(("Runs " + requests.selected + " with each solver in each precision").c_str());
+  if (any) explain(("Runs " + requests.selected + " with each solver and precision").c_str());
 }
 
-/// What has come of all, and with it what the marks mean.
+/// Number of test runs by status; also the legend of the marks.
 void draw_counts(const HardCasesView& panel, bool light) {
   constexpr std::pair<TestStatus, const char*> kinds[] = {{TestStatus::passed, "passed"},
                                                           {TestStatus::expected_failure, "limit"},
@@ -150,17 +150,16 @@ void draw_counts(const HardCasesView& panel, bool light) {
     ImGui::BeginGroup();
     with_status(kinds[k].first, light, fmt::format("{} {}", panel.count(kinds[k].first), kinds[k].second));
     ImGui::EndGroup();
-    static constexpr const char* meanings[] = {
-        "Every term of the criterion held",
-        "It does not hold there, as the criterion declares, with the reason",
-        "A term did not hold, or a limit is declared where all holds",
-        "The solver cannot take the scene, or the case is not for this executor"};
+    static constexpr const char* meanings[] = {"All terms of the criterion hold",
+                                               "A term fails, as the criterion declares, with the reason",
+                                               "A term fails, or a limit is declared although all terms hold",
+                                               "The solver or the executor does not support this case"};
     explain(meanings[k]);
   }
 }
 
 void draw_heads(const Columns& columns) {
-  // Solvers over their two columns, with a line for each word; below them the precisions.
+  // Solver names over two columns each, one word per line. Precisions below.
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList* const list = ImGui::GetWindowDrawList();
   const float line = ImGui::GetTextLineHeight();
@@ -207,7 +206,7 @@ void draw_test_run(Workspace& workspace, const HardCasesView& panel, std::size_t
   }
   if (panel.shown == which && panel.shown_test_run == k)
     list->AddRect(from, to, ImGui::GetColorU32(ImGuiCol_CheckMark), 3);
-  if (hard_case.refused) {  // one answer for all of them
+  if (hard_case.refused) {  // one result for all solvers
     const float room = 0.8f * columns.size;
     const ImU32 line = ImGui::GetColorU32(ImGuiCol_Border);
     list->AddLine({from.x + 0.4f * columns.size, middle.y}, {middle.x - room, middle.y}, line);
@@ -243,7 +242,7 @@ void draw_case(Workspace& workspace, const HardCasesView& panel, std::size_t whi
   }
   track(workspace, ("hard_cases.case." + hard_case.name).c_str());
   explain((hard_case.name + ": " + hard_case.what +
-           (hard_case.refused ? ". It must be refused on reading" : ". A click opens it from state 0"))
+           (hard_case.refused ? ". The reader must reject it" : ". Click to open it at state 0"))
               .c_str());
   for (std::size_t k = 0; k < hard_case.test_runs.size(); ++k)
     draw_test_run(workspace, panel, which, k, columns, view);
@@ -278,7 +277,7 @@ void draw_selected(Workspace& workspace, const HardCasesView& panel) {
   if (panel.scene_before.empty()) return;
   if (ImGui::Button(("back to " + panel.scene_before).c_str())) workspace.hard_cases.back = true;
   track(workspace, "hard_cases.back");
-  explain("The scene that was there before, at the state that it was left in");
+  explain("Returns to the previous scene, at its last state");
 }
 
 }  // namespace
@@ -287,7 +286,9 @@ void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "hard_cases", "Hard cases", workspace.visible_panels.hard_cases))
     return end_panel();
   if (view.hard_cases == nullptr || !view.hard_cases->unavailable_reason.empty()) {
-    wrapped(view.hard_cases == nullptr ? "of the next frame" : view.hard_cases->unavailable_reason, true);
+    wrapped(
+        view.hard_cases == nullptr ? "available after the next frame" : view.hard_cases->unavailable_reason,
+        true);
     return end_panel();
   }
   const HardCasesView& panel = *view.hard_cases;

@@ -1,7 +1,6 @@
 #pragma once
-// What the panel of hard cases shows and asks for. Plain data: the requests are the panel's, the view its
-// owner's. A case is a scene that tries to break the simulation; a test run of it is one solver in one
-// precision.
+// Data of the hard cases panel. Plain structs: the panel writes the requests, the caller writes the view. A
+// hard case is a stress scene. A test run is a case with one solver in one precision.
 
 #include <cstdint>
 #include <optional>
@@ -23,7 +22,7 @@ inline constexpr auto test_status_names =
                                       {"failed", TestStatus::failed},
                                       {"not applicable", TestStatus::not_applicable}});
 
-/// What came of one assertion: its value nearest to the bound, or the first beyond it.
+/// Result of one assertion: the value nearest to the bound, or the first value beyond it.
 struct AssertionView {
   std::string assertion, value;  ///< "penetration at most 0.01 m", "0.00123 m"
   bool passed = true;
@@ -35,32 +34,32 @@ struct TestRunView {
   Solver solver = Solver::soft_step;
   Precision precision = Precision::f32;
   TestStatus status = TestStatus::not_run;
-  double progress = 0;                    ///< 0 to 1, of one that is running
-  std::string why, failure;               ///< reason of a limit, or why it does not apply; what did not hold
-  std::vector<AssertionView> assertions;  ///< that were measured
-  std::int64_t steps = 0;                 ///< made
-  double seconds = 0;                     ///< of the clock
-  std::optional<std::int64_t> failed_state;  ///< where it can be looked at
-  std::optional<std::uint32_t> body;         ///< that failed there, if it was one
+  double progress = 0;                       ///< 0 to 1, while running
+  std::string why, failure;                  ///< reason of a limit or of "not applicable"; failed assertion
+  std::vector<AssertionView> assertions;     ///< measured assertions
+  std::int64_t steps = 0;                    ///< number of completed steps
+  double seconds = 0;                        ///< wall-clock time
+  std::optional<std::int64_t> failed_state;  ///< failing state that can be opened
+  std::optional<std::uint32_t> body;         ///< failing body, if any
 
   bool is_finished() const { return status >= TestStatus::passed; }
 };
 
 struct HardCaseView {
   std::string name, what, group;
-  bool refused = false;  ///< its scene must be refused, so nothing of it can be opened; it has one test run
-  std::vector<TestRunView> test_runs;  ///< by solver, then by precision
+  bool refused = false;  ///< the reader must reject the scene; it cannot be opened and has one test run
+  std::vector<TestRunView> test_runs;  ///< ordered by solver, then by precision
 };
 
 struct HardCasesView {
-  std::vector<HardCaseView> cases;            ///< by group
-  std::string executor;                       ///< that test runs run on
-  std::string unavailable_reason;             ///< why there are none, or empty
-  std::string current_task;                   ///< in a few words; empty: nothing runs
-  std::optional<double> opening;              ///< 0 to 1: how far a run has come on its way to a state
-  std::optional<std::size_t> shown;           ///< the case that is in the 3D view,
-  std::optional<std::size_t> shown_test_run;  ///< and which of its test runs
-  std::string scene_before;  ///< the scene that was there before all cases; empty: it still is
+  std::vector<HardCaseView> cases;            ///< ordered by group
+  std::string executor;                       ///< executor of the test runs
+  std::string unavailable_reason;             ///< why there are no cases; empty: available
+  std::string current_task;                   ///< short text; empty: idle
+  std::optional<double> opening;              ///< 0 to 1: progress of the run to the requested state
+  std::optional<std::size_t> shown;           ///< index of the case in the 3D view
+  std::optional<std::size_t> shown_test_run;  ///< index of its test run
+  std::string scene_before;                   ///< scene that was replaced by a case; empty: none
 
   std::int64_t count(TestStatus status) const {
     std::int64_t n = 0;
@@ -71,14 +70,14 @@ struct HardCasesView {
 };
 
 struct HardCasesRequests {
-  std::string selected;  ///< name of a case; empty: none
-  // Cleared by the owner.
+  std::string selected;  ///< name of the selected case; empty: none
+  // Cleared by the caller.
   bool run_all = false, run_selected = false, stop = false;
-  bool back = false;  ///< to the scene that was there before
+  bool back = false;  ///< return to the replaced scene
   struct Opening {
-    std::size_t which;  ///< of the cases
+    std::size_t which;  ///< index of the case
     std::optional<std::size_t>
-        test_run;  ///< of its test runs, at the state where it failed; unset: the case at 0
+        test_run;  ///< index of its test run, opened at the failing state; unset: the case at state 0
   };
   std::optional<Opening> open;
 };

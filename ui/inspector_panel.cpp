@@ -18,28 +18,28 @@ std::string small_vector_text(const Vector3d& v) {
 }
 
 void draw_state(const BodyReport& body) {
-  // The paper's Dynamics, after Baraff 1997.
-  row_text("mass", with_prefix(body.mass, "kg"));
-  row_text("radius", fmt::format("{:.4g} m", body.radius));
-  row_text("X  m", vector_text(body.X), "Position of the centre of mass");
-  row_text("v  m/s", vector_text(body.v), "Velocity");
-  row_text("P  kg m/s", small_vector_text(body.P), "Linear momentum");
+  // Symbols follow Baraff 1997, as in the paper.
+  row_text("mass", with_prefix(body.mass, "kg"), "Mass");
+  row_text("radius", fmt::format("{:.4g} m", body.radius), "Radius, of a mesh that of its bounding sphere");
+  row_text("X  m", vector_text(body.X), "Position x of the centre of mass, m");
+  row_text("v  m/s", vector_text(body.v), "Linear velocity, m/s");
+  row_text("P  kg m/s", small_vector_text(body.P), "Linear momentum, kg m/s");
   const auto part = [](double value) { return std::abs(value) < 5e-4 ? 0.0 : value; };  // no -0
   row_text("q",
            fmt::format("  {:6.3f} {:6.3f} {:6.3f} {:6.3f}", part(body.q.w()), part(body.q.x()),
                        part(body.q.y()), part(body.q.z())),
-           "Orientation w x y z, R as a quaternion");
-  row_text("ω  rad/s", vector_text(body.w), "Angular velocity");
-  row_text("L  kg m²/s", small_vector_text(body.L), "Angular momentum about the centre of mass");
+           "Orientation as a unit quaternion w x y z");
+  row_text("ω  rad/s", vector_text(body.w), "Angular velocity, rad/s");
+  row_text("L  kg m²/s", small_vector_text(body.L), "Angular momentum about the centre of mass, kg m²/s");
   const Vector3d inertia = body.inverse_inertia.diagonal();
   row_text("1/I", small_vector_text(inertia),
-           "Inverse inertia tensor, its diagonal in world axes, 1/(kg m²)");
-  row_text("F  N", small_vector_text(body.F), "What the next step applies: the weight");
-  row_text("T  N m", small_vector_text(body.T), "Torque that the next step applies");
+           "Diagonal of the inverse inertia tensor in world axes, 1/(kg m²)");
+  row_text("F  N", small_vector_text(body.F), "Force that the next step applies: the weight, N");
+  row_text("T  N m", small_vector_text(body.T), "Torque that the next step applies, N m");
 }
 
-/// The others, the strongest contact first; where no impulses are known, by id. Rows that the pointer rests
-/// on keep their places: a click must find what it was aimed at.
+/// Ids of the contact partners, by descending impulse, else by id. Rows under the pointer keep their order,
+/// so that a click selects the intended row.
 const std::vector<std::uint32_t>& contact_rows(Workspace& workspace, const BodyReport& body) {
   constexpr std::size_t most = 6;
   Workspace::ContactRows& rows = workspace.contact_rows;
@@ -61,8 +61,8 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
   if (rows.empty()) return faint_text("no contacts");
   faint_text(fmt::format("{:<14}{:>8}{:>14}",
                          fmt::format("{} contact{}", body.contact_count, body.contact_count == 1 ? "" : "s"),
-                         "overlap", "impulse"));
-  // Those that were not recorded are no zeros.
+                         "depth", "impulse"));
+  // Unrecorded impulses are shown as a dash, not as 0.
   const bool known = std::ranges::any_of(body.contacts, [](const auto& c) { return c.impulse != 0; });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto found = std::ranges::find(body.contacts, rows[i], &BodyReport::Contact::other);
@@ -76,10 +76,10 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
     workspace.contact_rows.hovered |= ImGui::IsItemHovered() || ImGui::IsItemActive();
     track(workspace, ("inspector.contact." + std::to_string(i)).c_str());
     if (!touches) {
-      explain(fmt::format("Body {}: no contact any more. Click to select it", rows[i]).c_str());
+      explain(fmt::format("Body {}: no longer in contact. Click to select it", rows[i]).c_str());
       continue;
     }
-    explain(fmt::format("Body {}: how deep the two overlap, and the normal impulse that the last step gave. "
+    explain(fmt::format("Body {}: penetration, and normal impulse of the last step. "
                         "The normal towards it is {:.3f} {:.3f} {:.3f}. Click to select it",
                         found->other, found->normal.x(), found->normal.y(), found->normal.z())
                 .c_str());
@@ -88,17 +88,16 @@ void draw_contacts(Workspace& workspace, const BodyReport& body) {
   if (body.contact_count > shown) faint_text(fmt::format("and {} more", body.contact_count - shown));
 }
 
-// From the leaf (left) to the root (right): a bar for each box, as wide as its diagonal's share of the
-// root's.
+// One bar per box from the leaf (top) to the root. Length: diagonal of the box over that of the root.
 void draw_path(const WorkspaceView& view, const BodyReport& body) {
   if (body.path.empty()) {
-    faint_text("no tree, so no path");
+    faint_text("this method has no tree");
     return;
   }
   const auto diagonal = [](const TreeLevels::Box& box) {
     return std::hypot(box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]);
   };
-  faint_text(fmt::format("leaf {} of the tree, {} boxes up to the root", body.leaf, body.path.size()));
+  faint_text(fmt::format("leaf {}, {} boxes from leaf to root", body.leaf, body.path.size()));
   const float width = ImGui::GetContentRegionAvail().x, row = ImGui::GetFontSize() * 0.42f;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float whole = std::max(diagonal(body.path.back()), 1e-30f);
@@ -115,7 +114,7 @@ void draw_path(const WorkspaceView& view, const BodyReport& body) {
                                         ImGui::GetColorU32(ImGuiCol_Border), 1);
   }
   ImGui::Dummy({width, row * static_cast<float>(count)});
-  explain("The boxes that hold this body, from its leaf (top) to the root: each as long as its diagonal");
+  explain("Boxes that contain this body, from its leaf (top) to the root. Bar length: diagonal of the box");
 }
 
 }  // namespace
@@ -129,27 +128,27 @@ void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(fmt::format("body {}", view.selected->id).c_str());
   ImGui::SameLine();
+  ImGui::Checkbox("follow", &workspace.follow);
+  track(workspace, "inspector.follow");
+  explain("The camera follows this body");
+  ImGui::SameLine();
+  ImGui::Checkbox("path", &workspace.show_path);
+  track(workspace, "inspector.path");
+  explain("Show path in tree: the boxes from leaf to root, in the 3D view");
+  ImGui::SameLine();
+  const bool closed = ImGui::SmallButton("deselect");
+  track(workspace, "inspector.close");
+  explain("Esc: deselect this body");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("delete")) workspace.removal_requested = true;
+  track(workspace, "inspector.remove");
+  explain("Delete: removes the body from the run. Higher ids decrease by one");
   if (std::ranges::binary_search(view.frozen, view.selected->id)) {
     ImGui::TextColored(
         workspace.theme == Theme::light ? ImVec4(0.05f, 0.42f, 0.62f, 1) : ImVec4(0.47f, 0.84f, 1, 1),
         "frozen");
-    explain(
-        "A step of its own failed, or somebody asked for it: it stays where it was, and no force moves it");
-    ImGui::SameLine();
+    explain("Fixed in place, by guards or by hand. No force moves it");
   }
-  ImGui::Checkbox("follow", &workspace.follow);
-  track(workspace, "inspector.follow");
-  ImGui::SameLine();
-  ImGui::Checkbox("path", &workspace.show_path);
-  track(workspace, "inspector.path");
-  explain("Its boxes in the tree, from leaf to root, in the 3D view");
-  ImGui::SameLine();
-  const bool closed = ImGui::SmallButton("close");
-  track(workspace, "inspector.close");
-  ImGui::SameLine();
-  if (ImGui::SmallButton("remove")) workspace.removal_requested = true;
-  track(workspace, "inspector.remove");
-  explain("Delete: takes the body out of the run; the ids above it move down by one");
   draw_state(*view.selected);
   draw_contacts(workspace, *view.selected);
   draw_path(view, *view.selected);

@@ -13,7 +13,7 @@ namespace collidoscope {
 namespace {
 
 std::string cpu_text(const StageLaunch& launch) {
-  return fmt::format("{} item{} in {} piece{} of {}, on {} thread{}", grouped_number(launch.items),
+  return fmt::format("{} item{} in {} chunk{} of {}, on {} thread{}", grouped_number(launch.items),
                      launch.items == 1 ? "" : "s", grouped_number(launch.blocks),
                      launch.blocks == 1 ? "" : "s", grouped_number(launch.chunk), launch.threads,
                      launch.threads == 1 ? "" : "s");
@@ -23,18 +23,18 @@ std::string gpu_text(const StageLaunch& launch) {
   std::string text = fmt::format("{} block{} of {} threads for {} item{}\n", grouped_number(launch.blocks),
                                  launch.blocks == 1 ? "" : "s", launch.threads, grouped_number(launch.items),
                                  launch.items == 1 ? "" : "s");
-  text += fmt::format("{} registers a thread, {} bytes of shared memory a block\n", launch.registers,
+  text += fmt::format("{} registers per thread, {} bytes of shared memory per block\n", launch.registers,
                       grouped_number(launch.shared_bytes));
-  text += fmt::format("{} on each of {} multiprocessors at once: occupancy {:.0f} %", launch.resident_blocks,
-                      launch.multiprocessors, 100 * launch.occupancy);
+  text += fmt::format("{} resident blocks on each of {} multiprocessors: occupancy {:.0f} %",
+                      launch.resident_blocks, launch.multiprocessors, 100 * launch.occupancy);
   switch (launch.limit) {
     case LaunchLimit::items:
       return text + "\ntoo few items to fill the GPU";
     case LaunchLimit::shape:
-      return text + fmt::format("\n(B, T) as asked for leaves {} places for blocks empty",
+      return text + fmt::format("\nlimited by the requested (B, T): room for {} more blocks",
                                 grouped_number(launch.resident() - launch.blocks));
     case LaunchLimit::threads:
-      return text + "\na multiprocessor holds no more threads";
+      return text + "\nlimited by threads per multiprocessor";
     default:
       return text + fmt::format("\nlimited by {}", name_of(launch.limit));
   }
@@ -51,10 +51,10 @@ std::string launch_text(const History::Stage& stage) {
   const StageLaunch& launch = stage.launch;
   std::string text;
   if (stage.library_launch)
-    text = launch.threads == 0 ? "own shape: a library launches it, and ignores (B, T)"
-                               : "* own shape in part: a library launches some of it, and ignores (B, T)";
+    text = launch.threads == 0 ? "library launch shape: independent of (B, T)"
+                               : "* some kernels have a library launch shape, independent of (B, T)";
   if (launch.threads == 0) return text;
-  if (stage.launches > 1) text += (text.empty() ? "" : "\n") + std::string("of its kernels, the largest:");
+  if (stage.launches > 1) text += (text.empty() ? "" : "\n") + std::string("largest kernel:");
   return text + (text.empty() ? "" : "\n") +
          (launch.multiprocessors > 0 ? gpu_text(launch) : cpu_text(launch));
 }
@@ -72,7 +72,7 @@ LaunchRange launch_range(const History& history) {
   };
   const auto [fewest, most] = ends(&StageLaunch::threads);
   if (launches.front().multiprocessors == 0) {
-    range.lines = {fmt::format("pieces of {} items, {} thread{}",
+    range.lines = {fmt::format("CPU: chunks of {} items on {} thread{}",
                                grouped_number(ends(&StageLaunch::chunk).second), most, most == 1 ? "" : "s")};
     return range;
   }

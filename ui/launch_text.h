@@ -1,5 +1,5 @@
 #pragma once
-// How a stage was launched, in words. Free functions over plain data.
+// Texts about the launch of a stage. Free functions over plain data.
 
 #include <string>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace collidoscope {
 
-/// Of one stage, in a few lines: what was launched, what runs at once, and what keeps more from it.
+/// The launch of one stage in a few lines: launched blocks and items, resident blocks, and the limiter.
 std::string launch_text(const History::Stage& stage);
 
-/// What "auto" chose over all stages of the newest step. No lines where nothing is known yet.
+/// Range of the shapes that "auto" chose for the stages of the newest step. Empty if no launch is recorded.
 struct LaunchRange {
-  std::string blocks, threads;     ///< "16" or "1 to 1,056"; on the CPU, whose lanes have neither, empty
-  std::vector<std::string> lines;  ///< why
+  std::string blocks, threads;     ///< "16" or "1 to 1,056"; empty on the CPU
+  std::vector<std::string> lines;  ///< chunks or occupancy, and limiters
 };
 LaunchRange launch_range(const History& history);
 

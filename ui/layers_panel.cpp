@@ -22,10 +22,10 @@ void draw_contact_legend(const WorkspaceView& view) {
     draw_color_bar(view.contact_colors, "≤ " + with_prefix(view.max_impulse / 1000, "N s"), "impulse",
                    with_prefix(view.max_impulse, "N s"));
   else
-    faint_text("impulses: none known of the last step");
+    faint_text("no impulses recorded in the last step");
 }
 
-// Of powers of ten, or as it suits.
+// List of error scales: powers of ten, or automatic.
 void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
   static constexpr std::array<int, 8> choices{0, 1, 10, 100, 1000, 10'000, 100'000, 1'000'000};
   const auto name = [&](int scale) {
@@ -34,7 +34,7 @@ void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
                : fmt::format("× {} (auto)", grouped_number(static_cast<std::int64_t>(view.error_scale)));
   };
   int& chosen = workspace.layers.error_scale;
-  row_label("errors", "How many times as long as the error a line is");
+  row_label("error scale", "Length of an error vector over the error");
   if (begin_choice("##error_scale", name(chosen).c_str())) {
     for (const int scale : choices) {
       const std::string text = scale > 0 ? name(scale) : "auto";
@@ -46,7 +46,7 @@ void choose_error_scale(Workspace& workspace, const WorkspaceView& view) {
   track(workspace, "layers.error_scale");
 }
 
-// What should be, beside what is.
+// Switches of the reference layers, and the error of the run.
 void draw_reference(Workspace& workspace, const WorkspaceView& view, float column) {
   FrameLayers& layers = workspace.layers;
   const ReferenceView& reference = view.reference;
@@ -58,11 +58,12 @@ void draw_reference(Workspace& workspace, const WorkspaceView& view, float colum
   };
   reference_switch(
       "ghosts", "ghosts", layers.ghosts,
-      "Where a reference has the bodies at the same time: the event-driven simulation of hard "
-      "spheres where it knows the scene, else the same in double in steps of 1/8. The run waits for it");
+      "Positions of the bodies in a reference run at the same time. The reference is an event-driven "
+      "simulation of hard spheres if the scene allows it, else the same run in double with 1/8 of the time "
+      "step. The run waits for it");
   ImGui::SameLine(column);
-  reference_switch("errors", "errors", layers.errors,
-                   "Lines from each body towards where a reference has it");
+  reference_switch("errors", "error vectors", layers.errors,
+                   "Error vectors: from each body to its position in the reference");
   if (!reference.unavailable_reason.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     ImGui::TextWrapped("%s", reference.unavailable_reason.c_str());
@@ -72,27 +73,32 @@ void draw_reference(Workspace& workspace, const WorkspaceView& view, float colum
   if (layers.errors) choose_error_scale(workspace, view);
   if (reference.name.empty()) return;
   if (reference.known()) {
-    faint_text(fmt::format("off by {} rms, {} at most", with_prefix(reference.rms, "m"),
+    faint_text(fmt::format("error {} rms, {} max", with_prefix(reference.rms, "m"),
                            with_prefix(reference.max, "m")));
     faint_text((reference.error_estimate > 0
-                    ? "the reference itself by about " + with_prefix(reference.error_estimate, "m")
-                    : "of " + reference.name));
+                    ? "reference error: about " + with_prefix(reference.error_estimate, "m")
+                    : "reference: " + reference.name));
     explain(fmt::format("Reference: {}, from state {}", reference.name, reference.start_state).c_str());
   }
-  if (ImGui::SmallButton("from here")) workspace.reference_requested = true;
+  if (ImGui::SmallButton("restart reference")) workspace.reference_requested = true;
   track(workspace, "layers.reference");
-  explain("Begins the reference anew with the bodies as they are");
+  explain("Restarts the reference from the present state");
   ImGui::SameLine();
   faint_text(fmt::format("from state {}", grouped_number(reference.start_state)));
 }
 
-/// All levels at once are a tangle of thousands of boxes.
+/// Starts with few levels, since all levels are thousands of boxes.
 void choose_first_levels(Workspace& workspace, const WorkspaceView& view) {
   if (std::exchange(workspace.levels_chosen, true)) return;
   const int count = static_cast<int>(view.level_sizes.size());
   workspace.layers.first_level = count > 0 ? std::clamp(count - 3, 0, 2) : 2;
   workspace.layers.last_level = 4;
 }
+
+struct BodyColorChoice {
+  BodyColor color;
+  const char *name, *label;  ///< name: part of the widget names
+};
 
 }  // namespace
 
@@ -103,7 +109,7 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
   layer_switch(workspace, "spheres", "spheres", layers.spheres);
   ImGui::SameLine(column);
   layer_switch(workspace, "contacts", "contacts", layers.contacts);
-  explain("The pairs that touch in this state. Speculative contacts are not drawn");
+  explain("Pairs that touch in this state. Speculative contacts are not drawn");
   ImGui::SameLine(2 * column - ImGui::GetStyle().WindowPadding.x);
   const bool had_boxes = layers.boxes;
   layer_switch(workspace, "boxes", "boxes", layers.boxes);
@@ -121,31 +127,31 @@ void draw_layers_panel(Workspace& workspace, const WorkspaceView& view) {
     const std::int64_t boxes = boxes_shown(workspace, view);
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted((grouped_number(boxes) + (boxes == 1 ? " box by" : " boxes by")).c_str());
-    explain("What colours them; all but the level measure the tree of every state that is drawn");
+    explain("Quantity that colours the boxes. All except the level measure the tree of every drawn state");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     choose_box_color(workspace, "layers.box_color");
-    const bool in_histogram =
-        workspace.visible_panels.right && workspace.visible_panels.tree;  // by the histogram there
+    const bool in_histogram = workspace.visible_panels.right &&
+                              workspace.visible_panels.tree;  // legend drawn by the histogram in that panel
     if (!in_histogram) draw_legend(view.box_colors);
   }
-  static constexpr std::array<std::pair<BodyColor, const char*>, 9> colors{
-      {{BodyColor::speed, "speed"},
-       {BodyColor::radius, "radius"},
-       {BodyColor::id, "id"},
-       {BodyColor::contacts, "contacts"},
-       {BodyColor::order, "order in the tree"},
-       {BodyColor::depth, "depth in the tree"},
-       {BodyColor::visits, "visits of the query"},
-       {BodyColor::sleep, "sleep"},
-       {BodyColor::error, "error"}}};
-  row_label("colour by");
+  static constexpr std::array<BodyColorChoice, 9> colors{
+      {{BodyColor::speed, "speed", "speed, m/s"},
+       {BodyColor::radius, "radius", "radius, m"},
+       {BodyColor::id, "id", "id"},
+       {BodyColor::contacts, "contacts", "contact count"},
+       {BodyColor::order, "order in the tree", "tree order"},
+       {BodyColor::depth, "depth in the tree", "tree depth"},
+       {BodyColor::visits, "visits of the query", "query visits"},
+       {BodyColor::sleep, "sleep", "sleep state"},
+       {BodyColor::error, "error", "error, m"}}};
+  row_label("colour by", "Quantity that colours the bodies");
   const char* chosen = "";
-  for (const auto& [color, name] : colors)
-    if (color == layers.color) chosen = name;
+  for (const BodyColorChoice& choice : colors)
+    if (choice.color == layers.color) chosen = choice.label;
   if (begin_choice("##color", chosen)) {
-    for (const auto& [color, name] : colors) {
-      if (ImGui::Selectable(name, color == layers.color)) layers.color = color;
+    for (const auto& [color, name, label] : colors) {
+      if (ImGui::Selectable(label, color == layers.color)) layers.color = color;
       track(workspace, (std::string("layers.color.") + name).c_str());
     }
     ImGui::EndCombo();

@@ -1,5 +1,5 @@
 #pragma once
-// The texts of a legend: title and ends of its colour bar. Free functions.
+// Texts of a legend: title and ends of the colour bar. Free functions.
 
 #include <string>
 
@@ -7,9 +7,9 @@
 
 namespace collidoscope {
 
-/// "speed · m/s", "visits · log".
+/// Title with unit and scale: "speed · m/s", "visits · log".
 std::string title_text(const Legend& legend);
-/// The ends: "0" and "≥ 38".
+/// Texts at the ends of the bar: "0" and "≥ 38".
 std::string low_text(const Legend& legend);
 std::string high_text(const Legend& legend);
 

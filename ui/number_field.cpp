@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// "134,217,728" without its commas, where they stand as number_text() puts them; else the text as it is.
+/// The text without thousands separators, "134,217,728" as "134217728". Unchanged if they are misplaced.
 std::string ungrouped(std::string_view text) {
   std::string digits(text);
   std::erase(digits, ',');
@@ -31,7 +31,7 @@ std::string ungrouped(std::string_view text) {
   return whole && grouped_number(read) == text ? digits : std::string(text);
 }
 
-/// A whole number with a decimal point or an exponent, as "1e3", in plain digits; else the text as it is.
+/// A whole number with decimal point or exponent ("1e3") in plain digits. Any other text is unchanged.
 std::string without_exponent(const std::string& text) {
   double read = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), read);
@@ -104,7 +104,7 @@ bool number_field(Workspace& workspace, const char* name, const char* label, Num
     typed = before;
     workspace.input_fault.reset();
   }
-  // Where another widget takes the keyboard, ImGui shows the value again before it reports the end.
+  // When another widget takes the focus, ImGui restores the old text before it reports the end of the edit.
   if (active || (over && shown.data() != before)) typed = shown.data();
   track(workspace, name);
   if (!over || escape_pressed() || typed == before) return false;

@@ -1,6 +1,6 @@
 #pragma once
-// Fields to type numbers into. What cannot be used leaves the value as it is, and is reported below the field
-// with the range that is allowed. Free functions, between ImGui::NewFrame() and Render().
+// Text fields for numbers. An invalid input leaves the value unchanged and is reported below the field, with
+// the allowed range. Free functions, between ImGui::NewFrame() and Render().
 
 #include <cstdint>
 #include <string>
@@ -10,27 +10,27 @@
 
 namespace collidoscope {
 
-/// Which numbers a field takes, both ends included. The ends are those of sim_cuda/scene/limits.h.
+/// Closed range of a field. The limits come from sim_cuda/scene/limits.h.
 template <class Number>
 struct NumberRange {
   Number low{}, high{};
-  const char* unit = "";      ///< may follow the number
-  bool zero_is_auto = false;  ///< "auto" and 0 are taken as well, and give 0
+  const char* unit = "";      ///< optional suffix of the input
+  bool zero_is_auto = false;  ///< "auto" and 0 are accepted and set 0
 };
 
-/// The number in `text`: std::int64_t, std::uint64_t (whole) or double. Returns "" and sets `value`, or
-/// returns what is wrong and which range is allowed, and leaves `value`.
+/// Parses `text` as std::int64_t, std::uint64_t or double. Sets `value` and returns "". On failure returns
+/// the fault with the allowed range and leaves `value` unchanged.
 template <class Number>
 std::string read_number(std::string_view text, const NumberRange<Number>& range, Number& value);
 
-/// A field of the current item width, tracked as `name`; `format` is fmt's, for the value that is shown.
-/// A new number is taken with Return, and when the field loses the keyboard. Returns whether there is one.
-/// `label` begins a report.
+/// A field of the current item width, tracked as `name`. `format` is an fmt format for the value. The input
+/// is applied on Return and on loss of focus. Returns whether the value changed. `label` starts the text of a
+/// fault.
 template <class Number>
 bool number_field(Workspace& workspace, const char* name, const char* label, Number& value,
                   const NumberRange<Number>& range, const char* format);
 
-/// The report on what was typed into a field of this name, if there is one; below its row.
+/// Shows the fault of the last input into the field `name`, if any, below its row.
 void draw_input_fault(Workspace& workspace, const char* name);
 
 }  // namespace collidoscope

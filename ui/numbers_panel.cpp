@@ -13,39 +13,40 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
     return end_panel();
   const StepStats& s = view.stats;
   TextPairs row;
-  row("N", grouped_number(s.bodies));
-  row("memory", bytes_text(view.allocated_bytes), "Of the executor: what the simulation has allocated");
-  row("pairs", grouped_number(s.pairs), "Boxes that overlap, found by the last step");
+  row("bodies", grouped_number(s.bodies), "Number of bodies N");
+  row("memory", bytes_text(view.allocated_bytes), "Memory that the simulation has allocated on the executor");
+  row("pairs", grouped_number(s.pairs), "Pairs of overlapping boxes in the last step");
   row("touching", grouped_number(s.touching), "Pairs whose shapes touch in this state");
   row("speculative", grouped_number(s.speculative),
-      "Contacts of the last step: pairs that touched at its start, or that its motion could bring together");
-  row("tree", fmt::format("{} levels", view.level_sizes.size()));
-  row("boxes", grouped_number(view.tree_nodes), "Of all levels of the tree");
-  row("kinetic", with_prefix(s.kinetic_energy, "J"), "Energy of translation and rotation");
-  row("potential", with_prefix(s.potential_energy, "J"), "Its zero is the floor of the box");
-  row("energy", with_prefix(s.energy(), "J"), "Kinetic and potential");
-  row("by push", with_prefix(s.push_work, "J"),
-      "What pushing overlapping bodies apart has added to the energy since the start");
-  row("deepest", with_prefix(s.max_penetration, "m"),
-      "The deepest overlap of two bodies, or of body and wall");
+      "Contacts of the last step: pairs that touched at its start or could touch within it");
+  row("tree", fmt::format("{} levels", view.level_sizes.size()), "Levels of the tree");
+  row("boxes", grouped_number(view.tree_nodes), "Boxes on all levels of the tree");
+  row("E kinetic", with_prefix(s.kinetic_energy, "J"), "Kinetic energy of translation and rotation");
+  row("E potential", with_prefix(s.potential_energy, "J"), "Potential energy; 0 at the floor of the box");
+  row("E total", with_prefix(s.energy(), "J"), "Kinetic plus potential energy");
+  row("E correction", with_prefix(s.push_work, "J"),
+      "Correction work: energy that position correction has added since the start");
+  row("penetration", with_prefix(s.max_penetration, "m"),
+      "Max penetration of two bodies, or of a body and a wall");
   if (s.joints > 0) {
-    row("joints", grouped_number(s.joints));
-    row("furthest", with_prefix(s.max_joint_error, "m"), "What a joint holds, from where it should be");
+    row("joints", grouped_number(s.joints), "Number of joints");
+    row("joint error", with_prefix(s.max_joint_error, "m"),
+        "Max joint error: distance from the target position");
   }
   if (s.can_sleep) {
-    row("asleep", grouped_number(s.asleep),
-        "Bodies that sleep: neither solved nor moved until they are touched");
+    row("asleep", grouped_number(s.asleep), "Sleeping bodies: not simulated until they are touched");
     row("islands", fmt::format("{} of {}", grouped_number(s.islands_asleep), grouped_number(s.islands)),
-        "Islands that sleep, of all: bodies that touch, or soon may, sleep and wake together");
+        "Sleeping islands of all islands. Bodies of an island are in contact, and sleep and wake together");
   }
-  row("fastest", with_prefix(s.max_speed, "m/s"));
-  row("split", grouped_number(s.uncoloured_contacts),
-      "Contacts that no colour took, solved by splitting the masses of their bodies");
-  row("outside", grouped_number(s.escaped), "Centres outside the box");
-  row_text("momentum", with_prefix(std::hypot(s.momentum[0], s.momentum[1], s.momentum[2]), "kg m/s"));
+  row("max speed", with_prefix(s.max_speed, "m/s"), "Speed of the fastest body");
+  row("uncoloured", grouped_number(s.uncoloured_contacts),
+      "Contacts without a colour, solved with mass splitting");
+  row("escaped", grouped_number(s.escaped), "Bodies whose centre is outside the box");
+  row_text("momentum", with_prefix(std::hypot(s.momentum[0], s.momentum[1], s.momentum[2]), "kg m/s"),
+           "Magnitude of the total linear momentum");
   if (s.non_finite > 0)
     ImGui::TextColored({0.95f, 0.35f, 0.3f, 1}, "%s",
-                       fmt::format("{} bodies are not finite", s.non_finite).c_str());
+                       fmt::format("{} bodies with non-finite values", s.non_finite).c_str());
   end_panel();
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr ImU32 bright = IM_COL32(242, 244, 248, 255), plain = IM_COL32(205, 210, 218, 255),
                 dim = IM_COL32(140, 148, 160, 255), contact_color = IM_COL32(255, 69, 61, 255);
 
-// 1234567 as 1,234,567.
+// Thousands separators: 1234567 is "1,234,567".
 std::string grouped(std::int64_t value) {
   std::string digits = std::to_string(value);
   for (std::size_t i = digits.size(); i > 3 && digits[i - 4] != '-';) digits.insert(i -= 3, ",");
@@ -23,7 +23,7 @@ std::string grouped(std::int64_t value) {
 
 std::string shape_number(int value) { return value ? grouped(value) : "auto"; }
 
-// Text that stays legible on whatever is behind it.
+// Text with a shadow, legible on any background.
 class Writer {
  public:
   explicit Writer(float size) : size_(size), list_(ImGui::GetForegroundDrawList()), font_(ImGui::GetFont()) {}
@@ -39,7 +39,7 @@ class Writer {
                    text.c_str());
     list_->AddText(font_, size_ * scale, place, color, text.c_str());
   }
-  /// In the largest font that was loaded.
+  /// Draws in the largest loaded font.
   void title(float x, float y, const std::string& text, ImU32 color) const {
     ImFont* font = ImGui::GetIO().Fonts->Fonts.back();
     cover({x, y}, font->CalcTextSizeA(font->FontSize, 1e9f, 0, text.c_str()));
@@ -54,7 +54,7 @@ class Writer {
     cover(from, {to.x - from.x, to.y - from.y});
     list_->AddRectFilled(from, to, color);
   }
-  /// A dark plate behind what was written since begin_plate(), so that it can be read over anything.
+  /// Starts a dark background plate behind the following text, up to end_plate().
   void begin_plate() {
     list_->ChannelsSplit(2);
     list_->ChannelsSetCurrent(1);
@@ -81,10 +81,10 @@ class Writer {
   float size_;
   ImDrawList* list_;
   ImFont* font_;
-  mutable ImVec2 low_, high_;  // of what was written
+  mutable ImVec2 low_, high_;  // bounds of the text on the plate
 };
 
-// The rows under the scene's name, and how far down they reach.
+// Rows below the scene name. Returns the y position of their end.
 float draw_run_info(const Writer& write, const OverlayText& text, float x, float y, float end) {
   const float line = write.size() * 1.45f;
   write.title(x, y, text.scene, bright);
@@ -136,7 +136,7 @@ void draw_times(const Writer& write, const OverlayText& text, float right, float
   write.right(right, y, time(text.step_ms), bright);
 }
 
-// Returns where it ends.
+// Returns the x position of its end.
 float draw_color_bar(const Writer& write, const Legend& key, float x, float bottom) {
   const float size = write.size(), width = std::max(size * 13, write.width(title_text(key))),
               height = size * 0.6f;

@@ -24,7 +24,7 @@ Area begin(const char* id, float width, float height) {
   return {at, width, height, ImGui::IsItemHovered(), list};
 }
 
-// 1, 2 or 5 times a power of ten, not below the value.
+// Rounds up to a value with one significant digit, or 1.5 times a power of ten.
 double round_axis(double value) {
   if (!(value > 0) || !std::isfinite(value)) return 1;
   const double unit = std::pow(10, std::floor(std::log10(value)));
@@ -68,8 +68,8 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
     least -= room;
     most += room;
   }
-  // One line of text: the title, what the lines are, and the end of the axis. What does not fit is left to
-  // the tooltip.
+  // One line of text: title, names of the lines, end of the axis. The names are in the tooltip only if they
+  // do not fit.
   const std::string axis = !any             ? ""
                            : least == -most ? "±" + frame.number(most)
                            : least < 0      ? frame.number(least) + " to " + frame.number(most)
@@ -130,7 +130,7 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
 }
 
 float stacked_axis(std::vector<float> values) {
-  // One slow step (a page fault, another program) must not flatten all others.
+  // A single slow step (page fault, other process) must not compress the axis.
   float most = 0;
   if (!values.empty()) {
     std::sort(values.begin(), values.end());
@@ -163,12 +163,12 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   if (area.hovered && count > 0)
     hovered_bar = static_cast<std::size_t>(
         std::clamp((mouse.x - area.at.x - pad) / bar, 0.0f, static_cast<float>(count - 1)));
-  // A plain step lies between two that were timed stage by stage: the tooltip takes a neighbour.
+  // A step without stage times lies between two steps with stage times. The tooltip shows the step before it.
   if (hovered_bar < count && bars.parts[hovered_bar].empty() && hovered_bar > 0) --hovered_bar;
   for (std::size_t i = 0; i < count; ++i) {
     if (bars.parts[i].empty()) continue;
     const float from = area.at.x + pad + bar * static_cast<float>(i);
-    // A bar also covers the place of the plain step after it.
+    // A bar extends over the following step without stage times.
     const bool wide = i + 1 < count && bars.parts[i + 1].empty();
     const float to = from + bar * (wide ? 2 : 1);
     float sum = 0;
@@ -202,7 +202,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
     for (const float part : bars.parts[i]) parts += std::max(part, 0.0f);
     mark_cut(area.at.x + pad + bar * (static_cast<float>(i) + 0.5f), std::max(line, parts));
   }
-  // A sharp corner's mitre would reach into the title.
+  // Clips the mitre of a sharp corner, which would reach into the title.
   area.list->PushClipRect({area.at.x, top - 0.25f * line_height}, {area.at.x + width, area.at.y + height},
                           true);
   if (run.size() > 1)
@@ -210,9 +210,9 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
                            std::max(1.0f, line_height / 11));
   area.list->PopClipRect();
   const ImU32 faint = ImGui::GetColorU32(ImGuiCol_TextDisabled);
-  // One line of text: the title, the nearest mark that lies higher, the end of the axis. What does not fit is
-  // left out.
-  const char* const title = "stages (line: step)";
+  // One line of text: title, the nearest mark above the axis, end of the axis. Texts that do not fit are left
+  // out.
+  const char* const title = "stage ms (line: step)";
   const std::string axis_text = tops.empty() ? "" : fmt::format("{:g} ms", axis);
   const auto width_of = [](const char* text) { return ImGui::CalcTextSize(text).x; };
   const float title_end = area.at.x + pad + width_of(title) + 0.5f * line_height,
@@ -222,7 +222,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
     if (mark.value > axis) {
       const std::string text = fmt::format("↑ {}: {:.1f} ms", mark.label, mark.value);
       const float text_width = width_of(text.c_str());
-      const float x = area.at.x + 0.5f * (width - text_width) + 3 * line_height;
+      const float x = std::max(area.at.x + 0.5f * (width - text_width) + 3 * line_height, title_end);
       if (!beyond && !tops.empty() && x >= title_end && x + text_width + 0.5f * line_height <= axis_begin)
         area.list->AddText({x, area.at.y + 0.15f * line_height}, faint, text.c_str());
       beyond = true;

@@ -1,6 +1,6 @@
 #pragma once
-// Small plots over ImDrawList: lines over time, and stacked bars. Free functions, between ImGui::NewFrame()
-// and Render(); they keep nothing.
+// Small plots with ImDrawList: time series and stacked bars. Stateless free functions, between
+// ImGui::NewFrame() and Render().
 
 #include <cstdint>
 #include <functional>
@@ -9,45 +9,43 @@
 
 namespace collidoscope {
 
-/// A value that is not there is NaN: the line is interrupted.
+/// NaN values interrupt the line.
 struct PlotLine {
   std::string name;
   std::uint32_t color = 0xffffffff;  ///< 0xAABBGGRR
-  std::vector<float> values;         ///< oldest first; all lines of a plot are equally long
+  std::vector<float> values;         ///< oldest first; same length for all lines of a plot
 };
 
 struct PlotFrame {
   std::string title;
-  std::function<std::string(double)> number;  ///< how a value is written
-  std::int64_t first_step = 0;                ///< of values[0], for the tooltip
-  bool from_zero = true;                      ///< else the axis begins near the least value
+  std::function<std::string(double)> number;  ///< formats a value
+  std::int64_t first_step = 0;                ///< step of values[0], for the tooltip
+  bool from_zero = true;                      ///< false: the axis starts near the least value
 };
 
-/// In `width` x `height` pixels from the cursor on.
+/// Draws `width` x `height` pixels at the cursor.
 void plot_lines(const char* id, float width, float height, const PlotFrame& frame,
                 const std::vector<PlotLine>& lines);
 
 struct StackedBars {
-  std::vector<std::vector<float>> parts;  ///< parts[i][k]: of bar i the part k; empty: no bar
-  std::vector<std::string> names;         ///< of the parts
+  std::vector<std::vector<float>> parts;  ///< parts[i][k]: part k of bar i; empty: no bar
+  std::vector<std::string> names;         ///< names of the parts
   std::vector<std::uint32_t> colors;
-  std::vector<float>
-      line;  ///< drawn over the bars, joined where there are values (NaN: none), one for each bar
+  std::vector<float> line;  ///< one value per bar, drawn over the bars; NaN: none
   struct Mark {
     float value;
     std::string label;
   };
-  std::vector<Mark> marks;  ///< lines across, drawn where the axis reaches them
-  int highlighted = -1;     ///< this part is bright, the rest is faint
+  std::vector<Mark> marks;  ///< horizontal lines, drawn if within the axis
+  int highlighted = -1;     ///< index of the bright part; the others are faint; -1: all bright
   std::int64_t first_step = 0;
-  std::string note;  ///< in the middle, where there are no bars
+  std::string note;  ///< text in the middle, drawn if there are no bars
 };
 
 /// Returns the part under the pointer, or -1.
 int plot_stacked(const char* id, float width, float height, const StackedBars& bars);
 
-/// The end of an axis from 0 for these values: it fits nine in ten of them, and all that are not much
-/// greater.
+/// Upper end of an axis from 0: covers 90 % of the values, and all values up to 1.5 times that.
 float stacked_axis(std::vector<float> values);
 
 }  // namespace collidoscope

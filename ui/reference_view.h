@@ -1,6 +1,6 @@
 #pragma once
-// What panels and pictures say of the reference that goes along with a run (viewer/session/live_reference.h).
-// Plain data; whoever runs the scene fills it.
+// Data about the reference of a run (viewer/session/live_reference.h), for panels and pictures. A plain
+// struct, written by the caller.
 
 #include <cstdint>
 #include <string>
@@ -8,11 +8,11 @@
 namespace collidoscope {
 
 struct ReferenceView {
-  std::string name;                ///< what it is, in a few words; empty: nobody asked for one
-  std::string unavailable_reason;  ///< why there is none of the state that is shown, or empty
-  std::int64_t start_state = 0;    ///< the state that it began with
-  double rms = 0, max = 0;         ///< m, how far the bodies are from where it has them
-  double error_estimate = 0;       ///< m, r.m.s. of its own error, about; 0: exact
+  std::string name;                ///< short description; empty: not requested
+  std::string unavailable_reason;  ///< why there is no reference for the shown state; empty: available
+  std::int64_t start_state = 0;    ///< initial state of the reference
+  double rms = 0, max = 0;         ///< m, position error of the bodies against the reference
+  double error_estimate = 0;       ///< m, estimated rms error of the reference itself; 0: exact
 
   bool known() const { return !name.empty() && unavailable_reason.empty(); }
 };

@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-/// Behind the scene's name; in a row of its own where the name leaves no room.
+/// "edited" and the number of changes, after the scene name or in a row of their own if it is too long.
 void draw_edited(Workspace& workspace, const WorkspaceView& view) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
@@ -26,7 +26,9 @@ void draw_edited(Workspace& workspace, const WorkspaceView& view) {
     const bool light = workspace.theme == Theme::light;
     ImGui::TextColored(light ? ImVec4(0.60f, 0.33f, 0, 1) : ImVec4(0.95f, 0.66f, 0.22f, 1), "edited");
     track(workspace, "run.edited");
-    explain("What decides the state was changed since state 0: this run is not the one that its flags name.");
+    explain(
+        "A setting that affects the result was changed since state 0. The initial settings alone do not "
+        "reproduce this run.");
   }
   if (changes.empty()) return;
   if (fits || view.edited)
@@ -36,8 +38,8 @@ void draw_edited(Workspace& workspace, const WorkspaceView& view) {
   if (ImGui::SmallButton(changes.c_str())) workspace.changes_file_requested = true;
   track(workspace, "run.changes");
   explain(
-      "Writes what was changed, and at which states, to captures/: from this file, collidoscope-headless "
-      "makes the same run again, to the same hash");
+      "Writes all changes and their states to captures/. collidoscope-headless repeats the run from this "
+      "file, to the same hash");
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     const float third = (ImGui::GetContentRegionAvail().x - 2 * gap) / 3;
     if (ImGui::Button(workspace.playing ? "Pause" : "Play", {third, 0})) workspace.play_or_pause();
     track(workspace, "run.play");
-    explain("Space");
+    explain("Space: play or pause");
     ImGui::SameLine();
     if (ImGui::Button("Step", {third, 0})) workspace.request_step();
     track(workspace, "run.step");
@@ -58,15 +60,15 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::SameLine();
     if (ImGui::Button("Restart", {third, 0})) workspace.restart_requested = true;
     track(workspace, "run.restart");
-    explain("R: back to state 0, with these settings");
+    explain("R: restart at state 0 with these settings");
 
     const char* chosen = "";
-    for (const auto& [speed, name] : speed_choices)
-      if (speed == workspace.speed) chosen = name;
-    row_label("speed", "What is wished for; never more than one step in a drawn frame");
+    for (const SpeedChoice& choice : speed_choices)
+      if (choice.speed == workspace.speed) chosen = choice.label;
+    row_label("speed", "Requested speed; at most one step per drawn frame");
     if (begin_choice("##speed", chosen)) {
-      for (const auto& [speed, name] : speed_choices) {
-        if (ImGui::Selectable(name, speed == workspace.speed)) workspace.speed = speed;
+      for (const auto& [speed, name, label] : speed_choices) {
+        if (ImGui::Selectable(label, speed == workspace.speed)) workspace.speed = speed;
         track(workspace, (std::string("run.speed.") + name).c_str());
       }
       ImGui::EndCombo();
@@ -74,11 +76,13 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     track(workspace, "run.speed");
     row_text("state", fmt::format("{}{}", grouped_number(view.stats.step),
                                   std::isfinite(view.time) ? fmt::format(" · t = {:.3f} s", view.time) : ""));
-    row_text("real time",
-             view.with_times && view.frames_per_second > 0
-                 ? fmt::format("{:.2f} × · {:.0f} frames/s", view.real_time_factor, view.frames_per_second)
-                 : "–",
-             "Simulated seconds in a second of the clock, over the last second");
+    row_text(
+        "achieved",
+        view.with_times && view.frames_per_second > 0
+            ? fmt::format("{:.2f} × real time · {:.0f} fps", view.real_time_factor, view.frames_per_second)
+            : "–",
+        "Simulated seconds per second, and drawn frames per second, over the last second. The speed is "
+        "limited to one step per drawn frame");
   }
   end_panel();
 }

@@ -17,14 +17,14 @@
 namespace collidoscope {
 namespace {
 
-// A whole number that can be typed, and a logarithmic slider of the same.
+// A logarithmic slider and a text field for a whole number.
 struct LogRow {
   const char *name, *label, *help;
-  std::int64_t low, high, limit;        ///< the slider's ends, and the most that can be typed
-  bool decides = true;                  ///< the result depends on it
-  const std::string* chosen = nullptr;  ///< set: 0 is "auto", which has come to this, if it says so
-  std::int64_t manual = 0;              ///< in its place, where "auto" is let go
-  float column = 2, field = 5.4f;       ///< ems: where the slider begins, and what is typed into
+  std::int64_t low, high, limit;        ///< range of the slider; maximum of the field
+  bool decides = true;                  ///< the setting affects the result
+  const std::string* chosen = nullptr;  ///< set: 0 means "auto"; text of the automatic value, may be empty
+  std::int64_t manual = 0;              ///< value after "auto" is switched off
+  float column = 2, field = 5.4f;       ///< ems: position of the slider, width of the field
 };
 
 void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
@@ -64,21 +64,21 @@ void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
   ImGui::PopID();
 }
 
-/// The same of a number that is stored as an int.
+/// Row for a number stored as int.
 void log_row(Workspace& workspace, int& value, const LogRow& row) {
   std::int64_t wide = value;
   log_row(workspace, wide, row);
   value = static_cast<int>(wide);
 }
 
-/// A choice that cannot be made is grey, with the reason beside it.
+/// A choice that is disabled, with the reason.
 template <class Choice>
 struct Unavailable {
   Choice choice;
-  std::string why;  ///< empty: it can be made
+  std::string why;  ///< reason; empty: enabled
 };
 
-/// A list of a setting's choices. Resting on the list or on an item shows its help.
+/// A list of a setting's choices. The tooltip of the list or of an item is its help.
 template <auto member, class Choice>
 void choice_row(Workspace& workspace, const Field<member>& setting, Choice& value,
                 const Unavailable<Choice>& unavailable_reason = {}) {
@@ -109,21 +109,21 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   if (!view.generated) {
     row_text("N", grouped_number(s.generator.count),
-             "This scene lists its bodies; N turns where a scene has one generator");
+             "Number of bodies. It can be changed in scenes with one generator");
     return;
   }
-  // Pairs of "paper" grow as N²: what the slider reaches stays playable, more can be typed.
+  // Pairs of "paper" grow as N²: the slider stays within playable counts, the field accepts more.
   const std::int64_t highest = s.generator.variant == Variant::paper ? 20'000 : 2'000'000;
   log_row(workspace, s.generator.count,
           {"settings.bodies", "N",
-           "Bodies. Those that stay keep their state, unless the box goes with N (scaled, settled, equal): "
-           "then the run starts again",
+           "Number of generated bodies. Remaining bodies keep their state. If the box depends on N (scaled, "
+           "settled, equal), the run restarts",
            1, highest, limits::max_bodies});
   const std::string sum = bodies_text(view);
   if (sum.empty()) return;
   faint_text(sum);
   track(workspace, "settings.bodies.sum");
-  explain("N counts what the generator makes. The others are listed in the scene, or were thrown in with B.");
+  explain("N counts the generated bodies. The others are listed in the scene or were added with B.");
 }
 
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
@@ -131,10 +131,10 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   const LaunchRange chosen = launch_range(*view.history);
   log_row(workspace, s.run.shape.blocks,
           {"settings.blocks", "B",
-           "Blocks of a launch: exactly B · T threads (on the CPU: lanes) share each stage", 1, 65536,
+           "Thread blocks per launch. Exactly B · T threads (on the CPU: lanes) run each stage", 1, 65536,
            limits::max_blocks, false, &chosen.blocks, 256});
   log_row(workspace, s.run.shape.threads,
-          {"settings.threads", "T", "Threads of a block, 1 to 1024", 1, limits::max_threads,
+          {"settings.threads", "T", "Threads per block, 1 to 1024", 1, limits::max_threads,
            limits::max_threads, false, &chosen.threads, 256});
   const LaunchShape& shape = view.active_settings.run.shape;
   std::vector<std::string> lines = chosen.lines;
@@ -145,8 +145,8 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   for (const std::string& line : lines) {
     faint_text(line);
     explain(
-        "Over all stages of the last step; the timing table explains each. A stage marked * there ignores "
-        "(B, T) in part: a library launches it. Nothing here changes the result.");
+        "Over all stages of the last step. The timing table explains each stage; for those marked * a "
+        "library chooses a launch shape. B and T never change the result.");
   }
 }
 
@@ -155,9 +155,9 @@ void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   const std::string chosen = std::to_string(view.substeps);
   LogRow row{"settings.substeps",
              "substeps",
-             "Parts of a step, 1 to 1000. soft_step and jacobi_split find contacts once in a step and "
-             "solve them in each part; impulse does all of it in each. auto: 1 with impulse, else 4, or "
-             "as many as the joints call for",
+             "Substeps per step, 1 to 1000. soft_step and jacobi_split find contacts once per step and "
+             "solve them in each substep; impulse finds and solves them in each. auto: 1 with impulse, "
+             "else 4, or as many as the joints need",
              1,
              32,
              limits::max_substeps,
@@ -171,13 +171,13 @@ void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   s.physics.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
   row.name = "settings.iterations";
   row.label = "iterations";
-  row.help = "Sweeps of the solver over all contacts, in each part of a step, 1 to 1000";
+  row.help = "Solver iterations over all contacts per substep, 1 to 1000";
   row.limit = limits::max_iterations;
   row.chosen = nullptr;
   log_row(workspace, s.physics.iterations, row);
 }
 
-/// A number that is typed.
+/// A row with a number field.
 template <class Number>
 void number_row(Workspace& workspace, const char* name, std::string_view label, std::string_view help,
                 Number& value, const NumberRange<Number>& range, const char* format) {
@@ -188,7 +188,7 @@ void number_row(Workspace& workspace, const char* name, std::string_view label, 
   draw_input_fault(workspace, name);
 }
 
-/// The lists of a table of settings, each enumeration a row.
+/// One list per enumeration in a table of settings.
 template <class Table, class Owner>
 void choice_rows(Workspace& workspace, const WorkspaceView& view, const Table& table, Owner& owner) {
   for_each_field(
@@ -200,7 +200,7 @@ void choice_rows(Workspace& workspace, const WorkspaceView& view, const Table& t
       });
 }
 
-/// A slider from 0 to 1, and a field for the number.
+/// A slider from 0 to 1 with a number field.
 void draw_restitution(Workspace& workspace, double& value) {
   constexpr auto& setting = field_of<&Material::restitution>;
   row_label("restitution", std::string(setting.help).c_str());
@@ -208,7 +208,7 @@ void draw_restitution(Workspace& workspace, double& value) {
   const float field = 3.4f * ImGui::GetFontSize(), gap = ImGui::GetStyle().ItemSpacing.x;
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - field - gap, field));
   float restitution = static_cast<float>(value);
-  // The scene's 0.8 is not a float: only a value that was moved is written back.
+  // The slider holds floats and 0.8 is no float: write back only if the slider moved.
   if (ImGui::SliderFloat("##slider", &restitution, 0, 1, "",
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput))
     value = static_cast<double>(restitution);
@@ -235,21 +235,22 @@ std::string bodies_text(const WorkspaceView& view) {
 }
 
 void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
-  if (!begin_panel(workspace, "settings", "N · B · T", workspace.visible_panels.settings)) return end_panel();
+  if (!begin_panel(workspace, "settings", "Simulation settings", workspace.visible_panels.settings))
+    return end_panel();
   Settings& s = workspace.settings;
   draw_generator(workspace, view);
   draw_shape(workspace, view);
 
   choice_row(workspace, field_of<&ExecutorOptions::executor>, s.run.executor,
              {ExecutorKind::cuda, view.cuda_unavailable_reason});
-  row_label("broad phase", "How pairs are found; never changes the result");
+  row_label("broad phase", "Algorithm that finds overlapping pairs; never changes the result");
   choose_broad_phase(workspace, view, "settings.broad_phase");
 
   ImGui::Spacing();
   faint_text("Physics (changes the result)");
   double rate = 1 / s.physics.time_step;
   const double before = rate;
-  number_row(workspace, "settings.rate", "rate", "Steps per second of simulated time", rate,
+  number_row(workspace, "settings.rate", "step rate", "Steps per second of simulated time", rate,
              {limits::min_rate, limits::max_steps_per_second, "Hz"}, "{:.6g} Hz");
   if (rate != before) s.physics.time_step = 1 / rate;
   draw_restitution(workspace, s.material.restitution);

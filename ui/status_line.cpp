@@ -22,17 +22,17 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
     if (ImGui::SmallButton(toggle.label)) toggle.open = !toggle.open;
     if (!on) ImGui::PopStyleColor();
     track(workspace, toggle.name);
-    explain(on ? "folds these panels away" : "unfolds these panels");
+    explain(on ? "Hides these panels" : "Shows these panels");
     ImGui::SameLine();
   }
-  const std::string text = fmt::format(
-      " {} on {} · drawn by {}{} · display path: {}", view.executor, view.device, view.renderer,
-      !view.software ? ""
-      : view.view_scale == 1.0
-          ? " (a software renderer)"
-          : fmt::format(" (a software renderer; while it moves at {:.0f} %)", 100 * view.view_scale),
-      view.display_path);
-  // The buttons stand in the corner, where a larger font leaves them under the pointer.
+  const std::string text =
+      fmt::format(" {} on {} · renderer: {}{} · display path: {}", view.executor, view.device, view.renderer,
+                  !view.software ? ""
+                  : view.view_scale == 1.0
+                      ? " (software)"
+                      : fmt::format(" (software; {:.0f} % resolution in motion)", 100 * view.view_scale),
+                  view.display_path);
+  // The buttons are anchored in the corner, so that they stay under the pointer when the font grows.
   const ImVec2 padding = ImGui::GetStyle().WindowPadding;
   const float gap = ImGui::GetStyle().ItemSpacing.x, right = ImGui::GetWindowWidth() - padding.x;
   const auto width = [](const char* label) {
@@ -45,10 +45,9 @@ void draw_status_line(Workspace& workspace, const WorkspaceView& view) {
   ImGui::PopClipRect();
   for (const auto& [name, label, factor, help] :
        {std::tuple{"view.smaller", "A−", 1 / 1.1f, "Smaller text: Ctrl −"},
-        std::tuple{
-            "view.larger", "A+", 1.1f,
-            "Larger text: Ctrl +. At its largest the 3D view has 40 % of the width: fold a column away "
-            "for more"}}) {
+        std::tuple{"view.larger", "A+", 1.1f,
+                   "Larger text: Ctrl +. The limit leaves the 3D view 40 % of the width; hide a column to "
+                   "raise it"}}) {
     const bool larger = factor > 1;
     ImGui::SameLine(larger ? right - width(label) : left);
     ImGui::BeginDisabled(larger ? workspace.font_scale >= workspace.largest_font_scale
@@ -93,23 +92,23 @@ void draw_help(Workspace& workspace) {
       {"Space", "play, pause"},
       {"S", "one step"},
       {"R", "restart"},
-      {"drag", "turn about the target"},
+      {"drag", "orbit about the target"},
       {"right drag", "pan"},
       {"wheel", "zoom to the pointer"},
       {"W A S D Q E, right button held", "fly"},
-      {"F", "see the selection, else everything"},
-      {"Shift F", "see everything"},
-      {"1  3  7", "from the front, side, top"},
-      {"5", "with or without perspective"},
-      {"click", "select a body, or, with the tree unfolded, a box; nothing: deselect"},
-      {"Escape", "deselect; or leave what comes to rest"},
-      {"B", "throw a ball from where you look"},
-      {"Delete", "take the selected body away"},
-      {"C", "how the solver converges, sweep by sweep"},
-      {"P", "picture of the window, in captures/"},
-      {"Tab", "fold all panels away, and back"},
-      {"Ctrl +  Ctrl -  Ctrl 0", "larger text, smaller text, usual text"},
-      {"F1", "these keys"}};
+      {"F", "frame the selection, or all bodies"},
+      {"Shift F", "frame all bodies"},
+      {"1  3  7", "front, side, top view"},
+      {"5", "toggle perspective"},
+      {"click", "select a body, or a box while Tree is open; on nothing: deselect"},
+      {"Escape", "deselect; cancel settling"},
+      {"B", "throw a ball from the camera"},
+      {"Delete", "delete the selected body"},
+      {"C", "panel Convergence"},
+      {"P", "write a picture of the window to captures/"},
+      {"Tab", "hide or show all panels"},
+      {"Ctrl +  Ctrl -  Ctrl 0", "larger, smaller, default text"},
+      {"F1", "this list"}};
   const ScreenRect& at = workspace.scene_view;
   ImGui::SetNextWindowPos({at.x + 0.5f * at.width, at.y + 0.5f * at.height}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::Begin("Keys", &workspace.help,

@@ -52,7 +52,7 @@ void apply_theme(Theme theme, float font_size) {
   style.Colors[ImGuiCol_SliderGrab] = faded(0.85f);
   style.Colors[ImGuiCol_SliderGrabActive] = accent;
   style.Colors[ImGuiCol_CheckMark] = accent;
-  // Whole pixels: ImGui rounds the sizes of windows, and a part of a pixel too much makes them scroll.
+  // Whole pixels: ImGui rounds window sizes, and a fraction of a pixel too much makes them scroll.
   const auto pixels = [&](float at_14) { return std::round(at_14 * font_size / 14); };
   style.WindowPadding = {pixels(10), pixels(6)};
   style.FramePadding = {pixels(6), std::max(pixels(2.5f), 1.0f)};

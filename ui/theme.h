@@ -1,11 +1,11 @@
 #pragma once
-// Colours and spacing of panels. Sets ImGui's style; keeps nothing.
+// Colours and spacing of panels. Sets ImGui's style; stateless.
 
 #include "ui/workspace.h"
 
 namespace collidoscope {
 
-/// `font_size`: pixels; spacing goes with it.
+/// `font_size` in pixels; spacing is proportional to it.
 void apply_theme(Theme theme, float font_size);
 
 }  // namespace collidoscope

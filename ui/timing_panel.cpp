@@ -16,6 +16,12 @@ void time_cells(const TimeSummary& times, bool shown) {
     number_cell(shown && times.samples > 0 ? short_time(ms) : "–");
 }
 
+/// The standard term for the stage, and its launch.
+std::string stage_text(const History::Stage& stage) {
+  const std::string launch = launch_text(stage);
+  return std::string(stage_term(stage.name)) + (launch.empty() ? "" : "\n" + launch);
+}
+
 }  // namespace
 
 void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
@@ -27,15 +33,15 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
   const int highlighted = workspace.hovered_stage >= 0 ? workspace.hovered_stage : workspace.chosen_stage;
   int hovered = -1;
   if (ImGui::BeginTable("stages", 6, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_PadOuterX)) {
-    // Shares of the width, which go with it and with the font.
+    // Relative widths, which scale with the panel and the font.
     for (const auto& [column, share] :
-         {std::pair{"stage", 7.8f}, std::pair{"now", 3.3f}, std::pair{"median", 3.6f}, std::pair{"p95", 3.3f},
-          std::pair{"share", 3.2f}, std::pair{"runs", 2.6f}})
+         {std::pair{"stage", 6.8f}, std::pair{"now", 3.4f}, std::pair{"median", 3.4f}, std::pair{"p95", 3.4f},
+          std::pair{"share", 3.0f}, std::pair{"launches", 4.4f}})
       ImGui::TableSetupColumn(column, ImGuiTableColumnFlags_WidthStretch, share);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    faint_text("ms");
-    for (const char* column : {"now", "median", "p95", "share", "runs"}) {
+    faint_text("stage, ms");
+    for (const char* column : {"now", "median", "p95", "share", "launches"}) {
       ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
       number_cell(column);
       ImGui::PopStyleColor();
@@ -43,7 +49,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     for (std::size_t k = 0; k < history.stages().size(); ++k) {
       const History::Stage& stage = history.stages()[k];
       const TimeSummary times = history.summarize_stage(k, window);
-      if (times.samples == 0) continue;  // of another broad phase or executor
+      if (times.samples == 0) continue;  // stage of another broad phase or executor
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -56,7 +62,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
         workspace.chosen_stage = workspace.chosen_stage == static_cast<int>(k) ? -1 : static_cast<int>(k);
       if (ImGui::IsItemHovered()) hovered = static_cast<int>(k);
       track(workspace, ("timing." + stage.name).c_str());
-      explain(launch_text(stage).c_str());
+      explain(stage_text(stage).c_str());
       time_cells(times, view.with_times);
       number_cell(view.with_times && sum.median > 0 ? fmt::format("{:.0f} %", 100 * times.median / sum.median)
                                                     : "–");
@@ -65,27 +71,28 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted("sum of stages");
-    explain("Of steps that are timed stage by stage. Whole steps are timed on the steps between them");
+    explain("Sum of the stage times. Every other step is timed stage by stage");
     time_cells(sum, view.with_times);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted("whole step");
-    explain("Of plain steps, without a clock inside: every other step");
+    explain("Time of whole steps, without stage timers. These are the steps between those timed by stage");
     time_cells(plain, view.with_times);
     ImGui::EndTable();
   }
   if (hovered >= 0) workspace.hovered_stage = hovered;
   const bool any_own = std::ranges::any_of(history.stages(), &History::Stage::library_launch);
   faint_text(
-      fmt::format("last {} steps{}", std::min(window, history.size()), any_own ? " · * own shape" : ""));
+      fmt::format("last {} steps{}", std::min(window, history.size()), any_own ? " · * library launch" : ""));
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   ImGui::SameLine(ImGui::GetContentRegionAvail().x - 2 * ImGui::CalcTextSize("JSON").x - 3 * gap - gap);
   if (ImGui::SmallButton("CSV")) workspace.csv_requested = true;
   track(workspace, "timing.csv");
-  explain("Writes these steps to captures/, one row each");
+  explain("Writes these steps to captures/, one row per step");
   ImGui::SameLine();
   if (ImGui::SmallButton("JSON")) workspace.json_requested = true;
   track(workspace, "timing.json");
+  explain("Writes these steps to captures/ as JSON");
   end_panel();
 }
 

@@ -27,8 +27,8 @@ void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view) {
   FrameLayers& layers = workspace.layers;
   constexpr int bins = static_cast<int>(NodeHistogram::bins);
   if (histogram.count == 0) {
-    faint_text(layers.box_color == NodeMetric::level ? "colour them by a metric to see how it spreads"
-                                                     : "no box of these levels has a value");
+    faint_text(layers.box_color == NodeMetric::level ? "Colour by a metric to see its distribution"
+                                                     : "no values on these levels");
     return;
   }
   int first = 0, last = bins - 1;
@@ -37,7 +37,7 @@ void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view) {
   const float width = ImGui::GetContentRegionAvail().x, height = 3.2f * ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   if (drag_ends("spread", width, height, bins, first, last)) {
-    // Beyond the least and the greatest the range is open: it stays so in the next state.
+    // At its extreme position an end has no limit, so that it stays at the extreme in later states.
     layers.box_low = first == 0 ? 0 : histogram.edge[static_cast<std::size_t>(first)];
     layers.box_high = last == bins - 1
                           ? std::numeric_limits<float>::infinity()
@@ -49,7 +49,7 @@ void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view) {
   if (ImGui::IsItemHovered()) {
     const auto bin =
         static_cast<std::size_t>(std::clamp(static_cast<int>((mouse.x - at.x) / cell), 0, bins - 1));
-    explain(fmt::format("{:.4g} to {:.4g}: {} boxes. Drag either end: boxes outside are not drawn",
+    explain(fmt::format("{:.4g} to {:.4g}: {} boxes. Drag an end: boxes outside the range are not drawn",
                         histogram.edge[bin], histogram.edge[bin + 1], grouped_number(histogram.nodes[bin]))
                 .c_str());
   }
@@ -77,8 +77,8 @@ void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view) {
                          is_logarithmic(layers.box_color) ? ", log" : "", grouped_number(histogram.inside),
                          grouped_number(histogram.count)));
   explain(
-      "The range of values that is drawn, and how many boxes of these levels lie in it. The height of a bar "
-      "goes with the root of their number, so that a few are seen beside many");
+      "Range of drawn values, and number of boxes of these levels within it. Bar height: square root of the "
+      "number of boxes");
   const float button = ImGui::CalcTextSize("auto").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - button);
   const bool automatic = layers.box_low == 0 && std::isinf(layers.box_high);
@@ -89,7 +89,7 @@ void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view) {
   }
   if (automatic) ImGui::PopStyleColor();
   track(workspace, "tree.auto");
-  explain("All values that there are, in this state and the next ones");
+  explain("No limits: draws boxes of all values");
 }
 
 }  // namespace collidoscope

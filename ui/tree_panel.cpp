@@ -1,5 +1,5 @@
-// The panel of the tree: how good it is in numbers, what colours its boxes and how that spreads, its worst
-// nodes, and what the query of a body visits. Measured only while the panel is unfolded.
+// Panel Tree: quality measures, histogram of the metric that colours the boxes, worst nodes, and the query of
+// a body. Measured only while the panel is open.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-// Leaves of each level, over the cells of the bar that chooses levels.
+// Number of leaves per level, aligned with the level bar.
 void draw_depths(Workspace& workspace, const WorkspaceView& view) {
   const std::vector<std::int64_t>& leaves = view.tree->quality.leaves;
   const float width = ImGui::GetContentRegionAvail().x, height = 1.8f * ImGui::GetFontSize();
@@ -36,7 +36,7 @@ void draw_depths(Workspace& workspace, const WorkspaceView& view) {
         std::min(static_cast<std::size_t>(std::max((ImGui::GetIO().MousePos.x - at.x) / cell, 0.0f)),
                  leaves.size() - 1);
     const std::int64_t boxes = level < view.level_sizes.size() ? view.level_sizes[level] : 0;
-    explain(fmt::format("Leaves by depth: at level {} {} of {} boxes are leaves, each holds one body", level,
+    explain(fmt::format("Leaves by level. Level {}: {} of {} boxes are leaves, with one body each", level,
                         grouped_number(leaves[level]), grouped_number(boxes))
                 .c_str());
   }
@@ -47,39 +47,38 @@ void draw_quality(const WorkspaceView& view) {
   const TreeQuality& q = view.tree->quality;
   TextPairs row;
   const auto number = [](double value) { return fmt::format("{:.4g}", value); };
-  row("SAH", number(q.sah),
-      "Areas of all boxes, those of leaves twice, over the root's: what a random ray costs");
+  row("SAH cost", number(q.sah),
+      "Surface area heuristic: areas of all boxes, leaves twice, over the root's area. Cost of a random ray");
   row("EPO", number(q.epo),
-      "End point overlap: of the area of the bodies' boxes, how much lies in boxes that do not hold them, "
-      "leaves counted twice (Aila, Karras, Laine 2013)");
+      "End point overlap: share of the area of the bodies' boxes inside boxes that do not contain them, "
+      "leaves "
+      "counted twice (Aila, Karras, Laine 2013)");
   row("overlap", number(q.sibling_overlap),
-      "Surface of what siblings have in common, over their parent's: mean of inner nodes");
-  row("empty", number(q.empty_space), "Part of a box that no child fills: mean of inner nodes");
-  row("own visits", number(q.own.mean),
-      "Nodes that the method's own traversal reads for a body, which finds the pairs: mean");
-  row("own most", q.own.by_query ? grouped_number(q.own.max) : "-",
-      "Own visits of the longest query; not known of a method whose bodies have no query each");
+      "Sibling overlap: surface of the intersection of siblings over their parent's. Mean of inner nodes");
+  row("empty space", number(q.empty_space), "Share of a box that no child fills. Mean of inner nodes");
+  row("own visits", number(q.own.mean), "Nodes that the method's own traversal reads per body. Mean");
+  row("own max", q.own.by_query ? grouped_number(q.own.max) : "-",
+      "Max own visits of a query. Not available for methods without a query per body");
   row("root visits", number(q.visits_mean),
-      "Boxes that one and the same query tests for a body, from the root of each tree as it is drawn: mean. "
-      "The values below, and the colours, are of this query");
-  row("root p99", number(q.visits_p99), "99 of 100 queries visit no more");
-  row("root most", grouped_number(q.visits_max), "Visits of the longest query");
-  row("per warp", fmt::format("× {:.3g}", q.warp_ratio),
-      "Mean over 32 neighbours in the tree's order of their most visits, over the mean: a warp waits for its "
-      "longest query");
-  row("expected", number(q.expected_visits),
-      "Visits of a query placed at random: Σ Π(extent + 2·half extent)/V");
-  row("per pair", number(q.tests_per_pair),
-      "Box tests of all queries for each true pair, which both its bodies meet");
-  row("boxes", grouped_number(q.nodes));
-  row("memory", bytes_text(q.bytes), "Of the broad phase, tree and all");
+      "Boxes that a query from the root tests per body, by the same algorithm for each tree. Mean. "
+      "The values below and the colours refer to this query");
+  row("root p99", number(q.visits_p99), "99th percentile of the visits per query");
+  row("root max", grouped_number(q.visits_max), "Max visits of a query");
+  row("divergence", fmt::format("× {:.3g}", q.warp_ratio),
+      "Warp divergence: mean of the max visits in each warp of 32 queries, over the mean visits");
+  row("exp. visits", number(q.expected_visits),
+      "Expected visits of a query at a random place: Σ Π(extent + 2·half extent)/V");
+  row("tests/pair", number(q.tests_per_pair),
+      "Tests per true pair: box tests of all queries over the number of overlapping pairs");
+  row("nodes", grouped_number(q.nodes), "Inner nodes and leaves");
+  row("memory", bytes_text(q.bytes), "Memory of the broad phase, including the tree");
 }
 
 }  // namespace
 
 void draw_tree_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "tree", "Tree", workspace.visible_panels.tree)) return end_panel();
-  row_label("method", "How pairs are found; never changes the result");
+  row_label("method", "Algorithm that finds overlapping pairs; never changes the result");
   choose_broad_phase(workspace, view, "tree.method");
   if (view.tree == nullptr) {
     faint_text("not measured yet");
@@ -93,13 +92,12 @@ void draw_tree_panel(Workspace& workspace, const WorkspaceView& view) {
   draw_quality(view);
   faint_text(view.with_times
                  ? fmt::format("state {}, measured in {} ms{}", panel.step, short_time(panel.took_ms),
-                               panel.took_ms > 20 && workspace.playing ? ", now and then" : "")
+                               panel.took_ms > 20 && workspace.playing ? ", at intervals" : "")
                  : fmt::format("state {}", panel.step));
   explain(
-      "Only while this panel is unfolded, or something is coloured by the tree. A run that plays is measured "
-      "at "
-      "most a fifth of the time for the panel; colours are of the very state that is drawn, whatever that "
-      "takes");
+      "Measured only while this panel is open or a colour needs it. During play the panel uses at most a "
+      "fifth "
+      "of the time. Colours always show the drawn state");
   ImGui::Spacing();
   draw_depths(workspace, view);
   ImGui::Checkbox("boxes", &workspace.layers.boxes);

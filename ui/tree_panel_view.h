@@ -1,6 +1,5 @@
 #pragma once
-// What the panel of the tree shows and asks for. Plain data: the requests are the panel's, the view its
-// owner's.
+// Data of the tree panel. Plain structs: the panel writes the requests, the caller writes the view.
 
 #include <cstdint>
 #include <optional>
@@ -11,40 +10,40 @@
 namespace collidoscope {
 
 struct TreeRequests {
-  NodeMetric sort = NodeMetric::sibling_overlap;  ///< of the table, the greatest first
-  std::int64_t first = 0;                         ///< rank of its first row
-  std::optional<std::int64_t> rank;               ///< of the node to be selected; cleared by the owner
-  /// Selected: its place in the tree of the current state, and of no other. Never a leaf: there the body is
-  /// selected.
+  NodeMetric sort = NodeMetric::sibling_overlap;  ///< sort column of the table, descending
+  std::int64_t first = 0;                         ///< rank of the first row
+  std::optional<std::int64_t> rank;               ///< rank of the node to select; cleared by the caller
+  /// Index of the selected inner node in the tree of the current state. For a leaf the body is selected
+  /// instead.
   std::optional<std::uint32_t> node;
-  bool query = false;    ///< what the selected body's query visits is drawn
-  double visit = 1;      ///< up to this one of them, from 1
-  bool playing = false;  ///< it goes on by itself
+  bool query = false;    ///< draw the boxes that the selected body's query visits
+  double visit = 1;      ///< number of drawn visits, from 1
+  bool playing = false;  ///< advance `visit` automatically
 };
 
-/// Of one state. The tables are small, whatever N is: what is drawn of all nodes stays where it was measured.
+/// Measurements of one state. Their size does not depend on N: values of all nodes stay on the device.
 struct TreePanelView {
-  static constexpr std::int64_t page = 8;              ///< rows of the table
-  static constexpr std::int64_t max_visited = 20'000;  ///< boxes of a query that are kept
+  static constexpr std::int64_t page = 8;              ///< rows per page of the table
+  static constexpr std::int64_t max_visited = 20'000;  ///< maximum of stored visits of a query
 
   std::int64_t step = -1;
-  double took_ms = 0;  ///< to measure
+  double took_ms = 0;  ///< measuring time
   TreeQuality quality;
-  NodeHistogram histogram;  ///< of what colours the boxes, over the levels shown; none by level
+  NodeHistogram histogram;  ///< histogram of the metric that colours the shown levels; empty for the level
 
-  std::int64_t ranked = 0;       ///< nodes of the levels shown
+  std::int64_t ranked = 0;       ///< number of nodes on the shown levels
   std::int64_t first = 0;        ///< rank of rows[0]
-  std::vector<NodeReport> rows;  ///< a page of them
+  std::vector<NodeReport> rows;  ///< rows of the current page
   std::optional<NodeReport> node;
-  std::vector<NodeReport> children;  ///< of it
+  std::vector<NodeReport> children;  ///< children of `node`
 
-  std::optional<std::uint32_t> queried;  ///< id of the body
-  std::int64_t visits = 0;               ///< of its query, all
+  std::optional<std::uint32_t> queried;  ///< id of the body with the query
+  std::int64_t visits = 0;               ///< total visits of the query
   struct Visited {
     NodeReport node;
-    bool met;  ///< the query's box overlaps it
+    bool met;  ///< whether the query's box overlaps it
   };
-  std::vector<Visited> visited;  ///< the first of them, in order
+  std::vector<Visited> visited;  ///< the first visits, in order
 };
 
 }  // namespace collidoscope

@@ -1,20 +1,20 @@
 #pragma once
-// The parts of the panel of the tree (tree_panel.cpp), for trees that there are. Free functions over the
-// workspace, between ImGui::NewFrame() and Render(); WorkspaceView::tree is not null.
+// Sections of the tree panel (tree_panel.cpp), drawn if the method has a tree. Free functions over the
+// workspace, between ImGui::NewFrame() and Render(). Precondition: WorkspaceView::tree is not null.
 
 #include "ui/workspace.h"
 
 namespace collidoscope {
 
-/// How the metric that colours the boxes spreads. Both ends of its range are dragged; what lies outside is
-/// not drawn.
+/// Histogram of the metric that colours the boxes. Both ends of the range can be dragged; boxes outside it
+/// are not drawn.
 void draw_tree_histogram(Workspace& workspace, const WorkspaceView& view);
-/// The worst nodes, a page of them, by any metric.
+/// One page of nodes, sorted by a metric.
 void draw_tree_table(Workspace& workspace, const WorkspaceView& view);
-/// The selected node, and step by step what the selected body's query visits.
+/// The selected node, and the replay of the selected body's query.
 void draw_tree_selection(Workspace& workspace, const WorkspaceView& view);
 
-/// "12.3 × 4 × 5.67 m".
+/// Side lengths of the box: "12.3 × 4 × 5.67 m".
 std::string size_text(const NodeReport& node);
 
 }  // namespace collidoscope

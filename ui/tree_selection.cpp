@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-// What a mark's colour means.
+// Legend entry of a mark.
 void key(const WorkspaceView& view, BoxMark mark, const char* text) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float size = ImGui::GetFontSize();
@@ -33,7 +33,7 @@ void draw_node(Workspace& workspace, const WorkspaceView& view) {
   ImGui::SameLine();
   if (ImGui::SmallButton("frame")) workspace.camera_request = CameraRequest::frame_selection;
   track(workspace, "tree.frame");
-  explain("F: the camera goes there");
+  explain("F: frames the node");
   faint_text(size_text(*panel.node));
 }
 
@@ -42,7 +42,7 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
   TreeRequests& requests = workspace.tree;
   ImGui::Checkbox("query of the selected body", &requests.query);
   track(workspace, "tree.query");
-  explain("The boxes that its query tests, from the root, in order; in place of its path");
+  explain("Shows the boxes that the query tests, in order from the root, in place of the path");
   if (!requests.query) return;
   if (!workspace.selection || panel.visited.empty()) {
     faint_text("click a body, or a leaf in the table");
@@ -50,7 +50,7 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
   }
   const auto count = static_cast<int>(panel.visited.size());
   if (requests.playing) {
-    // The whole of it in at most five seconds, and no faster than an eye can follow where they are few.
+    // Replay rate: at most five seconds in total, at least five visits per second.
     const double more = static_cast<double>(ImGui::GetIO().DeltaTime) * std::max(5.0, count / 5.0);
     requests.visit = std::min(requests.visit + more, static_cast<double>(count));
     if (requests.visit >= count) requests.playing = false;
@@ -80,18 +80,18 @@ void draw_query(Workspace& workspace, const WorkspaceView& view) {
       fmt::format("{} of {}: {}, level {}: {}", at, grouped_number(panel.visits),
                   node.children > 0 ? fmt::format("node {}", node.node) : fmt::format("body {}", node.body),
                   node.level,
-                  !visited.met                        ? "apart"
-                  : node.children > 0                 ? "overlaps, go down"
+                  !visited.met                        ? "no overlap"
+                  : node.children > 0                 ? "overlap, descend"
                   : node.body == *workspace.selection ? "itself"
-                                                      : "a pair")
+                                                      : "pair")
           .c_str());
-  if (panel.visits > count) faint_text(fmt::format("the first {} are kept", grouped_number(count)));
+  if (panel.visits > count) faint_text(fmt::format("only the first {} are stored", grouped_number(count)));
 }
 
 }  // namespace
 
 void draw_tree_selection(Workspace& workspace, const WorkspaceView& view) {
-  ImGui::PushID("selection");  // the table has buttons of the same faces
+  ImGui::PushID("selection");  // distinct from the buttons of the table
   draw_node(workspace, view);
   draw_query(workspace, view);
   ImGui::PopID();

@@ -10,17 +10,18 @@
 namespace collidoscope {
 namespace {
 
-/// A metric as the table has it.
+/// A metric column of the table.
 struct Column {
   NodeMetric metric;
-  const char *name, *help;
+  const char *name, *label, *help;  ///< name: part of the widget names
 };
 constexpr std::array<Column, 5> columns{
-    {{NodeMetric::level, "lvl", "Level: the root's is 0"},
-     {NodeMetric::sah_share, "SAH", "Share of the tree's SAH cost: what its area adds to a query's"},
-     {NodeMetric::sibling_overlap, "overlap", "Surface of what its children have in common, over its own"},
-     {NodeMetric::empty_space, "empty", "Part of its volume that no child fills"},
-     {NodeMetric::visits, "visits", "Queries that test its box"}}};
+    {{NodeMetric::level, "lvl", "level", "Level; 0 is the root"},
+     {NodeMetric::sah_share, "SAH", "SAH", "Share of the tree's SAH cost"},
+     {NodeMetric::sibling_overlap, "overlap", "overlap",
+      "Sibling overlap: surface of the intersection of its children over its own"},
+     {NodeMetric::empty_space, "empty", "empty", "Empty space: share of its volume that no child fills"},
+     {NodeMetric::visits, "visits", "visits", "Queries that test its box"}}};
 
 std::string value_text(const NodeReport& node, NodeMetric metric) {
   const auto share = [](double value) {
@@ -54,23 +55,23 @@ std::string size_text(const NodeReport& node) {
 void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
   const TreePanelView& panel = *view.tree;
   TreeRequests& requests = workspace.tree;
-  // ImGui keeps the width of a column that is out of sight: another font begins with another table.
+  // ImGui keeps the width of a hidden column, so each font size uses its own table.
   const std::string table = fmt::format("nodes {}", ImGui::GetFontSize());
   if (ImGui::BeginTable(table.c_str(), 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
     ImGui::TableSetupColumn("node", ImGuiTableColumnFlags_WidthStretch);
     for (const Column& column : columns) ImGui::TableSetupColumn(column.name);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    faint_text("worst first");
+    faint_text("node");
     for (const Column& column : columns) {
       ImGui::TableNextColumn();
       const bool sorted = requests.sort == column.metric;
-      if (ImGui::Selectable(column.name, sorted)) {
+      if (ImGui::Selectable(column.label, sorted)) {
         requests.sort = column.metric;
         requests.first = 0;
       }
       track(workspace, (std::string("tree.sort.") + column.name).c_str());
-      explain((std::string(column.help) + ". Click: the greatest first").c_str());
+      explain((std::string(column.help) + ". Click: largest first").c_str());
     }
     for (std::size_t i = 0; i < panel.rows.size(); ++i) {
       const NodeReport& node = panel.rows[i];
@@ -89,9 +90,9 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
       ImGui::PopStyleColor();
       ImGui::PopID();
       track(workspace, ("tree.row." + std::to_string(i)).c_str());
-      explain(fmt::format("{}. {}. A click selects {}, and pauses: the next state has another tree",
-                          size_text(node), leaf ? "A leaf" : fmt::format("{} children", node.children),
-                          leaf ? "the body" : "it")
+      explain(fmt::format("{}. {}. Click: selects {} and pauses, since the next state has another tree",
+                          size_text(node), leaf ? "Leaf" : fmt::format("{} children", node.children),
+                          leaf ? "the body" : "the node")
                   .c_str());
       for (const Column& column : columns) number_cell(value_text(node, column.metric));
     }
@@ -106,12 +107,12 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
     explain(help);
     ImGui::SameLine();
   };
-  turn("tree.page.first", "|<", "The worst", panel.first > 0, 0);
-  turn("tree.page.previous", "<", "The page before", panel.first > 0,
+  turn("tree.page.first", "|<", "First page: largest values", panel.first > 0, 0);
+  turn("tree.page.previous", "<", "Previous page", panel.first > 0,
        std::max<std::int64_t>(panel.first - TreePanelView::page, 0));
-  turn("tree.page.next", ">", "The next page", panel.first + shown < panel.ranked,
+  turn("tree.page.next", ">", "Next page", panel.first + shown < panel.ranked,
        panel.first + TreePanelView::page);
-  // The selected one's neighbours in the order of the table, wherever their page is.
+  // Rank of the selected node, if it is on this page.
   std::optional<std::int64_t> rank;
   for (std::int64_t i = 0; i < shown; ++i) {
     const NodeReport& node = panel.rows[static_cast<std::size_t>(i)];
@@ -119,8 +120,8 @@ void draw_tree_table(Workspace& workspace, const WorkspaceView& view) {
       rank = panel.first + i;
   }
   for (const auto& [name, label, help, by] :
-       {std::tuple{"tree.previous", "previous", "Selects the node before, in the order of the table", -1},
-        std::tuple{"tree.next", "next", "Selects the next node, in the order of the table", 1}}) {
+       {std::tuple{"tree.previous", "previous", "Selects the previous node of the table", -1},
+        std::tuple{"tree.next", "next", "Selects the next node of the table", 1}}) {
     if (ImGui::SmallButton(label) && panel.ranked > 0) {
       requests.rank = std::clamp<std::int64_t>(rank ? *rank + by : panel.first, 0, panel.ranked - 1);
       workspace.playing = false;

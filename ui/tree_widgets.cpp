@@ -14,7 +14,7 @@ namespace collidoscope {
 
 namespace {
 
-/// Whether white text reads better than black text on the window in this colour.
+/// Whether white text is more legible than black text on this colour over the window.
 bool is_dark(ImU32 color) {
   const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color), under = ImGui::GetStyleColorVec4(ImGuiCol_WindowBg);
   const auto mixed = [&](float over, float below) { return c.w * over + (1 - c.w) * below; };
@@ -43,7 +43,7 @@ bool drag_ends(const char* id, float width, float height, int count, int& first,
 void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char* name) {
   const int count = static_cast<int>(view.level_sizes.size());
   if (count == 0) {
-    faint_text("no tree here");
+    faint_text("this method has no tree");
     return;
   }
   FrameLayers& layers = workspace.layers;
@@ -55,16 +55,15 @@ void draw_level_bar(Workspace& workspace, const WorkspaceView& view, const char*
   if (drag_ends("levels", width, height, count, first, last)) {
     workspace.levels_chosen = true;
     layers.first_level = first;
-    layers.last_level = last == count - 1 ? 63 : last;  // "to the leaves" stays so when the tree grows
+    layers.last_level = last == count - 1 ? 63 : last;  // keeps "to the leaves" when the tree grows
   }
   track(workspace, name);
   const bool inside = ImGui::IsItemHovered() || ImGui::IsItemActive();
   const int under =
       inside ? std::clamp(static_cast<int>((ImGui::GetIO().MousePos.x - at.x) / cell), 0, count - 1) : -1;
   if (layers.boxes && under >= first && under <= last) workspace.hovered_level = under;
-  explain(count < 64 ? "Drag either end: levels of the hierarchy that are shown, 0 is the root"
-                     : "Drag either end: levels of the hierarchy that are shown, 0 is the root, 63 is of all "
-                       "boxes as deep or deeper");
+  explain(count < 64 ? "Shown levels of the tree; 0 is the root. Drag an end"
+                     : "Shown levels of the tree; 0 is the root, 63 includes all deeper boxes. Drag an end");
   ImDrawList* list = ImGui::GetWindowDrawList();
   for (int level = 0; level < count; ++level) {
     const float x = at.x + cell * static_cast<float>(level);
@@ -138,8 +137,8 @@ void choose_broad_phase(Workspace& workspace, const WorkspaceView& view, const c
   }
   track(workspace, name);
   if (view.key_bits > 0)
-    explain(fmt::format("Sorted by Morton keys of {} bits. Longer keys are chosen where bodies crowd in the "
-                        "cells of short keys, unless a number was set at the start",
+    explain(fmt::format("Sorted by Morton codes of {} bits. Auto selects longer codes if many bodies share a "
+                        "cell",
                         view.key_bits)
                 .c_str());
 }
@@ -159,7 +158,7 @@ void choose_box_color(Workspace& workspace, const char* name) {
       if (ImGui::Selectable(text, metric == layers.box_color) && metric != layers.box_color) {
         layers.box_color = metric;
         if (metric != NodeMetric::level) workspace.tree.sort = metric;
-        layers.box_low = 0;  // another metric has other values
+        layers.box_low = 0;  // the old range belongs to another metric
         layers.box_high = std::numeric_limits<float>::infinity();
       }
       track(workspace, (std::string(name) + "." + text).c_str());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace collidoscope {
 
@@ -15,7 +16,7 @@ void track(Workspace& workspace, const char* name, const ScreenRect& rect) {
 }
 
 void track(Workspace& workspace, const char* name) {
-  // Neither what is grey nor what scrolled out of its window can be clicked.
+  // Disabled or scrolled-out widgets cannot be clicked.
   if (!ImGui::IsItemVisible() || (ImGui::GetItemFlags() & ImGuiItemFlags_Disabled) != 0) return;
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 low = list->GetClipRectMin(), high = list->GetClipRectMax();
@@ -120,7 +121,7 @@ std::string with_prefix(double value, const char* unit) {
   if (!std::isfinite(value)) return fmt::format("{} {}", value, unit);
   for (const auto& p : prefixes)
     if (std::abs(value) >= p.scale && std::abs(value) < 1e15) {
-      // A prefix is read with the whole unit: kkg m/s is not one.
+      // The unit already has the prefix k: "kkg m/s" would be wrong.
       if (unit[0] == 'k') return fmt::format("{:.4g} {}", value, unit);
       return fmt::format("{:.4g} {}{}", value / p.scale, p.prefix, unit);
     }
@@ -141,7 +142,7 @@ std::string bytes_text(std::int64_t bytes) {
 }
 
 std::uint32_t stage_color(std::size_t stage, bool light) {
-  // Neighbours in the stack differ in hue and in lightness.
+  // Adjacent colours of the stack differ in hue and lightness.
   static constexpr std::array<std::uint32_t, stage_colors> dark_theme{
       0xffe8a14fu, 0xff4fb3f5u, 0xff7ac36au, 0xff5a6ee8u, 0xffd184c0u, 0xffc9c04eu, 0xff6f93c4u,
       0xff53d6e4u, 0xffb58af0u, 0xff8fd3a9u, 0xffa6a6a6u, 0xff7fa0ffu, 0xff789000u, 0xfff8d8f8u,
@@ -151,6 +152,39 @@ std::uint32_t stage_color(std::size_t stage, bool light) {
       0xff1f9fb0u, 0xff8054c4u, 0xff55946cu, 0xff707070u, 0xff4a6cd8u, 0xff005000u, 0xff881050u,
       0xfff87890u, 0xff180078u, 0xff804800u, 0xfff09808u, 0xff680088u, 0xffa888a0u};
   return light ? light_theme[stage % light_theme.size()] : dark_theme[stage % dark_theme.size()];
+}
+
+std::string_view stage_term(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 26> terms{
+      {{"bounds", "AABBs: axis-aligned bounding boxes of all bodies"},
+       {"keys", "Morton codes, or keys of grid cells or planes"},
+       {"sort", "sort by key"},
+       {"build", "build of the tree or grid"},
+       {"pairs", "traversal: pairs of overlapping AABBs"},
+       {"contacts", "narrow phase: contact points and normals"},
+       {"colour", "graph colouring of the contacts"},
+       {"prepare", "constraint setup"},
+       {"attractor", "field of the attractors"},
+       {"drag", "drag force"},
+       {"forces", "external forces and warm starting"},
+       {"solve", "constraint solver iterations"},
+       {"joints", "joint solver"},
+       {"walls", "collision with planes and walls"},
+       {"integrate", "higher-order integration of bodies without contacts"},
+       {"continuous", "continuous collision: limit of each displacement"},
+       {"move", "integration of positions and orientations"},
+       {"turn", "integration of orientations"},
+       {"prescribe", "motion of kinematic bodies"},
+       {"relax", "relaxation: iterations without position correction"},
+       {"bounce", "restitution"},
+       {"friction", "friction of bouncing contacts"},
+       {"keep", "warm-start store"},
+       {"islands", "islands and sleeping"},
+       {"residual", "residuals of the solver"},
+       {"guard", "guards: validation of stage results"}}};
+  const auto* const found =
+      std::ranges::find(terms, name, &std::pair<std::string_view, std::string_view>::first);
+  return found == terms.end() ? name : found->second;
 }
 
 }  // namespace collidoscope

@@ -18,13 +18,13 @@ struct Layout {
 };
 
 constexpr float left_ems = 21.5f, right_ems = 26;
-constexpr float panel_share = 0.6f;  // of the width, at most: the 3D view has the rest
+constexpr float panel_share = 0.6f;  // maximum share of the window's width; the 3D view has the rest
 
 float column_ems(const PanelVisibility& visible_panels) {
   return (visible_panels.left ? left_ems : 0) + (visible_panels.right ? right_ems : 0);
 }
 
-/// Pixels of the font as the screen suggests it.
+/// Default font size in pixels for a window of this size.
 float usual_font_size(int width, int height) {
   const float fit = std::min(static_cast<float>(width) / 1280.0f, static_cast<float>(height) / 720.0f);
   return 13.0f * std::sqrt(std::max(fit, 1.0f));
@@ -65,7 +65,7 @@ void window(const char* name, const ScreenRect& rect, bool scrolls, Draw draw) {
   ImGui::End();
 }
 
-// Over the 3D view, under all panels.
+// Drawn over the 3D view and under all panels.
 void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const ScreenRect& at = workspace.scene_view;
@@ -81,7 +81,7 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
   };
   for (const auto& around : view.frozen_outlines) outline(around, IM_COL32(120, 214, 255, 255));
   outline(view.outline, IM_COL32(255, 214, 92, 255));
-  float y = at.y + at.height - 0.5f * ImGui::GetFontSize();  // where the next text ends
+  float y = at.y + at.height - 0.5f * ImGui::GetFontSize();  // bottom of the next text
   const auto line = [&](const std::string& text, ImU32 color) {
     const float pad = ImGui::GetFontSize() * 0.5f, wrap = std::max(at.width - 4 * pad, 1.0f);
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
@@ -93,7 +93,7 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
     y = from.y - 0.5f * ImGui::GetFontSize();
   };
   if (workspace.hint)
-    line("Space plays and pauses · S steps · drag turns · wheel zooms · click selects · F1 keys",
+    line("Space play/pause · S step · drag orbit · wheel zoom · click select · F1 keys",
          IM_COL32(235, 238, 242, 255));
   if (!workspace.notice.empty()) line(workspace.notice, IM_COL32(255, 214, 92, 255));
   list->PopClipRect();
@@ -129,7 +129,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
   track(workspace, "scene", layout.scene);
   draw_on_scene(workspace, view);
   const PanelVisibility visible_panels =
-      workspace.visible_panels;  // what the status line changes acts from the next frame on
+      workspace.visible_panels;  // copy: a click in the status line takes effect in the next frame
   if (visible_panels.left)
     window("controls", layout.left, true, [&] {
       draw_run_panel(workspace, view);

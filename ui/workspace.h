@@ -1,7 +1,7 @@
 #pragma once
-// The workspace: plain data for all that panels show and change, and one function that draws them. The caller
-// (the viewer, or a capture) owns a Workspace, reads the requests that panels left in it, and fills a
-// WorkspaceView from what it runs. No GL, no CUDA, no window.
+// The workspace: plain data that panels show and change, and the function that draws them. The caller (viewer
+// or capture) owns a Workspace, handles the requests in it, and fills a WorkspaceView from its run. No GL, no
+// CUDA, no window.
 
 #include <algorithm>
 #include <array>
@@ -31,76 +31,77 @@
 
 namespace collidoscope {
 
-/// The settings of a run that panels show and change.
+/// Settings of a run that panels show and change.
 struct Settings : RunSettings {
-  std::optional<OnFailure> guards;  ///< unset: they are off; their limits are the scene's, if it has some
+  std::optional<OnFailure> guards;  ///< unset: off; limits are those of the scene, if set
 
   friend bool operator==(const Settings& a, const Settings& b) {
     return equal_settings(a, b) && a.guards == b.guards;
   }
 };
 
-/// What the 3D view shows.
+/// Requested change of the camera.
 enum class CameraRequest { none, frame_all, frame_selection, front, side, top, orthographic };
 enum class Theme { dark, light };
 
 struct SpeedChoice {
-  double speed;  ///< simulated seconds in each second; 0: a step in every drawn frame
-  const char* name;
+  double speed;      ///< simulated seconds per second; 0: one step per drawn frame
+  const char* name;  ///< part of the widget names
+  const char* label;
 };
-inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×"},
-                                                           {0.25, "0.25 ×"},
-                                                           {0.5, "0.5 ×"},
-                                                           {1, "1 × real time"},
-                                                           {2, "2 ×"},
-                                                           {0, "a step a frame"}}};
+inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×", "0.1 × real time"},
+                                                           {0.25, "0.25 ×", "0.25 × real time"},
+                                                           {0.5, "0.5 ×", "0.5 × real time"},
+                                                           {1, "1 × real time", "1 × real time"},
+                                                           {2, "2 ×", "2 × real time"},
+                                                           {0, "a step a frame", "one step per frame"}}};
 
-/// Which panels are unfolded.
+/// Open panels.
 struct PanelVisibility {
-  bool left = true, right = true, bottom = true;  ///< whole columns, and the strip of graphs
+  bool left = true, right = true, bottom = true;  ///< whole columns and the bottom strip
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
-       inspector = true, tree = false, convergence = false,  ///< measuring takes time
-      effects = false,                                       ///< rarely asked for
-      breaks = false, hard_cases = false,                    ///< runs them where somebody said so
-      accuracy = false;                                      ///< measures as long as it is unfolded
+       inspector = true, tree = false, convergence = false,  ///< measured only while open
+      effects = false, breaks = false, hard_cases = false,
+       accuracy = false;  ///< measured only while open
 
   friend bool operator==(const PanelVisibility&, const PanelVisibility&) = default;
 };
 
-/// A part of the screen, in pixels from its top left corner.
+/// Part of the window in pixels from its top left corner.
 struct ScreenRect {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
 struct Workspace {
-  Settings settings;              ///< as requested; the owner takes them over, or puts back what is in effect
-  bool adjusting = false;         ///< a slider of `settings` is held
-  bool adjusting_result = false;  ///< one that changes the result: the run waits, so that it is one change
-  /// What was typed last, where it was refused.
+  Settings settings;       ///< requested; the caller applies them or restores the current ones
+  bool adjusting = false;  ///< a slider of `settings` is held
+  bool adjusting_result =
+      false;  ///< a slider that affects the result is held; the run waits, so that the drag is one change
+  /// The last rejected input.
   struct InputFault {
     std::string widget, text;
   };
   std::optional<InputFault> input_fault;
-  std::string typed_text;  ///< in the field that has the keyboard
+  std::string typed_text;  ///< text in the focused field
   FrameLayers layers = window_layers();
-  bool levels_chosen = false;  ///< else boxes start with the levels 2 to 4
+  bool levels_chosen = false;  ///< false: boxes start with levels 2 to 4
 
   bool playing = true;
-  double speed = 1;  ///< of speed_choices
-  // Requests, cleared by the owner once they are met.
+  double speed = 1;  ///< one of speed_choices
+  // Requests, cleared by the caller when handled.
   int step_requests = 0;
   bool restart_requested = false, screenshot_requested = false, csv_requested = false, json_requested = false;
-  bool changes_file_requested = false;  ///< a file of what was changed since the start
-  bool projectile_requested = false;    ///< a new body, from the camera
-  bool removal_requested = false;       ///< of the selected body
-  bool measure_effects = false;         ///< what each costs, anew where something else is simulated
-  bool reference_requested = false;     ///< a reference of the run, from the bodies as they are
+  bool changes_file_requested = false;  ///< write the changes since the start to a file
+  bool projectile_requested = false;    ///< add a body, launched from the camera
+  bool removal_requested = false;       ///< remove the selected body
+  bool measure_effects = false;         ///< measure the cost of each effect
+  bool reference_requested = false;     ///< restart the reference from the present state
   CameraRequest camera_request = CameraRequest::none;
 
   std::optional<std::uint32_t> selection;  ///< id of a body
-  bool follow = false;                     ///< the camera goes with it
-  bool show_path = true;                   ///< its boxes in the tree are drawn
-  /// The rows of its contacts while the pointer rests on them: they keep their places.
+  bool follow = false;                     ///< camera follows the selected body
+  bool show_path = true;                   ///< draw the body's path in the tree
+  /// Rows of the selected body's contacts. The order is kept while the pointer is over them.
   struct ContactRows {
     std::uint32_t body = 0;
     std::vector<std::uint32_t> others;  ///< ids, from the top
@@ -112,113 +113,114 @@ struct Workspace {
   HardCasesRequests hard_cases;
   BreakRequests breaks;
 
-  int window = 240;        ///< steps that graphs and tables speak of
-  int hovered_stage = -1;  ///< under the pointer, in graph or table; of History::stages()
-  int chosen_stage = -1;   ///< by a click in the table; highlighted where none is under the pointer
-  int hovered_level = -1;  ///< under the pointer, in a bar of levels
+  int window = 240;        ///< number of steps in graphs and tables
+  int hovered_stage = -1;  ///< under the pointer; index into History::stages(), -1: none
+  int chosen_stage = -1;   ///< clicked in the table; highlighted while hovered_stage is -1
+  int hovered_level = -1;  ///< under the pointer in a level bar; -1: none
   bool help = false, hint = true;
   Theme theme = Theme::dark;
   float font_scale = 1;
-  float largest_font_scale = 3;  ///< that acts on this screen; set by the owner
+  float largest_font_scale = 3;  ///< limit for this window, set by the caller
   PanelVisibility visible_panels;
 
-  /// One step, then pause. A key that is held asks for no step while one is pending.
+  /// Requests one step and pauses. A repeated key press adds no step while one is pending.
   void request_step(bool held = false) {
     playing = false;
     if (!held || step_requests == 0) ++step_requests;
   }
-  /// Steps that are pending are dropped.
+  /// Drops pending steps.
   void play_or_pause() {
     playing = !playing;
     step_requests = 0;
   }
-  /// By a factor, within what acts.
+  /// Multiplies the font scale, within its limits.
   void scale_font(float factor) {
     const float acts = std::min(font_scale, largest_font_scale);
     font_scale = std::clamp(acts * factor, 0.6f, std::max(largest_font_scale, 1.0f));
   }
 
-  std::vector<std::string> errors;  ///< each until it is dismissed
-  std::string notice;               ///< said once, of the last change
+  std::vector<std::string> errors;  ///< shown until dismissed
+  std::string notice;               ///< message about the last action, shown for some seconds
 
-  /// Of the last draw: where the 3D view is, and each widget by its name, if it can be seen and used.
+  /// Results of the last draw: area of the 3D view, and the visible enabled widgets by name.
   ScreenRect scene_view;
   std::vector<std::pair<std::string, ScreenRect>> widgets;
-  std::string
-      pressed;  ///< the widget that the left button went down on last; what covers one takes its clicks
+  std::string pressed;  ///< topmost widget under the last press of the left button
 };
 
-/// What a run looks like at the moment. Pointers are the caller's, for the time of the draw.
+/// State of the run for one draw. Pointers must stay valid during the draw.
 struct WorkspaceView {
   std::string scene;
-  bool generated = false;  ///< N, radius, seed and variant can be changed
+  bool generated = false;  ///< the scene has exactly one generator, whose settings can be changed
   Settings active_settings;
-  double greatest_radius = limits::max_radius;  ///< m, that can be chosen: the spheres must fit in the box
-  /// Beside the N of a generator: removed of it; listed in the scene or added.
+  double greatest_radius =
+      limits::max_radius;  ///< m, largest allowed max radius: the spheres must fit in the box
+  /// Bodies removed from the generator; bodies listed in the scene or added.
   std::int64_t removed_bodies = 0, other_bodies = 0;
   bool edited = false;                    ///< a physical setting was changed since state 0
-  std::int64_t changes = 0;               ///< that a replay would make
-  std::string executor, device;           ///< "CPU" or "CUDA", and its name
-  std::string renderer, display_path;     ///< what draws, and how the data get there
-  bool software = false;                  ///< the renderer draws on the CPU
-  double view_scale = 1;                  ///< of the 3D view: pixels drawn for each one seen, along an axis
-  std::string cuda_unavailable_reason;    ///< why CUDA cannot be chosen; empty: it can
-  std::vector<std::string> broad_phases;  ///< names, the default first
-  std::vector<std::string> effects;       ///< that are on
-  int substeps = 1;                       ///< of a step, also where they are "auto"
-  std::vector<EffectView> effect_views;   ///< of all; empty while their panel is folded
+  std::int64_t changes = 0;               ///< number of recorded changes
+  std::string executor, device;           ///< "CPU" or "CUDA"; device name
+  std::string renderer, display_path;     ///< OpenGL renderer; transfer from simulator to OpenGL
+  bool software = false;                  ///< the renderer runs on the CPU
+  double view_scale = 1;                  ///< drawn pixels per shown pixel of the 3D view, along an axis
+  std::string cuda_unavailable_reason;    ///< why CUDA is disabled; empty: enabled
+  std::vector<std::string> broad_phases;  ///< names; the default comes first
+  std::vector<std::string> effects;       ///< names of the enabled effects
+  int substeps = 1;                       ///< substeps per step, also if "auto"
+  std::vector<EffectView> effect_views;   ///< all effects; empty while the panel is folded
   bool measuring_effects = false;
-  int key_bits = 0;  ///< of the broad phase's Morton keys; 0: it has none
+  int key_bits = 0;  ///< length of the Morton codes; 0: none
 
   StepStats stats;
-  double time = 0;              ///< s of simulated time
-  double real_time_factor = 0;  ///< simulated seconds in a second
+  double time = 0;              ///< s, simulated time
+  double real_time_factor = 0;  ///< simulated seconds per second
   double frames_per_second = 0;
   std::int64_t allocated_bytes = 0;
-  std::int64_t tree_nodes = 0;            ///< boxes in it
-  std::vector<std::int64_t> level_sizes;  ///< boxes of each level of the tree, from the root
+  std::int64_t tree_nodes = 0;            ///< number of boxes in the tree
+  std::vector<std::int64_t> level_sizes;  ///< boxes per level of the tree, from the root
   const History* history = nullptr;
-  std::vector<Residual> residuals;  ///< of the last step; empty where they were not recorded
+  std::vector<Residual> residuals;  ///< residuals of the last step; empty if not recorded
 
   std::vector<std::uint32_t> level_colors;    ///< 0xAABBGGRR, by level
-  Legend body_colors, box_colors;             ///< what their colours mean
-  std::int64_t boxes_drawn = 0;               ///< where they are not coloured by level
-  std::vector<std::uint32_t> contact_colors;  ///< from weak to strong
-  double max_impulse = 0;  ///< N s, of the last of them, the first has a thousandth; 0: none are known
+  Legend body_colors, box_colors;             ///< legends of the body and box colours
+  std::int64_t boxes_drawn = 0;               ///< number of drawn boxes, unless coloured by level
+  std::vector<std::uint32_t> contact_colors;  ///< ascending impulse
+  double max_impulse = 0;  ///< N s, of the last contact colour; the first is 1/1000 of it; 0: not recorded
 
-  ReferenceView reference;  ///< that ghosts and errors are of
-  double error_scale = 1;   ///< of the lines that show errors, in effect
+  ReferenceView reference;  ///< reference of the layers ghosts and error vectors
+  double error_scale = 1;   ///< length of a drawn error vector over the error
 
-  std::optional<StopView> stop;       ///< what the run has stopped at
-  std::vector<std::uint32_t> frozen;  ///< ids, ascending, of bodies that guards have fixed
+  std::optional<StopView> stop;       ///< present stop of the run
+  std::vector<std::uint32_t> frozen;  ///< ids of frozen bodies, ascending
 
   const BodyReport* selected = nullptr;
-  const TreePanelView* tree = nullptr;        ///< null: nobody asked
-  const AccuracyView* accuracy = nullptr;     ///< so here
-  const HardCasesView* hard_cases = nullptr;  ///< and here
-  std::vector<std::uint32_t> mark_colors;     ///< by BoxMark
-  /// Around the selected body, in pixels of the screen; empty where it cannot be seen.
+  const TreePanelView* tree = nullptr;        ///< null: not requested
+  const AccuracyView* accuracy = nullptr;     ///< null: not requested
+  const HardCasesView* hard_cases = nullptr;  ///< null: not requested
+  std::vector<std::uint32_t> mark_colors;     ///< indexed by BoxMark
+  /// Outline of the selected body in pixels of the window; empty if it is not visible.
   std::vector<std::pair<float, float>> outline;
-  std::vector<std::vector<std::pair<float, float>>> frozen_outlines;  ///< so too, of the first of `frozen`
+  std::vector<std::vector<std::pair<float, float>>>
+      frozen_outlines;  ///< outlines of the first bodies in `frozen`
   bool orthographic = false;
 
-  bool with_times = true;  ///< false: times are drawn as a dash, so that pictures repeat
+  bool with_times = true;  ///< false: times are drawn as a dash, for reproducible pictures
 };
 
-/// Draws everything but the 3D view, for which it leaves Workspace::scene_view, between ImGui::NewFrame() and
-/// Render().
+/// Draws all panels and sets Workspace::scene_view, the area of the 3D view. Call between ImGui::NewFrame()
+/// and Render().
 void draw_workspace(Workspace& workspace, const WorkspaceView& view);
 
-/// After draw_workspace() was left by an exception: ends what it began, and shows Workspace::errors.
+/// Cleans up after draw_workspace() threw: closes open windows and shows Workspace::errors.
 void end_unfinished_panels(Workspace& workspace);
 
-/// Where the 3D view will be on a screen of this size.
+/// Area of the 3D view in a window of this size.
 ScreenRect scene_view_rect(const Workspace& workspace, float width, float height, float font_size);
 
 inline constexpr float min_font_scale = 0.6f, max_font_scale = 3;
-/// The largest size of text, 1 or more, at which the unfolded columns leave the 3D view 40 % of the width.
+/// Largest font scale, at least 1, at which the open columns leave the 3D view 40 % of the width.
 float largest_font_scale(int width, int height, float content_scale, const PanelVisibility& visible_panels);
-/// Pixels of the panels' font on a screen of this size: as `font_scale` asks for, or as large as fits.
+/// Font size of the panels in pixels: `font_scale`, limited to the largest that fits.
 float workspace_font_size(int width, int height, float font_scale, float content_scale = 1,
                           const PanelVisibility& visible_panels = {});
 

@@ -22,8 +22,8 @@ namespace {
 
 void log_to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
-/// What was remembered, and over it what the command line says. `keeps`: whether it may be written at the
-/// end.
+/// Workspace from the settings file, overridden by the command line. `keeps`: whether the file may be written
+/// at exit.
 Workspace first_workspace(const Options& options, bool& keeps) {
   Workspace workspace;
   const std::string file = settings_path();
@@ -69,11 +69,10 @@ App::App(const Start& start, const Options& options)
       software_(gl::is_software_renderer()) {
   cuda_available(&cuda_unavailable_reason_);
   workspace_.settings = live_.settings();
-  if (!live_.world().initial().meshes.empty())
-    show_notice("mesh bodies collide as their bounding spheres for now");
+  if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");
 }
 
-/// The world, which may take long to make; the window says so, and can be closed.
+/// Makes the world, which may take long. Shows a message meanwhile; closing the window cancels it.
 World App::make_world(const Start& start) {
   if (Cancellation* const cancellation = options_.run.cancellation)
     cancellation->set_poll([this, cancellation] {
@@ -98,7 +97,7 @@ World App::make_world(const Start& start) {
 bool App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
   while (!window_.closing() && !ended() && !cancelled_ && automation_failure_.empty()) {
-    // Paused and untouched, the window need not be drawn sixty times a second.
+    // A paused, untouched window is drawn less often.
     bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_requests > 0;
     busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
     busy |= shows_hard_cases() && !stability_.done();
@@ -109,7 +108,7 @@ bool App::run(const std::function<bool()>& ended) {
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - last).count();
     last = now;
-    if (window_.width() == 0 || window_.height() == 0) {  // minimised: nothing is drawn, nothing is stepped
+    if (window_.width() == 0 || window_.height() == 0) {  // minimised: no drawing, no steps
       window_.poll(0.1);
       continue;
     }
@@ -124,7 +123,7 @@ bool App::run(const std::function<bool()>& ended) {
   return cancelled_;
 }
 
-/// Each part is guarded by itself: a fault in one of them leaves the others, the picture and the input.
+/// Each part has its own error boundary. An error in one part does not stop the others.
 void App::frame(double seconds) {
   const int width = window_.width(), height = window_.height();
   with_error_bar([&] {
@@ -259,7 +258,7 @@ void App::report_error(const std::string& line, bool step) {
     workspace_.playing = false;
     workspace_.step_requests = 0;
   }
-  // A fault of every frame is one fault.
+  // Reports an error that repeats in each frame once.
   if (!workspace_.errors.empty() && workspace_.errors.back() == line) return;
   log_to_stderr(line);
   workspace_.errors.push_back(line);

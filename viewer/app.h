@@ -1,5 +1,5 @@
 #pragma once
-// The desktop program: one window on one LiveWorld. Owns everything; lives as long as main() runs.
+// The desktop program: one window on one LiveWorld. Owns all parts; lives as long as main() runs.
 
 #include <chrono>
 #include <deque>
@@ -29,11 +29,11 @@ namespace collidoscope {
 
 class App {
  public:
-  /// Throws InputError and MachineError where there is nothing to show, or nowhere to show it, and Cancelled.
-  /// `options.run.cancellation`, if there is one, is requested when the window is closed during long work.
+  /// Throws InputError, MachineError and Cancelled. Closing the window during long work requests
+  /// `options.run.cancellation`, if set.
   App(const Start& start, const Options& options);
-  /// Until the window is closed, or `ended` says so. Remembers the workspace. Whether work was cancelled:
-  /// then nothing more can be done with it.
+  /// Runs until the window is closed or `ended` returns true, then saves the workspace. Returns whether work
+  /// was cancelled: the App must not be used afterwards.
   bool run(const std::function<bool()>& ended);
 
  private:
@@ -41,20 +41,20 @@ class App {
 
   World make_world(const Start& start);
   void frame(double seconds);
-  /// Does it; an error goes to the window, and pauses if it was one of a `step`. Returns whether there was
-  /// none.
+  /// Runs an action. An error is shown in the window, and pauses the run if `step` is set. Returns true if
+  /// there was no error.
   template <class Action>
   bool with_error_bar(Action action, bool step = false);
   void report_error(const std::string& line, bool step);
 
-  // Hands (app_input.cpp).
+  // Mouse and keyboard (app_input.cpp).
   void handle(const InputEvent& event);
   void handle_key(const InputEvent& event);
   void handle_button(const InputEvent& event);
   void handle_move(const InputEvent& event);
   void fly_camera(double seconds);
 
-  // What panels request (app_requests.cpp).
+  // Requests from panels (app_requests.cpp).
   void handle_requests(double seconds);
   void apply_settings(double seconds);
   bool finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest);
@@ -74,7 +74,7 @@ class App {
   void measure_accuracy(double seconds);
   void save_picture();
 
-  // Where it stops by itself (app_breaks.cpp).
+  // Stops by guards and break conditions (app_breaks.cpp).
   void handle_stop_request();
   void step_once();
   bool is_blocked_by_stop();
@@ -92,8 +92,8 @@ class App {
   void write_automation(const WorkspaceView& view, double ui_ms);
 
   Options options_;
-  std::optional<Automation> automation_;  ///< opened first: a wrong file is reported before a window opens
-  std::string automation_failure_;        ///< why its file could not be written; ends the program
+  std::optional<Automation> automation_;  ///< opened first: an invalid file is reported before a window opens
+  std::string automation_failure_;        ///< error on writing the automation file; ends the program
   Window window_;
   GuiPass gui_;
   GuiInput input_;
@@ -110,29 +110,29 @@ class App {
     RunOptions options;
     LiveWorld::Record record;
   };
-  std::optional<ReplacedRun> run_before_cases_;  ///< the run that a hard case took the place of
-  std::optional<Presimulation> presimulation_;   ///< what is to begin next
-  std::string settling_scene_;                   ///< its scene, as text
+  std::optional<ReplacedRun> run_before_cases_;  ///< run that was replaced by a hard case
+  std::optional<Presimulation> presimulation_;   ///< pre-simulation of the next run
+  std::string settling_scene_;                   ///< scene file text of the pre-simulated scene
   EffectCosts costs_;
-  int costs_generation_ = -1;   ///< of the World that costs_ speaks of
-  bool keeps_settings_ = true;  ///< written at the end; set with workspace_
+  int costs_generation_ = -1;   ///< generation of the World that costs_ was measured on
+  bool keeps_settings_ = true;  ///< write the settings file at exit; set with workspace_
   Workspace workspace_;
   std::string renderer_name_, picture_file_;
-  std::string cuda_unavailable_reason_;  ///< why CUDA cannot be used; empty: it can
+  std::string cuda_unavailable_reason_;  ///< why CUDA is disabled; empty: enabled
   bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
-  double steps_due_ = 0;              ///< steps that the speed asks for
+  double steps_due_ = 0;              ///< steps to make for the requested speed
   bool extends_last_change_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {
     Clock::time_point when;
-    double simulated;  ///< s, summed over all runs
+    double simulated;  ///< s, total simulated time of all runs
   };
-  std::deque<Moment> moments_;  ///< of the frames of the last second
+  std::deque<Moment> moments_;  ///< frames of the last second
   double simulated_ = 0;
 
-  std::set<int> buttons_, keys_;  ///< held, and begun over the 3D view
+  std::set<int> buttons_, keys_;  ///< pressed over the 3D view and still held
   double mouse_x_ = 0, mouse_y_ = 0, moved_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Where the run stops for somebody to look, and what is done about it.
+// Stops of the run, and the actions at a stop.
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ void App::handle_stop_request() {
       if (stop->is_violation) {
         workspace_.settings.guards.reset();
         apply_settings(0);
-        show_notice("guards are off now");
+        show_notice("guards are switched off");
       }
       workspace_.playing = true;
       break;
@@ -30,7 +30,7 @@ void App::handle_stop_request() {
       if (!stop->can_freeze) break;
       breaks_.resume();
       live_.freeze(*stop->body);
-      show_notice(fmt::format("body {} is frozen where it was; Space goes on", *stop->body));
+      show_notice(fmt::format("body {} is frozen; Space: resume", *stop->body));
       break;
     case StopRequest::save: {
       std::string bytes;
@@ -44,7 +44,7 @@ void App::handle_stop_request() {
   }
 }
 
-/// One step, if nothing is in its way.
+/// Makes one step and handles a stop.
 void App::step_once() {
   const BreakConditions conditions = workspace_.breaks.conditions();
   const std::size_t frozen = live_.world().validation().frozen().size();
@@ -64,7 +64,7 @@ void App::step_once() {
   }
 }
 
-/// Whether guards hold the run; at a condition that is met, it goes on as soon as somebody plays or steps.
+/// Whether guards block the run. At a break condition, the request to play or step resumes the run.
 bool App::is_blocked_by_stop() {
   if (!breaks_.stop(live_)) return false;
   if (!live_.world().validation().paused()) {

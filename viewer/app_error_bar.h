@@ -1,5 +1,5 @@
 #pragma once
-// App::with_error_bar(), for the files that App is written in.
+// Definition of App::with_error_bar(), for the source files of App.
 
 #include <exception>
 

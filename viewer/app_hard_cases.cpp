@@ -1,4 +1,4 @@
-// The list of hard cases: its trials go on while it is unfolded, and a case takes the place of the scene.
+// The hard cases panel: runs tests while it is open, and opens a case in place of the scene.
 
 #include <algorithm>
 #include <utility>
@@ -12,7 +12,7 @@ void App::follow_hard_cases(double seconds) {
   HardCasesRequests& requests = workspace_.hard_cases;
   if (std::exchange(requests.back, false)) return restore_scene_before();
   stability_.follow(live_.world(), requests);
-  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  // ms per frame: half of the last frame time, so that a slow renderer keeps its share.
   stability_.advance(std::clamp(500 * seconds, 12.0, 60.0));
   if (auto opened = stability_.take_opened()) show_case(std::move(*opened));
 }

@@ -1,4 +1,4 @@
-// What mouse and keys do to the camera, the run and the selection, where ImGui does not want them.
+// Mouse and keyboard input for camera, run and selection, unless ImGui captures it.
 
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -110,11 +110,11 @@ void App::handle_key(const InputEvent& event) {
       if (!again) workspace_.help = !workspace_.help;
       break;
     case GLFW_KEY_ESCAPE:
-      if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // closes that
+      if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // Escape closes the popup
       if (presimulation_) {
         workspace_.settings = live_.settings();
         workspace_.restart_requested = false;
-        show_notice("left as it is");
+        show_notice("settling cancelled");
         break;
       }
       workspace_.help = false;
@@ -144,7 +144,7 @@ void App::handle_button(const InputEvent& event) {
     return;
   }
   const bool was_ours = buttons_.erase(event.code) > 0;
-  constexpr double click = 4;  // pixels that a hand moves while it clicks
+  constexpr double click = 4;  // pixels of pointer movement within a click
   if (!was_ours || event.code != GLFW_MOUSE_BUTTON_LEFT || moved_ > click) return;
   const ScreenRect& at = workspace_.scene_view;
   const SceneView::Picked picked = scene_.pick(static_cast<int>(mouse_x_ - static_cast<double>(at.x)),
@@ -152,8 +152,9 @@ void App::handle_button(const InputEvent& event) {
   workspace_.selection = picked.body;
   workspace_.tree.node.reset();
   if (!picked.body) workspace_.follow = false;
-  if (!picked.box || tree_.view() == nullptr) return;  // only its panel tells what a node is
-  workspace_.playing = false;                          // the next state has another tree
+  if (!picked.box || tree_.view() == nullptr)
+    return;                    // nodes are selectable only while the tree panel is open
+  workspace_.playing = false;  // the next state has another tree
   const std::vector<std::int64_t>& sizes = live_.level_sizes(true);
   std::int64_t place = *picked.box;
   for (int level = 0; level < std::min(workspace_.layers.first_level, static_cast<int>(sizes.size()));

@@ -1,4 +1,4 @@
-// What panels and keys asked for since the last frame.
+// Handles the requests of panels and keys since the last frame.
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -51,14 +51,14 @@ void App::measure_effects() {
   const bool another = costs_generation_ != live_.generation();
   if (another || (costs_.begun() && !workspace_.measure_effects)) costs_.begin(live_.world());
   costs_generation_ = live_.generation();
-  constexpr double slice = 10;  // ms of a frame
+  constexpr double slice = 10;  // ms per frame
   if (workspace_.measure_effects) costs_.advance(live_.world(), slice);
 }
 
 void App::measure_accuracy(double seconds) {
   if (!shows_accuracy()) return;
   accuracy_.follow(live_.world(), live_.generation(), workspace_.accuracy);
-  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  // ms per frame: half of the last frame time, so that a slow renderer keeps its share.
   const double slice = std::clamp(500 * seconds, 12.0, 60.0);
   if (workspace_.accuracy.running) accuracy_.advance(slice);
 }
@@ -69,8 +69,8 @@ void App::follow_reference() {
   if (workspace_.layers.needs_reference()) reference_.follow(live_.world(), live_.generation());
 }
 
-/// Whether a run can begin with this scene, in `rest` if it is one that settles. Goes on with settling else:
-/// the run that there is stays until then.
+/// Whether a run of this scene can begin. If the scene needs pre-simulation, advances it; the present run
+/// continues until it is done. Sets `rest` to the settled state.
 bool App::finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest) {
   if (!needs_presimulation(scene)) return true;
   std::string text = write_scene(scene);
@@ -78,10 +78,10 @@ bool App::finish_presimulation(const Scene& scene, double seconds, std::optional
     presimulation_.emplace(scene, live_.world().options());
     settling_scene_ = std::move(text);
   }
-  // ms of a frame: half of what the last one took, so that a slow renderer does not take it all.
+  // ms per frame: half of the last frame time, so that a slow renderer keeps its share.
   presimulation_->advance(std::clamp(500 * seconds, 30.0, 250.0));
   if (!presimulation_->done()) {
-    show_notice(fmt::format("bodies come to rest first, step {} of {} at most; Esc: leave it as it is",
+    show_notice(fmt::format("settling the bodies: step {} of at most {}; Esc: cancel",
                             presimulation_->steps(), presimulation_->max_steps()));
     return false;
   }
@@ -96,7 +96,7 @@ void App::restart(double seconds) {
   try {
     if (!live_.scripted() && !finish_presimulation(live_.world().scene(), seconds, rest)) return;
     live_.restart(rest ? &*rest : nullptr);
-    workspace_.settings = live_.settings();  // a script begins again with its first ones
+    workspace_.settings = live_.settings();  // a script restarts with its initial settings
   } catch (...) {
     workspace_.restart_requested = false;
     throw;
@@ -109,7 +109,7 @@ void App::apply_settings(double seconds) {
   const Settings now = live_.settings();
   if (!workspace_.adjusting) extends_last_change_ = false;
   if (workspace_.settings == now) return;
-  // Where a new World takes long, it waits until the slider is let go.
+  // If a new World is expensive, applies the change when the slider is released.
   Settings only_launch_shape = now;
   only_launch_shape.run.shape = workspace_.settings.run.shape;
   constexpr double at_once = 0.05;
@@ -137,18 +137,19 @@ void App::advance(double seconds) {
   const double time_step = live_.world().scene().physics.time_step;
   const bool requested = workspace_.step_requests > 0;
   if ((requested || workspace_.playing) && is_blocked_by_stop()) return;
-  // All values of a slider then act at one state, and are recorded as one change.
+  // While such a slider is held the run waits: all its values act at one state and are recorded as one
+  // change.
   if (workspace_.adjusting_result && !requested) return;
   if (!requested && workspace_.playing)
     steps_due_ = workspace_.speed > 0 ? steps_due_ + seconds * workspace_.speed / time_step : 1;
   if (!requested && !(workspace_.playing && steps_due_ >= 1)) return;
-  constexpr double slice = 12;  // ms of a frame
+  constexpr double slice = 12;  // ms per frame
   if (workspace_.layers.needs_reference() && !reference_.advance_to_next_step(time_step, slice)) return;
   if (requested)
     --workspace_.step_requests;
-  else  // what the machine cannot keep up with is not made up for later
+  else  // steps missed by a slow machine are dropped
     steps_due_ = std::min(steps_due_ - 1, 1.0);
-  // Whoever looks at forces pays for them.
+  // Records impulses and residuals only while they are shown.
   const PanelVisibility& visible_panels = workspace_.visible_panels;
   live_.world().records().record_impulses(
       workspace_.layers.contacts ||
@@ -181,7 +182,7 @@ void App::spawn_projectile() {
   const ProjectileSpace room{world.initial().box, world.scene().obstacles, position, world.initial().radius};
   const std::optional<Body> ball =
       make_projectile(eye, scene_.camera().target - eye, scene_.scene_size(), room);
-  if (!ball) return show_notice("on this line of sight there is no room for a ball");
+  if (!ball) return show_notice("no free space for a ball in this direction");
   Change change;
   change.add = {*ball};
   live_.apply(std::move(change));
@@ -197,7 +198,7 @@ void App::remove_selected() {
   follow_selection();
 }
 
-/// The selected body keeps its mark where its id has changed; one that is gone loses it.
+/// Updates the id of the selected body. Clears the selection if the body was removed.
 void App::follow_selection() {
   const BodyIdMap& ids = live_.last_id_map();
   if (!workspace_.selection || *workspace_.selection >= ids.size()) return;

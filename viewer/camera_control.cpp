@@ -9,7 +9,7 @@ namespace {
 
 constexpr double right_angle = 0.5 * std::numbers::pi;
 
-// Metres at the target's distance that a pixel covers.
+// Metres per pixel at the distance of the target.
 double metres_per_pixel(const OrbitCamera& camera, double height) {
   return 2 * std::tan(0.5 * camera.field_of_view) * camera.distance / std::max(height, 1.0);
 }
@@ -63,7 +63,7 @@ std::vector<std::pair<double, double>> sphere_outline(const OrbitCamera& camera,
   if (!camera.orthographic) {
     if (distance <= radius * 1.001) return {};
     away = to / distance;
-    // The circle in which the cone from the eye touches the sphere.
+    // The circle where the cone of view lines touches the sphere.
     nearer = radius * radius / distance;
     reach = radius * std::sqrt(1 - radius * radius / (distance * distance));
   }

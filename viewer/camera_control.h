@@ -1,6 +1,6 @@
 #pragma once
-// How hands move the camera: values in, a camera out. Pixels are those of the 3D view, from its top left
-// corner.
+// Camera movement by mouse and keys, as functions on OrbitCamera. Pixels are those of the 3D view, from its
+// top left corner.
 
 #include <utility>
 #include <vector>
@@ -9,24 +9,24 @@
 
 namespace collidoscope {
 
-/// A drag of that many pixels in a view `height` high turns about the target.
+/// Orbits about the target for a drag of (dx, dy) pixels in a view of `height` pixels.
 void orbit(OrbitCamera& camera, double dx, double dy, double height);
-/// What lies at the target's distance stays under the pointer.
+/// Pans: points at the target's distance stay under the pointer.
 void pan(OrbitCamera& camera, double dx, double dy, double height);
-/// `steps` of a wheel, > 0 nearer; what lies at the target's distance under the pointer stays there.
+/// Zooms by wheel `steps`, > 0 nearer. The point under the pointer at the target's distance stays in place.
 void zoom(OrbitCamera& camera, double steps, double x, double y, double width, double height, double nearest,
           double farthest);
-/// Metres along right, up and forward: eye and target move together.
+/// Moves eye and target in metres along right, up and forward.
 void fly(OrbitCamera& camera, const Vector3d& metres);
-/// Turns about the eye, as one looks around.
+/// Rotates the view direction about the eye.
 void look(OrbitCamera& camera, double dx, double dy, double height);
 
-/// From -y, from +x, from above.
+/// Views from -y, from +x, from above.
 enum class AxisView { front, side, top };
 void look_along(OrbitCamera& camera, AxisView view);
 
-/// The outline of a sphere as seen, in pixels of a view that large; empty if the eye is inside or it lies
-/// behind.
+/// Outline of a sphere in pixels of the view. Empty if the eye is inside the sphere or the sphere is behind
+/// it.
 std::vector<std::pair<double, double>> sphere_outline(const OrbitCamera& camera, const Vector3d& center,
                                                       double radius, double width, double height);
 

@@ -1,4 +1,4 @@
-// ImGui 1.89 and later. 1.87 and 1.88 have AddKeyEvent() too, but name the modifiers otherwise.
+// ImGui 1.89 and later. Versions 1.87 and 1.88 also have AddKeyEvent(), with other names for the modifiers.
 #include "viewer/gui_events.h"
 
 #include <GLFW/glfw3.h>
@@ -44,7 +44,7 @@ ImGuiKey imgui_key(int code) {
 
 }  // namespace
 
-// A frame handles all events that were added: GuiInput has spread them over frames.
+// Each frame handles all added events, since GuiInput already spreads them over frames.
 GuiEvents::GuiEvents() { ImGui::GetIO().ConfigInputTrickleEventQueue = false; }
 
 void GuiEvents::add(const InputEvent& event) {
@@ -74,7 +74,8 @@ void GuiEvents::add(const InputEvent& event) {
       break;
     case Kind::focus:
       io.AddFocusEvent(event.down);
-      if (!event.down) modifier_down_.fill(false);  // ImGui releases its keys, since no release is reported
+      if (!event.down)
+        modifier_down_.fill(false);  // ImGui releases its keys: no release events follow a focus loss
       break;
   }
 }

@@ -1,7 +1,6 @@
 #pragma once
-// Adds single input events to Dear ImGui's IO, in the form that the installed version takes: gui_events.cpp
-// for ImGui 1.89 and later, gui_events_1_86.cpp for those before. Which events one frame may hold is decided
-// in gui_input.cpp.
+// Adds input events to Dear ImGui's IO for the installed version: gui_events.cpp for ImGui 1.89 and later,
+// gui_events_1_86.cpp for earlier ones. gui_input.cpp selects the events of each frame.
 
 #include <array>
 
@@ -9,18 +8,17 @@
 
 namespace collidoscope {
 
-/// One per ImGui context, made before its first frame.
+/// One instance per ImGui context, made before its first frame.
 class GuiEvents {
  public:
-  /// Needs ImGui's context.
+  /// Precondition: an ImGui context exists.
   GuiEvents();
 
-  /// Adds `event` to the input of the next ImGui::NewFrame(), which handles all that were added.
+  /// Adds `event` to the input of the next ImGui::NewFrame().
   void add(const InputEvent& event);
 
  private:
-  /// Shift, control, alt, super: the left keys, then the right ones, in the order of GLFW_KEY_LEFT_SHIFT
-  /// to GLFW_KEY_RIGHT_SUPER.
+  /// Left and right shift, control, alt and super, ordered from GLFW_KEY_LEFT_SHIFT to GLFW_KEY_RIGHT_SUPER.
   std::array<bool, 8> modifier_down_{};
 };
 

@@ -1,4 +1,4 @@
-// ImGui before 1.89, such as Debian 12's 1.86: the state of keys and buttons is written into the IO.
+// ImGui before 1.89, such as 1.86 in Debian 12: writes the state of keys and buttons into the IO.
 #include "viewer/gui_events.h"
 
 #include <GLFW/glfw3.h>
@@ -64,7 +64,7 @@ void GuiEvents::add(const InputEvent& event) {
     case Kind::focus:
       io.AddFocusEvent(event.down);
       if (event.down) break;
-      // Releases are not reported to a window that lost the keyboard.
+      // No release events follow a focus loss.
       for (bool& down : io.KeysDown) down = false;
       modifier_down_.fill(false);
       break;

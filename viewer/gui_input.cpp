@@ -37,13 +37,13 @@ std::vector<InputEvent> take_events_of_a_frame(std::deque<InputEvent>& events) {
   bool wheel = false, character = false;
   while (!events.empty()) {
     const InputEvent event = events.front();
-    // A held key repeats faster than slow frames are drawn: a frame takes one repeat, and drops the others.
+    // A held key can repeat faster than frames are drawn: each frame keeps one repeat and drops the others.
     if (event.kind == Kind::key && event.repeat && keys.contains(event.code)) {
       events.pop_front();
       continue;
     }
-    // A key or button changes once in a frame; the pointer does not move on after a button changed, nor text
-    // come after a key that acts on it.
+    // A key or button changes at most once per frame. Pointer moves after a button change wait, and so does
+    // text after a key.
     if (event.kind == Kind::key && (keys.contains(event.code) || character)) break;
     if (event.kind == Kind::button && (buttons.contains(event.code) || wheel)) break;
     if ((event.kind == Kind::move || event.kind == Kind::wheel) && !buttons.empty()) break;

@@ -1,7 +1,7 @@
 #pragma once
-// Passes a window's events to Dear ImGui. A press and its release between two drawn frames, as they come
-// where frames are slow, cancel out in ImGui 1.86. So an event that one frame cannot hold waits for the next.
-// ImGui's own GLFW backend is not used: the camera must handle the same events in the same frame.
+// Passes window events to Dear ImGui. ImGui 1.86 loses a press and release within one frame, which happens at
+// low frame rates. An event that does not fit into one frame therefore waits for the next. ImGui's GLFW
+// backend is not used, since the camera must handle the same events in the same frame.
 
 #include <deque>
 #include <string>
@@ -12,15 +12,15 @@
 
 namespace collidoscope {
 
-/// Removes from `events` those that one frame can hold, and returns them.
+/// Removes the events of the next frame from `events` and returns them.
 std::vector<InputEvent> take_events_of_a_frame(std::deque<InputEvent>& events);
 
 class GuiInput {
  public:
-  /// Needs ImGui's context; keeps a reference to the window.
+  /// Precondition: an ImGui context exists. Keeps a reference to the window.
   explicit GuiInput(Window& window);
 
-  /// Before ImGui::NewFrame(): takes the events that this frame can hold, and returns them.
+  /// Call before ImGui::NewFrame(). Adds the events of this frame to ImGui and returns them.
   std::vector<InputEvent> feed();
 
  private:

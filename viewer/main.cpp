@@ -1,4 +1,4 @@
-// collidoscope: the window. The exit status is 0, 2 for bad input, 3 where the machine lacks something.
+// collidoscope: the window. Exit status: 0; 2 for invalid input; 3 for missing hardware, memory or display.
 
 #include <unistd.h>
 
@@ -18,7 +18,7 @@
 namespace collidoscope {
 namespace {
 
-/// After a cancellation: a GPU may still be at work, and waiting for it may take minutes.
+/// Exits without waiting for the GPU, which may be busy for minutes after a cancellation.
 [[noreturn]] void end_at_once() {
   std::fflush(nullptr);
   _exit(done);
@@ -30,17 +30,17 @@ int show(CommandLine line) {
     return done;
   }
   announce_long_work();
-  // Ctrl+C closes the window as its button does: the settings are written.
+  // Ctrl+C closes the window in the normal way, so that the settings are written.
   static Cancellation cancellation;
   const InterruptHandler interrupt_handler(cancellation, false);
   line.options.run.cancellation = &cancellation;
   try {
     const Start start = load_start(line);
-    // A wrong folder is reported now, not when the panel opens.
+    // Reports an invalid folder at once, not when the panel opens.
     if (const std::string& cases = line.options.stability.cases; !cases.empty()) read_hard_cases(cases);
     App app(start, line.options);
     if (app.run([&] { return interrupt_handler.requested(); })) end_at_once();
-  } catch (const Cancelled&) {  // before the first frame
+  } catch (const Cancelled&) {  // cancelled before the first frame
     end_at_once();
   }
   return done;

@@ -30,7 +30,7 @@ void SceneView::follow_world(LiveWorld& live) {
   path_name_ = display_path_name(link_->path());
   generation_ = live.generation();
   scene_camera_request_ = world.scene().camera;
-  // In another box the same direction shows all of it. A body that is added leaves the camera alone.
+  // If the box changed, the camera keeps its direction and frames the new box. Added bodies do not move it.
   if (camera_set_ && !same_box(before, renderer_->scene().box))
     camera_ = frame_all(renderer_->scene().bounds, aspect(), camera_);
 }
@@ -59,7 +59,7 @@ void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
   if (selected_ && wanted == inspected_) return;
   const bool same = selected_ && selected_->id == wanted.id;
   const Vector3d before = same ? selected_->X : Vector3d(0, 0, 0);
-  live.stats();  // finds the contacts and boxes of this state
+  live.stats();  // measures the state, which computes its contacts and boxes
   selected_ = live.world().inspect(wanted.id);
   inspected_ = wanted;
   if (workspace.follow) camera_.target = same ? camera_.target + selected_->X - before : selected_->X;
@@ -86,7 +86,7 @@ void SceneView::publish(LiveWorld& live, const Workspace& workspace, LiveReferen
     wanted.reference = reference.version();
   }
   const FrameLayers layers = workspace.layers;
-  const StepStats& stats = live.stats();  // detects, so that boxes and contacts fit the bodies
+  const StepStats& stats = live.stats();  // measures the state, so that boxes and contacts match the bodies
   link_->publish(live.world(), layers, renderer_->instances());
   path_name_ = display_path_name(link_->path());
   range_ = value_range(live.world(), renderer_->scene(), layers, stats);
@@ -125,7 +125,7 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
     view_scale_.changed(since);
     changed_ = start;
   }
-  // A moment after the last change every pixel is drawn, as it is for whoever keeps the picture.
+  // Shortly after the last change the view is drawn at full resolution.
   const bool moves = !(wanted == drawn_) || since < 0.25;
   const bool may = software && !draw_request_.supersampling && !workspace.screenshot_requested;
   wanted.scale = may && moves ? view_scale_.scale() : 1;
@@ -195,13 +195,13 @@ SceneView::Picked SceneView::pick(int x, int y) {
     layers.low = static_cast<double>(shown.box_low);
     layers.high = static_cast<double>(shown.box_high);
   }
-  constexpr int reach = 4;  // pixels by which a hand misses a line
+  constexpr int reach = 4;  // pixels of tolerance for clicks on lines
   return {std::nullopt, renderer_->pick_box(camera_, layers, x, y, reach)};
 }
 
 std::vector<std::vector<std::pair<double, double>>> SceneView::frozen_outlines() const {
   std::vector<std::vector<std::pair<double, double>>> outlines;
-  constexpr double room = 1.08;  // beside the outline of a selected one
+  constexpr double room = 1.08;  // margin of the outline around the selected body
   for (const Frozen& body : frozen_)
     outlines.push_back(sphere_outline(camera_, body.at, room * body.radius, width_, height_));
   return outlines;

@@ -1,6 +1,6 @@
 #pragma once
-// The 3D view: draws a LiveWorld where the layout has room for it, and answers what is under the pointer.
-// Owns the renderer, the display path and the camera; needs the GL context that was current when it was made.
+// The 3D view: draws a LiveWorld in its area of the window and picks bodies and boxes. Owns the renderer, the
+// display path and the camera. Requires the GL context of its construction.
 
 #include <chrono>
 #include <optional>
@@ -20,30 +20,30 @@ namespace collidoscope {
 
 class SceneView {
  public:
-  /// `request`: the display path; `log` gets a line for each step down.
+  /// `request`: the display path; `log` receives one line per fallback.
   SceneView(DisplayPath request, const DrawRequest& draw, DisplayLink::LogCallback log);
 
-  /// Brings camera and buffers to what is to be drawn, and draws it for `width` x `height` pixels: on a slow
-  /// renderer fewer while it changes, and nothing while it does not.
+  /// Updates camera and buffers, and draws the view at `width` x `height` pixels. A slow renderer draws fewer
+  /// pixels while the view changes. Nothing is drawn if nothing changed.
   void draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, LiveReference& reference,
             int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Pixels drawn for each of them, along an axis.
+  /// Drawn pixels per shown pixel, along an axis.
   double scale() const { return drawn_.scale; }
 
-  bool has_renderer() const { return renderer_.has_value(); }  ///< false until the first draw()
+  bool has_renderer() const { return renderer_.has_value(); }  ///< false before the first draw()
   Renderer& renderer() { return *renderer_; }
   OrbitCamera& camera() { return camera_; }
-  /// From now on the camera is somebody's choice: a new window size keeps it.
+  /// The camera was moved by hand: a new window size keeps it.
   void camera_was_moved() { camera_moved_ = true; }
-  /// Another scene: the camera looks as that one requests.
+  /// The scene was replaced: the camera is reset to that of the new scene.
   void forget_camera() { camera_set_ = camera_moved_ = false; }
   void handle_request(CameraRequest request, LiveWorld& live);
-  /// The body at a pixel of the view; where there is none, the box whose edge is near.
+  /// The body at a pixel, else the box with an edge near it.
   struct Picked {
     std::optional<std::uint32_t> body;
-    std::optional<std::uint32_t> box;  ///< place among those that are drawn, from the first level drawn
+    std::optional<std::uint32_t> box;  ///< index among the drawn boxes, from the first drawn level
   };
   Picked pick(int x, int y);
 
@@ -52,11 +52,11 @@ class SceneView {
   const Legend& box_legend() const { return box_legend_; }
   const ValueRange& range() const { return range_; }
   const std::optional<BodyReport>& selected() const { return selected_; }
-  /// Metres: of the scene's bounds, without bodies that were added.
+  /// Metres, size of the scene's bounds without added bodies.
   double scene_size() const { return renderer_ ? renderer_->scene().size : 1; }
-  /// The selected body's outline in pixels of the view.
+  /// Outline of the selected body in pixels of the view.
   std::vector<std::pair<double, double>> outline() const;
-  /// So of what is frozen; of the first hundred such.
+  /// Outlines of the first hundred frozen bodies.
   std::vector<std::vector<std::pair<double, double>>> frozen_outlines() const;
 
  private:
@@ -78,7 +78,7 @@ class SceneView {
   int generation_ = -1;
   Camera scene_camera_request_;
 
-  // What the buffers hold: they are filled anew only when it changes.
+  // Contents of the buffers: they are filled again only when this changes.
   struct Published {
     int generation = -1;
     std::int64_t step = -1;
@@ -89,7 +89,7 @@ class SceneView {
   ValueRange range_;
   Legend body_legend_, box_legend_;
 
-  // Of which body and state `selected_` speaks.
+  // Body and state of `selected_`.
   struct Inspected {
     int generation = -1;
     std::int64_t step = -1;
@@ -103,19 +103,19 @@ class SceneView {
     Vector3d at;    ///< m
     double radius;  ///< m
   };
-  std::vector<Frozen> frozen_;  ///< they stay where they are
+  std::vector<Frozen> frozen_;  ///< positions are constant
   int frozen_generation_ = -1;
 
-  // Of what the boxes on top of the picture are.
+  // Source of the boxes on top of the picture.
   struct Marked {
     Inspected body;
     bool path = false;
     int tree = -1, visit = 0;
     friend bool operator==(const Marked&, const Marked&) = default;
   } marked_;
-  std::optional<Bounds> node_;  ///< selected
+  std::optional<Bounds> node_;  ///< bounds of the selected node
 
-  // What the picture shows: it is drawn anew only when it changes.
+  // Contents of the picture: it is drawn again only when this changes.
   struct Drawn {
     Published state;
     Marked marked;

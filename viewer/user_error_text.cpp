@@ -11,9 +11,9 @@ namespace collidoscope {
 
 std::string plain_text(const std::exception& error) {
   if (const auto* out_of_memory = dynamic_cast<const OutOfMemory*>(&error))
-    return std::string("out of memory while ") + out_of_memory->what() + "; fewer bodies need less";
+    return std::string("out of memory while ") + out_of_memory->what() + "; use fewer bodies";
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
-    return "out of memory: the machine refused an allocation; fewer bodies need less";
+    return "out of memory: an allocation failed; use fewer bodies";
   if (const auto* large = dynamic_cast<const TooLarge*>(&error)) return large->plain();
   if (dynamic_cast<const InputError*>(&error) != nullptr ||
       dynamic_cast<const MachineError*>(&error) != nullptr)
@@ -21,7 +21,7 @@ std::string plain_text(const std::exception& error) {
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
     return "Cannot use " + file->path1().string() + ": " + file->code().message();
   if (const auto* system = dynamic_cast<const std::system_error*>(&error))
-    return "The system refused a request: " + system->code().message();
+    return "System error: " + system->code().message();
   return std::string("Internal error: ") + error.what();
 }
 

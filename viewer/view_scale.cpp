@@ -9,7 +9,7 @@ void ViewScale::took(double scale, double seconds) {
   const double whole = seconds / (scale * scale);
   whole_ = whole_ > 0 ? 0.75 * whole_ + 0.25 * whole : whole;
   const double wanted = std::sqrt(budget / std::max(whole_, 1e-9));
-  // It changes only where the next eighth is clearly the better one: a picture must not flicker.
+  // The scale changes only if another eighth is clearly better, to avoid flicker.
   if (std::abs(wanted - scale_) < 0.09) return;
   scale_ = std::clamp(std::floor(8 * wanted) / 8, 0.625, 1.0);
 }

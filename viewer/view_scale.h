@@ -1,24 +1,24 @@
 #pragma once
-// How many pixels a slow renderer draws of the 3D view while it moves: as many as it can in time. A value,
-// told how long each frame took.
+// Resolution of the moving 3D view on a slow renderer: as many pixels as fit into a time budget. A value,
+// updated with the time of each frame.
 
 namespace collidoscope {
 
 class ViewScale {
  public:
-  /// s, for the 3D view alone, so that with everything else there are about 30 frames a second.
+  /// s per drawing of the 3D view, for about 30 frames per second in total.
   static constexpr double budget = 0.025;
 
-  /// Something else is to be drawn, so long after the last time.
+  /// Call when the view changes; `seconds` since the last change.
   void changed(double seconds) { hurried_ = seconds < 2 * whole_; }
-  /// Drawing at `scale` took so long.
+  /// Records the drawing time at `scale`.
   void took(double scale, double seconds);
-  /// Pixels drawn for each pixel seen, along an axis: 5/8, 3/4, 7/8 or 1. All of them, where there is
-  /// time for that between changes.
+  /// Drawn pixels per shown pixel, along an axis: 5/8, 3/4, 7/8 or 1. 1 if there is enough time between
+  /// changes.
   double scale() const { return hurried_ ? scale_ : 1; }
 
  private:
-  double whole_ = 0;  ///< s, estimate of what all pixels take; 0: unknown
+  double whole_ = 0;  ///< s, estimated drawing time at full resolution; 0: unknown
   double scale_ = 1;
   bool hurried_ = false;
 };

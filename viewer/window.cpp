@@ -14,8 +14,8 @@ std::string glfw_error() {
   return words ? words : "GLFW does not say why";
 }
 
-/// X11, in a Wayland session XWayland, where there is an X server: the tests of the window run there. Else
-/// Wayland. GLFW 3.3 knows one of them only; by itself 3.4 prefers Wayland in a Wayland session.
+/// Prefers X11 (XWayland in a Wayland session), since the tests of the window run there. Else Wayland. GLFW
+/// 3.3 supports only one of them; GLFW 3.4 would prefer Wayland.
 bool start_glfw() {
 #ifdef GLFW_PLATFORM
   glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
@@ -35,7 +35,7 @@ Window::Window(int width, int height, const std::string& title) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, GLFW_TRUE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // all drawing goes to framebuffers of our own
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // all drawing uses own framebuffers
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
@@ -87,7 +87,7 @@ void Window::install_callbacks() {
     of(w).events_.push_back(event);
   });
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-    // GLFW counts in the window's own units, which are not pixels on every display.
+    // GLFW uses window units, which differ from pixels on some displays.
     int window_width = 0, window_height = 0;
     glfwGetWindowSize(w, &window_width, &window_height);
     InputEvent event{InputEvent::Kind::move};

@@ -1,6 +1,6 @@
 #pragma once
-// The window: a GLFW window with an OpenGL 4.5 context, current on this thread, and the events that came to
-// it, in order. Owns both; one at a time.
+// A GLFW window with an OpenGL 4.5 context, current on this thread, and its ordered input events. Owns both;
+// only one instance at a time.
 
 #include <deque>
 #include <string>
@@ -9,34 +9,34 @@ struct GLFWwindow;
 
 namespace collidoscope {
 
-/// What came from the mouse or the keyboard. Places are in pixels of the framebuffer.
+/// A mouse, keyboard or focus event. Positions are in pixels of the framebuffer.
 struct InputEvent {
   enum class Kind { key, character, button, move, wheel, focus } kind;
-  int code = 0;         ///< GLFW's key or button
-  bool down = false;    ///< of key and button: pressed; of focus: gained
-  bool repeat = false;  ///< of key: held
-  int modifiers = 0;    ///< GLFW's, with key and button
+  int code = 0;         ///< GLFW code of the key or button
+  bool down = false;    ///< key, button: pressed; focus: gained
+  bool repeat = false;  ///< repeat of a held key
+  int modifiers = 0;    ///< GLFW modifier bits of a key or button event
   unsigned character = 0;
-  double x = 0, y = 0;  ///< of move: where to; of wheel: how far
+  double x = 0, y = 0;  ///< move: position; wheel: distance
 };
 
 class Window {
  public:
-  /// Throws MachineError where there is no display or no OpenGL 4.5.
+  /// Throws MachineError if there is no display or no OpenGL 4.5.
   Window(int width, int height, const std::string& title);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Whether the user asked for its end.
+  /// Whether the user requested to close the window.
   bool closing() const;
-  /// Takes in what came since; returns at once, or, with `wait_seconds`, when something came.
+  /// Collects new events. Returns at once, or with `wait_seconds`, when an event arrives.
   void poll(double wait_seconds = 0);
   void swap();
-  /// Pixels of the framebuffer; 0 where it is minimised.
+  /// Pixels of the framebuffer; 0 if minimised.
   int width() const;
   int height() const;
-  /// Of the display: how much larger text should be.
+  /// Text scale that the display recommends.
   float content_scale() const;
 
   std::deque<InputEvent>& events() { return events_; }

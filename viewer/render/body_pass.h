@@ -1,6 +1,6 @@
 #pragma once
-// Draws all bodies: spheres as ray-cast quads or by compute, meshes by their faces. Owns its programs and the
-// meshes' vertices. The same geometry serves three passes.
+// Draws all bodies: spheres as ray-cast quads or by compute shaders, meshes as triangles. Owns its programs
+// and the mesh vertices. Used for surfaces, ids and shadows.
 
 #include <optional>
 #include <vector>
@@ -18,31 +18,31 @@ class BodyPass {
   enum class Output {
     surface,  ///< albedo, normal and depth
     ids,      ///< id + 1 and depth
-    shadow    ///< depth alone
+    shadow    ///< only depth
   };
 
   BodyPass();
   void set_scene(const FrameScene& scene);
-  /// Into the bound `target`, with the bound frame uniforms and `colors`, the colour map's texture.
-  /// `compute`: spheres by compute where the machine can; ids never are, since their targets are small and
-  /// rarely drawn.
+  /// Draws into the bound `target`. Frame uniforms must be bound; `colors` is the colour map texture.
+  /// `compute`: draw spheres by compute shaders if supported. Ids always use quads, since their targets are
+  /// small and rarely drawn.
   void draw(const InstanceBuffers& instances, Output output, GLuint colors, const gl::Target& target,
             bool compute);
 
  private:
   void draw_run(const InstanceBuffers& instances, std::size_t output, const FrameScene::Run& run) const;
 
-  std::vector<gl::Program> spheres_, meshes_;  // by Output
+  std::vector<gl::Program> spheres_, meshes_;  // indexed by Output
   gl::VertexLayout sphere_layout_, mesh_layout_;
   gl::Buffer vertices_;
   struct Range {
     GLint first;
     GLsizei count;
   };
-  std::vector<Range> ranges_;  // of each mesh in vertices_
+  std::vector<Range> ranges_;  // range of each mesh in vertices_
   std::vector<FrameScene::Run> runs_;
   bool any_spheres_ = false;
-  std::optional<SphereCompute> sphere_compute_;  // made at first use
+  std::optional<SphereCompute> sphere_compute_;  // created on first use
 };
 
 }  // namespace collidoscope

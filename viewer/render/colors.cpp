@@ -7,7 +7,7 @@ namespace collidoscope {
 
 namespace {
 
-// A polynomial of degree six over `from` to `to`, which 256 colours sample.
+// Samples a polynomial of degree six at 256 points from `from` to `to`.
 std::array<Rgb, 256> sampled(const double (&c)[7][3], double from, double to) {
   std::array<Rgb, 256> result;
   for (int i = 0; i < 256; ++i) {
@@ -24,7 +24,7 @@ std::array<Rgb, 256> sampled(const double (&c)[7][3], double from, double to) {
   return result;
 }
 
-// Viridis and inferno (Smith, van der Walt and Firing 2015), as fitted by M. Zucker.
+// Viridis and inferno (Smith, van der Walt and Firing 2015), fitted by M. Zucker.
 constexpr double viridis[7][3] = {{0.2777273272234177, 0.005407344544966578, 0.3340998053353061},
                                   {0.1050930431085774, 1.404613529898575, 1.384590162594685},
                                   {-0.3308618287255563, 0.214847559468213, 0.09509516302823659},
@@ -42,7 +42,7 @@ constexpr double inferno[7][3] = {{0.0002189403691192265, 0.001651004631001012, 
 
 }  // namespace
 
-// What is darkest of either would drown in the backdrop, and is left out.
+// The darkest part of each map is omitted, since it is invisible against the backdrop.
 const std::array<Rgb, 256>& color_map() {
   static const std::array<Rgb, 256> map = sampled(viridis, 0.1, 1);
   return map;
@@ -55,7 +55,7 @@ const std::array<Rgb, 256>& heat_map() {
 
 Rgb level_color(int level, int first, int last) {
   const double at = last > first ? static_cast<double>(level - first) / (last - first) : 1;
-  // The darkest thin lines would drown in the backdrop.
+  // The darkest thin lines would be invisible against the backdrop.
   return heat_map()[static_cast<std::size_t>(std::lround(255 * (0.12 + 0.88 * std::clamp(at, 0.0, 1.0))))];
 }
 
@@ -96,15 +96,15 @@ ColorMeaning color_meaning(BodyColor color) {
     case BodyColor::id:
       return {"id", ""};
     case BodyColor::contacts:
-      return {"contacts of a body", ""};
+      return {"contacts per body", ""};
     case BodyColor::order:
-      return {"place in the tree's order", ""};
+      return {"tree order", ""};
     case BodyColor::depth:
-      return {"depth in the tree", ""};
+      return {"tree depth", ""};
     case BodyColor::visits:
-      return {"boxes that a body's query tests", ""};
+      return {"query visits per body", ""};
     case BodyColor::sleep:
-      return {"how far from sleep", ""};
+      return {"sleep state", ""};
     case BodyColor::error:
       return {"error", "m"};
   }
@@ -118,11 +118,11 @@ ColorMeaning color_meaning(NodeMetric metric) {
     case NodeMetric::sah_share:
       return {"share of SAH cost", ""};
     case NodeMetric::sibling_overlap:
-      return {"overlap of siblings", ""};
+      return {"sibling overlap", ""};
     case NodeMetric::empty_space:
       return {"empty space", ""};
     case NodeMetric::visits:
-      return {"visits", "queries"};
+      return {"visits per box", "queries"};
   }
   return {"", ""};
 }

@@ -7,7 +7,7 @@
 namespace collidoscope {
 
 DrawOptions still_options(const DrawRequest& request, int width, int height, int max_side) {
-  // A picture of many pixels is not drawn at four times as many: memory, and nobody looks that closely.
+  // Large pictures are not supersampled, to save memory.
   constexpr std::int64_t most_pixels = 16'000'000;
   const bool fits =
       std::int64_t{width} * height <= most_pixels && 2 * std::int64_t{std::max(width, height)} <= max_side;
@@ -33,7 +33,7 @@ SphereMethod parse_sphere_method(const std::string& text, const std::string& whe
   if (text == "auto") return SphereMethod::automatic;
   if (text == "quads") return SphereMethod::quads;
   if (text == "compute") return SphereMethod::compute;
-  throw InputError(where + ": '" + text + "': unknown way to draw spheres; one of auto, quads, compute");
+  throw InputError(where + ": '" + text + "': unknown sphere method; one of auto, quads, compute");
 }
 
 }  // namespace collidoscope

@@ -1,6 +1,5 @@
 #pragma once
-// How a Renderer draws: how finely, in what light, and by which means; and what a live view can afford of it.
-// Plain data.
+// Options of a Renderer: supersampling, lighting and sphere method, and their automatic choice. Plain data.
 
 #include <cstdint>
 #include <optional>
@@ -8,45 +7,45 @@
 
 namespace collidoscope {
 
-/// `quick` leaves out ambient occlusion and takes harder, coarser shadows: for renderers that draw on the
-/// CPU, while somebody waits for the next frame.
+/// `quick` omits ambient occlusion and uses coarser, harder shadows. For renderers on the CPU in the window.
 enum class Quality { full, quick };
 
-/// The picture is the same by either; which is faster depends on the machine and on how many there are.
+/// Method of drawing spheres. All methods give the same picture; the fastest depends on machine and body
+/// count.
 enum class SphereMethod {
-  automatic,  ///< compute where a GPU draws many (Renderer says how many), else quads
-  quads,      ///< a quad each, through the rasteriser
-  compute     ///< pixels written by compute shaders: data-centre chips have few raster units
+  automatic,  ///< compute on a GPU with many bodies (limit in Renderer), else quads
+  quads,      ///< one rasterised quad per sphere
+  compute     ///< compute shaders, for GPUs with few raster units (data centre)
 };
 
 struct DrawOptions {
-  int supersampling = 2;  ///< 1 to 4; that many pixels squared are drawn for each
+  int supersampling = 2;  ///< 1 to 4: samples per pixel along each axis
   Quality light = Quality::full;
   SphereMethod spheres = SphereMethod::automatic;
-  bool cull_lines = true;  ///< the picture is the same without
+  bool cull_lines = true;  ///< does not change the picture
 
   friend bool operator==(const DrawOptions&, const DrawOptions&) = default;
 };
 
-/// What somebody asks for; unset is "auto".
+/// Requested options; unset: automatic.
 struct DrawRequest {
   std::optional<int> supersampling;
   std::optional<Quality> light;
   SphereMethod spheres = SphereMethod::automatic;
 };
 
-/// For captures: the best quality. `max_side`: the largest texture side that OpenGL allows, in pixels.
+/// Options for still pictures: best quality. `max_side`: maximum texture size of OpenGL, in pixels.
 DrawOptions still_options(const DrawRequest& request, int width, int height, int max_side);
-/// Pictures that follow each other while somebody looks. Automatic is 2 x 2 samples in full light up to
-/// `max_supersampled` bodies on a GPU, 1 beyond; and 1 in quick light where the CPU draws.
+/// Options for the window. Automatic supersampling is 2 x 2 with full quality on a GPU up to
+/// `max_supersampled` bodies, and 1 above. On the CPU it is 1 with quick quality.
 DrawOptions live_options(const DrawRequest& request, bool software, std::int64_t bodies);
 constexpr std::int64_t max_supersampled = 250'000;
 
 const char* quality_name(Quality quality);
 
-/// full, quick, or auto, which is unset. Throws InputError.
+/// Parses full, quick, or auto (unset). Throws InputError.
 std::optional<Quality> parse_quality(const std::string& text, const std::string& where = "--quality");
-/// auto, quads or compute. Throws InputError.
+/// Parses auto, quads or compute. Throws InputError.
 SphereMethod parse_sphere_method(const std::string& text, const std::string& where = "--sphere-method");
 
 }  // namespace collidoscope

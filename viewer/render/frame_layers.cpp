@@ -8,13 +8,13 @@
 namespace collidoscope {
 namespace {
 
-// A level from all of `text`: 0 to 63.
+// Parses the whole of `text` as a level, 0 to 63.
 bool parse_level(std::string_view text, int& level) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
   return error == std::errc{} && end == text.data() + text.size() && level >= 0 && level <= 63;
 }
 
-// `bvh`, `bvh:A` or `bvh:A-B`.
+// Parses `bvh`, `bvh:A` or `bvh:A-B`.
 bool parse_boxes(std::string_view text, FrameLayers& layers) {
   layers.boxes = true;
   if (text == "bvh") return true;
@@ -26,7 +26,7 @@ bool parse_boxes(std::string_view text, FrameLayers& layers) {
   return layers.first_level <= layers.last_level;
 }
 
-// `errors` or `errors:A`.
+// Parses `errors` or `errors:A`.
 bool parse_error_scale(std::string_view text, int& scale) {
   if (text == "errors") return true;
   text.remove_prefix(7);

@@ -26,7 +26,7 @@ Bounds bounds_of(std::span<const Vector3d> position, std::span<const double> rad
   return bounds.min.x() <= bounds.max.x() ? bounds : Bounds{};
 }
 
-/// The height of the highest level plane below bodies.
+/// Height of the highest horizontal plane below the bodies.
 std::optional<double> floor_of(const Scene& scene) {
   std::optional<double> floor;
   for (const Plane& plane : scene.obstacles)
@@ -35,8 +35,7 @@ std::optional<double> floor_of(const Scene& scene) {
   return floor;
 }
 
-// Where a body would come down: the first plane under `from` along gravity. `from` itself where there is
-// none.
+// Intersection of the ray from `from` along gravity with the nearest plane. Returns `from` if there is none.
 Vector3d landing(const Scene& scene, const Vector3d& from) {
   if (!(scene.physics.gravity.norm() > 0)) return from;
   const Vector3d down = scene.physics.gravity.normalized();
@@ -54,9 +53,9 @@ Bounds scene_bounds(const Scene& scene, const std::optional<Box>& box, std::span
                     std::span<const double> radius) {
   if (box) return {box->min, box->max};
   Bounds bounds = bounds_of(position, radius);
-  // A floor among the obstacles is where the grid belongs.
+  // If an obstacle plane is a floor, the grid lies there.
   if (const std::optional<double> floor = floor_of(scene)) bounds.min.z() = std::min(bounds.min.z(), *floor);
-  // Slopes let bodies fall out of the bounds of state 0: they reach down to where the bodies land.
+  // On slopes, bodies fall out of the bounds of state 0. The bounds are extended to where the bodies land.
   Bounds lower = bounds;
   const auto reach = [&](const Vector3d& from) {
     const Vector3d place = landing(scene, from);

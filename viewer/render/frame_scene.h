@@ -1,5 +1,5 @@
 #pragma once
-// What pictures of a scene need to know and what does not change from state to state. Plain data, made once.
+// Data of a scene for drawing that do not change between states. Plain data, made once.
 
 #include <cstdint>
 #include <optional>
@@ -12,23 +12,23 @@
 namespace collidoscope {
 
 struct FrameScene {
-  /// Bodies that follow each other in the published array and are drawn alike. (Publisher::publish() writes
-  /// body i to place i, and the mesh of a body never changes.)
+  /// A range of bodies in the published array with the same mesh. Precondition: Publisher::publish() stores
+  /// body i at index i, and meshes never change.
   struct Run {
     std::uint32_t mesh = 0;  ///< 0: spheres; k: meshes[k - 1]
     std::int64_t first = 0, count = 0;
   };
 
-  double size = 1;  ///< m, diagonal of the bounds without bodies that were added (Scene::added)
-  Bounds bounds;  ///< of the box, else of the bodies at state 0 and of where they meet the planes below them
-  std::optional<Box> box;          ///< whose edges are the walls
-  std::vector<Plane> planes;       ///< the obstacles
-  std::vector<BoxObstacle> boxes;  ///< as well
+  double size = 1;            ///< m, diagonal of the bounds without added bodies (Scene::added)
+  Bounds bounds;              ///< bounds of the box, else of the bodies at state 0 and their landing points
+  std::optional<Box> box;     ///< box whose edges are drawn as walls
+  std::vector<Plane> planes;  ///< obstacle planes
+  std::vector<BoxObstacle> boxes;  ///< obstacle boxes
   double floor = 0;                ///< m, height of the grid
   double grid_spacing = 10;        ///< m, a round number
   double body_size = 1;            ///< m, mean radius
-  double largest_radius = 0;       ///< m
-  double total_mass = 0;           ///< kg
+  double largest_radius = 0;       ///< m, radius of the largest body
+  double total_mass = 0;           ///< kg, total mass
   std::int64_t body_count = 0;
   std::vector<Mesh> meshes;
   std::vector<Run> runs;
@@ -36,7 +36,7 @@ struct FrameScene {
 
 FrameScene frame_scene(const Scene& scene, const InitialBodies& bodies);
 
-/// FrameScene::bounds with the bodies at these places; those that are no numbers are left out.
+/// FrameScene::bounds for these body positions. Non-finite positions are ignored.
 Bounds scene_bounds(const Scene& scene, const std::optional<Box>& box, std::span<const Vector3d> position,
                     std::span<const double> radius);
 

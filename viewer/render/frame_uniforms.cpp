@@ -21,7 +21,7 @@ void store(float (&to)[4], double x, double y, double z, double w) {
   to[3] = static_cast<float>(w);
 }
 
-// From above, from the left of the standard view and a little from behind the eye.
+// Key light: from above, from the left of the standard view and slightly from behind the eye.
 const Vector3d key_direction = Vector3d(-0.26, -0.52, 0.82).normalized();
 
 }  // namespace

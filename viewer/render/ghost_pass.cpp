@@ -26,14 +26,14 @@ void GhostPass::draw(const gl::Program& program, GLsizei vertices, float hidden)
 }
 
 void GhostPass::draw_ghosts() const {
-  // Many that are hidden add up to a fog.
+  // Hidden ghosts are fainter if there are many, to limit the overdraw.
   if (count_ > 0) draw(ghost_, 6, std::min(0.3f, 30.0f / static_cast<float>(count_)));
 }
 
 void GhostPass::draw_errors(double magnification) const {
   if (count_ == 0) return;
   error_.set("magnification", static_cast<float>(magnification));
-  // A short one lies within its body, and is what somebody looks for all the same.
+  // Short vectors lie within their body. They are drawn nevertheless, since they are the information sought.
   draw(error_, 18, std::clamp(600.0f / static_cast<float>(count_), 0.25f, 0.75f));
 }
 

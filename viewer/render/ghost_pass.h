@@ -1,7 +1,7 @@
 #pragma once
-// Draws where a reference has the bodies: ghosts, translucent spheres with a bright outline, and lines from
-// each body towards its ghost. First, faintly, what surfaces hide, then what lies before them; in any order,
-// since all of a kind have one colour. Owns its programs and the records.
+// Draws the reference positions: ghosts as translucent spheres with bright outline, and error vectors from
+// bodies to ghosts. Parts behind surfaces are drawn first and faint, then visible parts. The order is
+// irrelevant, since each kind has one colour. Owns its programs and records.
 
 #include <span>
 
@@ -16,9 +16,9 @@ class GhostPass {
  public:
   GhostPass();
   void set(std::span<const GhostInstance> ghosts);
-  /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
+  /// Draws into the bound framebuffer with the depth of the surfaces. Blends; does not write depth.
   void draw_ghosts() const;
-  /// Each `magnification` times as long as the error.
+  /// Draws each vector `magnification` times as long as the error.
   void draw_errors(double magnification) const;
 
  private:

@@ -14,8 +14,8 @@ namespace collidoscope {
 
 GuiPass::GuiPass(float font_size) : font_size_(font_size) {
   IMGUI_CHECKVERSION();
-  const std::string font =
-      asset("fonts/JetBrainsMono-Regular.ttf").string();  // before there is a context to leak
+  const std::string font = asset("fonts/JetBrainsMono-Regular.ttf")
+                               .string();  // checked before the ImGui context is created, which would leak
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
@@ -28,13 +28,13 @@ GuiPass::GuiPass(float font_size) : font_size_(font_size) {
 void GuiPass::load_fonts() {
   const std::string font = asset("fonts/JetBrainsMono-Regular.ttf").string();
   ImGuiIO& io = ImGui::GetIO();
-  // Latin, Greek, dashes and dots, super- and subscripts, arrows, mathematical signs.
+  // Latin, Greek, dashes and dots, super- and subscripts, arrows, mathematical symbols.
   static constexpr ImWchar ranges[] = {0x0020, 0x00ff, 0x0370, 0x03ff, 0x2010, 0x2026, 0x2070,
                                        0x209f, 0x2190, 0x2193, 0x2200, 0x22ff, 0};
   ImFontConfig config;
   config.OversampleH = 2;
   config.OversampleV = 2;
-  // The default, and one for titles.
+  // The default font and the title font.
   if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size_, &config, ranges) ||
       !io.Fonts->AddFontFromFileTTF(font.c_str(), std::round(1.6f * font_size_), &config, ranges))
     throw MachineError("font '" + font + "' cannot be used");
@@ -48,7 +48,7 @@ void GuiPass::set_font_size(float font_size) {
   fonts->Clear();
   try {
     load_fonts();
-  } catch (...) {  // a frame needs a font, and titles need a second one
+  } catch (...) {  // fallback: a frame needs both fonts
     failed = std::current_exception();
     fonts->Clear();
     fonts->AddFontDefault();
@@ -81,7 +81,7 @@ void GuiPass::build() { ImGui::Render(); }
 
 void GuiPass::rasterise(const gl::Target& picture) {
   picture.bind();
-  glUseProgram(0);  // ImGui puts back what was in use, which its owner may have deleted by then
+  glUseProgram(0);  // otherwise ImGui would restore a program that may have been deleted
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   gl::check("to draw text and panels");
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Dear ImGui, drawn into a framebuffer of ours. Owns the ImGui context and its font; one at a time, with the
-// GL context that was current when it was made. Keeps no file and reads no clock.
+// Draws Dear ImGui into an own framebuffer. Owns the ImGui context and its fonts; only one instance at a
+// time. Requires the GL context of its construction. Writes no files and reads no clock.
 
 #include "viewer/render/gl/target.h"
 
@@ -8,19 +8,19 @@ namespace collidoscope {
 
 class GuiPass {
  public:
-  /// `font_size`: pixels, of the font under assets/fonts; a second one, 1.6 times as large, is for titles.
+  /// `font_size`: pixels, of the font under assets/fonts. The title font is 1.6 times as large.
   explicit GuiPass(float font_size);
   ~GuiPass();
   GuiPass(const GuiPass&) = delete;
   GuiPass& operator=(const GuiPass&) = delete;
 
-  /// Between frames. Throws MachineError where the font cannot be read; text then is in ImGui's own font.
+  /// Call between frames. Throws MachineError if the font cannot be read; ImGui's own font is used then.
   void set_font_size(float font_size);
 
-  /// Between the two, ImGui may be called. `step`: s, told to ImGui as the time since the last frame.
+  /// Starts a frame; ImGui may be called until end(). `step`: s, time since the last frame for ImGui.
   void begin(int width, int height, float step = 1.0f / 60);
   void end(const gl::Target& picture);
-  /// The two halves of end(), for those who time them: the CPU lists triangles, and OpenGL draws them.
+  /// The two halves of end(), for timing: triangle lists on the CPU, and drawing with OpenGL.
   void build();
   void rasterise(const gl::Target& picture);
 

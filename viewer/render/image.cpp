@@ -19,9 +19,10 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-// libpng leaves through longjmp, so nothing with a destructor may be made between setjmp and the last call.
+// libpng reports errors by longjmp. No object with a destructor may be constructed between setjmp and the
+// last call.
 bool write_rows(std::FILE* file, const Image& image, const std::uint8_t* rgb) {
-  // Without these libpng prints lines of its own.
+  // Replaces libpng's own error output.
   const auto fail = [](png_structp writer, png_const_charp) { png_longjmp(writer, 1); };
   const auto ignore = [](png_structp, png_const_charp) {};
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, ignore);
@@ -63,7 +64,8 @@ Image read_png(const std::string& file) {
   png.version = PNG_IMAGE_VERSION;
   if (!png_image_begin_read_from_stdio(&png, in.get()))
     throw InputError(file + ": " + png.message + "; a PNG picture is needed");
-  // Deflate makes at most 1032 bytes of one, and a byte holds at most 8 pixels: a larger picture is damaged.
+  // Plausibility check: deflate expands at most 1032 times, and a byte holds at most 8 pixels. A larger
+  // picture is corrupt.
   std::error_code failed;
   const double most_pixels = 8 * 1032 * static_cast<double>(std::filesystem::file_size(file, failed));
   if (!failed && static_cast<double>(png.width) * png.height > most_pixels) {

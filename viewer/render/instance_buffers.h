@@ -1,6 +1,6 @@
 #pragma once
-// The GL buffers that hold what is drawn. Owned here; filled by the display path (interop/) or, in tests,
-// from host arrays.
+// GL buffers with the drawn records. Owns the buffers. The display path (interop/) fills them; tests fill
+// them from host arrays.
 
 #include <cstdint>
 #include <span>
@@ -13,9 +13,8 @@ namespace collidoscope {
 
 struct InstanceBuffers {
   gl::Buffer bodies{"bodies"}, boxes{"boxes"}, contacts{"contacts"}, joints{"joints"};
-  PublishCounts counts;  ///< records in each that are drawn
-  std::vector<std::int64_t>
-      level_sizes;  ///< of the boxes, which come level by level; their sum is counts.boxes
+  PublishCounts counts;                   ///< number of records in each buffer
+  std::vector<std::int64_t> level_sizes;  ///< number of boxes per level, in order; the sum is counts.boxes
 
   void upload(std::span<const BodyInstance> records) {
     bodies.upload(records.data(), records.size_bytes());

@@ -14,7 +14,7 @@ std::uint32_t packed(const Rgb& color) {
 
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats) {
   Legend legend;
-  if (color == BodyColor::id) return legend;  // neighbours in number differ; there is no scale
+  if (color == BodyColor::id) return legend;  // adjacent ids have different colours, without a scale
   const ColorMeaning meaning = color_meaning(color);
   legend.title = meaning.title;
   legend.unit = meaning.unit;
@@ -27,7 +27,7 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.clamped_below = color == BodyColor::error;
   if (color == BodyColor::sleep) {
     legend.low_word = "asleep";
-    legend.high_word = "moves";
+    legend.high_word = "awake";
   }
   return legend;
 }

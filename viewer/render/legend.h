@@ -1,5 +1,5 @@
 #pragma once
-// The legends of a picture: what its colours mean. Free functions; colours are 0xAABBGGRR.
+// Legends of the colours in a picture. Free functions; colours are 0xAABBGGRR.
 
 #include <cstdint>
 #include <vector>
@@ -11,18 +11,18 @@
 
 namespace collidoscope {
 
-/// Of bodies coloured by `color` over `range` at the state of `stats`.
+/// Legend of bodies coloured by `color` over `range`. `stats`: those of the drawn state.
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats);
-/// Of boxes coloured by a metric other than their level, which level_legend() tells; else without a title.
+/// Legend of boxes coloured by a metric. No title for the level: see level_legend().
 Legend box_legend(NodeMetric metric, const ValueRange& range);
-/// Colours of contacts from range.max_impulse / 1000 to range.max_impulse, in even steps of the logarithm.
+/// Contact colours from range.max_impulse / 1000 to range.max_impulse, on a logarithmic scale.
 std::vector<std::uint32_t> contact_legend();
-/// Of ghosts, and of lines that show errors.
+/// Colours of ghosts and of error vectors.
 std::uint32_t ghost_legend();
 std::uint32_t error_legend();
-/// Colours of marks, by BoxMark.
+/// Colours of marks, indexed by BoxMark.
 std::vector<std::uint32_t> mark_legend();
-/// Colours of the levels 0 to 63 where `first` to `last` are shown.
+/// Colours of levels 0 to 63 if levels `first` to `last` are shown.
 std::vector<std::uint32_t> level_legend(int first, int last);
 
 }  // namespace collidoscope

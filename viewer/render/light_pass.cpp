@@ -15,7 +15,7 @@ LightPass::LightPass(Quality quality)
       shadow_("shadow map", quick_ ? 768 : 2048, quick_ ? 768 : 2048, {}, GL_DEPTH_COMPONENT32F) {
   const GLuint map = shadow_.depth();
   glTextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-  glTextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // depth is reversed
+  glTextureParameteri(map, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);  // reversed depth
   const GLint filter = quick_ ? GL_NEAREST : GL_LINEAR;
   glTextureParameteri(map, GL_TEXTURE_MIN_FILTER, filter);
   glTextureParameteri(map, GL_TEXTURE_MAG_FILTER, filter);
@@ -62,7 +62,7 @@ void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
 
-  // A triangle at the farthest depth, 0: it equals that of pixels where nothing is.
+  // A triangle at the far depth 0, which matches the depth of background pixels.
   lit.bind();
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_EQUAL);

@@ -1,5 +1,5 @@
 #pragma once
-// Turns albedo, normal and depth into a lit picture: shadow map of the key light, ambient occlusion, shading,
+// Lights a picture from albedo, normal and depth: shadow map of the key light, ambient occlusion, shading,
 // backdrop. Owns its programs, the shadow map and the occlusion targets.
 
 #include <optional>
@@ -14,14 +14,14 @@ namespace collidoscope {
 class LightPass {
  public:
   explicit LightPass(Quality quality);
-  /// The picture's size in pixels; `scale` x `scale` pixels are drawn for each.
+  /// Size of the picture in pixels, with `scale` x `scale` samples per pixel.
   void resize(int width, int height);
-  /// Where the light's depth goes: cleared and bound, with the state that bodies are drawn in.
+  /// The shadow map: cleared, bound, and ready for drawing bodies.
   const gl::Target& begin_shadows() const;
-  /// From `surface` (albedo, normal, depth) into `lit`, whose depth is that of `surface`, too.
+  /// Lights `surface` (albedo, normal, depth) into `lit`, which shares the depth of `surface`.
   void draw(const gl::Target& surface, const gl::Target& lit) const;
 
-  /// Pixels of a side of the shadow map.
+  /// Side length of the shadow map in pixels.
   int shadow_size() const { return shadow_.width(); }
 
  private:

@@ -5,7 +5,7 @@
 namespace collidoscope {
 
 namespace {
-constexpr int tile = 8, lanes = 256;  // of depth_tiles.comp and line_cull.comp
+constexpr int tile = 8, lanes = 256;  // constants of depth_tiles.comp and line_cull.comp
 constexpr int groups_of(int count, int each) { return (count + each - 1) / each; }
 }  // namespace
 

@@ -58,7 +58,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
     if (broad + size > max_broad_boxes) break;
     broad += size;
   }
-  // What is hidden adds up to a fog where there are many, so each is the fainter then.
+  // Hidden lines are fainter if there are many, to limit the overdraw.
   const float hidden = std::min(0.2f, 5.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
   for (const gl::Program* program : {&box_, &thin_box_}) {
     program->set("levels", static_cast<float>(first_level), static_cast<float>(last_level),
@@ -66,7 +66,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
     program->set("range", static_cast<float>(colors.low), static_cast<float>(colors.high), 0, 0);
     set_colors(*program, colors);
   }
-  // So many that none is seen through what hides it: only those that may be seen at all are drawn.
+  // Above this count hidden boxes are not drawn: only potentially visible ones are.
   if (count > broad)
     draw_listed(thin_box_, LineCull::Kind::boxes, GL_LINES, 24,
                 {boxes, sizeof(BoxInstance), broad, count - broad}, 0.95f, static_cast<float>(colors.low),
@@ -79,7 +79,7 @@ void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
   box_.set("levels", 0, 0, -1, 0);
   box_.set("range", 0, box_marks, 0, 0);
   box_.set("coloring", 0, 0, 3, 0);
-  // They are what somebody looks for: seen through what hides them, unless they are many.
+  // Contacts are drawn through surfaces, unless there are many.
   const float hidden = std::min(0.45f, 20.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
   draw_broad(boxes, count, 0.95f, hidden);
   gl::check("to draw " + std::to_string(count) + " marks");

@@ -1,7 +1,7 @@
 #pragma once
-// Draws what consists of lines: the hierarchy's boxes, contacts, joints, and the edges of the walls. First,
-// faintly, what surfaces hide, then what lies before them. Many boxes are drawn in thin lines: a fog of broad
-// ones shows nothing, and a GPU with few raster units takes long over it. Owns its programs.
+// Draws lines: boxes of the tree, contacts, joints, and edges of the walls. Parts behind surfaces are drawn
+// first and faint, then visible parts. Many boxes are drawn with thin lines: wide lines would hide each
+// other, and are slow on GPUs with few raster units. Owns its programs.
 
 #include <limits>
 #include <span>
@@ -14,34 +14,34 @@
 
 namespace collidoscope {
 
-/// What of BoxInstance::value is drawn, and in which colours.
+/// Range of the drawn BoxInstance::value and its colours.
 struct BoxColors {
   NodeMetric metric = NodeMetric::level;
-  double min = 0, max = 1;  ///< that the colour map spans
-  /// Boxes whose value lies outside are not drawn: none of a metric that they do not have.
+  double min = 0, max = 1;  ///< range of the colour map
+  /// Boxes with values outside are not drawn, including boxes without a value of this metric.
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  std::int64_t count = 0;  ///< of those: the fewer, the broader
+  std::int64_t count = 0;  ///< number of drawn boxes; fewer boxes have wider lines
 };
 
 class LinePass {
  public:
   LinePass();
-  /// Before the others, in each frame: the surfaces whose depth hides lines. `cull`: whether lines that they
-  /// hide are left out before they are drawn (line_cull.h); the picture is the same.
+  /// Sets the surfaces whose depth hides lines. Call first in each frame. `cull`: cull hidden lines
+  /// (line_cull.h), which does not change the picture.
   void look_at(const gl::Target& surfaces, bool cull);
-  /// Into the bound framebuffer, whose depth is that of the surfaces; blends, and leaves depth as it is.
-  /// The records are those of levels first_level to last_level, in this order, `sizes[i]` of each. Upper
-  /// levels are broad as long as they have no more than `max_broad_boxes` together.
-  /// The colour map of values is bound to texture unit 0. Of `highlighted_level` all others are faint.
+  /// Draws into the bound framebuffer with the depth of the surfaces. Blends; does not write depth. The
+  /// records are ordered by level, from first_level to last_level, with `sizes[i]` per level. Upper levels
+  /// have wide lines, up to `max_broad_boxes` boxes in total. The colour map of values must be bound to
+  /// texture unit 0. If `highlighted_level` is set, all other levels are faint.
   void draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t> sizes, int first_level,
                   int last_level, const BoxColors& colors = {}, int highlighted_level = -1);
-  /// Boxes whose value is a BoxMark; those that come first lie on top.
+  /// Boxes with a BoxMark as value. Earlier records are drawn on top.
   void draw_marks(const gl::Buffer& boxes, std::int64_t count) const;
-  void draw_walls(const gl::Buffer& boxes) const;  ///< one box
+  void draw_walls(const gl::Buffer& boxes) const;  ///< draws one box
   void draw_contacts(const gl::Buffer& contacts, std::int64_t count);
   void draw_joints(const gl::Buffer& joints, std::int64_t count) const;
-  /// Into an id buffer: faces filled or edges one pixel wide, 0x80000000 + place of the box in the buffer,
-  /// nearest wins; of boxes whose value lies from `low` to `high`.
+  /// Draws faces, or edges one pixel wide, into an id buffer: 0x80000000 + index of the box, nearest first.
+  /// Only boxes with values from `low` to `high`.
   void draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low, double high) const;
 
   static constexpr std::int64_t max_broad_boxes = 8192;
@@ -49,7 +49,7 @@ class LinePass {
  private:
   void draw_broad(const gl::Buffer& boxes, std::int64_t count, float shown, float hidden) const;
   static void set_colors(const gl::Program& program, const BoxColors& colors);
-  /// What may be seen of them.
+  /// Draws the potentially visible records.
   void draw_listed(const gl::Program& program, LineCull::Kind kind, GLenum mode, GLsizei vertices,
                    const Records& records, float strength, float low = 0, float high = 0);
 

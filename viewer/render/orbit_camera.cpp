@@ -7,7 +7,7 @@
 namespace collidoscope {
 namespace {
 
-// Two unit vectors across `up`; for z they are x and y.
+// Two unit vectors orthogonal to `up`; x and y if `up` is z.
 void across(const Vector3d& up, Vector3d& first, Vector3d& second) {
   const Vector3d other = std::abs(up.x()) < 0.9 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
   first = (other - up * up.dot(other)).normalized();
@@ -25,7 +25,7 @@ Matrix3d OrbitCamera::axes() const {
   const Vector3d level = std::cos(azimuth) * first + std::sin(azimuth) * second;
   Matrix3d result;
   result.col(2) = std::cos(elevation) * level + std::sin(elevation) * vertical;
-  result.col(0) = vertical.cross(level);  // holds at the poles too
+  result.col(0) = vertical.cross(level);  // also valid at the poles
   result.col(1) = result.col(2).cross(result.col(0));
   return result;
 }
@@ -64,8 +64,8 @@ OrbitCamera frame_all(const Bounds& bounds, double aspect, OrbitCamera from, dou
     return Vector3d((i & 1) ? bounds.max.x() : bounds.min.x(), (i & 2) ? bounds.max.y() : bounds.min.y(),
                     (i & 4) ? bounds.max.z() : bounds.min.z());
   };
-  // The corner that asks for the greatest distance decides; then the target moves to the middle of what the
-  // corners cover on the picture, which lets the eye come nearer again.
+  // The corner with the largest required distance determines the distance. Then the target moves to the
+  // centre of the projected corners, which allows a smaller distance.
   for (int round = 0; round < 8; ++round) {
     from.distance = 1e-6;
     for (int i = 0; i < 8; ++i) {

@@ -8,14 +8,14 @@
 namespace collidoscope {
 namespace {
 
-enum class Kind { obstacle, floor, reference };  // as in plane.vert
+enum class Kind { obstacle, floor, reference };  // matches plane.vert
 
-/// As `Plane` in plane.vert.
+/// Matches `Plane` in plane.vert.
 struct PlaneRecord {
   float normal_offset[4], center_radius[4], side_kind[4];
 };
 
-/// As `Obstacle` in obstacle.vert.
+/// Matches `Obstacle` in obstacle.vert.
 struct ObstacleRecord {
   float center[4], half_size[4], side[3][4];
 };
@@ -27,7 +27,7 @@ void store_vector(float (&to)[4], const Vector3d& from, double last) {
 
 PlaneRecord plane_record(const Plane& plane, const FrameScene& scene, double radius, Kind kind) {
   const Vector3d center = scene.bounds.center();
-  // Lines run level and straight up the slope; on a level plane, along x and y.
+  // Grid lines run horizontally and along the slope; on a horizontal plane, along x and y.
   const Vector3d level = Vector3d::UnitZ().cross(plane.normal);
   const bool sloped = level.norm() > 1e-6;
   PlaneRecord record{};

@@ -1,7 +1,7 @@
 #pragma once
-// Draws what bodies rest on: the floor of the box and the planes among the obstacles, each as a gridded disc
-// that fades at its edge and ends where another plane or a wall begins; boxes among the obstacles; and, where
-// there is no plane, a faint grid for reference. Owns its shaders and what they draw; belongs to a Renderer.
+// Draws supports. The floor of the box and obstacle planes are discs with a grid; they fade at the edge and
+// end at other planes and walls. Obstacle boxes are solid. Scenes without planes get a faint reference grid.
+// Owns its shaders and records; part of a Renderer.
 
 #include <cstdint>
 
@@ -17,9 +17,9 @@ class PlanePass {
   PlanePass();
   void set_scene(const FrameScene& scene);
 
-  /// Those seen from the side of the bodies, into the surfaces: they hide, and are lit and shadowed.
+  /// Planes seen from the front, drawn into the surfaces: they occlude, and are lit and shadowed.
   void draw_surfaces() const;
-  /// Those seen from behind, and the reference grid: blended over the lit picture, tested against its depth.
+  /// Planes seen from behind and the reference grid, blended over the lit picture with depth test.
   void draw_veils() const;
 
  private:

@@ -21,7 +21,7 @@ gl::TextureHandle color_map_texture(const std::array<Rgb, 256>& map) {
   return texture;
 }
 
-// Rows as OpenGL gives them start at the bottom.
+// OpenGL returns rows from the bottom.
 template <class Texel>
 void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
   for (int y = 0; y < height / 2; ++y)
@@ -32,7 +32,7 @@ void flip_rows(std::vector<Texel>& texels, std::size_t row, int height) {
 
 BoxColors box_colors(const FrameLayers& layers, const ValueRange& values) {
   if (layers.box_color == NodeMetric::level) return {};
-  // -1: has no such value.
+  // -1: no value of this metric.
   return {layers.box_color,
           values.box_min,
           values.box_max,
@@ -58,7 +58,7 @@ void Renderer::resize(int width, int height) {
   if (picture_ && picture_->width() == width && picture_->height() == height) return;
   const int w = width * options_.supersampling, h = height * options_.supersampling;
   surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
-  // Light and lines are tested against the depth of the surfaces, and never write it.
+  // Lighting and lines test the depth of the surfaces and never write it.
   lit_.emplace("lit picture", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
@@ -123,7 +123,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   set_levels(uniforms, boxes ? layers.first_level : 0, last_level);
   camera_uniforms_.upload(&uniforms, sizeof uniforms);
   light_uniforms_.upload(&light, sizeof light);
-  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);  // keeps the digits of reversed depth
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);  // preserves the precision of reversed depth
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_CULL_FACE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);

@@ -1,7 +1,6 @@
 #pragma once
-// Draws a state: a frame is a function of the published records, the camera and the layers, and of nothing
-// else. Owns its framebuffers, passes and instance buffers; needs the GL context that was current when it was
-// made.
+// Draws a state. A frame is a pure function of the published records, the camera and the layers. Owns its
+// framebuffers, passes and instance buffers. Requires the GL context of its construction.
 
 #include <cstdint>
 #include <limits>
@@ -22,65 +21,65 @@
 
 namespace collidoscope {
 
-/// What an id buffer shows.
+/// Contents of an id buffer.
 struct IdLayers {
   bool bodies = true;  ///< id + 1
-  bool boxes = false;  ///< 0x80000000 + place in the published boxes, faces filled; nearest wins
-  bool edges = false;  ///< of boxes the edges alone
-  /// Of boxes those whose value lies between.
+  bool boxes = false;  ///< 0x80000000 + index of the published box, faces filled, nearest first
+  bool edges = false;  ///< draw only the edges of boxes
+  /// Value range of the drawn boxes.
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
 class Renderer {
  public:
-  /// Picture size in pixels.
+  /// Size of the picture in pixels.
   Renderer(int width, int height, DrawOptions options = {});
 
   void set_scene(const FrameScene& scene);
   const FrameScene& scene() const { return scene_; }
   void resize(int width, int height);
-  /// From the next frame on.
+  /// Takes effect in the next frame.
   void set_options(const DrawOptions& options);
   const DrawOptions& options() const { return options_; }
-  /// Whether the spheres of such a state are drawn by compute, as `options` and the machine decide.
+  /// Whether spheres are drawn by compute shaders, given the options and the machine.
   bool computes_spheres() const;
   int width() const { return picture_->width(); }
   int height() const { return picture_->height(); }
 
-  /// Filled by whoever publishes, before draw().
+  /// Fill these buffers before draw().
   InstanceBuffers& instances() { return instances_; }
 
-  /// Boxes that draw() draws on top, whatever the layers are; of each, the value is its BoxMark.
+  /// Boxes drawn on top, independent of the layers. Their values are BoxMarks.
   void set_marks(std::span<const BoxInstance> boxes);
 
-  /// What draw() draws where the layers ask for ghosts or errors.
+  /// Reference positions for the layers ghosts and error vectors.
   void set_ghosts(std::span<const GhostInstance> ghosts) { ghosts_.set(ghosts); }
 
-  /// `clock`: told of each pass, if somebody measures.
+  /// `clock`: optional timer of the passes.
   void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values,
             gl::PassClock* clock = nullptr);
   Image read_picture() const;
-  /// Until the GPU has drawn all that it was asked for, by anybody.
+  /// Waits until the GPU has finished all commands.
   static void finish();
-  /// The framebuffer that holds the picture: text and panels are drawn on top of it.
+  /// The framebuffer with the picture. Text and panels are drawn on top of it.
   const gl::Target& picture() const { return *picture_; }
 
-  /// One id for each pixel of the picture, rows from the top, 0 where there is nothing. Drawn as asked, apart
-  /// from draw(): never blended, one sample at the middle of each pixel.
+  /// One id per pixel of the picture, rows from the top; 0: background. Independent of draw(): no blending,
+  /// one sample per pixel.
   std::vector<std::uint32_t> draw_ids(const OrbitCamera& camera, const IdLayers& layers);
-  /// The one at a pixel, counted from the top left corner; nothing else is read back.
+  /// Id at one pixel, counted from the top left corner. Only this pixel is read back.
   std::uint32_t pick(const OrbitCamera& camera, const IdLayers& layers, int x, int y);
-  /// The place in the published boxes of the one with an edge nearest to a pixel, at most `reach` pixels
-  /// away, of those that neither bodies nor other edges hide.
+  /// Index of the published box whose visible edge is nearest to the pixel, within `reach` pixels. Edges
+  /// hidden by bodies or other edges are ignored.
   std::optional<std::uint32_t> pick_box(const OrbitCamera& camera, IdLayers layers, int x, int y, int reach);
 
  private:
   void draw_id_target(const OrbitCamera& camera, const IdLayers& layers);
   void bind_uniforms(const gl::Buffer& buffer) const;
-  void resolve() const;  ///< the lit picture into the one that is shown
+  void resolve() const;  ///< resolves the lit picture into the displayed one
 
   DrawOptions options_;
-  bool software_;  // the CPU draws
+  bool software_;  // the renderer runs on the CPU
   FrameScene scene_;
   InstanceBuffers instances_;
   BodyPass bodies_;
@@ -93,7 +92,7 @@ class Renderer {
   gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"}, marks_{"marks"};
   std::int64_t mark_count_ = 0;
   int last_mark_level_ = 0;
-  gl::TextureHandle colors_, heat_;  ///< of bodies, of boxes
+  gl::TextureHandle colors_, heat_;  ///< colour maps of bodies and boxes
   std::optional<gl::Target> surface_, lit_, picture_, ids_;
 };
 

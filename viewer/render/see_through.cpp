@@ -24,7 +24,7 @@ void draw_see_through(const gl::Program& program, const gl::VertexLayout& nothin
       glDrawArrays(mode, 0, static_cast<GLsizei>(count) * vertices);
     });
   };
-  // Depth is reversed: less is farther.
+  // Reversed depth: less is farther.
   if (hidden >= min_visible_opacity) draw(GL_LESS, hidden);
   draw(GL_GEQUAL, shown);
 }

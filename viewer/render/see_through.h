@@ -1,7 +1,7 @@
 #pragma once
-// Draws records over surfaces whose depth is known: first, faintly, what they hide, then what lies before
-// them. Each record makes so many vertices, which a shader fetches by itself, from the storage buffer at
-// binding 0. Blends, and leaves depth as it is. Free functions; all state that they set is the pass's own.
+// Draws records over surfaces with known depth: hidden parts first and faint, then visible parts. Each record
+// expands to a fixed number of vertices. The shader fetches records from the storage buffer at binding 0.
+// Blends; does not write depth. Free functions; all state that they set belongs to the pass.
 
 #include <cstdint>
 
@@ -11,14 +11,14 @@
 
 namespace collidoscope {
 
-/// Of a buffer, those to draw.
+/// A range of records in a buffer.
 struct Records {
   const gl::Buffer& buffer;
-  std::int64_t bytes, first, count;  ///< of one; to draw
+  std::int64_t bytes, first, count;  ///< bytes: size of a record
 
-  /// Gives blocks of them to draw(first, count), bound so that `first` counts from the start of what is
-  /// bound: shaders reach a limited part of a buffer at once, and vertices are counted in 32 bits. The last
-  /// block first, since boxes are drawn backwards.
+  /// Calls draw(first, count) for blocks of records, with `first` relative to the bound range. Blocks are
+  /// needed since shaders can access a limited part of a buffer, and vertex counts have 32 bits. The last
+  /// block comes first, since boxes are drawn backwards.
   template <class Draw>
   void in_blocks(const Draw& draw) const {
     constexpr std::int64_t block = 1 << 20;
@@ -31,14 +31,14 @@ struct Records {
   }
 };
 
-/// Less of an opacity changes no colour of 8 bits.
+/// A lower opacity does not change a colour of 8 bits.
 inline constexpr float min_visible_opacity = 0.5f / 255;
 
-/// Makes the program and the state that see-through records are drawn with current.
+/// Binds the program and sets the state for see-through records.
 void begin_see_through(const gl::Program& program, const gl::VertexLayout& nothing);
 
-/// The shader's uniforms: `first`, the record to begin with; `strength`, the opacity of the pass; and, where
-/// it draws backwards, `count`, the records of the block. `shown` and `hidden` are opacities.
+/// Sets the uniforms `first` (first record), `strength` (opacity of the pass), and `count` (records in the
+/// block, if drawn backwards). `shown` and `hidden` are opacities.
 void draw_see_through(const gl::Program& program, const gl::VertexLayout& nothing, GLenum mode,
                       GLsizei vertices, const Records& records, float shown, float hidden,
                       bool backwards = false);

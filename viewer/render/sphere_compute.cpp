@@ -23,7 +23,7 @@ bool SphereCompute::fits(std::int64_t bodies) const {
 
 void SphereCompute::dispatch(std::int64_t bodies, bool second_round) const {
   constexpr std::int64_t lanes = 128, most_groups = 65535;
-  // Enough workgroups to fill a large GPU, few enough that an empty list costs nothing.
+  // Workgroups: enough to fill a large GPU, few enough that an empty list has negligible cost.
   constexpr GLuint large_groups = 1024, huge_columns = 32, huge_rows = 64;
   for (const gl::Program* program : {&small_, &large_}) {
     program->set("body_count", static_cast<int>(bodies));
@@ -31,7 +31,7 @@ void SphereCompute::dispatch(std::int64_t bodies, bool second_round) const {
   }
   small_.use();
   glDispatchCompute(static_cast<GLuint>(std::min((bodies + lanes - 1) / lanes, most_groups)), 1, 1);
-  if (!second_round) glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // the list
+  if (!second_round) glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);  // barrier for the list
   large_.use();
   large_.set("huge", 0);
   glDispatchCompute(large_groups, 1, 1);
@@ -67,7 +67,7 @@ void SphereCompute::draw(const InstanceBuffers& instances, bool shadow, GLuint c
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     dispatch(bodies, true);
   }
-  // Read by the merge, cleared before the next picture.
+  // The merge reads these images; the next picture clears them.
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
                   GL_BUFFER_UPDATE_BARRIER_BIT);
 

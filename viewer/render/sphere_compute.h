@@ -1,7 +1,7 @@
 #pragma once
-// Draws spheres by compute shaders instead of the rasteriser: the picture is that of their quads
-// (body_pass.h), and costs less where they are many and small. Owns its programs and the images that it draws
-// into first; belongs to a BodyPass.
+// Draws spheres by compute shaders instead of the rasteriser. The picture equals that of the quads
+// (body_pass.h), at lower cost for many small spheres. Owns its programs and intermediate images; part of a
+// BodyPass.
 
 #include <cstdint>
 #include <optional>
@@ -17,10 +17,10 @@ class SphereCompute {
  public:
   SphereCompute();
 
-  /// Whether this machine's shaders can reach so many records.
+  /// Whether the shaders of this machine can access this many records.
   bool fits(std::int64_t bodies) const;
-  /// All bodies that are spheres, into the bound `target`, by its depth test: albedo, normal and depth, or
-  /// depth alone. With the bound frame uniforms and `colors`, the colour map's texture.
+  /// Draws all spheres into the bound `target` with depth test: albedo, normal and depth, or only depth.
+  /// Frame uniforms must be bound; `colors` is the colour map texture.
   void draw(const InstanceBuffers& instances, bool shadow, GLuint colors, const gl::Target& target);
 
  private:
@@ -34,7 +34,7 @@ class SphereCompute {
   gl::VertexLayout nothing_;
   gl::Buffer larges_{"large spheres"};
   Images surface_, shadow_;
-  std::int64_t max_bytes_ = 0;  ///< of a buffer that shaders read
+  std::int64_t max_bytes_ = 0;  ///< maximum size of a storage buffer
 };
 
 }  // namespace collidoscope

@@ -9,14 +9,14 @@
 namespace collidoscope {
 namespace {
 
-// Up to two digits, so that legends read well: 17.3 becomes 18.
+// Rounds up to two significant digits for legends: 17.3 becomes 18.
 double round_up(double value) {
   if (!(value > 0) || !std::isfinite(value)) return 1;
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::ceil(value / unit - 1e-9) * unit;
 }
 
-// The levels that hold leaves, from the first to the last.
+// First to last level that contains leaves.
 ValueRange leaf_levels(World& world) {
   const std::vector<std::int64_t>& leaves = world.tree().leaves();
   const auto first = std::ranges::find_if(leaves, [](std::int64_t n) { return n > 0; });
@@ -26,15 +26,15 @@ ValueRange leaf_levels(World& world) {
 ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, const StepStats& stats) {
   switch (color) {
     case BodyColor::speed: {
-      // The map ends at 2.2 times the root mean square (weighed by mass): bodies of one speed lie in its
-      // middle, and a few fast ones do not leave one colour to all others. The legend says if it goes on.
+      // The map ends at 2.2 times the root mean square (weighted by mass). Equal speeds lie in its middle,
+      // and a few fast bodies do not compress the colours. The legend marks clipped values.
       const double rms = scene.total_mass > 0 ? std::sqrt(2 * stats.kinetic_energy / scene.total_mass) : 0;
       return {0, round_up(2.2 * rms)};
     }
     case BodyColor::radius:
       return {0, round_up(scene.largest_radius)};
     case BodyColor::contacts:
-      return {0, 12};  // as many equal spheres as touch one of their size
+      return {0, 12};  // maximum number of equal spheres that touch one sphere
     case BodyColor::id:
     case BodyColor::order:
       return {0, static_cast<double>(std::max<std::int64_t>(scene.body_count, 2) - 1)};
@@ -42,7 +42,7 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
       return world.tree().nodes() > 0 ? leaf_levels(world) : ValueRange{0, 0};
     case BodyColor::sleep:
       return {0, 1};
-    case BodyColor::error: {  // three decades, up to where nearly all of them end
+    case BodyColor::error: {  // three decades, up to the 98th percentile
       const double most = quantile(world.publisher().errors(), 0.98);
       const double high = most > 0 ? std::pow(10, std::ceil(std::log10(most))) : 1;
       ValueRange range{high / 1000, high};
@@ -60,7 +60,7 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
   return {};
 }
 
-// The edge of a bin that at most one node in fifty lies below.
+// Lower edge of the first bin with more than 2 % of the nodes at or below it.
 double low_end(const NodeHistogram& histogram) {
   std::int64_t below = 0;
   std::size_t bin = 0;
@@ -77,10 +77,10 @@ void add_boxes(World& world, const FrameLayers& layers, ValueRange& range) {
       layers.box_color, {layers.first_level, layers.last_level, layers.box_low, layers.box_high});
   range.boxes = histogram.inside;
   range.box_max = static_cast<double>(std::min(layers.box_high, histogram.greatest));
-  // A few boxes of next to nothing must not leave one colour to all others.
+  // A few boxes with tiny values must not compress the colours.
   const double least = static_cast<double>(std::max(layers.box_low, histogram.least));
   range.box_min = std::max(least, low_end(histogram));
-  if (is_logarithmic(layers.box_color))  // from zero no step leads anywhere
+  if (is_logarithmic(layers.box_color))  // a logarithmic scale needs a positive minimum
     range.box_min = std::max(range.box_min, 1e-9 * range.box_max);
   range.box_min = std::min(range.box_min, range.box_max);
   range.boxes_below = range.box_min > least;

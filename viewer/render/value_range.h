@@ -1,5 +1,5 @@
 #pragma once
-// Which values the colours of bodies and boxes span, and the scale of error lines. Free functions.
+// Value ranges of the colours of bodies and boxes, and the scale of error vectors. Free functions.
 
 #include <vector>
 
@@ -10,13 +10,12 @@
 
 namespace collidoscope {
 
-/// `stats`: of the state that is drawn. The world's tree is asked, and measured, only where something is
-/// coloured by it.
+/// `stats`: those of the drawn state. The tree is measured only if it provides a colour.
 ValueRange value_range(World& world, const FrameScene& scene, const FrameLayers& layers,
                        const StepStats& stats);
 
-/// The power of ten, 1 to 1e9, by which lines of errors (m) are longer than the errors. The greater errors
-/// are about as long as a body is wide, and the greatest is at most a quarter of the scene.
+/// Scale of error vectors (errors in m): a power of ten, 1 to 1e9. Large errors are drawn about as long as a
+/// body is wide, and the largest is at most a quarter of the scene.
 double automatic_error_scale(const std::vector<float>& errors, double body_size, double scene_size);
 
 }  // namespace collidoscope

@@ -32,7 +32,7 @@ Image WindowFrame::read() const {
                     image.rgba.data());
   gl::check("to read the window back");
   const auto begin = image.rgba.begin();
-  for (int y = 0; y < height() / 2; ++y)  // OpenGL's rows start at the bottom
+  for (int y = 0; y < height() / 2; ++y)  // OpenGL returns rows from the bottom
     std::swap_ranges(begin + static_cast<std::ptrdiff_t>(row) * y,
                      begin + static_cast<std::ptrdiff_t>(row) * (y + 1),
                      begin + static_cast<std::ptrdiff_t>(row) * (height() - 1 - y));
@@ -41,12 +41,12 @@ Image WindowFrame::read() const {
 
 void WindowFrame::present(int width, int height) const {
   glDisable(GL_SCISSOR_TEST);
-  // A renderer in software takes up the window's new size when its framebuffer is bound.
+  // Software renderers adopt a new window size when its framebuffer is bound.
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, width, height);
   glClearColor(0, 0, 0, 1);
   glClear(GL_COLOR_BUFFER_BIT);
-  // Rows start at the bottom: the top left corners coincide where the sizes differ.
+  // Rows start at the bottom: align the top left corners if the sizes differ.
   glBlitNamedFramebuffer(target_.framebuffer(), 0, 0, 0, this->width(), this->height(), 0,
                          height - this->height(), this->width(), height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl::check("to show the window");

@@ -1,6 +1,6 @@
 #pragma once
-// A whole window's picture: the 3D view in its place, panels around and over it. Owns its framebuffer; needs
-// the GL context that was current when it was made.
+// The picture of the whole window: the 3D view, with panels around and over it. Owns its framebuffer.
+// Requires the GL context of its construction.
 
 #include "viewer/render/gl/target.h"
 #include "viewer/render/image.h"
@@ -15,16 +15,16 @@ class WindowFrame {
   int width() const { return target_.width(); }
   int height() const { return target_.height(); }
 
-  /// Copies the renderer's picture to where its top left corner is (x, y); stretches it to `width` x `height`
-  /// pixels where it has fewer.
+  /// Copies the renderer's picture to (x, y), its top left corner. A smaller picture is scaled up to `width`
+  /// x `height` pixels.
   void place(const Renderer& renderer, int x, int y, int width, int height) const;
   void place(const Renderer& renderer, int x, int y) const {
     place(renderer, x, y, renderer.width(), renderer.height());
   }
-  /// Panels are drawn into it.
+  /// Target for the panels.
   const gl::Target& target() const { return target_; }
   Image read() const;
-  /// Copies it to the window's own framebuffer, which has `width` x `height` pixels.
+  /// Copies the picture to the window's framebuffer of `width` x `height` pixels.
   void present(int width, int height) const;
 
  private:

@@ -14,7 +14,7 @@ namespace collidoscope {
 
 namespace {
 
-/// What the panel of the tree says; null while it is folded.
+/// Contents of the tree panel; null while it is folded.
 nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
   if (view.tree == nullptr) return nullptr;
@@ -37,7 +37,7 @@ nlohmann::ordered_json tree_json(const Workspace& workspace, const WorkspaceView
   return tree;
 }
 
-/// What the panel of effects says; null while it is folded.
+/// Contents of the effects panel; null while it is folded.
 nlohmann::ordered_json effects_json(const WorkspaceView& view) {
   nlohmann::ordered_json effects;
   for (const EffectView& effect : view.effect_views) {
@@ -52,7 +52,7 @@ nlohmann::ordered_json effects_json(const WorkspaceView& view) {
   return effects;
 }
 
-/// What the panel of accuracy says; null while it is folded.
+/// Contents of the accuracy panel; null while it is folded.
 nlohmann::ordered_json accuracy_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
   if (view.accuracy == nullptr) return nullptr;
@@ -80,7 +80,7 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
   return accuracy;
 }
 
-/// What the panel of hard cases says; null while it is folded.
+/// Contents of the hard cases panel; null while it is folded.
 nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
   if (view.hard_cases == nullptr) return nullptr;
@@ -157,7 +157,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   for_each_setting([&]<auto member>(const Field<member>& setting) {
     using Owner = typename Field<member>::Owner;
     const auto& value = owner_in<Owner>(s).*member;
-    if (setting.name == "bodies" || setting.name == "effects") return;  // N and the effects of the run
+    if (setting.name == "bodies" || setting.name == "effects")
+      return;  // N and the effects are written elsewhere
     if constexpr (std::is_same_v<Owner, LaunchShape>)
       line[std::string(setting.name)] = value;  // 0: auto
     else

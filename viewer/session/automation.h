@@ -1,6 +1,6 @@
 #pragma once
-// What a test that drives the window by its mouse and keys reads: one line of JSON for every drawn frame,
-// with the state of the run and the place of every widget that can be seen. Owns the file.
+// Output of --automation, for tests that use mouse and keyboard. One line of JSON per drawn frame: state of
+// the run, and position of each visible widget. Owns the file.
 
 #include <cstdint>
 #include <fstream>
@@ -13,21 +13,21 @@ namespace collidoscope {
 
 class Automation {
  public:
-  /// Throws InputError where the file cannot be opened.
+  /// Throws InputError if the file cannot be opened.
   explicit Automation(const std::string& file);
 
   struct Frame {
     std::int64_t frame = 0;
     int width = 0, height = 0;                          ///< pixels of the window
-    std::optional<std::uint64_t> state_hash;            ///< where it is known: when paused
+    std::optional<std::uint64_t> state_hash;            ///< only while paused
     double camera[6] = {};                              ///< target, azimuth, elevation, distance
-    double ui_ms = 0;                                   ///< what the panels took
-    std::string picture;                                ///< the last one written
-    std::int64_t spheres = 0, boxes = 0, contacts = 0;  ///< drawn
+    double ui_ms = 0;                                   ///< time for the panels
+    std::string picture;                                ///< name of the last written picture
+    std::int64_t spheres = 0, boxes = 0, contacts = 0;  ///< numbers of drawn records
     bool wants_mouse = false;                           ///< the pointer is over a panel
-    bool list_open = false;                             ///< a list to choose from is unfolded
+    bool list_open = false;                             ///< a drop-down list is open
   };
-  /// Throws MachineError where the line cannot be written (a full disk).
+  /// Throws MachineError if the line cannot be written (disk full).
   void write(const Frame& frame, const Workspace& workspace, const WorkspaceView& view);
 
  private:

@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-/// ms of the next plain step: of two steps, one is. NaN where it had to be done again.
+/// ms of the next step without stage times, which is every other step. NaN if the step was repeated.
 float plain_step(World& world) {
   const int before = world.latest_times().steps_timed;
   world.step(2);
@@ -58,14 +58,14 @@ bool EffectCosts::make_worlds() {
     with_ = std::make_unique<World>(measurement.on ? scene_ : other, options_, &state_);
     without_ = std::make_unique<World>(measurement.on ? other : scene_, options_, &state_);
     cost.bytes = with_->info().allocated_bytes - without_->info().allocated_bytes;
-    // A plain step comes first in each pair.
+    // Each pair starts with a step without stage times.
     if (state_.steps % 2 == 1) {
       with_->step();
       without_->step();
     }
-    plain_step(*with_);  // warm
+    plain_step(*with_);  // warm-up
     plain_step(*without_);
-  } catch (const std::exception& error) {  // no memory for two more worlds, or such a scene cannot be
+  } catch (const std::exception& error) {  // out of memory, or an invalid scene
     with_.reset();
     without_.reset();
     cost.unavailable_reason = error.what();
@@ -103,7 +103,7 @@ void EffectCosts::advance(World& world, double milliseconds) {
     EffectCost& cost = measured_.back().second;
     try {
       step_pair();
-    } catch (const std::exception& error) {  // no memory for what it grew to
+    } catch (const std::exception& error) {  // out of memory while growing
       cost.unavailable_reason = error.what();
       finish();
       continue;

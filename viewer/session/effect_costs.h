@@ -1,8 +1,8 @@
 #pragma once
-// What each effect of a running scene costs: two worlds are made of the state that it is in, one with the
-// effect and one without, and stepped in turns; what counts is the median of the differences. The running
-// world is read once, and never touched. Owns the two worlds while it measures, one effect after the other,
-// in slices, so that the picture keeps moving.
+// Measures the cost of each effect of a running scene. Two worlds start from the present state, one with the
+// effect and one without, and are stepped in turns. The cost is the median of the differences. The running
+// world is only read. One effect is measured at a time, a time slice per call. Owns the two worlds during a
+// measurement.
 
 #include <memory>
 #include <vector>
@@ -16,39 +16,39 @@ namespace collidoscope {
 
 class EffectCosts {
  public:
-  static constexpr int pairs = 24;  ///< of steps, for each effect
+  static constexpr int pairs = 24;  ///< number of pairs of steps per effect
 
-  /// Forgets what was measured, and looks at what `world` calls for.
+  /// Discards all measurements and determines the effects that `world` needs.
   void begin(const World& world);
-  /// Measures every effect that is on or called for, for about so many milliseconds of each call, at least
-  /// one pair of steps, from the state that the world is in at the first; once all are known, nothing more.
+  /// Measures each enabled or needed effect, about `milliseconds` per call and at least one pair of steps.
+  /// All start from the state at the first call. Does nothing when all are measured.
   void advance(World& world, double milliseconds);
-  bool begun() const { return begun_; }  ///< to measure
+  bool begun() const { return begun_; }  ///< whether measurements were started
   bool done() const { return begun_ && pending_.empty(); }
 
-  /// All effects of the world that begin() was told of, with what is known of their costs.
+  /// All effects of the world passed to begin(), with the measured costs.
   std::vector<EffectView> views(const World& world) const;
 
  private:
   struct Measurement {
     bool Effects::*flag;
     bool on;
-    Effects other;  ///< with the switch turned
+    Effects other;  ///< effects with this one switched
   };
   void capture_state(World& world);
   bool make_worlds();
   void step_pair();
   void finish();
 
-  std::vector<EffectReason> reasons_;  ///< in the order of effect_names
+  std::vector<EffectReason> reasons_;  ///< ordered as effect_names
   bool begun_ = false;
-  Scene scene_;  ///< of the state
+  Scene scene_;  ///< scene of the initial state
   RunOptions options_;
   RunState state_;
   Effects now_;
-  std::vector<Measurement> pending_;  ///< the last is under way, or next
+  std::vector<Measurement> pending_;  ///< the last one is measured now
   std::unique_ptr<World> with_, without_;
-  std::vector<float> differences_, without_ms_;  ///< ms
+  std::vector<float> differences_, without_ms_;  ///< in ms
   bool turn_ = false;
   std::vector<std::pair<bool Effects::*, EffectCost>> measured_;
 };

@@ -31,8 +31,8 @@ void LiveAccuracy::begin(World& world) {
   view_ = {};
   view_.start_state = world.steps();
   if (static_cast<std::int64_t>(world.initial().size()) > max_bodies) {
-    view_.unavailable_reason = fmt::format(
-        "Here with at most {} bodies; `collidoscope-headless accuracy` takes its time.", max_bodies);
+    view_.unavailable_reason =
+        fmt::format("At most {} bodies here; use `collidoscope-headless accuracy` for more.", max_bodies);
     return;
   }
   try {
@@ -43,7 +43,7 @@ void LiveAccuracy::begin(World& world) {
     study_ = std::make_unique<AccuracyStudy>(world.scene(), world.options(), request, &state);
     view_.seconds = seconds;
     view_.executor = study_->problem().executor;
-  } catch (const std::exception& error) {  // nothing moves, or no memory
+  } catch (const std::exception& error) {  // nothing moves, or out of memory
     view_.unavailable_reason = error.what();
   }
 }
@@ -72,7 +72,7 @@ const AccuracyView& LiveAccuracy::view(const World& world, AccuracyRequests& req
   view_.effects = world.effects();
   view_.now = accuracy_setting(physics, world.substeps(), view_.effects);
   const double reference_error = view_.reference ? view_.reference->error : 0;
-  if (!(requests.tolerance > 0)) {  // the middle of what there is, as a round number
+  if (!(requests.tolerance > 0)) {  // median error, rounded
     std::vector<float> errors;
     for (const AccuracyPoint& point : view_.points)
       if (point.has_cost() && point.error > reference_error && std::isfinite(point.error))

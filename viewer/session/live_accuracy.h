@@ -1,8 +1,7 @@
 #pragma once
-// What accuracy costs in a running scene: a study (sim_cuda/accuracy/) of the scene as it is, from the bodies
-// as they are when it begins, in slices, so that the picture keeps moving. The run is read once, and never
-// touched. It stays the same study while nothing but numerical settings turns, and while the run goes on; it
-// begins anew where the run is asked something else, or where somebody requests it. Owns the study.
+// Accuracy study (sim_cuda/accuracy/) of a running scene, from its present state, a time slice per call. The
+// running world is only read. The study is kept while the run continues and while only numerical settings
+// change. Any other change, or a request, restarts it. Owns the study.
 
 #include <memory>
 #include <string>
@@ -15,19 +14,20 @@ namespace collidoscope {
 
 class LiveAccuracy {
  public:
-  static constexpr std::int64_t max_bodies = 20'000;  ///< one step is the least slice
-  static constexpr double seconds = 1;                ///< s of simulated time, about: somebody waits
-  static constexpr int rounds = 3;                    ///< runs that a cost is the middle of
+  static constexpr std::int64_t max_bodies = 20'000;  ///< limit, since a slice takes at least one step
+  static constexpr double seconds = 1;                ///< s, approximate simulated time of each run
+  static constexpr int rounds = 3;                    ///< runs per cost, which is their median
 
-  /// Of the scene of `world`; `generation` changes whenever it is another World.
+  /// Follows the scene of `world`; `generation` changes with each new World.
   void follow(World& world, int generation, AccuracyRequests& requests);
-  /// Measures for about so many milliseconds; nothing once all is done.
+  /// Measures for about `milliseconds`. Does nothing when done.
   void advance(double milliseconds);
   bool done() const { return study_ == nullptr || finished_; }
-  /// Takes a study that was measured elsewhere, for pictures.
+  /// Shows a study that was measured elsewhere, for pictures.
   void show(AccuracyView view) { view_ = std::move(view); }
 
-  /// Of the study so far, with the answer to what the requests ask; sets a tolerance where there is none.
+  /// Results so far, and the recommendation for the requested tolerance. Sets a default tolerance if it is
+  /// unset.
   const AccuracyView& view(const World& world, AccuracyRequests& requests);
 
  private:

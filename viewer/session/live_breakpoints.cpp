@@ -1,11 +1,29 @@
 #include "viewer/session/live_breakpoints.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/stability/offending_body.h"
 
 namespace collidoscope {
+namespace {
+
+/// "Stopped after step 485: penetration 0.103931 m > 0.1 m, body 414".
+std::string stop_text(const BreakpointHit& hit) {
+  const BreakConditionName& condition = name_of(hit.condition);
+  const std::string when = hit.step > 0 ? fmt::format("after step {}", hit.step) : "at state 0",
+                    body = hit.body ? fmt::format(", body {}", *hit.body) : "";
+  if (!condition.has_limit)
+    return fmt::format("Stopped {}: {}, {:.0f} {}{}", when, break_text(hit.condition).label, hit.value,
+                       condition.unit, body);
+  return fmt::format("Stopped {}: {}{} {:.6g} {} > {:g} {}{}", when, break_text(hit.condition).label,
+                     hit.stage.empty() ? "" : " of " + hit.stage, hit.value, condition.unit, hit.limit,
+                     condition.unit, body);
+}
+
+}  // namespace
 
 void LiveBreakpoints::follow(const LiveWorld& live) {
   if (generation_ == live.generation()) return;
@@ -59,10 +77,10 @@ bool LiveBreakpoints::after_step(LiveWorld& live, const BreakConditions& conditi
   hit->body = offending_body(world, hit->condition);
   suppressed_[static_cast<std::size_t>(hit->condition)] = true;
   StopView stop;
-  stop.what = describe(*hit);
+  stop.what = stop_text(*hit);
   stop.body = hit->body;
   stop.state_before = world.steps() - 1;
-  cannot_restore_ = generation_ != live.generation();  // the run made a change of its script here
+  cannot_restore_ = generation_ != live.generation();  // the run applied a change of its script at this state
   stop_at(live, std::move(stop));
   return true;
 }
@@ -79,9 +97,10 @@ void LiveBreakpoints::stop_at(LiveWorld& live, StopView stop) {
 
 Snapshot LiveBreakpoints::snapshot_before(LiveWorld& live) {
   World& world = live.world();
-  if (!stop(live)) throw InputError("the run stands nowhere that a state before would be asked for");
+  if (!stop(live)) throw InputError("the run is not stopped at a condition");
   if (stop_->is_violation) return snapshot_of(world);
-  if (cannot_restore_) throw InputError("the run was changed at this very state: there is no way back");
+  if (cannot_restore_)
+    throw InputError("the run was changed at this state: the state before it cannot be restored");
   const std::int64_t now = world.steps();
   checkpoint_.restore(world, stop_->state_before);
   Snapshot snapshot = snapshot_of(world);

@@ -1,8 +1,7 @@
 #pragma once
-// Where a live run stops for somebody to look: at what its guards found, or where a condition is met. A step
-// is measured for the graphs anyway, so that conditions cost a comparison, and none at all while they are
-// off; but a copy of the run now and then (run/checkpoint.h), to come back to the state before. Follows one
-// LiveWorld.
+// Stops of a live run: violations found by guards, and break conditions. Each step is measured for the graphs
+// in any case, so a condition costs a comparison. While conditions are on, a copy of the run is saved at
+// intervals (run/checkpoint.h) to restore the state before a stop. Follows one LiveWorld.
 
 #include <array>
 #include <optional>
@@ -18,15 +17,15 @@ namespace collidoscope {
 class LiveBreakpoints {
  public:
   void before_step(LiveWorld& live, const BreakConditions& conditions);
-  /// After a step, or an attempt: whether the run is to stop here. A condition that somebody went on from is
-  /// met anew only after a state in which it was not.
+  /// Call after a step or a refused step. Returns whether the run stops here. After resume(), a condition
+  /// must first become false before it stops the run again.
   bool after_step(LiveWorld& live, const BreakConditions& conditions);
 
-  /// At what the run stands; gone where it becomes another run, or goes on.
+  /// The present stop; unset after the run was resumed or replaced.
   const std::optional<StopView>& stop(const LiveWorld& live);
   void resume() { stop_.reset(); }
-  /// The state before the step that stop() is about. The run stays where it is. Throws InputError where there
-  /// is no way back.
+  /// Snapshot of the state before the step that led to the stop. The run does not change. Throws InputError
+  /// if that state cannot be restored.
   Snapshot snapshot_before(LiveWorld& live);
 
  private:

@@ -18,7 +18,7 @@
 namespace collidoscope {
 namespace {
 
-/// The scene with its bodies listed, as they are in the world.
+/// The scene with the present bodies of the world as a list.
 Scene scene_of_now(World& world) {
   Scene scene = world.scene();
   const InitialBodies& initial = world.initial();
@@ -64,7 +64,7 @@ void LiveReference::forget() {
 }
 
 std::string LiveReference::unavailable_reason(std::int64_t bodies) {
-  return bodies > max_bodies ? fmt::format("no reference of more than {} bodies", max_bodies) : "";
+  return bodies > max_bodies ? fmt::format("no reference for more than {} bodies", max_bodies) : "";
 }
 
 void LiveReference::follow(World& world, int generation) {
@@ -73,7 +73,8 @@ void LiveReference::follow(World& world, int generation) {
   const std::string problem = another ? problem_fingerprint(world) : problem_;
   generation_ = generation;
   ++version_;
-  if (problem == problem_ && world.steps() == steps_ && !view_.name.empty()) return;  // it was only turned
+  if (problem == problem_ && world.steps() == steps_ && !view_.name.empty())
+    return;  // only a numerical setting changed
   problem_ = problem;
   begin(world);
 }
@@ -91,9 +92,9 @@ void LiveReference::begin(World& world) {
   if (!view_.unavailable_reason.empty()) return;
   try {
     exact_ = std::make_unique<HardSpheres>(steps_ == 0 ? world.scene() : scene_of_now(world));
-    view_.name = "hard spheres, event by event";
+    view_.name = "event-driven hard spheres";
     return;
-  } catch (const InputError&) {  // not such a scene
+  } catch (const InputError&) {  // not a scene of hard spheres
   }
   Scene scene = world.scene();
   scene.physics.precision = Precision::f64;
@@ -104,14 +105,15 @@ void LiveReference::begin(World& world) {
       scene.physics.time_step = world.scene().physics.time_step / parts;
       runs_.push_back({std::make_unique<World>(scene, world.options(), &state), parts});
     }
-    view_.name = "the same in double, in steps of 1/8";
-  } catch (const std::exception& error) {  // most likely no memory for two more worlds
+    view_.name = "double precision, 1/8 of the time step";
+  } catch (const std::exception& error) {  // most likely out of memory
     runs_.clear();
     view_.unavailable_reason = error.what();
   }
 }
 
-/// Another step of the run is another part of it, as near to the one so far as there is.
+/// Adapts the time step of a reference run to a new time step of the run: an integer fraction near the
+/// present one.
 void LiveReference::fit(Run& run, double dt) {
   const double now = run.world->scene().physics.time_step;
   run.parts = std::max(1, static_cast<int>(std::lround(dt / now)));
@@ -144,7 +146,7 @@ bool LiveReference::advance_to_next_step(double dt, double milliseconds) {
         if (slice.passed()) return &run == &runs_.back() && run.done == run.parts;
       }
     }
-  } catch (const std::exception& error) {  // no memory for what they grew to
+  } catch (const std::exception& error) {  // out of memory while growing
     runs_.clear();
     view_.unavailable_reason = error.what();
   }
@@ -160,7 +162,7 @@ void LiveReference::stepped(double dt) {
   ++version_;
 }
 
-/// Takes what the reference has of this state, before it goes on.
+/// Stores the reference state that corresponds to the present state of the run.
 void LiveReference::compare() {
   states_known_ = true;
   if (exact_) reference_state_ = exact_->bodies();
@@ -181,7 +183,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
     if (exact_->zeno_point() && exact_->time() < time_)
       view_.unavailable_reason = exact_->zeno_line();
     else if (collisions > 20)
-      view_.unavailable_reason = "after 20 collisions of each sphere rounding decides";
+      view_.unavailable_reason = "Reference ended: after 20 collisions per sphere, rounding errors dominate";
   }
   if (!view_.known()) {
     world.publisher().set_errors({});
@@ -196,7 +198,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3d off = reference_state_.position[i] - now.position[i];
     double error = off.norm();
-    if (!(error < 1e30)) error = 1e30;  // what is not finite is as wrong as can be
+    if (!(error < 1e30)) error = 1e30;  // non-finite errors count as very large
     const double error_estimate =
         exact_ ? 0 : (reference_state_.position[i] - coarser_state_.position[i]).norm();
     GhostInstance ghost{};
@@ -216,7 +218,7 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   view_.rms = count ? std::sqrt(sum / static_cast<double>(count)) : 0;
   view_.error_estimate = count ? std::sqrt(error_estimate_sum / static_cast<double>(count)) : 0;
   if (quantile(error_estimate_in_radii, 0.5) > 1) {
-    view_.unavailable_reason = "its own error is beyond a radius, as that of any reference would be";
+    view_.unavailable_reason = "Reference ended: motion is chaotic, its own error exceeds a body radius";
     world.publisher().set_errors({});
     return {};
   }

@@ -1,16 +1,14 @@
 #pragma once
-// Where the bodies of a running scene should be: a reference that goes along with the run, step by step, from
-// the bodies as they were when somebody first asked.
+// A reference for the bodies of a running scene, advanced step by step with the run from the state at its
+// start.
 //
-// Exact, where the event-driven simulation of hard spheres (sim_cuda/reference/) knows the scene. Else the
-// same scene in double and by the same solver, in steps an eighth as long; a second such run, in steps a
-// quarter as long, is as far from it as its own error goes, about. A reference ends where it knows no more:
-// at a Zeno point; after 20 collisions of each exact sphere, when rounding decides; where the two runs are a
-// radius apart.
+// Scenes of hard spheres use the exact event-driven simulation (sim_cuda/reference/). Any other scene is
+// simulated in double with the same solver and 1/8 of the time step. A second run with 1/4 of the time step
+// estimates the error of the first. The reference ends at a Zeno point, after 20 collisions per exact sphere
+// (rounding errors), or when the two runs differ by a radius.
 //
-// What is asked of the run stays the same whatever numerical settings (accuracy/point.h) turn: the reference
-// goes on then. Where anything else changes, it begins anew with the bodies as they are. Owns its worlds;
-// never touches the run.
+// The reference continues when numerical settings (accuracy/point.h) change. Any other change restarts it
+// from the present state. Owns its worlds; the run is only read.
 
 #include <memory>
 #include <optional>
@@ -24,51 +22,51 @@
 
 namespace collidoscope {
 
-/// What a run is asked, as text: all that decides the motion but the numerical settings.
+/// Fingerprint of the physical problem as text: all settings that decide the motion, except the numerical
+/// ones.
 std::string problem_fingerprint(const World& world);
 
 class LiveReference {
  public:
-  static constexpr std::int64_t max_bodies = 50'000;  ///< they are compared on the host
-  /// Why a scene can have none, or empty.
+  static constexpr std::int64_t max_bodies = 50'000;  ///< limit, since errors are computed on the host
+  /// Why a scene has no reference; empty: it can have one.
   static std::string unavailable_reason(std::int64_t bodies);
 
-  /// Makes it speak of the state that `world` is in; `generation` changes whenever it is another World.
+  /// Updates to the state of `world`; `generation` changes with each new World.
   void follow(World& world, int generation);
-  /// Goes on, for about so many milliseconds and at least a step of its own, to where a step of `dt` leads
-  /// the run. Returns whether it is there: the run waits for it. Where there is no reference, nothing needs
-  /// to wait.
+  /// Advances for about `milliseconds`, at least one own step, up to the end of the run's next step `dt`.
+  /// Returns whether it is reached; the run must wait for it. Returns true if there is no reference.
   bool advance_to_next_step(double dt, double milliseconds);
-  /// The run has made the step.
+  /// Call after the run has made the step.
   void stepped(double dt);
   void forget();
 
-  /// Of the state that `world` is in, which it follows first: a step may have made it another World. In the
-  /// order of ids; none where the reference knows nothing. Gives the errors to the world
+  /// Ghosts for the present state of `world`, ordered by id. Calls follow() first, since a step may have
+  /// replaced the World. Empty if there is no reference. Passes the errors to the world
   /// (Publisher::set_errors).
   std::vector<GhostInstance> ghosts(World& world, int generation);
   const ReferenceView& view() const { return view_; }
-  /// Another one says that ghosts() are others for the same state, too.
+  /// Changes when ghosts() may change for the same state.
   int version() const { return version_; }
 
  private:
-  struct Run {  // of the same scene, more finely
+  struct Run {  // the same scene with a smaller time step
     std::unique_ptr<World> world;
-    int parts;     // of a step of the run
-    int done = 0;  // of the step that comes
+    int parts;     // steps per step of the run
+    int done = 0;  // completed steps of the next step of the run
   };
   void begin(World& world);
   void fit(Run& run, double dt);
   void compare();
 
   int generation_ = -1;
-  std::string problem_;     // what the run is asked, as text
-  std::int64_t steps_ = 0;  // of the run
-  double time_ = 0;         // s, since the beginning
+  std::string problem_;     // fingerprint of the physical problem
+  std::int64_t steps_ = 0;  // step count of the run
+  double time_ = 0;         // s, since the start of the reference
   std::unique_ptr<HardSpheres> exact_;
-  std::vector<Run> runs_;                       // the finer first
-  BodyStates reference_state_, coarser_state_;  // of the state; coarser: of the second run
-  bool states_known_ = false;                   // reference_state_ is of that state
+  std::vector<Run> runs_;                       // smallest time step first
+  BodyStates reference_state_, coarser_state_;  // states of the reference and of the coarser run
+  bool states_known_ = false;                   // reference_state_ matches the present state
   ReferenceView view_;
   int version_ = 0;
 };

@@ -1,8 +1,7 @@
 #pragma once
-// The hard cases (sim_cuda/stability/) beside a running scene: their test runs in slices, so that the picture
-// keeps moving, and the way to the state of a test run that somebody wants to look at. The run on the screen
-// is never touched. Owns the cases, read when somebody first looks at them, the test run and the run under
-// way.
+// The hard cases (sim_cuda/stability/) beside a running scene: test runs a time slice per call, and runs to
+// the failing state of a test run. The running world is not changed. Cases are read on first use. Owns the
+// cases, the present test run and the run to a requested state.
 
 #include <deque>
 #include <optional>
@@ -18,29 +17,29 @@ namespace collidoscope {
 
 class LiveStability {
  public:
-  /// `folder` of cases; `options`: how they run, but for the executor and the threads.
+  /// `folder` of the cases; `options` of their runs, except executor and threads.
   LiveStability(std::string folder, RunOptions options)
       : folder_(std::move(folder)), options_(std::move(options)) {}
 
-  /// Test runs run where `world` runs; what was measured elsewhere is forgotten. Throws InputError and
-  /// MachineError where a case that is requested cannot be opened.
+  /// Sets the executor of the test runs to that of `world`; results of another executor are discarded. Throws
+  /// InputError and MachineError if a requested case cannot be opened.
   void follow(const World& world, HardCasesRequests& requests);
-  /// Works for about so many milliseconds, at least one step; nothing once all is done. Throws as a step
-  /// does on the way to a state that is requested; a test run throws nothing.
+  /// Works for about `milliseconds`, at least one step. Does nothing when done. Throws if a step towards a
+  /// requested state throws; test runs do not throw.
   void advance(double milliseconds);
   bool done() const { return queue_.empty() && !opening_; }
 
-  /// A run at the state that was requested.
+  /// A run at the requested state.
   struct Opened {
     World world;
-    LiveWorld::Script script;  ///< without changes where the case has none
-    bool failed;               ///< there an assertion does not hold
+    LiveWorld::Script script;  ///< no changes if the case has none
+    bool failed;               ///< whether an assertion fails at this state
     std::optional<std::uint32_t> body;
     std::string notice;
   };
-  /// Once, as soon as it has come there.
+  /// Returns the opened run once, when it has reached the state.
   std::optional<Opened> take_opened();
-  /// What is on the screen is no case any more; `before`: or is one, in place of this scene.
+  /// Reports that a case is shown in place of the scene `before`, or that none is shown.
   void case_shown(const std::string& before);
   void no_case_shown();
 
@@ -48,11 +47,11 @@ class LiveStability {
 
  private:
   struct Place {
-    std::size_t hard_case, test_run;  ///< of the cases, and of its test runs
+    std::size_t hard_case, test_run;  ///< indices of the case and of its test run
   };
   struct Opening {
     Place place;
-    bool of_test_run;  ///< else the case as it is
+    bool of_test_run;  ///< false: the case itself
     HardCaseSimulation run;
     LiveWorld::Script script;
     std::int64_t target;
@@ -70,7 +69,7 @@ class LiveStability {
   ExecutorKind executor_ = ExecutorKind::automatic;
   std::vector<HardCase> cases_;
   std::vector<std::vector<TestConfiguration>> configurations_;  ///< by case and test run
-  std::deque<Place> queue_;                                     ///< the first is under way
+  std::deque<Place> queue_;                                     ///< the first one is running
   std::optional<TestRun> test_run_;
   std::optional<Opening> opening_;
   HardCasesView view_;

@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-/// Guards decide no state, so they are no change of it.
+/// Settings without guards, which do not affect the state.
 Settings without_guards(Settings request) {
   if (request.physics.effects) request.physics.effects->guards = request.guards.has_value();
   return request;
@@ -22,19 +22,19 @@ Settings without_guards(Settings request) {
 
 using Clock = std::chrono::steady_clock;
 
-/// Whether a replay needs it.
+/// Whether a replay needs the change.
 bool is_recorded(const Change& change) { return change.physical() || !change.settings.empty(); }
 
-/// What is to be said where the run begins again; `steps` were made of the one before.
+/// Notice about a restart. `steps`: number of steps of the previous run.
 std::string restart_notice(const Change& change, const Scene& before, const World& next, std::int64_t steps) {
   if (!requires_restart(before, next.scene())) return "";
   const bool new_bodies =
       change.settings.any([](const auto& setting) { return setting.live == Live::restart; });
   const std::optional<Box> old_box = box_in_effect(before), box = next.initial().box;
   if (!new_bodies && box && old_box && box->max != old_box->max)
-    return fmt::format("restarted: the box of the variant goes with N, {:.4g} m now",
+    return fmt::format("restarted: the box size depends on N and is now {:.4g} m",
                        box->max.x() - box->min.x());
-  return steps > 0 ? "restarted: these are other bodies" : "";
+  return steps > 0 ? "restarted with new bodies" : "";
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ Change change_between(const Settings& now, const Settings& request) {
 void record_step(World& world, const StepStats* measured, History& history) {
   HistoryStep entry;
   entry.step = world.steps();
-  // Worlds time even-numbered steps plain and odd-numbered ones stage by stage, counted from 0.
+  // A World times even-numbered steps as a whole and odd-numbered steps by stage, counted from 0.
   const bool instrumented = world.steps() % 2 == 0;
   const RunTimes times = world.latest_times();
   if (!instrumented && times.steps_timed > 0) entry.plain_ms = times.step_last_ms;
@@ -76,7 +76,7 @@ LiveWorld::LiveWorld(const Scene& scene, const RunOptions& options)
 
 LiveWorld::LiveWorld(World world) : world_(std::make_unique<World>(std::move(world))) { begin_record(); }
 
-/// From here on a replay would begin.
+/// Starts a new record of changes at the present state.
 void LiveWorld::begin_record() {
   began_ = world_->steps();
   first_scene_ = world_->scene();
@@ -155,7 +155,7 @@ std::optional<Scene> LiveWorld::scene_after_restart(const Settings& request) con
   return next ? std::optional(valid(*next)) : std::nullopt;
 }
 
-/// They decide no state, so they are no change.
+/// Guards do not affect the state, so this is not recorded as a change.
 void LiveWorld::set_guards(std::optional<OnFailure> request) {
   Scene scene = world_->scene();
   Physics& physics = scene.physics;
@@ -188,13 +188,13 @@ std::string LiveWorld::apply(Change change) {
   last_id_map_ = std::move(ids);
   pending_.reset();
   if (is_recorded(change)) record_change(changes_, change);
-  if (next == nullptr) return "";  // (B, T) alone
+  if (next == nullptr) return "";  // only (B, T) changed
   const std::string notice = restart_notice(change, before, *next, world_->steps());
   made(change, before, std::move(next));
   return notice;
 }
 
-/// `next` is the run after `change`, which is recorded, of a run with the scene `before`.
+/// `next`: the run after `change`; `before`: the previous scene. Records the change.
 void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<World> next) {
   if (requires_restart(before, next->scene())) {
     history_.clear();
@@ -209,18 +209,18 @@ void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<
   collapse();
 }
 
-/// At state 0, where a change is as if the scene had said so: all of them as one, if one can be.
+/// Combines all changes at state 0 into one, if possible.
 void LiveWorld::collapse() {
   if (changes_.empty() && began_ == 0) return;
   if (!std::ranges::all_of(changes_, [](const Change& change) { return change.freeze.empty(); })) return;
   Settings now = settings(), first = first_settings_;
   first.guards = now.guards;
   Change change = change_between(without_guards(first), without_guards(now));
-  if (!generated()) change.settings.get<&BoxCollider::count>().reset();  // it follows from the lists
+  if (!generated()) change.settings.get<&BoxCollider::count>().reset();  // implied by the body lists
   std::optional<Change> one = merged_change(first_scene_, world_->scene(), std::move(change));
   if (!one) return;
   changes_.clear();
-  // A change of state 0 begins anew where a snapshot was loaded.
+  // A change at state 0 is recorded as a restart if the run started from a snapshot.
   if (is_recorded(*one) || began_ > 0) changes_.push_back(std::move(*one));
 }
 
@@ -274,13 +274,13 @@ bool LiveWorld::step(bool measured) {
   stats_known_ = hash_known_ = false;
   pending_.reset();
   if (world_->validation().frozen().size() > frozen.size()) record_frozen(frozen, before);
-  if (world_->steps() == before) return false;  // a guard has paused it
+  if (world_->steps() == before) return false;  // paused by a guard
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
   return true;
 }
 
-/// Guards have frozen bodies in the state before the step, which then was done again.
+/// Records bodies that guards have frozen. They are frozen in the state before the repeated step.
 void LiveWorld::record_frozen(const std::vector<std::uint32_t>& known, std::int64_t step) {
   Change change;
   change.step = step;

@@ -1,6 +1,6 @@
 #pragma once
-// A World whose settings can be changed while it runs, with the history of its last steps. Owns both. Lives
-// as long as the program; the World inside is made anew where a setting asks for it.
+// A World whose settings can change while it runs, with the history of its last steps. Owns both. Some
+// settings replace the World.
 
 #include <cstdint>
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace collidoscope {
 
-/// What is in effect in a World.
+/// The present settings of a World.
 Settings settings_of(const World& world);
 
 class LiveWorld {
@@ -27,43 +27,41 @@ class LiveWorld {
   World& world() { return *world_; }
   const World& world() const { return *world_; }
   const History& history() const { return history_; }
-  /// Settings in effect.
+  /// The present settings.
   Settings settings() const { return settings_of(*world_); }
-  /// N, radius, seed and variant can be changed.
+  /// Whether the scene has one generator, whose settings can change.
   bool generated() const { return world_->scene().generators.size() == 1; }
-  /// Whether what decides the state was changed since state 0.
+  /// Whether a setting that affects the state was changed since state 0.
   bool edited() const { return edited_; }
-  /// What was changed since this world was made, for a replay of it from where it began. Settings that are
-  /// changed several times at one state are one change, of their last values. At state 0 all is one change.
+  /// Changes since this world was made, for a replay from its initial state. Several changes of settings at
+  /// one state are combined into one with the last values. All changes at state 0 are one change.
   const std::vector<Change>& changes() const { return changes_; }
-  /// The same as a file, with the state that it led to.
+  /// The changes as a file, with the hash of the present state.
   std::string changes_text();
-  /// Changes whenever world() is another one: whoever keeps what belongs to it asks this.
+  /// Increases when world() is replaced; use it to invalidate data about the World.
   int generation() const { return generation_; }
 
-  /// Brings settings() to `request`. (B, T) change in place; what the result does not depend on, time step,
-  /// restitution, precision and N go to a new World that takes over its state; what changes the box, the
-  /// radii or the seed starts again. Returns what should be said of it, mostly nothing. Throws InputError or
-  /// MachineError, and changes nothing then.
-  /// `rest`: the state that a scene which settles begins in, where scene_after_restart() says so.
-  /// `extends_last`: with the slider that the last change came from, which is still held.
+  /// Applies the requested settings. (B, T) change in place. Settings that keep the bodies use a new World,
+  /// which continues from the present state. Box, radii and seed restart the run. Returns a notice, usually
+  /// empty. Throws InputError or MachineError without a change.
+  /// `rest`: settled initial state, if scene_after_restart() needs pre-simulation.
+  /// `extends_last`: the change comes from the same held slider as the last one.
   std::string apply(const Settings& request, const RunState* rest = nullptr, bool extends_last = false);
-  /// The scene that the same would begin anew with, if it does; valid. Throws InputError.
+  /// The validated scene after a restart, if apply() would restart the run. Throws InputError.
   std::optional<Scene> scene_after_restart(const Settings& request) const;
-  /// The same of any change; its step is the current one.
+  /// Applies a change at the present step.
   std::string apply(Change change);
-  /// What became of the bodies at the last change; empty: their ids are what they were.
+  /// New ids of the bodies after the last change; empty: unchanged.
   const BodyIdMap& last_id_map() const { return last_id_map_; }
-  /// Another run in place of this one, at whatever state it is in, without history and with nothing changed.
-  /// `script`: what it changes of itself on its way; it begins again with its first scene, not with the
-  /// settings in effect.
+  /// Replaces the run by another one at any state, without history and recorded changes. `script`: changes
+  /// that the new run applies by itself. A restart uses the script's scene, not the present settings.
   struct Script {
     Scene scene;
     RunOptions options;
-    std::vector<Change> changes;  ///< steps ascending
+    std::vector<Change> changes;  ///< ordered by step
   };
   void open(World world, Script script = {});
-  /// What was changed of this run since it was made, apart from the World.
+  /// Record of the changes, separate from the World.
   struct Record {
     std::vector<Change> changes;
     Scene first_scene;
@@ -72,30 +70,30 @@ class LiveWorld {
     bool edited;
   };
   Record record() const { return {changes_, first_scene_, first_settings_, began_, edited_}; }
-  /// A run that was left, at the state that it was in; its changes go on.
+  /// Restores a run and its record of changes.
   void open(World world, Record record);
   bool scripted() const { return !script_.changes.empty(); }
-  /// Back to state 0, with the settings in effect.
+  /// Restarts at state 0 with the present settings.
   void restart(const RunState* rest = nullptr);
 
-  /// Fixes a body where it is, as guards do; a change like others.
+  /// Freezes a body as guards do. Recorded as a change.
   void freeze(std::uint32_t body);
 
-  /// One step, added to the history; measured, too, if `measured`. False where guards found something, and
-  /// the world stands at the state that it was in.
+  /// Makes one step and adds it to the history, with measurements if `measured`. Returns false if guards
+  /// found a violation; the state is unchanged then.
   bool step(bool measured);
-  /// Of the current state, measured at most once for each.
+  /// Measurements of the present state, cached.
   const StepStats& stats();
   std::uint64_t state_hash();
-  /// Boxes of each level of the tree, from the root: of the current state, or, unless `exact`, of one that
-  /// was asked for before, since arranging a tree takes time.
+  /// Boxes per level of the tree, from the root. Unless `exact`, the result may be that of an earlier state,
+  /// since ordering a tree takes time.
   const std::vector<std::int64_t>& level_sizes(bool exact);
-  /// s of the clock that the last change of the World took.
+  /// Wall-clock time of the last change of the World, s.
   double last_change_seconds() const { return change_seconds_; }
 
  private:
-  /// The run before the last of `changes_`, which changed settings and nothing else. As long as no step was
-  /// made, what changes more of them is made of that run: as if the last values were the only ones.
+  /// The run before the last entry of `changes_`, which changed only settings. Until the next step, further
+  /// changes of settings are applied to this run, as if only the last values had been set.
   struct Pending {
     SavedRun run;
     Settings settings;
@@ -113,26 +111,26 @@ class LiveWorld {
   History history_;
   std::vector<Change> changes_;
   std::optional<Pending> pending_;
-  Scene first_scene_;  ///< that changes_ begin with, and its settings
+  Scene first_scene_;  ///< initial scene of changes_
   Settings first_settings_;
   Script script_;
   std::size_t next_in_script_ = 0;
-  ValidationSettings guards_;  ///< limits of the scene that had some
+  ValidationSettings guards_;  ///< limits of the last scene with guards
   BodyIdMap last_id_map_;
-  std::int64_t began_ = 0;  ///< the state that it was given, of a snapshot
+  std::int64_t began_ = 0;  ///< initial state; greater than 0 for a snapshot
   bool edited_ = false, stats_known_ = false, hash_known_ = false;
   StepStats stats_;
   std::uint64_t hash_ = 0;
   std::vector<std::int64_t> level_sizes_;
-  std::int64_t level_sizes_step_ = -1;  ///< of the state that they are of; -1: none
+  std::int64_t level_sizes_step_ = -1;  ///< state of level_sizes_; -1: none
   int generation_ = 0;
   double change_seconds_ = 0;
 };
 
-/// Adds the step that the World just made. `measured`: its stats at the state that it led to, or null.
+/// Adds the last step of the World to the history. `measured`: measurements of the state after it, or null.
 void record_step(World& world, const StepStats* measured, History& history);
 
-/// What leads from `now` to `request`, but for the executor, which no run is told.
+/// The change that leads from `now` to `request`, without the executor.
 Change change_between(const Settings& now, const Settings& request);
 
 }  // namespace collidoscope

@@ -16,8 +16,8 @@ std::optional<Body> make_projectile(const Vector3d& eye, const Vector3d& directi
   ball.radius = std::clamp(size / 50, limits::min_radius, limits::max_radius);
   const Vector3d along = direction.normalized();
   ball.velocity = along * (size / 3);
-  double from = 0, to = std::numeric_limits<double>::infinity();  // m along the way
-  // Keeps the part of the way on which normal . place >= offset + radius.
+  double from = 0, to = std::numeric_limits<double>::infinity();  // m along the line of sight
+  // Keeps the part of the line with normal . position >= offset + radius.
   const auto stay_above = [&](const Vector3d& normal, double offset) {
     const double speed = normal.dot(along), unavailable_reason = offset + ball.radius - normal.dot(eye);
     if (speed > 0)
@@ -32,7 +32,7 @@ std::optional<Body> make_projectile(const Vector3d& eye, const Vector3d& directi
     stay_above(-Vector3d::Unit(axis), -room.walls->max[axis]);
   }
   for (const Plane& plane : room.planes) stay_above(plane.normal, plane.offset);
-  // Parts of the way on which it would overlap a body.
+  // Parts of the line where the ball would overlap a body.
   std::vector<std::pair<double, double>> taken;
   for (std::size_t i = 0; i < room.position.size(); ++i) {
     const Vector3d ahead = room.position[i] - eye;

@@ -1,5 +1,5 @@
 #pragma once
-// The ball that the key B throws into a scene, from the eye along the line of sight.
+// The ball added with the key B, launched from the eye along the line of sight.
 
 #include <optional>
 #include <span>
@@ -8,17 +8,17 @@
 
 namespace collidoscope {
 
-/// What a ball must not overlap where it starts.
+/// Objects that the ball must not overlap at its start.
 struct ProjectileSpace {
   std::optional<Box> walls;
   std::span<const Plane> planes;
-  std::span<const Vector3d> position;  ///< m, of the bodies that there are
-  std::span<const double> radius;      ///< m, of the same
+  std::span<const Vector3d> position;  ///< m, positions of the bodies
+  std::span<const double> radius;      ///< m, radii of the bodies
 };
 
-/// A sphere of the material "default": its radius is 1/50 of the scene's `size` (m), and it crosses a third
-/// of that in a second. It starts at the first place on its way at which it fits between walls, above planes
-/// and beside bodies; none: there is no such place.
+/// A sphere of the material "default". Its radius is 1/50 of the scene's `size` (m), and its speed is a third
+/// of `size` per second. It starts at the first free position between walls, planes and bodies; unset: there
+/// is none.
 std::optional<Body> make_projectile(const Vector3d& eye, const Vector3d& direction, double size,
                                     const ProjectileSpace& room);
 

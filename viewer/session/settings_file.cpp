@@ -84,9 +84,9 @@ std::string settings_text(const Workspace& workspace) {
 std::string read_settings(const std::string& text, Workspace& workspace) {
   const Json document = Json::parse(text, nullptr, false);
   if (!is_settings(document))
-    return "not a settings file of Collidoscope; it is ignored, and written anew at the end";
+    return "not a settings file of Collidoscope; it is ignored and overwritten at exit";
   if (document.value("version", Json(file_version)) != file_version)
-    return "settings of another version of Collidoscope; they are neither read nor written";
+    return "settings of another version of Collidoscope; the file is neither read nor written";
   const auto number = [&](const char* name, double low, double high, auto& value) {
     const auto found = document.find(name);
     if (found == document.end() || !found->is_number()) return;

@@ -1,6 +1,6 @@
 #pragma once
-// What the viewer remembers from one time to the next: layers, panels, theme, size of text, speed. The run's
-// own settings are the scene's and the command line's, and are not kept. Free functions.
+// Preferences of the viewer in a file: layers, panels, theme, text size, speed. Settings of a run come from
+// the scene and the command line, and are not stored. Free functions.
 
 #include <string>
 
@@ -8,20 +8,20 @@
 
 namespace collidoscope {
 
-/// $XDG_CONFIG_HOME/collidoscope/settings.json, else in ~/.config; empty where neither is set.
+/// $XDG_CONFIG_HOME/collidoscope/settings.json, else in ~/.config; empty if neither variable is set.
 std::string settings_path();
 
-/// As a file.
+/// The text of the file.
 std::string settings_text(const Workspace& workspace);
-/// Takes over what the text says; what it does not say, or says wrongly, stays. Returns one line if it is no
-/// settings file at all, else nothing.
+/// Applies the preferences in `text`. Missing or invalid entries are ignored. Returns one line if it is not a
+/// settings file, else "".
 std::string read_settings(const std::string& text, Workspace& workspace);
 
 struct RememberedSettings {
   std::string fault;           ///< one line for stderr, or empty
-  bool may_be_written = true;  ///< at the end: false for what is no file of this version
+  bool may_be_written = true;  ///< whether the file may be written at exit; false for another version
 };
-/// The same from a file; one that is not there says nothing. A pipe or a folder is not opened.
+/// Reads a file. A missing file is no fault. Pipes and folders are not opened.
 RememberedSettings read_settings_file(const std::string& file, Workspace& workspace);
 
 }  // namespace collidoscope

@@ -22,7 +22,7 @@ bool TreeInspector::due(const State& now, const Workspace& workspace) const {
 void TreeInspector::refresh(World& world, int generation, Workspace& workspace) {
   TreeRequests& requests = workspace.tree;
   const State now{generation, world.steps()};
-  if (!(selected_in_ == now)) requests.node.reset();  // it was of another tree
+  if (!(selected_in_ == now)) requests.node.reset();  // the index belongs to another tree
   selected_in_ = now;
   if (!workspace.visible_panels.right || !workspace.visible_panels.tree) {
     if (view_) ++version_;
@@ -119,7 +119,7 @@ void TreeInspector::fill_node(World& world, Workspace& workspace) {
   ++version_;
   if (!requests.node) return;
   const NodeReport node = world.tree().node(*requests.node);
-  if (node.children == 0) {  // picked in the picture
+  if (node.children == 0) {  // picked in the 3D view
     workspace.selection = node.body;
     requests.node.reset();
     return;
@@ -146,7 +146,7 @@ void TreeInspector::fill_query(World& world, const Workspace& workspace) {
       std::ranges::find_if(nodes, [&](const NodeReport& n) { return n.children == 0 && n.body == *body; });
   for (const NodeReport& node : nodes) {
     if (std::ssize(view_->visited) == TreePanelView::max_visited) break;
-    view_->visited.push_back({node, leaf != nodes.end() && overlap(node, *leaf)});  // its box is the query
+    view_->visited.push_back({node, leaf != nodes.end() && overlap(node, *leaf)});  // box of the queried body
   }
 }
 

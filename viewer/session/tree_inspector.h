@@ -1,6 +1,6 @@
 #pragma once
-// Measures the tree for the panel that shows it, while that is open, and nothing otherwise. A run that plays
-// is measured at most a fifth of the time; a paused one at once. Owns what the panel shows.
+// Measures the tree for its panel, only while the panel is open. During play it uses at most a fifth of the
+// time; a paused run is measured at once. Owns the data of the panel.
 
 #include <chrono>
 #include <optional>
@@ -12,16 +12,16 @@ namespace collidoscope {
 
 class TreeInspector {
  public:
-  /// Brings view() to the current state and to what the panel requests, where it is due, and meets those
-  /// requests that select something; a leaf selects its body. `generation`: another one, another World.
+  /// Updates view() to the current state and the panel's requests, when due. Handles selection requests;
+  /// selecting a leaf selects its body. `generation` changes with each new World.
   void refresh(World& world, int generation, Workspace& workspace);
   const TreePanelView* view() const { return view_ ? &*view_ : nullptr; }
-  /// Changes whenever the view does.
+  /// Increases when the view changes.
   int version() const { return version_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// What the view shows; each part is asked for again when its key changes.
+  /// Contents of the view. Each part is updated when its key changes.
   struct State {
     int generation = -1;
     std::int64_t step = -1;
@@ -49,7 +49,7 @@ class TreeInspector {
 
   std::optional<TreePanelView> view_;
   int version_ = 0;
-  State state_, selected_in_;  ///< of the view; of the selected node
+  State state_, selected_in_;  ///< states of the view and of the selected node
   Table table_;
   HistogramKey histogram_key_;
   Clock::time_point measured_at_;

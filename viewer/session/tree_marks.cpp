@@ -5,7 +5,7 @@
 namespace collidoscope {
 namespace {
 
-template <class Box>  // anything with min and max
+template <class Box>  // any type with min and max
 BoxInstance mark(const Box& box, std::size_t level, BoxMark kind) {
   BoxInstance record{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -28,16 +28,16 @@ std::vector<BoxInstance> tree_marks(const Workspace& workspace, const BodyReport
   if (panel != nullptr && panel->node) {
     for (std::size_t k = 0; k < panel->children.size(); ++k)
       add(panel->children[k], k % 2 == 0 ? BoxMark::left : BoxMark::right);
-    add(*panel->node, BoxMark::node);  // broader than theirs, its lines show beside those that they share
+    add(*panel->node, BoxMark::node);  // wider lines than its children, so that shared edges show both
   }
   if (body == nullptr) return marks;
   if (panel != nullptr && panel->queried == body->id) {
     const auto shown = std::clamp(static_cast<std::size_t>(std::max(workspace.tree.visit, 1.0)),
                                   std::size_t{0}, panel->visited.size());
-    for (std::size_t k = shown; k-- > 0;) {  // the last is on top
+    for (std::size_t k = shown; k-- > 0;) {  // the last one is on top
       const auto& [node, met] = panel->visited[k];
       add(node, met ? BoxMark::met : BoxMark::apart);
-      if (k + 1 == shown) add(node, BoxMark::current);  // shines from under it
+      if (k + 1 == shown) add(node, BoxMark::current);  // highlight below the visit's own colour
     }
     return marks;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The boxes that are drawn on top of the picture: what is selected of the tree. A free function.
+// Boxes drawn on top of the picture for the selection in the tree. A free function.
 
 #include <vector>
 
@@ -9,8 +9,8 @@
 
 namespace collidoscope {
 
-/// Those that come first lie on top. Of a selected body its path to the root, or, where that is asked for,
-/// what its query has visited so far; of a selected node itself and its children. `body`, `panel`: or null.
+/// Earlier boxes lie on top. A selected body adds its path to the root, or the visits of its query if
+/// requested. A selected node adds itself and its children. `body` and `panel` may be null.
 std::vector<BoxInstance> tree_marks(const Workspace& workspace, const BodyReport* body,
                                     const TreePanelView* panel);
 

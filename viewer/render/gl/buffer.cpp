@@ -10,7 +10,8 @@ namespace collidoscope::gl {
 void Buffer::reserve(std::size_t bytes) {
   bytes = std::max<std::size_t>(bytes, 16);
   if (bytes <= capacity_) return;
-  bytes = std::max(bytes, capacity_ + capacity_ / 2);  // by half as much again, so that growing stays rare
+  bytes = std::max(bytes,
+                   capacity_ + capacity_ / 2);  // grows by at least half of its size, so that growing is rare
   GLuint name = 0;
   glCreateBuffers(1, &name);
   handle_ = BufferHandle(name);

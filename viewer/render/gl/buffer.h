@@ -1,6 +1,6 @@
 #pragma once
-// A buffer object that only grows. Owns its storage; what it held is lost when it grows, and its name changes
-// then (whoever registered it with CUDA asks generation()).
+// A growing buffer object. Growing discards the contents and changes the GL name. generation() detects this,
+// for example for registrations with CUDA. Owns its storage.
 
 #include <cstddef>
 #include <string>
@@ -13,15 +13,15 @@ class Buffer {
  public:
   explicit Buffer(std::string name) : name_(std::move(name)) {}
 
-  /// Room for at least `bytes` (never less than 16, so that there is always something to bind).
+  /// Ensures room for `bytes`, at least 16, so that there is always a buffer to bind.
   void reserve(std::size_t bytes);
-  /// reserve(), then copies to the start.
+  /// Calls reserve() and copies the data to the start.
   void upload(const void* data, std::size_t bytes);
   void read(void* data, std::size_t bytes) const;
 
   GLuint get() const { return handle_.get(); }
   std::size_t capacity() const { return capacity_; }  ///< bytes
-  int generation() const { return generation_; }      ///< how often the storage was made anew
+  int generation() const { return generation_; }      ///< number of reallocations
 
  private:
   std::string name_;

@@ -9,7 +9,8 @@
 namespace collidoscope::gl {
 namespace {
 
-thread_local std::string first_error;  // an exception must not cross the driver's frames: kept until check()
+thread_local std::string
+    first_error;  // stored until check(), since an exception must not pass through the driver
 
 void GLAPIENTRY on_message(GLenum, GLenum type, GLuint, GLenum, GLsizei length, const GLchar* message,
                            const void*) {
@@ -56,7 +57,7 @@ void watch_errors() {
 }
 
 void check(const std::string& what) {
-  // A driver may keep quiet in a context without the debug flag; glGetError never does.
+  // A driver may omit messages in a context without the debug flag, but glGetError() always reports.
   std::string error = std::exchange(first_error, {});
   for (GLenum code = glGetError(); code != GL_NO_ERROR; code = glGetError()) {
     if (error.empty()) error = error_name(code);

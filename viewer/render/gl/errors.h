@@ -1,25 +1,25 @@
 #pragma once
-// OpenGL errors, caught in every build: the driver reports them at the call (KHR_debug, synchronous), and
-// check() turns the first one since the last check into a MachineError that says what was being done.
+// OpenGL error handling in all builds. The driver reports errors at the call (KHR_debug, synchronous).
+// check() throws the first one since the last check as a MachineError with the current operation.
 
 #include <string>
 
 namespace collidoscope::gl {
 
-/// Makes the current context report; once per context, right after it was made. Throws MachineError if the
-/// context is not OpenGL 4.5 core or later.
+/// Enables error reports for the current context. Call once, after the context is created. Throws
+/// MachineError if the context is older than OpenGL 4.5 core.
 void watch_errors();
 
-/// Throws MachineError "OpenGL refused <what>: <the driver's words>" if a call failed since the last check.
+/// Throws MachineError "OpenGL refused <what>: <driver message>" if a call failed since the last check.
 void check(const std::string& what);
 
-/// Drops what is pending: for a caller who reports the fault in better words.
+/// Discards pending errors, for callers that report the error themselves.
 void forget_errors();
 
 /// GL_RENDERER and GL_VERSION of the current context.
 std::string renderer_name();
 std::string version_name();
-/// Whether that renderer draws on the CPU (llvmpipe, softpipe, swrast).
+/// Whether the renderer runs on the CPU (llvmpipe, softpipe, swrast).
 bool is_software_renderer();
 
 }  // namespace collidoscope::gl

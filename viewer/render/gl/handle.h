@@ -1,6 +1,6 @@
 #pragma once
-// Owners of OpenGL names: move-only, deleted at the end of the scope. They live no longer than the context
-// that was current when they were made, and are used with that context current.
+// Move-only owners of OpenGL names, deleted at the end of the scope. Their context must be current when they
+// are used or deleted.
 
 #include <epoxy/gl.h>
 

@@ -1,6 +1,6 @@
 #pragma once
-// What each pass of a frame costs on the GPU, by timestamps between them. One frame at a time; belongs to
-// whoever measures, and needs the GL context that was current when it was made.
+// GPU time of each pass of a frame, by timestamp queries. One frame at a time. Requires the GL context of its
+// construction.
 
 #include <string>
 #include <utility>
@@ -15,17 +15,17 @@ using QueryHandle = Handle<delete_query>;
 
 class PassClock {
  public:
-  /// Before the first pass of a frame.
+  /// Call before the first pass of a frame.
   void begin();
-  /// After a pass; `pass` outlives the clock.
+  /// Call after a pass; `pass` must outlive the clock.
   void mark(const char* pass);
-  /// ms of each pass since begin(), in their order. Waits for the GPU.
+  /// ms of each pass since begin(), in order. Waits for the GPU.
   std::vector<std::pair<const char*, double>> read();
 
  private:
   void stamp();
 
-  std::vector<QueryHandle> queries_;  // one more than names_, kept from frame to frame
+  std::vector<QueryHandle> queries_;  // one more than names_, reused in later frames
   std::vector<const char*> names_;
 };
 

@@ -20,7 +20,7 @@ std::string read_text(const std::string& name) {
 }
 
 ShaderHandle compile(GLenum stage, const std::string& file, const std::string& definitions) {
-  // #line gives each file its own number and its own lines in the driver's messages.
+  // #line directives give file number and line in the driver's messages.
   const std::string source = "#version 450 core\n" + definitions + "#line 1 0\n" + read_text("frame.glsl") +
                              "#line 1 1\n" + read_text(file);
   ShaderHandle shader(glCreateShader(stage));

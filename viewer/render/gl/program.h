@@ -1,6 +1,6 @@
 #pragma once
-// A shader program made of files from assets/shaders. Each stage is the shared `frame.glsl` followed by one
-// file; there is no include mechanism. Owns the program.
+// A shader program from files in assets/shaders. Each stage is `frame.glsl` followed by one file, without
+// includes. Owns the program.
 
 #include <string>
 #include <vector>
@@ -11,15 +11,16 @@ namespace collidoscope::gl {
 
 class Program {
  public:
-  /// File names under assets/shaders. `definitions`: lines of the preprocessor that both stages start with.
-  /// Throws MachineError with the driver's words, files by name.
+  /// File names under assets/shaders. `definitions`: preprocessor lines at the start of both stages. Throws
+  /// MachineError with the driver's messages and file names.
   Program(const std::string& vertex_file, const std::string& fragment_file,
           const std::string& definitions = "");
-  /// The same of one file, a compute shader.
+  /// Makes a compute program from one file.
   static Program compute(const std::string& file, const std::string& definitions = "");
 
   void use() const { glUseProgram(program_.get()); }
-  /// Uniforms by name; one that the program does not use is a MachineError, since it is a slip of the pen.
+  /// Sets a uniform. Throws MachineError if the program does not use this name, which indicates a typing
+  /// error.
   void set(const char* name, float value) const;
   void set(const char* name, int value) const;
   void set(const char* name, float x, float y, float z, float w) const;

@@ -1,6 +1,5 @@
 #pragma once
-// Textures that are drawn into, and the framebuffer that holds them. A Target owns its textures and is made
-// anew when the size changes.
+// A framebuffer with its textures. Owns the textures; make a new Target if the size changes.
 
 #include <string>
 #include <vector>
@@ -11,11 +10,11 @@ namespace collidoscope::gl {
 
 class Target {
  public:
-  /// `formats`: sized internal formats of the colour textures (GL_RGBA8...) in the order of the fragment
-  /// shader's outputs; `depth`: 0, or a depth format.
+  /// `formats`: sized internal formats of the colour textures (GL_RGBA8 ...), ordered as the fragment
+  /// outputs. `depth`: depth format, or 0.
   Target(const std::string& name, int width, int height, const std::vector<GLenum>& formats, GLenum depth);
 
-  void bind() const;  ///< for drawing, with the viewport on all of it
+  void bind() const;  ///< binds it for drawing and sets the viewport
   GLuint framebuffer() const { return framebuffer_.get(); }
   GLuint color(std::size_t i = 0) const { return colors_.at(i).get(); }
   GLuint depth() const { return depth_.get(); }
@@ -29,10 +28,10 @@ class Target {
   FramebufferHandle framebuffer_;
 };
 
-/// Pixels: the largest width and height of a target that OpenGL allows here.
+/// Pixels, maximum width and height of a target.
 int largest_target();
 
-/// A 2D texture with storage for one level, unfiltered and clamped.
+/// A 2D texture with storage for one level, nearest filtering and clamping.
 TextureHandle make_texture(const std::string& name, int width, int height, GLenum format);
 
 }  // namespace collidoscope::gl

@@ -1,6 +1,6 @@
 #pragma once
-// Which bytes of an instance record reach which input of a vertex shader. Owns a vertex array object; the
-// buffer is bound at each draw, since growing gives it a new name.
+// Mapping from instance records to the inputs of a vertex shader. Owns a vertex array object. The buffer is
+// bound at each draw, since growing changes its name.
 
 #include <initializer_list>
 
@@ -12,10 +12,10 @@ class VertexLayout {
  public:
   struct Input {
     GLuint location;
-    GLint count;              ///< components, 1 to 4
-    GLuint offset;            ///< bytes from the start of the record
-    bool integer = false;     ///< uint in the shader; else float
-    bool per_vertex = false;  ///< from binding 1, one record a vertex; else from binding 0, one an instance
+    GLint count;              ///< number of components, 1 to 4
+    GLuint offset;            ///< offset in the record, bytes
+    bool integer = false;     ///< uint in the shader, else float
+    bool per_vertex = false;  ///< binding 1, one record per vertex; else binding 0, one per instance
   };
   explicit VertexLayout(std::initializer_list<Input> inputs);
 

@@ -3,7 +3,7 @@
 #include "sim_cuda/core/error.h"
 
 #if SIM_CUDA
-// epoxy comes first: the interop header would bring in GL/gl.h.
+// epoxy must come first, since the interop header includes GL/gl.h.
 #include <cuda_gl_interop.h>
 #include <cuda_runtime_api.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 void check(cudaError_t code, const std::string& what) {
   if (code == cudaSuccess) return;
-  cudaGetLastError();  // the error is reported here and must not be found again by the simulator
+  cudaGetLastError();  // clears the reported error, so that the simulator does not see it
   throw MachineError("CUDA refused " + what + ": " + cudaGetErrorString(code));
 }
 
@@ -72,7 +72,7 @@ CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers& buffers) {
   }
   check(cudaGraphicsMapResources(4, m.resources.data(), nullptr), "to map four GL buffers");
   m.mapped = true;
-  // Mapping orders only what follows in its own stream, and the simulator has streams of its own.
+  // Mapping synchronises only the default stream, but the simulator uses streams of its own.
   check(cudaStreamSynchronize(nullptr), "to wait for OpenGL");
   Addresses addresses{};
   for (std::size_t i = 0; i < 4; ++i) {

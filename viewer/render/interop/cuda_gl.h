@@ -1,5 +1,5 @@
 #pragma once
-// GL buffers that CUDA writes into. Compiles without CUDA: then every call throws MachineError.
+// GL buffers that CUDA writes into. Without CUDA every call throws MachineError.
 
 #include <array>
 #include <memory>
@@ -8,16 +8,16 @@
 
 namespace collidoscope {
 
-/// Registrations of the three instance buffers with one CUDA device; each is renewed when its buffer grows.
-/// Lives no longer than the GL context and the buffers.
+/// Registrations of the instance buffers with one CUDA device, renewed when a buffer grows. Must not outlive
+/// the GL context and the buffers.
 class CudaGlBuffers {
  public:
-  /// Throws MachineError where the current GL context does not draw on CUDA device `gpu`.
+  /// Throws MachineError if the current GL context does not run on CUDA device `gpu`.
   explicit CudaGlBuffers(int gpu);
   ~CudaGlBuffers();
 
-  /// The device addresses of bodies, boxes, contacts and joints, valid until unmap(). OpenGL has finished
-  /// with them, and CUDA may write from any stream. Throws MachineError.
+  /// Device addresses of bodies, boxes, contacts and joints, valid until unmap(). OpenGL has finished
+  /// reading, and CUDA may write from any stream. Throws MachineError.
   using Addresses = std::array<void*, 4>;
   Addresses map(const InstanceBuffers& buffers);
   void unmap();

@@ -19,7 +19,7 @@ DisplayLink::DisplayLink(const World& world, DisplayPath request, LogCallback lo
   const WorldInfo info = world.info();
   if (!info.on_gpu && (request == DisplayPath::interop || request == DisplayPath::copy))
     step_down("the simulation runs on the CPU", DisplayPath::upload);
-  // Plain memory is all that the CPU publishes into, and a GPU cannot write it.
+  // The path `upload` needs a simulation on the CPU.
   if (info.on_gpu && request == DisplayPath::upload)
     step_down("the simulation runs on the GPU", DisplayPath::copy);
   if (path_ != DisplayPath::interop) return;
@@ -93,7 +93,7 @@ void DisplayLink::publish_uploaded(World& world, PublishTarget target, InstanceB
       {static_cast<std::size_t>(target.box_capacity) * sizeof(BoxInstance), &buffers.boxes},
       {static_cast<std::size_t>(target.contact_capacity) * sizeof(ContactInstance), &buffers.contacts},
       {static_cast<std::size_t>(target.joint_capacity) * sizeof(JointInstance), &buffers.joints}};
-  // On the CPU the scratch is plain memory, and is uploaded from where it was written.
+  // On the CPU the scratch memory is host memory and is uploaded directly.
   for (int slot = 0; slot < 4; ++slot)
     if (parts[slot].bytes) parts[slot].at = world.publisher().scratch(parts[slot].bytes, slot);
   target.bodies = static_cast<BodyInstance*>(parts[0].at);

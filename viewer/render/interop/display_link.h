@@ -1,5 +1,5 @@
 #pragma once
-// Brings what a World publishes into the buffers that are drawn, by the best path that works.
+// Transfers the published records of a World to the drawn buffers, by the best path that works.
 
 #include <functional>
 #include <memory>
@@ -14,16 +14,16 @@
 
 namespace collidoscope {
 
-/// Needs the GL context that was current when it was made. Keeps no reference to the World.
+/// Requires the GL context of its construction. Keeps no reference to the World.
 class DisplayLink {
  public:
   using LogCallback = std::function<void(const std::string& line)>;
 
-  /// A path that was requested and fails is a step down like any other; `log` gets one line for each.
+  /// If the requested path fails, the next one is used; `log` receives one line per fallback.
   DisplayLink(const World& world, DisplayPath request, LogCallback log);
 
   DisplayPath path() const { return path_; }
-  /// Publishes the current state's records of the layers that are on, and sets the buffers' counts.
+  /// Publishes the records of the enabled layers for the current state, and sets the counts of the buffers.
   void publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers);
 
  private:
@@ -34,7 +34,7 @@ class DisplayLink {
   DisplayPath path_;
   LogCallback log_;
   std::unique_ptr<CudaGlBuffers> shared_;
-  std::vector<std::byte> host_;  // what is uploaded
+  std::vector<std::byte> host_;  // host copy for the upload
 };
 
 }  // namespace collidoscope
