@@ -144,17 +144,17 @@ TEST(Criterion, OfWhatGuardsMustFind) {
   EXPECT_EQ(c.assertions[0].quantity, Quantity::expected_finding);
   EXPECT_EQ(c.injected_faults[0].assertion, 0u);
   EXPECT_THAT(fault_of(R"("steps": 10, "inject": {"step": 7, "body": 3, "position": [null, 0, 0]})"),
-              HasSubstr("is of cases with \"found\""));
+              HasSubstr("is of cases with \"expect_finding\""));
   EXPECT_THAT(fault_of(R"("steps": 10, "expect_finding": {"step": 8, "body": 3})"),
               HasSubstr("a \"stage\" and a"));
   EXPECT_THAT(
       fault_of(R"("steps": 10, "expect_finding": {"step": 8, "stage": "a", "body": 3}, "assertions": [])"),
-      HasSubstr("remove \"found\" or \"holds\""));
+      HasSubstr("remove \"expect_finding\" or \"assertions\""));
 }
 
 TEST(Criterion, NamesEveryFaultByLineAndColumn) {
   EXPECT_EQ(fault_of(R"("steps": 10, "assertions": [{"quantity": "penetraton", "at_most": 1}])"),
-            "c:2:37: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 26)");
+            "c:2:42: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 26)");
   const std::pair<const char*, const char*> faults[] = {
       {R"("assertions": [])", "\"steps\" is missing"},
       {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
@@ -185,16 +185,16 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
       {R"("steps": 10, "limits": [{"why": "a"}])", "a limit says where"},
       {R"("steps": 10, "limits": [{"solver": "impulse"}])", "a limit has a \"why\""},
       {R"("steps": 10, "executors": ["gpu"])", "\"cpu\" and \"cuda\""},
-      {R"("steps": 10, "injected_faults": [{"fails": "speed", "step": 1, "body": 1}])", "\"holds\" has none"},
+      {R"("steps": 10, "injected_faults": [{"fails": "speed", "step": 1, "body": 1}])", "\"assertions\" has none"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "term": 2, "scene": "a.json"}])",
-       "\"holds\" has 1"},
+       "\"assertions\" has 1"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite"}])", "a fault is a \"set\" of settings"},
       {R"("steps": 10, "injected_faults": [{"step": 1, "body": 1}])", "a fault \"fails\" a quantity"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
        "a list of 3 numbers"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
       {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 24, 30 or 63"},
-      {R"("steps": 10, "hold": [])", "did you mean \"holds\"?"}};
+      {R"("steps": 10, "assertion": [])", "did you mean \"assertions\"?"}};
   for (const auto& [members, words] : faults) {
     const std::string line = fault_of(members);
     EXPECT_THAT(line, testing::StartsWith("c:")) << members;

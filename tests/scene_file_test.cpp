@@ -293,7 +293,7 @@ INSTANTIATE_TEST_SUITE_P(
             "s:2:79: generators[0].excluded[1]: must be the number of one of its 3 bodies, from 0, more "
             "than"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"without\": [1.5]}]}",
-            "s:2:64: \"without\" is a list of whole numbers"},
+            "s:2:64: \"excluded\" is a list of whole numbers"},
         Bad{"\"added\": [{\"radius\": 0}]}", "s:2:22: extra_bodies[0].radius: must lie in"},
         Bad{"\"box\": {}, \"generators\": [{}]}",
             "s:2:27: a generator has \"kind\": \"box_collider\", the only one"},
