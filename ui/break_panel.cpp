@@ -20,8 +20,7 @@ void draw_condition(Workspace& workspace, const BreakConditionName& condition) {
   ImGui::PushID(name.c_str());
   ImGui::Checkbox(name.c_str(), &requests.on[k]);
   track(workspace, ("breaks." + name).c_str());
-  explain(
-      fmt::format("Stops where {}{}", condition.meaning, condition.has_limit ? " than this" : "").c_str());
+  explain(fmt::format("Stops if {}", condition.meaning).c_str());
   if (condition.has_limit) {
     ImGui::SameLine(ImGui::GetFontSize() * 10);
     ImGui::SetNextItemWidth(-1);

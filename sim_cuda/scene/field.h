@@ -46,12 +46,14 @@ struct Field {
   using Value = typename detail::MemberTypes<decltype(pointer_to_member)>::Value;
 
   std::string_view key;   ///< in scene files
-  std::string_view help;  ///< a phrase
+  std::string_view help;  ///< a phrase; of fields that are no settings in Markdown
   std::string_view unit = {};
   double low = 0, high = 0;  ///< closed range; of each component of a vector
   Auto automatic = Auto::none;
   std::span<const Named<detail::Choice<Value>>> choices = {};
   std::vector<std::string> (*words)() = nullptr;  ///< of a text: the allowed ones
+  /// What the generated documents give as the default, if it is not the value in a new owner.
+  std::string_view fallback = {};
 
   // Of settings only: see settings.h.
   std::string_view name = key;  ///< in files of changes, reports and flags: "--" and '-' for '_'
