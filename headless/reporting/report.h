@@ -47,7 +47,7 @@ struct RunReport {
 /// `initial`: World::measure() at the state that the run started from.
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds);
 
-/// One object, the fields as headless/report.md lists them; what is not finite is null.
+/// One object, the fields of report_fields.h; what is not finite is null.
 nlohmann::ordered_json json_of(const RunReport& report);
 /// Its text. A name may hold any bytes of a scene file: what is not UTF-8 is replaced. Ends in a newline.
 std::string json_text(const nlohmann::ordered_json& json);

@@ -124,7 +124,7 @@ inline constexpr auto material_settings = std::tuple{
 /// Of each generator. The settings are those of a scene's only generator.
 inline constexpr auto generator_settings = std::tuple{
     Field<&BoxCollider::count>{.key = "count",
-                               .help = "bodies of the scene's generator",
+                               .help = "number of bodies of the scene's generator",
                                .low = 0,
                                .high = limits::max_bodies,
                                .name = "bodies",
@@ -153,13 +153,14 @@ inline constexpr auto generator_settings = std::tuple{
                                .live = Live::restart},
     Field<&BoxCollider::seed>{
         .key = "seed", .help = "seed of the generator", .placeholder = "S", .live = Live::restart},
-    Field<&BoxCollider::speed_max>{.key = "speed_max",
-                                   .help = "each component of a velocity is uniform in [-V, V)",
-                                   .unit = "m/s",
-                                   .low = 0,
-                                   .high = limits::max_speed,
-                                   .placeholder = "V",
-                                   .live = Live::restart},
+    Field<&BoxCollider::speed_max>{
+        .key = "speed_max",
+        .help = "each component of a velocity is uniform in [-speed_max, speed_max)",
+        .unit = "m/s",
+        .low = 0,
+        .high = limits::max_speed,
+        .placeholder = "V",
+        .live = Live::restart},
 };
 
 /// Of a run. Nothing here changes the state.
@@ -192,7 +193,7 @@ inline constexpr auto run_settings = std::tuple{
                                     .placeholder = "NAME",
                                     .live = Live::new_world},
     Field<&RunOptions::initial_pair_capacity>{.key = "initial_pair_capacity",
-                                              .help = "pairs that fit at the start; the list grows",
+                                              .help = "pairs that fit at the start, or auto; the list grows",
                                               .low = 1,
                                               .high = 0x1p40,
                                               .automatic = Auto::zero},
@@ -225,14 +226,15 @@ inline constexpr auto executor_settings = std::tuple{
                                       .placeholder = "K"},
     Field<&ExecutorOptions::sort>{
         .key = "sort", .help = "how keys are sorted", .choices = sort_names, .placeholder = "NAME"},
-    Field<&ExecutorOptions::memory_limit>{.key = "memory_limit",
-                                          .help = "maximum memory of the device; a run that needs more ends "
-                                                  "with the number of bytes; nothing is lost",
-                                          .unit = "bytes",
-                                          .low = 1,
-                                          .high = 0x1p50,
-                                          .automatic = Auto::zero,
-                                          .placeholder = "BYTES"},
+    Field<&ExecutorOptions::memory_limit>{
+        .key = "memory_limit",
+        .help = "maximum memory of the device; auto: all that is available; a run that needs more ends with "
+                "the number of bytes, and nothing is lost",
+        .unit = "bytes",
+        .low = 1,
+        .high = 0x1p50,
+        .automatic = Auto::zero,
+        .placeholder = "BYTES"},
 };
 
 /// All settings. Those that decide the state come first.
