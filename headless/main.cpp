@@ -2,6 +2,7 @@
 // 0 success, 1 failed check, 2 bad input, 3 missing hardware, memory or display.
 
 #include <string>
+#include <vector>
 
 #include "headless/accuracy/accuracy.h"
 #include "headless/bench/suites.h"
@@ -13,6 +14,7 @@
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
 #include "headless/compare.h"
+#include "headless/markdown/reference_pages.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
 
@@ -59,8 +61,12 @@ int main(int argc, char** argv) {
   collidoscope::prepare_process();
   collidoscope::install_out_of_memory_handler();
   return collidoscope::run_and_report_errors([&] {
+    const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+    if (const auto table = collidoscope::markdown_help(arguments)) {
+      collidoscope::print(*table);
+      return int{collidoscope::done};
+    }
     collidoscope::announce_long_work();
-    return collidoscope::perform(
-        collidoscope::parse_command_line({argv + (argc > 0 ? 1 : 0), argv + argc}, collidoscope::suites()));
+    return collidoscope::perform(collidoscope::parse_command_line(arguments, collidoscope::suites()));
   });
 }

@@ -21,7 +21,7 @@ void draw_condition(Workspace& workspace, const BreakConditionName& condition) {
   ImGui::PushID(name.c_str());
   ImGui::Checkbox(label, &requests.on[k]);
   track(workspace, ("breaks." + name).c_str());
-  explain(help);
+  explain(fmt::format("Stops if {}", condition.meaning).c_str());
   if (condition.has_limit) {
     ImGui::SameLine(ImGui::GetFontSize() * 10);
     ImGui::SetNextItemWidth(-1);

@@ -53,7 +53,8 @@ std::string program_help() {
   return text +
          "\nA SCENE is a file, or the bare name of one in assets/scenes or assets/scenes/analytic,\n"
          "such as box_collider.\n"
-         "COMMAND --help lists a command's flags; --version names the version.\n" +
+         "COMMAND --help lists a command's flags; --version names the version.\n"
+         "help --markdown [TOPIC] prints a reference table of the documents.\n" +
          exit_codes;
 }
 

@@ -24,8 +24,13 @@ constexpr bool has_flag(const Field<member>& setting) {
 /// "impulse, soft_step or jacobi_split: contact solver".
 template <auto member>
 std::string help_of_flag(const Field<member>& setting) {
+  using Value = typename Field<member>::Value;
   std::string help(setting.help);
-  if constexpr (!std::is_same_v<typename Field<member>::Value, std::optional<Effects>>) {
+  if constexpr (std::is_same_v<Value, TimeStep>) {
+    help += " in seconds, or 1/n";
+  } else if constexpr (std::is_same_v<Value, std::optional<Effects>>) {
+    help += "; none; or a list such as gravity,rotation";
+  } else {
     if (setting.automatic != Auto::none && help.find("auto") == std::string::npos) help += ", or auto";
   }
   if (!setting.choices.empty()) help = either_of(choice_names(setting)) + ": " + help;

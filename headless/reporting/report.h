@@ -48,7 +48,7 @@ struct RunReport {
 /// `initial`: World::measure() at the first state of the run.
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds);
 
-/// One object with the fields listed in headless/report.md. Non-finite values are null.
+/// One object with the fields of report_fields.h. Non-finite values are null.
 nlohmann::ordered_json json_of(const RunReport& report);
 /// JSON text with a final newline. Invalid UTF-8, possible in names, is replaced.
 std::string json_text(const nlohmann::ordered_json& json);

@@ -25,6 +25,8 @@ constexpr Factory factories[] = {
     {"bsp", make_bsp},
 #if SIM_BULLET
     {"bullet_dbvt", make_bullet_dbvt},
+#else
+    {"bullet_dbvt", nullptr},
 #endif
     {"brute_force", make_brute_force},
     {"brute_force_tiled", make_brute_force_tiled},
@@ -38,20 +40,21 @@ constexpr bool each_has_its_factory() {
     if (factories[k].name != broad_phase_methods[k].name) return false;
   return true;
 }
-static_assert(each_has_its_factory(), "the names of methods.h, in the same order");
+static_assert(each_has_its_factory(), "the names of broad_phase_methods.h, in the same order");
 }  // namespace
 
 std::vector<std::string> broad_phase_names(ExecutorKind kind) {
   const bool on_gpu = kind != ExecutorKind::cpu && cuda_available();
   std::vector<std::string> names;
   for (const BroadPhaseMethod& method : broad_phase_methods)
-    if (!(method.cpu_only && on_gpu)) names.emplace_back(method.name);
+    if (is_built(method) && !(method.cpu_only && on_gpu)) names.emplace_back(method.name);
   return names;
 }
 
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor) {
   std::string known;
   for (std::size_t k = 0; k < std::size(factories); ++k) {
+    if (factories[k].make == nullptr) continue;
     if (name == factories[k].name) {
       if (broad_phase_methods[k].cpu_only && executor.on_device())
         throw MachineError("the broad phase " + name + " runs on the CPU alone: choose the executor cpu");

@@ -22,16 +22,16 @@ struct BreakConditionName {
   std::string_view unit;     ///< of value and limit
   bool has_limit;            ///< false: the limit is 0
   double max_limit;          ///< largest allowed limit; the smallest is 0
-  std::string_view meaning;  ///< description for users: "the fastest body is faster"
+  std::string_view meaning;  ///< "the fastest body is faster than this"
 };
 inline constexpr auto break_condition_names = std::to_array<BreakConditionName>({
     {BreakCondition::non_finite, "non-finite", "bodies", false, 0, "a body is not finite"},
     {BreakCondition::energy_rise, "energy-rise", "%", true, 1e9,
-     "there is more energy than at the start, by more"},
-    {BreakCondition::penetration, "penetration", "m", true, 1e9, "the deepest overlap is deeper"},
-    {BreakCondition::speed, "speed", "m/s", true, 1e18, "the fastest body is faster"},
+     "the energy has risen above that of the start by more than this part of the energy scale"},
+    {BreakCondition::penetration, "penetration", "m", true, 1e9, "the deepest overlap is deeper than this"},
+    {BreakCondition::speed, "speed", "m/s", true, 1e18, "the fastest body is faster than this"},
     {BreakCondition::stage_ms, "stage-ms", "ms", true, 1e9,
-     "a stage took longer (odd-numbered steps time them)"},
+     "a stage took longer than this; every other step is timed by stage"},
     {BreakCondition::escaped, "escaped", "bodies", false, 0, "a centre is outside the box"},
 });
 constexpr const BreakConditionName& name_of(BreakCondition condition) {

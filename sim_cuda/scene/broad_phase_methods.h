@@ -3,6 +3,7 @@
 // phase.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim_cuda/core/executor_options.h"
@@ -11,8 +12,12 @@ namespace collidoscope {
 
 struct BroadPhaseMethod {
   const char* name;
-  bool morton = false;    ///< sorts by Morton keys
-  bool cpu_only = false;  ///< has no GPU implementation
+  std::string_view what;       ///< description; Markdown, as the next two
+  std::string_view traversal;  ///< how a query traverses the tree
+  std::string_view weakness = {};
+  bool morton = false;        ///< sorts by Morton keys
+  bool cpu_only = false;      ///< has no GPU implementation
+  bool needs_bullet = false;  ///< only builds with Bullet have it
   /// Cost of one comparison on one CPU core (Xeon at 2.x GHz), in ns. 0: the method does not compare all
   /// pairs.
   double ns_of_comparison = 0;
@@ -20,30 +25,88 @@ struct BroadPhaseMethod {
 
 /// The first entry is the default.
 inline constexpr BroadPhaseMethod broad_phase_methods[] = {
-    {"lbvh_ropes", true},     // linear BVH, stackless traversal along ropes
-    {"bvh_bottom_up", true},  // the paper's tree, built over the Morton order
-    {"bvh_input_order"},      // the paper's tree, built over the input order (the paper's Figure 6)
-    {"bvh_recursive", true},  // the paper's tree, recursive query instead of a stack
-    {"lbvh_top_down", true},  // linear BVH, built top-down from a work queue
-    {"refit", true},          // linear BVH, refitted each step and rebuilt when its quality degrades
-    {"ploc", true},           // PLOC: merges nearest neighbours; traversal along ropes
-    {"kd_tree"},              // median splits along the longest axis
-    {"bsp"},                  // median splits along arbitrary directions
-#if SIM_BULLET
-    {"bullet_dbvt", false, true},  // Bullet's dynamic tree, kept between steps; the paper's 3.2.3
-#endif
-    {"brute_force", false, false, 3},        // the paper's naive method
-    {"brute_force_tiled", false, false, 1},  // all pairs, tiled in shared memory
-    {"uniform_grid"},                        // cell size from the largest body
-    {"hierarchical_grid"},                   // one grid per size class of bodies
+    {.name = "lbvh_ropes",
+     .what = "default. Linear BVH: Karras's order (2012), built in one bottom-up launch (Apetrei 2014), with "
+             "ropes, i.e. escape indices (Prokopenko and Lebrun-Grandié 2024)",
+     .traversal = "half, ropes",
+     .morton = true},
+    {.name = "bvh_bottom_up",
+     .what = "the paper's BVH: Morton order, every two neighbours merged, level by level",
+     .traversal = "half, stack",
+     .weakness = "boxes across jumps of the curve: twice as many node visits",
+     .morton = true},
+    {.name = "bvh_input_order",
+     .what = "the same without sorting (the paper's Figure 6): shows the value of clustering",
+     .traversal = "half, stack",
+     .weakness = "nearly N² tests"},
+    {.name = "bvh_recursive",
+     .what = "`bvh_bottom_up` with a recursive query",
+     .traversal = "half, recursion",
+     .weakness = "the call stack; the paper expects a fifth of the speed",
+     .morton = true},
+    {.name = "lbvh_top_down",
+     .what = "Lauterbach et al. 2009, the paper's Table 3: splits from the root, with a work queue",
+     .traversal = "half, stack",
+     .weakness = "the build waits at each level, and few levels fill the device",
+     .morton = true},
+    {.name = "refit",
+     .what = "keeps the linear BVH of an earlier step with new boxes; rebuilds when the area of inner boxes "
+             "has grown by a quarter. The device decides",
+     .traversal = "half, ropes",
+     .weakness = "the step after a large motion; a refit costs no less than a build (on a GPU, more)",
+     .morton = true},
+    {.name = "ploc",
+     .what = "merges nearest neighbours among 16 in Morton order, round by round, after PLOC++ (Benthin et "
+             "al. 2022) and H-PLOC (2024). A round that merges too few merges pairwise",
+     .traversal = "half, ropes",
+     .weakness = "the build: five launches per round, four fifths of the clusters left after each",
+     .morton = true},
+    {.name = "kd_tree",
+     .what = "object medians along the longest axis, from three sorted lists, each level by a scan; two "
+             "planes per node, as in a bounding interval hierarchy (Wächter and Keller 2006)",
+     .traversal = "half, stack",
+     .weakness = "each level moves all bodies; a plane rejects less than a box"},
+    {.name = "bsp",
+     .what = "planes of any direction: the median along the principal axis of the centres, level by level; "
+             "two planes per node",
+     .traversal = "half, stack",
+     .weakness = "one sort per level; an oblique plane rejects less and costs six products"},
+    {.name = "bullet_dbvt",
+     .what = "the incremental tree of the paper's section 3.2.3, by Bullet: boxes with a margin; a body that "
+             "leaves its box is re-inserted. Needs `libbullet-dev` at build time",
+     .traversal = "two subtrees against each other",
+     .weakness = "CPU only, one thread; its memory is not counted in `bytes`; coincident bodies make a list",
+     .cpu_only = true,
+     .needs_bullet = true},
+    {.name = "brute_force",
+     .what = "the paper's: each pair has a number, threads share the numbers",
+     .traversal = "none",
+     .weakness = "N² tests",
+     .ns_of_comparison = 3},
+    {.name = "brute_force_tiled",
+     .what = "the same tests from shared memory (CPU: first-level cache, SIMD)",
+     .traversal = "none",
+     .weakness = "N² tests",
+     .ns_of_comparison = 1},
+    {.name = "uniform_grid",
+     .what = "cells of one size, from the largest body",
+     .traversal = "rows of cells",
+     .weakness = "mixed sizes: one huge body makes every cell huge"},
+    {.name = "hierarchical_grid",
+     .what = "one grid for each common size; a query reads its own grid and all coarser ones",
+     .traversal = "rows of cells",
+     .weakness = "many sizes: each costs every smaller body a query"},
 };
 
-/// Names accepted by `--broad-phase`. The first is the default.
+/// Whether this build has the method.
+bool is_built(const BroadPhaseMethod& method);
+
+/// Names of the broad phases that `--broad-phase` accepts, the default first.
 std::vector<std::string> broad_phase_names();
 /// Names supported by the device that `kind` resolves to. bullet_dbvt needs the CPU.
 std::vector<std::string> broad_phase_names(ExecutorKind kind);
 
-/// Finds a method by name. Null if there is no such method.
+/// The method of that name in this build, or null.
 const BroadPhaseMethod* find_broad_phase(const std::string& name);
 /// True if the method sorts by Morton keys. The key length then affects the quality of its tree.
 bool has_morton_keys(const std::string& name);

@@ -48,12 +48,14 @@ struct Field {
   using Value = typename detail::MemberTypes<decltype(pointer_to_member)>::Value;
 
   std::string_view key;   ///< key in scene files
-  std::string_view help;  ///< a short phrase
+  std::string_view help;  ///< a short phrase; Markdown, unless the field is a setting
   std::string_view unit = {};
   double low = 0, high = 0;  ///< closed range, for each component of a vector
   Auto automatic = Auto::none;
   std::span<const Named<detail::Choice<Value>>> choices = {};
   std::vector<std::string> (*words)() = nullptr;  ///< allowed values of a string member
+  /// Default in generated documents, if it is not the value in a default-constructed owner.
+  std::string_view fallback = {};
 
   // Members used by settings only: see settings.h.
   std::string_view name = key;  ///< name in change files, reports and flags (flags: "--" prefix, '-' for '_')

@@ -12,15 +12,20 @@
 
 namespace collidoscope {
 
-inline constexpr std::array<Named<Shape>, 2> shape_names{{{"sphere", Shape::sphere}, {"mesh", Shape::mesh}}};
+inline constexpr std::array<Named<Shape>, 2> shape_names{
+    {{"sphere", Shape::sphere}, {"mesh", Shape::mesh, "collides as its bounding sphere"}}};
 inline constexpr std::array<Named<Motion>, 3> motion_names{
-    {{"dynamic", Motion::dynamic}, {"kinematic", Motion::kinematic}, {"static", Motion::fixed}}};
+    {{"dynamic", Motion::dynamic, "forces move it"},
+     {"kinematic", Motion::kinematic, "moves with the given velocity and spin"},
+     {"static", Motion::fixed, "at rest"}}};
 inline constexpr std::array<Named<OnFailure>, 2> on_failure_names{
-    {{"pause", OnFailure::pause}, {"freeze", OnFailure::freeze}}};
-inline constexpr std::array<Named<JointKind>, 4> joint_kind_names{{{"distance", JointKind::distance},
-                                                                   {"spring", JointKind::spring},
-                                                                   {"ball", JointKind::ball},
-                                                                   {"hinge", JointKind::hinge}}};
+    {{"pause", OnFailure::pause, "the run stands before the step"},
+     {"freeze", OnFailure::freeze, "the step is repeated with the body fixed"}}};
+inline constexpr std::array<Named<JointKind>, 4> joint_kind_names{
+    {{"distance", JointKind::distance, "a rod, rope or strut between two points"},
+     {"spring", JointKind::spring, "a spring and damper between two points"},
+     {"ball", JointKind::ball, "one point in common"},
+     {"hinge", JointKind::hinge, "one axis in common"}}};
 
 // Options of a run: core/executor_options.h.
 inline constexpr std::array<Named<ExecutorKind>, 3> executor_names{
@@ -32,27 +37,40 @@ inline constexpr std::array<Named<LaneOrder>, 3> lane_order_names{
      {"strided", LaneOrder::strided, "a test mode"},
      {"shuffled", LaneOrder::shuffled, "a test mode"}}};
 inline constexpr std::array<Named<SortMethod>, 3> sort_names{
-    {{"auto", SortMethod::automatic, "counting in cells for few bodies, else the library"},
-     {"library", SortMethod::library},
-     {"radix", SortMethod::radix, "obeys (B, T)"}}};
+    {{"auto", SortMethod::automatic, "counting in cells up to 2^21 bodies, else the library"},
+     {"library", SortMethod::library, "CUB's, or the CPU's"},
+     {"radix", SortMethod::radix, "Harada and Howes 2011; its launches keep to (B, T)"}}};
 inline constexpr std::array<Named<int>, 4> key_bits_names{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
 
-/// An effect and its flag.
+/// An effect and its flag. The texts are Markdown.
 struct EffectName {
   std::string_view name;
   bool Effects::*flag;
+  std::string_view needed_where;  ///< condition under which "auto" switches it on
+  std::string_view needs;         ///< required effects and solvers
+  std::string_view what;          ///< description
 };
 inline constexpr auto effect_names = std::to_array<EffectName>({
-    {"gravity", &Effects::gravity},
-    {"attractor", &Effects::attractor},
-    {"drag", &Effects::drag},
-    {"rotation", &Effects::rotation},
-    {"friction", &Effects::friction},
-    {"rolling_resistance", &Effects::rolling_resistance},
-    {"joints", &Effects::joints},
-    {"continuous_collision", &Effects::continuous_collision},
-    {"sleeping", &Effects::sleeping},
-    {"guards", &Effects::guards},
+    {"gravity", &Effects::gravity, "`gravity` is not 0", "", "v += h·g"},
+    {"attractor", &Effects::attractor, "the scene has `attractors`", "not `impulse`",
+     "acceleration −μ·d/(|d|² + ε²)^(3/2) by each point (Newton's law with Plummer softening)"},
+    {"drag", &Effects::drag, "the medium has `viscosity`, or `density` and `coefficient`", "",
+     "F = −6πη·r·v − ½ρ·C·π·r²·|v|·v; spin is not damped"},
+    {"rotation", &Effects::rotation, "a body spins at the start, a joint turns bodies, or friction", "",
+     "stores and integrates orientation and spin"},
+    {"friction", &Effects::friction, "a material has `friction` or `rolling_resistance`",
+     "`rotation`; not `impulse`", "Coulomb's friction"},
+    {"rolling_resistance", &Effects::rolling_resistance, "a material has `rolling_resistance`",
+     "`rotation`, `friction`; not `impulse`", "a torque against relative spin, at most c·R·N"},
+    {"joints", &Effects::joints, "the scene has `joints`", "`rotation` where they turn bodies; not `impulse`",
+     "distances, springs, balls, hinges"},
+    {"continuous_collision", &Effects::continuous_collision,
+     "a body starts so fast that it passes the smallest radius in a substep", "not `impulse`",
+     "no two bodies pass through each other"},
+    {"sleeping", &Effects::sleeping, "the scene has `sleep`", "not `impulse`",
+     "islands at rest are neither solved nor moved"},
+    {"guards", &Effects::guards, "the scene has `guards`", "",
+     "checks the output of each stage; does not change the state"},
 });
 
 /// A list for messages: "paper, scaled, settled or equal".

@@ -81,7 +81,7 @@ enum class Variant { paper, scaled, settled, equal };
 inline constexpr std::array<Named<Variant>, 4> variant_names{
     {{"paper", Variant::paper, "fixed box; pairs grow as N^2"},
      {"scaled", Variant::scaled, "the box grows with N, 30 % full; pairs grow as N"},
-     {"settled", Variant::settled, "as scaled, simulated to rest before state 0"},
+     {"settled", Variant::settled, "as scaled, simulated to rest before state 0; needs gravity"},
      {"equal", Variant::equal, "as scaled, with one radius"}}};
 
 /// Allowed start positions of generated spheres.

@@ -30,6 +30,22 @@ std::string_view unit_of(Quantity quantity) {
   }
 }
 
+std::string_view parameters_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::displacement:
+      return "`body`, `since`";
+    case Quantity::position:
+    case Quantity::velocity:
+      return "`axis`, `body`";
+    case Quantity::difference:
+      return "`scene`, `offset`";
+    case Quantity::other_hash:
+      return "`shapes` `[[B, T], ...]`, `broad_phases` (`[\"all\"]`: all of the executor)";
+    default:
+      return "";
+  }
+}
+
 std::string text_of(Quantity quantity, double value) {
   const std::string_view unit = unit_of(quantity);
   const bool whole = value == std::floor(value) && std::abs(value) < 1e7;

@@ -48,35 +48,49 @@ enum class Quantity {
   other_hash,
   expected_finding
 };
+/// The help is Markdown.
 inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
-    {"finite", Quantity::finite},
-    {"penetration", Quantity::penetration},
-    {"penetration_over_radius", Quantity::penetration_over_radius},
-    {"speed", Quantity::speed},
-    {"angular_speed", Quantity::angular_speed},
-    {"energy_gain", Quantity::energy_gain},
-    {"energy_loss", Quantity::energy_loss},
-    {"kinetic_energy", Quantity::kinetic_energy},
-    {"escaped", Quantity::escaped},
-    {"displacement", Quantity::displacement},
-    {"position", Quantity::position},
-    {"velocity", Quantity::velocity},
-    {"momentum_change", Quantity::momentum_change},
-    {"angular_momentum_change", Quantity::angular_momentum_change},
-    {"quaternion_norm", Quantity::quaternion_norm},
-    {"joint_error", Quantity::joint_error},
-    {"joint_angle", Quantity::joint_angle},
-    {"pairs", Quantity::pairs},
-    {"touching", Quantity::touching},
-    {"speculative", Quantity::speculative},
-    {"asleep", Quantity::asleep},
-    {"tree_depth", Quantity::tree_depth},
-    {"difference", Quantity::difference},
-    {"separation_speed", Quantity::separation_speed},
-    {"other_hash", Quantity::other_hash},
-    {"found", Quantity::expected_finding},
+    {"finite", Quantity::finite, "all bodies are finite"},
+    {"penetration", Quantity::penetration, "deepest overlap of two bodies, or of a body and a wall"},
+    {"penetration_over_radius", Quantity::penetration_over_radius,
+     "largest overlap over the radius; of two bodies, over that of the smaller one"},
+    {"speed", Quantity::speed, "of the fastest body"},
+    {"angular_speed", Quantity::angular_speed, "of the fastest body"},
+    {"energy_gain", Quantity::energy_gain,
+     "(E − E₀ − W)/S: E kinetic and potential energy, W the work of the positional push, S the largest "
+     "kinetic energy plus |change of potential energy| so far; 0 if both are 0"},
+    {"energy_loss", Quantity::energy_loss, "−`energy_gain`"},
+    {"kinetic_energy", Quantity::kinetic_energy, "of the dynamic bodies"},
+    {"escaped", Quantity::escaped, "number of bodies whose centres are outside the box"},
+    {"displacement", Quantity::displacement, "largest distance of a body from its place at state `since`"},
+    {"position", Quantity::position, "along the axis"},
+    {"velocity", Quantity::velocity, "along the axis"},
+    {"momentum_change", Quantity::momentum_change,
+     "|p − p₀ − J − m·g·t|/S: the change that neither the walls' impulse J nor gravity explains; S the "
+     "largest "
+     "sum of m·|v| so far"},
+    {"angular_momentum_change", Quantity::angular_momentum_change,
+     "about the origin, where nothing acts from outside; over the largest |L| so far, or the sum of m·|v| "
+     "times the radius of the group"},
+    {"quaternion_norm", Quantity::quaternion_norm, "largest | |q| − 1 |"},
+    {"joint_error", Quantity::joint_error, "largest: anchors too far apart, or too near"},
+    {"joint_angle", Quantity::joint_angle, "largest: between the axes of a hinge, or beyond its limits"},
+    {"pairs", Quantity::pairs, "number of pairs of boxes that overlap"},
+    {"touching", Quantity::touching, "number of pairs whose shapes touch"},
+    {"speculative", Quantity::speculative, "number of contacts of the last step"},
+    {"asleep", Quantity::asleep, "number of bodies that sleep"},
+    {"tree_depth", Quantity::tree_depth, "levels of the tree of the broad phase; 0 without a tree"},
+    {"difference", Quantity::difference,
+     "largest distance of a body, minus `offset`, from the same body of another scene with the same "
+     "settings"},
+    {"separation_speed", Quantity::separation_speed,
+     "of two bodies that overlapped at the start; along z where their centres coincide"},
+    {"other_hash", Quantity::other_hash, "number of other runs that reach another state"},
+    {"found", Quantity::expected_finding, "the guards find what they must"},
 });
-std::string_view unit_of(Quantity quantity);  ///< "m"; empty for counts and ratios
+std::string_view unit_of(Quantity quantity);  ///< "m"; empty for a count or a share
+/// Further members of its term, as Markdown: "`axis`, `body`".
+std::string_view parameters_of(Quantity quantity);
 
 /// A condition that must hold at every measured state from `from` to `to`. NaN fails.
 struct Assertion {

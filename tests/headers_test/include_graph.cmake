@@ -67,6 +67,7 @@ folder(viewer NOT "cuda|nlohmann/|CLI/" MAY sim_cuda/* ui viewer/render/* viewer
 folder(headless/cli NOT "${drawing}" MAY sim_cuda/* "viewer/render/(draw_options|frame_layers|interop/display_path)[.]h")
 folder(headless/pictures NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/cli)
 folder(headless/reporting NOT "${windows}|CLI/" MAY sim_cuda/* ui headless/cli headless/pictures)
+folder(headless/markdown NOT "${windows}|CLI/" MAY sim_cuda/* headless/cli headless/reporting)
 folder(headless/accuracy NOT "${windows}|CLI/" MAY sim_cuda/* ui headless/cli headless/pictures headless/reporting)
 folder(headless/bench NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/cli headless/pictures headless/reporting)
 folder(headless/stability NOT "${windows}|CLI/" MAY sim_cuda/* headless/cli headless/reporting)

@@ -1,0 +1,116 @@
+#pragma once
+// The fields of the report that json_of() (report.h) makes: one table of path, unit and meaning. The path of
+// a member of an object has '.', that of a list's entries "[]", and '*' stands for any name.
+
+#include <array>
+#include <string_view>
+
+namespace collidoscope {
+
+struct ReportField {
+  std::string_view path;
+  std::string_view unit;
+  std::string_view meaning;  ///< Markdown
+};
+
+inline constexpr auto report_fields = std::to_array<ReportField>({
+    {"scene", "", "name of the scene"},
+    {"variant", "", "of the scene's generator; `null` without a generator"},
+    {"seed", "", "of the scene's generator; `null` without a generator"},
+    {"executor", "", "the executor used, `cpu` or `cuda`"},
+    {"device", "", "name of the executor's device"},
+    {"bodies", "", "number of bodies"},
+    {"blocks", "", "of the requested launch shape; 0 is auto"},
+    {"threads", "", "of the requested launch shape; 0 is auto"},
+    {"steps", "", "number of the last state"},
+    {"time_step", "s", "duration of a step"},
+    {"substeps", "", "of a step"},
+    {"iterations", "", "setting of the run"},
+    {"broad_phase", "", "name of the method"},
+    {"key_bits", "", "length of the method's Morton keys: 24, 30 or 63; `null` for a method without keys"},
+    {"solver", "", "setting of the run"},
+    {"integrator", "", "setting of the run"},
+    {"rotation_update", "", "setting of the run"},
+    {"precision", "", "setting of the run"},
+    {"effects", "", "list of the effects that are on"},
+    {"effect_reasons.*", "", "for each effect, why the scene needs it or why not"},
+    {"state_hash", "", "16 hexadecimal digits; equal exactly if all bodies are equal bit for bit"},
+    {"pairs.aabb", "",
+     "pairs of boxes that overlapped in the last step; with `soft_step` the boxes are swept along the step's "
+     "motion"},
+    {"pairs.contacts", "", "the same number as `pairs.touching`, under its older name"},
+    {"pairs.touching", "", "pairs whose shapes touch in the last state"},
+    {"pairs.speculative", "",
+     "contacts of the last step: pairs that touched at its start or that its motion could bring together. "
+     "With impulse: contacts of the last substep, without that margin"},
+    {"pairs.split_contacts", "",
+     "speculative contacts that graph colouring left over; they were solved by mass splitting"},
+    {"energy.initial", "J", "kinetic and potential energy of the first state"},
+    {"energy.final", "J", "kinetic and potential energy of the last state"},
+    {"energy.kinetic", "J", "of the last state"},
+    {"energy.potential", "J", "of the last state"},
+    {"energy.push_work", "J", "energy added by moving bodies back inside walls"},
+    {"momentum", "kg m/s", "[x, y, z] of the last state"},
+    {"angular_momentum", "kg m^2/s", "[x, y, z] of the last state, about the origin"},
+    {"max_penetration", "m", "deepest overlap in the last state"},
+    {"max_speed", "m/s", "speed of the fastest body"},
+    {"joints.count", "", "number of joints; this and the next three with joints only"},
+    {"joints.max_error", "m", "largest distance by which a joint is violated"},
+    {"joints.max_angle", "rad", "largest angle by which a joint is violated"},
+    {"joints.spring_energy", "J", "of all springs"},
+    {"sleep.asleep", "", "bodies that slept in the last step; this and the next three with sleeping only"},
+    {"sleep.awake", "", "bodies that were awake in the last step"},
+    {"sleep.islands", "", "number of islands"},
+    {"sleep.islands_asleep", "", "number of islands that sleep"},
+    {"guards.on_failure", "",
+     "what a failure does; `null` without guards. The members of `guards` stand in reports with guards or "
+     "frozen bodies only"},
+    {"guards.finding", "", "`null`, or an object: the last value found"},
+    {"guards.finding.stage", "", "stage after which it was found"},
+    {"guards.finding.step", "", "number of the step"},
+    {"guards.finding.substep", "", "number of the substep, from 1"},
+    {"guards.finding.body", "", "id"},
+    {"guards.finding.quantity", "", "such as `velocity`"},
+    {"guards.finding.value", "", "in `unit`; a value that is not finite is a word here"},
+    {"guards.finding.unit", "", "of the value"},
+    {"guards.finding.before", "", "true if the state before the step already held it"},
+    {"guards.frozen", "", "list of the ids of frozen bodies"},
+    {"failure", "", "why the run ended early; absent if it did not"},
+    {"non_finite", "", "number of bodies with a component that is not finite"},
+    {"escaped", "", "number of bodies whose centre is outside the box"},
+    {"wall_impulse", "N s", "sum of the magnitudes of the impulses on the walls since the start"},
+    {"wall_impulse_vector", "N s",
+     "[x, y, z]: sum of the impulses that walls gave to bodies since the start"},
+    {"residuals", "", "with --residuals only: list, one entry per sweep of the last step"},
+    {"residuals[].stage", "", "stage of the sweep"},
+    {"residuals[].substep", "", "number of the substep"},
+    {"residuals[].sweep", "", "number of the sweep; 0: before the first one"},
+    {"residuals[].contacts", "", "number of contacts that press"},
+    {"residuals[].rms", "m/s", "root mean square of their residual velocity"},
+    {"residuals[].max", "m/s", "largest residual velocity"},
+    {"stages", "", "list, one entry per stage of a step"},
+    {"stages[].name", "", "name of the stage"},
+    {"stages[].median_ms", "ms", "median time"},
+    {"stages[].p95_ms", "ms", "95th percentile"},
+    {"stages[].launches", "", "launches per step"},
+    {"stages[].own_shape", "",
+     "true if a library launches part of this stage in its own shape, not in (B, T)"},
+    {"stages[].launch", "",
+     "object: launch of the stage's kernel with the most items; `null` if no kernel of it uses (B, T)"},
+    {"stages[].launch.items", "", "number of items"},
+    {"stages[].launch.blocks", "", "number of blocks; on the CPU, of chunks"},
+    {"stages[].launch.threads", "", "threads of a block; on the CPU, threads that share the chunks"},
+    {"stages[].launch.chunk", "", "on the CPU: items in a chunk. This and the next are `null` elsewhere"},
+    {"stages[].launch.resident_blocks", "", "on CUDA: per multiprocessor"},
+    {"stages[].launch.multiprocessors", "", "on CUDA: of the device"},
+    {"stages[].launch.registers", "", "on CUDA: per thread"},
+    {"stages[].launch.shared_bytes", "bytes", "on CUDA: per block"},
+    {"stages[].launch.occupancy", "", "on CUDA: 0 to 1"},
+    {"stages[].launch.limit", "", "the reason why no more of it runs at once"},
+    {"step_median_ms", "ms", "of whole steps, measured without timers between stages"},
+    {"step_p95_ms", "ms", "95th percentile of the same"},
+    {"wall_seconds", "s", "clock time of all steps; `null` for `capture`"},
+    {"allocated_bytes", "bytes", "memory that the executor has allocated"},
+});
+
+}  // namespace collidoscope
