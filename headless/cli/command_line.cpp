@@ -263,23 +263,20 @@ CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& 
     if (!line.text.empty()) return line;
   } catch (const CLI::RequiredError&) {     // check_operands names the operand
   } catch (const CLI::ArgumentMismatch&) {  // the last flag lacks its value
-    faults.push_back(shown(arguments.back()) + ": its value is missing");
+    const std::string& flag = arguments.back();
+    faults.push_back(shown(flag.substr(0, flag.find('='))) + ": its value is missing");
     for (CLI::Option* option : selected.get_options())
       if (option->count() > 0 && !option->get_callback_run()) option->run_callback();
   }
   warn_of_old_names(selected, arguments);
-  std::vector<std::string> extra_operands;
   for (const std::string& extra : app.remaining(true)) {
     if (extra.size() < 2 || extra[0] != '-')
-      extra_operands.push_back(extra);
-    else if (extra != "--")
       faults.push_back(
-          fmt::format("{}: unknown flag; {} --help lists all flags", shown(extra), command.name));
+          fmt::format("{}: one argument too many; {} takes {}", shown(extra), command.name, command.usage()));
+    else if (extra != "--")
+      faults.push_back(fmt::format("{}: unknown flag; {} --help lists all", shown(extra), command.name));
   }
   check_operands(command, suites, line.operands, is_given(selected, "--load"), faults);
-  for (const std::string& extra : extra_operands)
-    faults.push_back(
-        fmt::format("{}: one argument too many; {} takes {}", shown(extra), command.name, command.usage()));
   take_suite(line, suites, faults);
   for (const Flag& flag : flags())
     if (is_given(selected, flag.name)) check_suite_flag(line, suites, flag, faults);
