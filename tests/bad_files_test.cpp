@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
         Reader{"CompareFirst", {"compare", "@", "#/a.png"}},
         Reader{"CompareSecond", {"compare", "#/a.png", "@"}},
         Reader{"StabilityCases", {"stability", "--cases", "@"}, true},
-        Reader{"StabilityFrom", {"stability", "--readme", "#/readme.md", "--from", "@"}},
+        Reader{"StabilityFrom", {"stability", "--write-table", "#/readme.md", "--from", "@"}},
         Reader{"ViewerScene", {"collidoscope", "@"}}, Reader{"ViewerLoad", {"collidoscope", "--load", "@"}},
         Reader{"ViewerCases", {"collidoscope", "--cases", "@"}, true}),
     [](const auto& each) { return each.param.name; });
@@ -156,8 +156,8 @@ TEST(BadReadme, IsRefusedWithALine) {
   for (const BadFile& bad : bad_files) {
     SCOPED_TRACE(bad.name);
     bad.make(readme);
-    const Outcome outcome =
-        run_headless({"stability", "--readme", readme, "--from", results}, Launch{.obey_permissions = true});
+    const Outcome outcome = run_headless({"stability", "--write-table", readme, "--from", results},
+                                         Launch{.obey_permissions = true});
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     EXPECT_EQ(lines_in(outcome.err), 1) << outcome.err;
     EXPECT_THAT(outcome.err, testing::StartsWith(readme + ": "));

@@ -330,7 +330,8 @@ TEST(Cli, HowItRunsChangesNoHash) {
   const std::string once = hash({});
   EXPECT_EQ(hash({}), once);
   EXPECT_EQ(hash({"--executor", "cpu", "--blocks", "3", "--threads", "37", "--cpu-threads", "2"}), once);
-  EXPECT_EQ(hash({"--executor", "cpu", "--lane-order", "shuffled", "--blocks", "2", "--threads", "4"}), once);
+  EXPECT_EQ(hash({"--executor", "cpu", "--cpu-item-order", "shuffled", "--blocks", "2", "--threads", "4"}),
+            once);
   EXPECT_EQ(hash({"--initial-pair-capacity", "1"}), once);
   EXPECT_EQ(hash({"--broad-phase", "brute_force"}), once);
   // The hash depends on the physics.
@@ -593,6 +594,30 @@ TEST(Cli, ASuiteRefusesFlagsThatItDoesNotRead) {
     EXPECT_THAT(outcome.err, testing::StartsWith(std::string(flag) + ": bench " + suite +
                                                  " does not take it; it takes --"));
   }
+}
+
+TEST(Cli, OldNamesOfFlagsAreAcceptedWithAWarning) {
+  const Outcome old =
+      run_headless({"run", "one_body", "--steps", "1", "--executor", "cpu", "--lane-order=strided"});
+  EXPECT_EQ(old.status, 0);
+  EXPECT_EQ(old.err, "--lane-order is now --cpu-item-order; the old name still works\n");
+  const std::string help = run_headless({"stability", "--help"}).out;
+  EXPECT_THAT(help, HasSubstr("--inject-faults "));
+  EXPECT_THAT(help, testing::Not(HasSubstr("--plant")));
+}
+
+TEST(Cli, AllFaultsAreReportedAtOnce) {
+  const Outcome outcome =
+      run_headless({"run", "gas", "extra", "--bodies", "-5", "--friction=nan", "--residuals=3", "--nope",
+                    "--seed", "1", "--seed", "2", "--json", "", "--steps"});
+  EXPECT_EQ(outcome.status, 2);
+  const std::vector<std::string> lines = lines_of(outcome.err);
+  EXPECT_EQ(lines.size(), 8u) << outcome.err;
+  for (const char* line :
+       {"--steps: its value is missing", "--bodies: -5 is not a whole number from 0 to 134217728",
+        "--residuals: takes no value; leave out 3", "--seed: given 2 times; once is enough",
+        "--json: '' is not the name of a file"})
+    EXPECT_THAT(lines, testing::Contains(line));
 }
 
 TEST(Cli, HelpOffersWhatTheCommandTakes) {

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
+#include "headless/cli/flag_value.h"
 #include "sim_cuda/core/error.h"
 
 namespace collidoscope {
@@ -14,7 +16,10 @@ namespace {
 Options read(const std::vector<std::pair<const char*, const char*>>& given) {
   Options options;
   std::vector<std::string> faults;
-  for (const auto& [flag, text] : given) read_flag(flag, text, options, faults);
+  for (const auto& [name, text] : given) {
+    FlagValue value(name, text, faults);
+    std::ranges::find(flags(), name, &Flag::name)->read(value, options);
+  }
   EXPECT_TRUE(faults.empty()) << faults[0];
   return options;
 }

@@ -107,7 +107,7 @@ TEST(StabilityPage, ListsAllCasesAndTheirLimits) {
     return lines;
   };
   EXPECT_THAT(lacking(listed_cases, cases), testing::IsEmpty())
-      << "stability --json FILE, then stability --readme assets/results/stability.md --from FILE";
+      << "stability --json FILE, then stability --write-table assets/results/stability.md --from FILE";
   EXPECT_THAT(lacking(cases, listed_cases), testing::IsEmpty()) << "cases that are no more";
   EXPECT_THAT(lacking(listed_limits, limits), testing::IsEmpty());
   EXPECT_THAT(lacking(limits, listed_limits), testing::IsEmpty()) << "limits that are no more";

@@ -47,7 +47,7 @@ TEST(Stability, TheQuickCasesHoldAndTheirFaultsShow) {
   EXPECT_THAT(outcome.out,
               HasSubstr(cuda_available() ? "18 trials of 4 cases on " : "19 trials of 4 cases on "));
   std::vector<std::string> injected = quick;
-  injected.emplace_back("--plant");
+  injected.emplace_back("--inject-faults");
   const Outcome faults = run_headless(injected);
   EXPECT_EQ(faults.status, 0) << faults.out << faults.err;
   EXPECT_THAT(faults.out, HasSubstr("each fails its term"));
@@ -87,7 +87,7 @@ TEST_F(StabilityCommand, SaysWhichFaultShowsNowhere) {
   write_case(R"("steps": 30, "assertions": [{"quantity": "speed", "at_most": 5.05}], "injected_faults": [
     {"fails": "speed", "step": 3, "body": 0, "velocity": [6, 0, 0]},
     {"fails": "speed", "step": 3, "body": 0, "velocity": [1, 0, 0]}])");
-  const Outcome outcome = stability({"--plant"});
+  const Outcome outcome = stability({"--inject-faults"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, HasSubstr("holds in spite of fault 2"));
   EXPECT_THAT(outcome.out, HasSubstr("2 faults planted: 1 show nowhere"));
@@ -99,10 +99,10 @@ TEST_F(StabilityCommand, RefusesWhatItCannotDo) {
   const std::vector<std::vector<std::string>> bad{{"fal"},
                                                   {"--jobs", "0"},
                                                   {"--cases", "nowhere"},
-                                                  {"--readme", "r.md"},
+                                                  {"--write-table", "r.md"},
                                                   {"--from", "a"},
-                                                  {"--plant", "--solver", "impulse"},
-                                                  {"--readme", "r", "--from", "a", "fall"}};
+                                                  {"--inject-faults", "--solver", "impulse"},
+                                                  {"--write-table", "r", "--from", "a", "fall"}};
   for (const std::vector<std::string>& arguments : bad) {
     const Outcome outcome = stability(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments[0];

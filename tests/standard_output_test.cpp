@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Arguments{"stability", "--help"}, run_one, joined(run_one, {"--json", "-"}), grade,
                     joined(grade, {"--json", "-"}), study, analytic, test_case,
                     joined(test_case, {"--json", "-"}),
-                    Arguments{"stability", "attractor_head_on", "--plant"}, suite("broad-phases"),
+                    Arguments{"stability", "attractor_head_on", "--inject-faults"}, suite("broad-phases"),
                     joined(suite("broad-phases"), {"--json", "-"}),
                     Arguments{"bench", "scaling", "box_collider", "--sizes", "10,20", "--methods",
                               "brute_force", "--repeats", "1"},

@@ -16,16 +16,15 @@ namespace {
 constexpr std::string_view of_sweeps = "--methods --variants --sizes --repeats --csv --markdown --plot";
 constexpr Suite every[] = {
     {"broad-phases", "each broad phase, over variants and numbers of bodies", of_sweeps, bench_broad_phases},
-    {"scaling", "how the time of each broad phase grows with N, fitted", of_sweeps, bench_scaling},
-    {"predictors", "which measure of a tree's quality predicts the time of its queries", of_sweeps,
-     bench_predictors},
-    {"paper", "the Tables 1 to 5 of the term project that this program carries on",
+    {"scaling", "fitted growth of the time of each broad phase with N", of_sweeps, bench_scaling},
+    {"predictors", "correlation of measures of tree quality with query time", of_sweeps, bench_predictors},
+    {"paper", "Tables 1 to 5 of the term project that preceded this program",
      "--sizes --repeats --csv --markdown --plot", bench_paper},
-    {"solvers", "our solvers and Bullet's on one pile: time, overlap, energy", "--repeats --csv --markdown",
-     bench_solvers},
-    {"effects", "that an effect which is off adds no launch and no buffer; and what one that is on costs",
+    {"solvers", "the solvers and Bullet's solver on one pile: time, overlap, energy",
+     "--repeats --csv --markdown", bench_solvers},
+    {"effects", "cost of each effect; a disabled effect must add no launch and no buffer",
      "--repeats --csv --markdown", bench_effects},
-    {"frames", "what a frame of the live view costs: simulate, publish, draw, panels",
+    {"frames", "time of a frame of the viewer: simulate, publish, draw, panels",
      "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
      "--sphere-method",
      bench_frames},

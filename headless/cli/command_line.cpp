@@ -4,9 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <limits>
+#include <memory>
 
 #include "headless/cli/flag_value.h"
 #include "sim_cuda/changes/changes.h"
@@ -17,28 +16,56 @@
 namespace collidoscope {
 namespace {
 
-struct CommandName {
+struct Operand {
   const char* name;
-  Command command;
-  const char* operands;
-  std::size_t least, most;  ///< operands
   const char* help;
+  bool required = true, many = false;
 };
-constexpr std::array<CommandName, 7> commands{
-    {{"run", Command::run, "SCENE", 1, 1, "step a scene and report what it cost; no pictures"},
-     {"capture", Command::capture, "SCENE", 1, 1, "step a scene and write pictures of its states"},
-     {"compare", Command::compare, "A.png B.png", 2, 2, "how different two pictures are"},
-     {"bvh", Command::bvh, "SCENE", 1, 1, "how good the hierarchy of each broad phase is"},
-     {"bench", Command::bench, "SUITE [SCENE]", 1, 2, "measure what things cost; a suite of measurements"},
-     {"accuracy", Command::accuracy, "[SCENE]", 0, 1,
-      "what accuracy costs: error over time; without a scene, cases in closed form"},
-     {"stability", Command::stability, "[CASE...]", 0, std::numeric_limits<std::size_t>::max(),
-      "what must hold of hard cases, with each solver in each precision"}}};
+constexpr Operand scene{"SCENE", "a file, or a name from assets/scenes or assets/scenes/analytic"};
+constexpr Operand optional_scene{scene.name, scene.help, false};
+struct CommandInfo {
+  std::string name;
+  Command command;
+  const char* help;
+  std::vector<Operand> operands;
+
+  /// Such as "SUITE [SCENE]".
+  std::string usage() const {
+    std::vector<std::string> names;
+    for (const Operand& one : operands) {
+      const std::string name = fmt::format("{}{}", one.name, one.many ? "..." : "");
+      names.push_back(one.required ? name : "[" + name + "]");
+    }
+    return fmt::format("{}", fmt::join(names, " "));
+  }
+};
+
+const std::vector<CommandInfo>& commands() {
+  static const std::vector<CommandInfo> every{
+      {"run", Command::run, "simulate a scene and report state and cost, without pictures", {scene}},
+      {"capture", Command::capture, "simulate a scene and write pictures of its states", {scene}},
+      {"compare",
+       Command::compare,
+       "measure the difference of two pictures",
+       {{"A.png", "first picture"}, {"B.png", "second picture"}}},
+      {"bvh", Command::bvh, "measure the quality of the tree of each broad phase", {scene}},
+      {"bench",
+       Command::bench,
+       "run a suite of measurements",
+       {{"SUITE", "one of those below"}, optional_scene}},
+      {"accuracy",
+       Command::accuracy,
+       "convergence study: error versus run time; without a scene, of cases with closed-form solutions",
+       {optional_scene}},
+      {"stability",
+       Command::stability,
+       "stress-test suite over all solvers and precisions",
+       {{"CASE", "name of a case [all]", false, true}}}};
+  return every;
+}
 
 constexpr const char* exit_codes =
-    "Exit status: 0 done, 1 a check failed, 2 bad input, 3 something that the machine lacks.";
-
-constexpr CommandName viewer{"collidoscope", Command::view, "[SCENE]", 0, 1, "the window"};
+    "Exit status: 0 success, 1 failed check, 2 bad input, 3 missing hardware, memory or display.";
 
 std::string suite_names(std::span<const Suite> suites) {
   std::vector<std::string_view> names;
@@ -46,69 +73,127 @@ std::string suite_names(std::span<const Suite> suites) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string program_help() {
-  std::string text = "collidoscope-headless COMMAND ...: Collidoscope without a window.\n\n";
-  for (const CommandName& one : commands)
-    text += fmt::format("  {:<24}{}\n", fmt::format("{} {}", one.name, one.operands), one.help);
-  return text +
-         "\nA SCENE is a file, or the bare name of one in assets/scenes or assets/scenes/analytic,\n"
-         "such as box_collider.\n"
-         "COMMAND --help lists a command's flags; --version names the version.\n"
-         "help --markdown [TOPIC] prints a reference table of the documents.\n" +
-         exit_codes;
+std::string suite_list(std::span<const Suite> suites) {
+  std::string text = "Suites:\n";
+  for (const Suite& suite : suites) text += fmt::format("  {:<28}{}\n", suite.name, suite.help);
+  return text + '\n';
 }
 
-/// compare writes JSON to stdout alone; capture, whose stdout lists its pictures, to a file alone.
+/// compare writes JSON only to stdout, capture only to a file: its stdout lists the pictures.
 Flag as_taken_by(Command command, Flag flag) {
   if (flag.name != "--json") return flag;
-  if (command == Command::compare) flag.value = "-", flag.help = "the report as JSON, alone on stdout";
+  if (command == Command::compare) flag.value = "-", flag.help = "the report as JSON on stdout";
   if (command == Command::capture) flag.value = "FILE", flag.help = "the report as JSON";
   return flag;
 }
 
-std::string command_help(const CommandName& command, std::span<const Suite> suites) {
-  std::string text = fmt::format("{}{} {} [FLAGS]: {}.\n\n",
-                                 command.command == Command::view ? "" : "collidoscope-headless ",
-                                 command.name, command.operands, command.help);
-  if (command.command == Command::bench) {
-    for (const Suite& suite : suites) text += fmt::format("  {:<30}{}\n", suite.name, suite.help);
-    text += '\n';
+/// Omits the old names of flags.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() {
+    column_width(30);
+    label("OPTIONS", "FLAGS");
+    label("SUBCOMMAND", "COMMAND ...");
+    label("Positionals", "Operands");
+    label("REQUIRED", "");
   }
-  for (const Flag& every : flags()) {
-    if (!(every.commands & bit(command.command))) continue;
-    const Flag flag = as_taken_by(command.command, every);
-    text += fmt::format("  {:<30}{}\n", fmt::format("{} {}", flag.name, flag.value), flag.help);
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    return option->get_lnames().size() > 1 ? option->get_name()
+                                           : CLI::Formatter::make_option_name(option, positional);
   }
-  return text + "\n" + exit_codes;
+};
+
+void set_up(CLI::App& app) {
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this help and exit");
+  app.footer(exit_codes);
+  app.allow_extras();
 }
 
-CommandLine answer(std::string text) {
-  CommandLine line;
-  line.text = std::move(text);
-  return line;
+/// Help of the selected command, else of the program.
+std::string help_of(const CLI::App& app) {
+  std::string text = app.help();
+  // CLI11 separates groups by two blank lines.
+  for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
+  while (text.ends_with('\n')) text.pop_back();
+  return text;
 }
 
-/// CLI11's own words for a flag at the end of the line that lacks its value, in ours.
-std::string missing_value(const std::string& words) {
-  const std::size_t colon = words.find(':');
-  return words.starts_with("--") && colon != std::string::npos
-             ? words.substr(0, colon) + ": its value is missing"
-             : shown(words);
+/// Returns the text that --help or --version requests, else "". Throws CLI::ParseError.
+std::string parse(CLI::App& app, const std::vector<std::string>& arguments) {
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    return "";
+  } catch (const CLI::CallForHelp&) {
+    return help_of(app);
+  } catch (const CLI::CallForVersion& version) {
+    return version.what();
+  } catch (const CLI::ConversionError& error) {  // of --version=x
+    throw InputError(shown(error.what()));
+  }
 }
 
-void check_operands(const CommandName& command, std::span<const Suite> suites,
+/// Adds the operands and flags of a command. The parser fills `line` and adds faults; it does not throw for
+/// a value, so that all faults of a command line are reported at once.
+void add_arguments(CLI::App& app, const CommandInfo& command, CommandLine& line,
+                   std::vector<std::string>& faults) {
+  for (const Operand& operand : command.operands) {
+    const auto take = [&line](const CLI::results_t& texts) {
+      line.operands.insert(line.operands.end(), texts.begin(), texts.end());
+      return true;
+    };
+    CLI::Option* option = app.add_option(operand.name, take, operand.help)->required(operand.required);
+    if (operand.many) option->expected(-1)->take_all();
+  }
+  for (const Flag& flag : flags()) {
+    if (!(flag.commands & bit(command.command))) continue;
+    std::string names = flag.name;
+    for (const RenamedFlag& renamed : renamed_flags)
+      if (renamed.name == flag.name) names += fmt::format(",{}", renamed.old_name);
+    const auto take = [&](const CLI::results_t& texts) {
+      if (texts.size() > 1 && !flag.value.empty() && !flag.again) {
+        faults.push_back(fmt::format("{}: given {} times; once is enough", flag.name, texts.size()));
+        return true;
+      }
+      for (const std::string& text : texts) {
+        FlagValue value(flag.name, text, faults);
+        flag.read(value, line.options);
+      }
+      return true;
+    };
+    const Flag shown_flag = as_taken_by(command.command, flag);
+    CLI::Option* option = app.add_option(names, take, shown_flag.help)->take_all()->group(flag.group);
+    if (flag.value.empty())
+      option->expected(0);
+    else
+      option->option_text(shown_flag.value);
+  }
+}
+
+bool is_given(const CLI::App& app, std::string_view flag) {
+  const CLI::Option* option = app.get_option_no_throw(std::string(flag));
+  return option != nullptr && option->count() > 0;
+}
+
+void warn_of_old_names(const CLI::App& app, const std::vector<std::string>& arguments) {
+  for (const auto& [old_name, name] : renamed_flags) {
+    const auto is_old = [&](const std::string& text) { return text.substr(0, text.find('=')) == old_name; };
+    if (is_given(app, name) && std::ranges::any_of(arguments, is_old))
+      fmt::print(stderr, "{} is now {}; the old name still works\n", old_name, name);
+  }
+}
+
+void check_operands(const CommandInfo& command, std::span<const Suite> suites,
                     const std::vector<std::string>& operands, bool loads, std::vector<std::string>& faults) {
+  const auto required = std::ranges::count_if(command.operands, &Operand::required);
+  const auto missing = required - std::ssize(operands);
   if (command.command == Command::bench && operands.empty())
     faults.push_back(fmt::format("bench: a suite is missing; there are {}", suite_names(suites)));
   else if (loads && !operands.empty())
     faults.push_back(fmt::format("--load: a snapshot has its own scene; leave out {}", shown(operands[0])));
-  else if (!loads && operands.size() < command.least)
+  else if (!loads && missing > 0)
     faults.push_back(fmt::format("{}: {} missing: {} {}", command.name,
-                                 command.least - operands.size() > 1 ? "two files are" : "a file is",
-                                 command.name, command.operands));
-  for (std::size_t extra = command.most; extra < operands.size(); ++extra)
-    faults.push_back(fmt::format("{}: one argument too many; {} takes {}", shown(operands[extra]),
-                                 command.name, command.operands));
+                                 missing > 1 ? "two files are" : "a file is", command.name, command.usage()));
 }
 
 /// The first operand of bench is its suite, and its scene is the Box Collider unless it says otherwise.
@@ -116,7 +201,7 @@ void take_suite(CommandLine& line, std::span<const Suite> suites, std::vector<st
   if (line.command != Command::bench || line.operands.empty()) return;
   line.suite = line.operands[0];
   line.operands.erase(line.operands.begin());
-  if (std::ranges::find(suites, line.suite, [](const Suite& one) { return one.name; }) == suites.end())
+  if (std::ranges::find(suites, line.suite, &Suite::name) == suites.end())
     faults.push_back(
         fmt::format("bench: {} is no suite; there are {}", shown(line.suite), suite_names(suites)));
   if (line.operands.empty()) line.operands.emplace_back("box_collider");
@@ -125,7 +210,7 @@ void take_suite(CommandLine& line, std::span<const Suite> suites, std::vector<st
 /// A flag that the suite does not read would be ignored.
 void check_suite_flag(const CommandLine& line, std::span<const Suite> suites, const Flag& flag,
                       std::vector<std::string>& faults) {
-  const auto suite = std::ranges::find(suites, line.suite, [](const Suite& one) { return one.name; });
+  const auto suite = std::ranges::find(suites, line.suite, &Suite::name);
   if (suite == suites.end() || (flag.commands & bit(Command::run))) return;
   const std::string padded = fmt::format(" {} ", suite->flags);
   if (padded.find(fmt::format(" {} ", flag.name)) == std::string::npos)
@@ -133,7 +218,7 @@ void check_suite_flag(const CommandLine& line, std::span<const Suite> suites, co
         fmt::format("{}: bench {} does not take it; it takes {}", flag.name, suite->name, suite->flags));
 }
 
-void check_files(const CommandLine& line, std::vector<std::string>& faults) {
+void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::string>& faults) {
   const Options& options = line.options;
   if (line.command == Command::compare && !options.json.empty() && options.json != "-")
     faults.push_back(fmt::format("--json: {} is not -, all that compare takes", shown(options.json)));
@@ -158,67 +243,44 @@ void check_files(const CommandLine& line, std::vector<std::string>& faults) {
       faults.insert(faults.end(), error.lines().begin(), error.lines().end());
     }
   }
-  add("--json", options.json == "-" ? "" : options.json);
-  add("--dump-bodies", options.dump_bodies);
-  add("--dump-dynamics", options.dump_dynamics);
-  add("--energy-trace", options.energy_trace);
-  add("--csv", options.bench.csv);
-  add("--markdown", options.bench.markdown);
-  add("--plot", options.bench.plot);
-  add("--automation", options.view.automation);
-  if (options.save != options.load) add("--load", options.load);  // going on in one file is no loss
-  add("--changes", options.changes);
-  add("--save", options.save);
+  for (const Flag& flag : flags())
+    if (flag.value.starts_with("FILE") && is_given(app, flag.name) &&
+        !(flag.name == "--load" && options.save == options.load))  // the run can replace its snapshot
+      add(flag.name, app.get_option(flag.name)->results()[0]);
 }
 
-/// The arguments that follow the command.
-CommandLine parse_arguments(const CommandName& command, const std::vector<std::string>& arguments,
-                            std::span<const Suite> suites) {
+/// `app` is the whole program and `selected` the part that is the command.
+CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& command,
+                          const std::vector<std::string>& arguments, std::span<const Suite> suites) {
   CommandLine line;
   line.command = command.command;
   if (line.command == Command::bench) line.options.capture.height = 720;
   if (line.command == Command::accuracy) line.options.bench.repeats = 3;
-
-  CLI::App app;
-  app.allow_extras();
-  std::vector<std::pair<const Flag*, CLI::Option*>> taken;
-  for (const Flag& flag : flags()) {
-    if (!(flag.commands & bit(line.command))) continue;
-    CLI::Option* option = flag.value.empty() ? app.add_flag(flag.name) : app.add_option(flag.name);
-    if (!flag.value.empty())
-      option->take_all();  // twice is a fault of ours, not an exception that hides the others
-    taken.emplace_back(&flag, option);
-  }
-
   std::vector<std::string> faults;
+  add_arguments(selected, command, line, faults);
   try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-  } catch (const CLI::CallForHelp&) {
-    return answer(command_help(command, suites));
-  } catch (const CLI::ParseError& error) {
-    faults.push_back(missing_value(error.what()));
+    line.text = parse(app, arguments);
+    if (!line.text.empty()) return line;
+  } catch (const CLI::RequiredError&) {     // check_operands names the operand
+  } catch (const CLI::ArgumentMismatch&) {  // the last flag lacks its value
+    const std::string& flag = arguments.back();
+    faults.push_back(shown(flag.substr(0, flag.find('='))) + ": its value is missing");
+    for (CLI::Option* option : selected.get_options())
+      if (option->count() > 0 && !option->get_callback_run()) option->run_callback();
   }
-  for (const auto& [flag, option] : taken) {
-    if (option->count() > 1 && !flag->value.empty() && !flag->again)
-      faults.push_back(fmt::format("{}: given {} times; once is enough", flag->name, option->count()));
-    else if (option->count() > 0)
-      for (std::size_t k = 0; k < (flag->again ? option->count() : 1); ++k)
-        read_flag(flag->name, option->results().at(k), line.options, faults);
-  }
-  for (const std::string& extra : app.remaining()) {
+  warn_of_old_names(selected, arguments);
+  for (const std::string& extra : app.remaining(true)) {
     if (extra.size() < 2 || extra[0] != '-')
-      line.operands.push_back(extra);
-    else if (extra != "--")
       faults.push_back(
-          fmt::format("{}: unknown flag; {} --help lists those there are", shown(extra), command.name));
+          fmt::format("{}: one argument too many; {} takes {}", shown(extra), command.name, command.usage()));
+    else if (extra != "--")
+      faults.push_back(fmt::format("{}: unknown flag; {} --help lists all", shown(extra), command.name));
   }
-  const bool loads = std::ranges::any_of(
-      taken, [](const auto& one) { return one.first->name == "--load" && one.second->count() > 0; });
-  check_operands(command, suites, line.operands, loads, faults);
+  check_operands(command, suites, line.operands, is_given(selected, "--load"), faults);
   take_suite(line, suites, faults);
-  for (const auto& [flag, option] : taken)
-    if (option->count() > 0) check_suite_flag(line, suites, *flag, faults);
-  check_files(line, faults);
+  for (const Flag& flag : flags())
+    if (is_given(selected, flag.name)) check_suite_flag(line, suites, flag, faults);
+  check_files(selected, line, faults);
   if (!faults.empty()) throw InputError(faults);
   return line;
 }
@@ -226,21 +288,33 @@ CommandLine parse_arguments(const CommandName& command, const std::vector<std::s
 }  // namespace
 
 CommandLine parse_command_line(const std::vector<std::string>& arguments, std::span<const Suite> suites) {
+  CLI::App app("Collidoscope without a window.", "collidoscope-headless");
+  set_up(app);
+  app.set_version_flag("--version", "collidoscope-headless " COLLIDOSCOPE_VERSION,
+                       "print the version and exit");
+  app.require_subcommand(0, 1);
+  for (const CommandInfo& command : commands()) app.add_subcommand(command.name, command.help);
+  app.get_subcommand("bench")->footer(suite_list(suites) + exit_codes);
   const std::string first = arguments.empty() ? "" : arguments[0];
-  if (first == "--help" || first == "-h" || first == "help") return answer(program_help());
-  if (first == "--version") return answer("collidoscope-headless " COLLIDOSCOPE_VERSION);
-  const auto* command = std::ranges::find(commands, first, [](const CommandName& one) { return one.name; });
-  if (command == commands.end())
+  const auto command = std::ranges::find(commands(), first, &CommandInfo::name);
+  if (command != commands().end())
+    return parse_command(app, *app.get_subcommand(first), *command, arguments, suites);
+  CommandLine answer;
+  answer.text = first == "help" ? help_of(app) : parse(app, {first});
+  if (answer.text.empty())
     throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
                      "; there are run, capture, compare, bvh, bench, accuracy and stability, and --help");
-  return parse_arguments(*command, {std::next(arguments.begin()), arguments.end()}, suites);
+  return answer;
 }
 
 CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
-  if (std::ranges::find(arguments, "--version") != arguments.end())
-    return answer("collidoscope " COLLIDOSCOPE_VERSION);
-  CommandLine line = parse_arguments(viewer, arguments, {});
-  if (line.operands.empty() && line.options.load.empty()) line.operands.emplace_back("box_collider");
+  const CommandInfo viewer{"collidoscope", Command::view, "The window.", {optional_scene}};
+  CLI::App app("Collidoscope in a window.", viewer.name);
+  set_up(app);
+  app.set_version_flag("--version", "collidoscope " COLLIDOSCOPE_VERSION, "print the version and exit");
+  CommandLine line = parse_command(app, app, viewer, arguments, {});
+  if (line.text.empty() && line.operands.empty() && line.options.load.empty())
+    line.operands.emplace_back("box_collider");
   return line;
 }
 

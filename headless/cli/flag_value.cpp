@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -49,30 +50,32 @@ std::optional<double> FlagValue::number(double min, double max, std::string_view
   return std::nullopt;
 }
 
-std::optional<Vector3d> FlagValue::vector(double limit, std::string_view unit) {
-  Vector3d result;
-  std::string_view rest = text_;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t comma = rest.find(',');
-    const auto number = parse<double>(rest.substr(0, comma));
-    const bool more = comma != std::string_view::npos;
-    if (!number || !(std::abs(*number) <= limit) || more != (axis < 2)) {
-      refuse(fmt::format("x,y,z: three numbers from {} to {} {}", -limit, limit, unit));
-      return std::nullopt;
-    }
-    result[axis] = *number;
-    if (more) rest.remove_prefix(comma + 1);
+std::vector<FlagValue> FlagValue::parts() const {
+  std::vector<FlagValue> all;
+  for (std::size_t from = 0, comma = 0; comma != std::string_view::npos; from = comma + 1) {
+    comma = text_.find(',', from);
+    all.push_back(part(text_.substr(from, comma - from)));
   }
-  return result;
+  return all;
+}
+
+std::optional<Vector3d> FlagValue::vector(double limit, std::string_view unit) {
+  Vector3d result = Vector3d::Zero();
+  const std::vector<FlagValue> components = parts();
+  bool good = components.size() == 3;
+  for (int axis = 0; good && axis < 3; ++axis) {
+    const auto number = parse<double>(components[axis].text());
+    good = number && std::abs(*number) <= limit;
+    if (good) result[axis] = *number;
+  }
+  if (good) return result;
+  refuse(fmt::format("x,y,z: three numbers from {} to {} {}", -limit, limit, unit));
+  return std::nullopt;
 }
 
 std::optional<std::string> FlagValue::word(std::span<const std::string> words) {
-  std::vector<std::string_view> known;
-  for (const std::string& one : words) {
-    if (one == text_) return one;
-    known.push_back(one);
-  }
-  unknown(known);
+  if (std::ranges::find(words, text_) != words.end()) return std::string(text_);
+  unknown(std::vector<std::string_view>(words.begin(), words.end()));
   return std::nullopt;
 }
 

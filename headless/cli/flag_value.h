@@ -28,10 +28,16 @@ class FlagValue {
   std::string_view text() const { return text_; }
   /// Part of the text, as a value of the same flag.
   FlagValue part(std::string_view text) const { return FlagValue(flag_, text, *faults_); }
+  /// The parts between the commas.
+  std::vector<FlagValue> parts() const;
   /// Adds the line `flag: text is not <right>`.
   void refuse(std::string_view right);
   /// Adds the line `flag: what`.
   void fault(std::string_view what);
+  /// Adds lines that begin with the flag.
+  void add(std::span<const std::string> lines) {
+    faults_->insert(faults_->end(), lines.begin(), lines.end());
+  }
 
   /// A whole number in decimal, min to max inclusive. `or_word`: how the fault names a word that the caller
   /// has taken already, such as " or auto".

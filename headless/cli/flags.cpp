@@ -1,329 +1,355 @@
-// The flags of the command line: what each is called, what --help says of it, and how its text is read.
-// More than 400 lines: the table of all flags.
+// The table of all flags of the command line. Templates bind each flag to a member of Options.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
 
 #include "headless/cli/flag_value.h"
 #include "headless/cli/options.h"
-#include "headless/cli/setting_flags.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/settings.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
 namespace {
 
-constexpr std::string_view or_auto = ", or auto";
-constexpr std::int64_t max_int = std::numeric_limits<int>::max();
-
-/// One flag being read: its text, and where the value or the faults go.
-struct FlagReading {
-  FlagValue value;
-  Options& options;
-  std::vector<std::string>& faults;
-};
-
-std::optional<int> read_count(FlagValue& value, std::int64_t min, std::int64_t max,
-                              std::string_view or_word = "") {
-  const auto number = value.whole(min, max, or_word);
-  return number ? std::optional(static_cast<int>(*number)) : std::nullopt;
-}
-
-void read_count_or_auto(FlagValue& value, std::int64_t max, int& count) {
-  if (value.text() == "auto") {
-    count = 0;
-  } else if (const auto number = value.whole(1, max, or_auto)) {
-    count = static_cast<int>(*number);
-  }
-}
-
-void read_guards(FlagValue& value, Overrides& overrides) {
-  if (value.text() == "off")
-    overrides.guards = std::optional<OnFailure>{};
-  else if (const auto on_failure = value_of(on_failure_names, value.text()))
-    overrides.guards = std::optional<OnFailure>{*on_failure};
-  else
-    value.refuse("pause, freeze or off");
-}
-
-void read_path(FlagValue& value, std::string& path) {
-  if (value.text().empty() || value.text().find('\0') != std::string_view::npos)
-    value.refuse("the name of a file");
-  else
-    path = value.text();
-}
-
-/// Reads each part of a comma-separated list.
-template <class Read>
-void for_each_part(FlagReading& in, Read read) {
-  std::string_view rest = in.value.text();
-  for (bool more = true; more;) {
-    const std::size_t comma = rest.find(',');
-    FlagValue part(in.value.flag(), rest.substr(0, comma), in.faults);
-    read(part);
-    more = comma != std::string_view::npos;
-    if (more) rest.remove_prefix(comma + 1);
-  }
-}
-
-/// Some readers throw their faults.
-template <class Read>
-void collect(std::vector<std::string>& faults, Read read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    faults.insert(faults.end(), error.lines().begin(), error.lines().end());
-  }
-}
-
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
 constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench), grading = bit(Command::bvh);
-constexpr unsigned studying = bit(Command::accuracy), breaking = bit(Command::stability);
+constexpr unsigned studying = bit(Command::accuracy), testing = bit(Command::stability);
 constexpr unsigned drawing = capturing | viewing | benching,
                    stepping = running | drawing | grading | studying;
 constexpr unsigned guarding = running | capturing | viewing;
 constexpr unsigned reporting =
-    running | capturing | benching | grading | studying | breaking | bit(Command::compare);
+    running | capturing | benching | grading | studying | testing | bit(Command::compare);
 
-struct PlainFlag {
-  const char *name, *value, *help;
-  unsigned commands;
-  bool again = false;
-};
-struct Reader {
-  PlainFlag flag;
-  void (*read)(FlagReading& in);
-};
+/// S, or 1/n.
+std::optional<TimeStep> parse_time_step(FlagValue& value) {
+  if (!value.text().starts_with("1/")) {
+    const auto seconds = value.number(limits::min_time_step, limits::max_time_step, "s", ", or 1/n");
+    return seconds ? std::optional(TimeStep(*seconds)) : std::nullopt;
+  }
+  FlagValue rate = value.part(value.text().substr(2));
+  const auto n = rate.whole(1, limits::max_steps_per_second);
+  return n ? std::optional(TimeStep::per_second(static_cast<int>(*n))) : std::nullopt;
+}
 
-/// All but those of settings.
-constexpr Reader readers[] = {
-    {{"--guards", "NAME", "pause, freeze or off: what happens where a step goes wrong", guarding},
-     [](FlagReading& in) { read_guards(in.value, in.options.overrides); }},
-    {{"--break", "LIST",
-      "such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped: where it stops",
-      running | viewing},
-     [](FlagReading& in) {
-       collect(in.faults, [&] { in.options.breaks = parse_break_conditions(std::string(in.value.text())); });
-     }},
+/// auto, none, or a list of names with commas.
+std::optional<std::optional<Effects>> parse_effects(FlagValue& value) {
+  if (value.text() == "auto") return std::optional<Effects>{};
+  Effects effects;
+  if (value.text() == "none") return std::optional{effects};
+  for (const FlagValue& part : value.parts()) {
+    const auto* known = std::ranges::find(effect_names, part.text(), &EffectName::name);
+    if (known == effect_names.end()) {
+      value.refuse(fmt::format("auto, none, or a list of {}", fmt::join(names_in(effect_names), ",")));
+      return std::nullopt;
+    }
+    effects.*(known->flag) = true;
+  }
+  return std::optional{effects};
+}
 
-    {{"--allow-large", nullptr, "steps may take all memory that is available, not only 80 % of it",
-      stepping | breaking},
-     [](FlagReading& in) { in.options.run.allow_large = true; }},
-    {{"--steps", "K", "steps to run [300; bvh: 0]; the viewer pauses at this state",
-      running | viewing | grading},
-     [](FlagReading& in) {
-       const auto n = in.value.whole(0, 1'000'000'000);
-       if (n) in.options.steps = *n;
-       in.options.view.pause_at = n;
-     }},
-    {{"--json", "FILE|-", "the report as JSON; with -, alone on stdout", reporting},
-     [](FlagReading& in) { read_path(in.value, in.options.json); }},
-    {{"--dump-bodies", "FILE", "CSV: the state of every body at the end", running},
-     [](FlagReading& in) { read_path(in.value, in.options.dump_bodies); }},
-    {{"--dump-dynamics", "FILE", "CSV: mass, X, R, P, L, inverse inertia, F, T of every body at the end",
-      running},
-     [](FlagReading& in) { read_path(in.value, in.options.dump_dynamics); }},
-    {{"--energy-trace", "FILE", "CSV: energies, pairs and penetration at every state", running},
-     [](FlagReading& in) { read_path(in.value, in.options.energy_trace); }},
-    {{"--residuals", nullptr, "what each sweep of the last step's solver left, in the report", running},
-     [](FlagReading& in) { in.options.residuals = true; }},
+/// "impulse, soft_step or jacobi_split: contact solver".
+template <auto member>
+std::string help_of_flag(const Field<member>& setting) {
+  using Value = typename Field<member>::Value;
+  std::string help(setting.help);
+  if constexpr (std::is_same_v<Value, TimeStep>) {
+    help += " in seconds, or 1/n";
+  } else if constexpr (std::is_same_v<Value, std::optional<Effects>>) {
+    help += "; none; or a list such as gravity,rotation";
+  } else {
+    if (setting.automatic != Auto::none && help.find("auto") == std::string::npos) help += ", or auto";
+  }
+  if (!setting.choices.empty()) help = either_of(choice_names(setting)) + ": " + help;
+  if (!setting.unit.empty() && setting.unit != "bytes" && setting.unit != "s")
+    help = std::string(setting.unit) + ": " + help;
+  return help;
+}
 
-    {{"--save", "FILE", "a snapshot of the run at its end, from which --load goes on", running},
-     [](FlagReading& in) { read_path(in.value, in.options.save); }},
-    {{"--load", "FILE", "goes on from a snapshot, in place of a SCENE", running | capturing | viewing},
-     [](FlagReading& in) { read_path(in.value, in.options.load); }},
-    {{"--changes", "FILE", "what is changed on the way: settings, bodies added and removed", running},
-     [](FlagReading& in) { read_path(in.value, in.options.changes); }},
+/// The value of a setting's flag; unset if it has a fault, which `value` has noted.
+template <auto member>
+std::optional<typename Field<member>::Value> parse_setting(FlagValue& value, const Field<member>& setting) {
+  using Value = typename Field<member>::Value;
+  if constexpr (std::is_same_v<Value, TimeStep>) {
+    return parse_time_step(value);
+  } else if constexpr (std::is_same_v<Value, std::optional<Effects>>) {
+    return parse_effects(value);
+  } else if constexpr (std::is_enum_v<Value>) {
+    return value.one_of(setting.choices);
+  } else if constexpr (std::is_same_v<Value, Vector3d>) {
+    return value.vector(setting.high, setting.unit);
+  } else if constexpr (std::is_same_v<Value, std::uint64_t>) {
+    return value.whole_u64();
+  } else if constexpr (std::is_same_v<Value, std::string>) {
+    return value.word(setting.words());
+  } else {
+    if constexpr (std::is_same_v<Value, int>)
+      if (!setting.choices.empty()) return value.one_of(setting.choices);
+    const bool has_auto = setting.automatic != Auto::none;
+    if (has_auto && value.text() == "auto") return Value{};
+    const std::string_view or_word = has_auto ? ", or auto" : "";
+    const auto number = [&] {
+      if constexpr (std::is_same_v<Value, double> || std::is_same_v<Value, std::optional<double>>)
+        return value.number(setting.low, setting.high, setting.unit, or_word);
+      else
+        return value.whole(static_cast<std::int64_t>(setting.low), static_cast<std::int64_t>(setting.high),
+                           or_word);
+    }();
+    using Number = std::conditional_t<std::is_same_v<Value, std::optional<int>>, int, Value>;
+    return number ? std::optional<Value>(static_cast<Number>(*number)) : std::nullopt;
+  }
+}
 
-    {{"--states", "LIST",
-      "states to draw, counted from the run's state 0 [the first, and 30 and 60 steps after it]", capturing},
-     [](FlagReading& in) {
-       collect(in.faults, [&] { in.options.capture.states = parse_states(std::string(in.value.text())); });
-     }},
-    {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", drawing},
-     [](FlagReading& in) {
-       collect(in.faults, [&] {
-         const FrameLayers before = in.options.capture.layers;
-         FrameLayers& layers = in.options.capture.layers;
-         layers = parse_layers(std::string(in.value.text()));
-         layers.color = before.color;
-         layers.box_color = before.box_color;
-         layers.box_low = before.box_low;
-         layers.box_high = before.box_high;
-       });
-     }},
-    {{"--color", "NAME",
-      "speed, radius, id, contacts, order, depth, visits, sleep or error: what colours the bodies", drawing},
-     [](FlagReading& in) {
-       collect(in.faults,
-               [&] { in.options.capture.layers.color = parse_body_color(std::string(in.value.text())); });
-     }},
-    {{"--box-color", "NAME", "level, sah, overlap, empty or visits: what colours the boxes", drawing},
-     [](FlagReading& in) {
-       collect(in.faults,
-               [&] { in.options.capture.layers.box_color = parse_box_color(std::string(in.value.text())); });
-     }},
-    {{"--box-range", "LOW,HIGH", "values of the boxes that are drawn, by what colours them; HIGH may be inf",
-      drawing},
-     [](FlagReading& in) {
-       collect(in.faults, [&] { parse_box_range(std::string(in.value.text()), in.options.capture.layers); });
-     }},
-    {{"--size", "WxH", "pixels of a picture", drawing},
-     [](FlagReading& in) {
-       collect(in.faults, [&] { parse_size(std::string(in.value.text()), in.options.capture); });
-     }},
-    {{"--out", "DIR", "where pictures go [captures]", capturing},
-     [](FlagReading& in) { read_path(in.value, in.options.capture.out); }},
-    {{"--display-path", "NAME", "auto, interop, copy or upload: how data reach the picture", drawing},
-     [](FlagReading& in) {
-       collect(in.faults,
-               [&] { in.options.capture.display_path = parse_display_path(std::string(in.value.text())); });
-     }},
-    {{"--quality", "NAME", "full, quick or auto: ambient occlusion and soft shadows, or neither", drawing},
-     [](FlagReading& in) {
-       collect(in.faults,
-               [&] { in.options.capture.draw.light = parse_quality(std::string(in.value.text())); });
-     }},
-    {{"--supersample", "K", "K x K samples for each pixel of the 3D view, 1 to 4, or auto", drawing},
-     [](FlagReading& in) {
-       in.options.capture.draw.supersampling.reset();
-       if (in.value.text() != "auto")
-         in.options.capture.draw.supersampling = read_count(in.value, 1, 4, or_auto);
-     }},
-    {{"--sphere-method", "NAME", "auto, quads or compute: what draws spheres; the picture is the same",
-      drawing},
-     [](FlagReading& in) {
-       collect(in.faults,
-               [&] { in.options.capture.draw.spheres = parse_sphere_method(std::string(in.value.text())); });
-     }},
-    {{"--timings", nullptr, "draw stage times too; such pictures differ from run to run", capturing},
-     [](FlagReading& in) { in.options.capture.timings = true; }},
+/// Flag::read of a setting.
+template <auto member>
+void read_setting(FlagValue& value, Options& options) {
+  auto parsed = parse_setting(value, field_of<member>);
+  if constexpr (is_physical(Field<member>{})) {
+    options.overrides.settings.get<member>() = std::move(parsed);
+  } else if (parsed) {
+    if constexpr (std::is_same_v<typename Field<member>::Owner, LaunchShape>)
+      options.run.shape.*member = *parsed;
+    else
+      options.run.*member = *parsed;
+  }
+}
 
-    {{"--frames", "K", "frames to measure [300], after some that warm up", benching},
-     [](FlagReading& in) {
-       if (const auto n = in.value.whole(1, 1'000'000)) in.options.frames = *n;
-     }},
+// Paths to members of Options.
+constexpr auto run = &Options::run;
+constexpr auto capture = &Options::capture;
+constexpr auto draw = &CaptureRequest::draw;
+constexpr auto layers = &CaptureRequest::layers;
+constexpr auto bench = &Options::bench;
+constexpr auto stability = &Options::stability;
 
-    {{"--methods", "LIST", "broad phases to compare, comma-separated [all]", benching | grading},
-     [](FlagReading& in) {
-       in.options.bench.methods.clear();
-       for_each_part(in, [&](FlagValue& part) {
-         static const std::vector<std::string> known = broad_phase_names();
-         if (const auto name = part.word(known)) in.options.bench.methods.push_back(*name);
-       });
-     }},
-    {{"--variants", "LIST",
-      "variants of the Box Collider to compare, and mixed, log_normal, clusters; comma-separated", benching},
-     [](FlagReading& in) {
-       in.options.bench.variants.clear();
-       for_each_part(in, [&](FlagValue& part) {
-         static const std::vector<std::string> known = compared_scenes();
-         if (const auto variant = part.word(known)) in.options.bench.variants.push_back(*variant);
-       });
-     }},
-    {{"--sizes", "LIST", "numbers of bodies to compare, comma-separated", benching},
-     [](FlagReading& in) {
-       in.options.bench.sizes.clear();
-       for_each_part(in, [&](FlagValue& part) {
-         if (const auto n = part.whole(1, limits::max_bodies)) in.options.bench.sizes.push_back(*n);
-       });
-     }},
-    {{"--repeats", "K", "how often each thing is timed [50; accuracy: 3; paper: 20, or what 2 s allow]",
-      benching | grading | studying},
-     [](FlagReading& in) {
-       if (const auto n = in.value.whole(1, 1'000'000)) {
-         in.options.bench.repeats = *n;
-         in.options.bench.repeats_given = true;
-       }
-     }},
-    {{"--csv", "FILE", "the rows of a suite as CSV", benching | studying},
-     [](FlagReading& in) { read_path(in.value, in.options.bench.csv); }},
-    {{"--markdown", "FILE", "the rows of a suite as a table in Markdown", benching | studying},
-     [](FlagReading& in) { read_path(in.value, in.options.bench.markdown); }},
+template <auto... path>
+auto& member(Options& options) {
+  return (options.*....*path);
+}
 
-    {{"--plot", "FILE.png", "a chart of the suite", benching | studying},
-     [](FlagReading& in) { read_path(in.value, in.options.bench.plot); }},
+/// A flag without a value.
+template <auto... path>
+void on(FlagValue& value, Options& options) {
+  if (value.text() == "true")
+    member<path...>(options) = true;
+  else
+    value.fault("takes no value; leave out " + shown(value.text()));
+}
 
-    {{"--tolerance", "E", "m: names the cheapest setting whose error is no larger; 1 if there is none",
-      studying},
-     [](FlagReading& in) {
-       in.options.accuracy.tolerance = in.value.number(limits::min_tolerance, limits::max_tolerance, "m");
-     }},
-    {{"--seconds", "T", "simulated seconds to compare at most, 2 steps or more [60 steps, and at least 2 s]",
-      studying},
-     [](FlagReading& in) {
-       if (const auto seconds = in.value.number(1e-6, 1e6, "s")) in.options.accuracy.seconds = *seconds;
-     }},
+/// The name of a file or of a folder.
+void file_name(FlagValue& value, std::string& name) {
+  if (value.text().empty() || value.text().find('\0') != std::string_view::npos)
+    value.refuse("the name of a file");
+  else
+    name = value.text();
+}
+template <auto... path>
+void file(FlagValue& value, Options& options) {
+  file_name(value, member<path...>(options));
+}
 
-    {{"--long", nullptr, "the long variants of the cases that have one", breaking},
-     [](FlagReading& in) { in.options.stability.extended = true; }},
-    {{"--plant", nullptr, "in place of the trials: faults, each of which must fail its criterion", breaking},
-     [](FlagReading& in) { in.options.stability.plant = true; }},
-    {{"--jobs", "K", "trials side by side, or auto: one for each core", breaking},
-     [](FlagReading& in) { read_count_or_auto(in.value, 1024, in.options.stability.jobs); }},
-    {{"--cases", "DIR", "a folder of cases [assets/scenes/hard]", breaking | viewing},
-     [](FlagReading& in) { read_path(in.value, in.options.stability.cases); }},
-    {{"--save-failures", "DIR", "snapshots, from which --load goes on to what failed", breaking},
-     [](FlagReading& in) { read_path(in.value, in.options.stability.save_failures); }},
-    {{"--readme", "FILE", "in place of the trials: writes the table of stability in FILE anew", breaking},
-     [](FlagReading& in) { read_path(in.value, in.options.stability.readme); }},
-    {{"--from", "FILE", "of --readme: what --json wrote; once for each machine", breaking, true},
-     [](FlagReading& in) { read_path(in.value, in.options.stability.from.emplace_back()); }},
+template <std::int64_t min, std::int64_t max, auto... path>
+void whole(FlagValue& value, Options& options) {
+  if (const auto number = value.whole(min, max)) member<path...>(options) = *number;
+}
 
-    {{"--reset-ui", nullptr, "panels, layers and theme as on the first day", viewing},
-     [](FlagReading& in) { in.options.view.reset_ui = true; }},
-    {{"--automation", "FILE", "a line of JSON for each frame: state, and where each widget is", viewing},
-     [](FlagReading& in) { read_path(in.value, in.options.view.automation); }},
-};
+/// "auto" is an unset optional, or 0.
+template <int max, auto... path>
+void whole_or_auto(FlagValue& value, Options& options) {
+  auto& number = member<path...>(options);
+  if (value.text() == "auto")
+    number = {};
+  else if (const auto given = value.whole(1, max, ", or auto"))
+    number = static_cast<int>(*given);
+}
+
+/// For functions that throw faults, which begin with the flag.
+template <auto parse, auto... path>
+void parsed(FlagValue& value, Options& options) try {
+  const std::string text(value.text()), flag(value.flag());
+  auto& target = member<path...>(options);
+  if constexpr (std::is_invocable_v<decltype(parse), const std::string&, decltype(target),
+                                    const std::string&>)
+    parse(text, target, flag);
+  else if constexpr (std::is_invocable_v<decltype(parse), const std::string&, const std::string&>)
+    target = parse(text, flag);
+  else
+    target = parse(text);
+} catch (const InputError& error) {
+  value.add(error.lines());
+}
+
+/// A list with commas.
+template <auto read_part, auto... path>
+void list(FlagValue& value, Options& options) {
+  auto& parts = member<path...>(options);
+  parts.clear();
+  for (FlagValue& part : value.parts())
+    if (const auto read = read_part(part)) parts.push_back(*read);
+}
+template <std::vector<std::string> (*words)()>
+std::optional<std::string> word(FlagValue& value) {
+  static const std::vector<std::string> known = words();
+  return value.word(known);
+}
+std::optional<std::int64_t> body_count(FlagValue& value) { return value.whole(1, limits::max_bodies); }
+
+void guards(FlagValue& value, Options& options) {
+  if (value.text() == "off")
+    options.overrides.guards = std::optional<OnFailure>{};
+  else if (const auto on_failure = value_of(on_failure_names, value.text()))
+    options.overrides.guards = std::optional<OnFailure>{*on_failure};
+  else
+    value.refuse("pause, freeze or off");
+}
+
+void steps(FlagValue& value, Options& options) {
+  const auto number = value.whole(0, 1'000'000'000);
+  if (number) options.steps = number;
+  options.view.pause_at = number;
+}
+
+/// The colours and the range of boxes have flags of their own.
+void layer_list(FlagValue& value, Options& options) {
+  FrameLayers& chosen = options.capture.layers;
+  const FrameLayers before = chosen;
+  parsed<parse_layers, capture, layers>(value, options);
+  chosen.color = before.color;
+  chosen.box_color = before.box_color;
+  chosen.box_low = before.box_low;
+  chosen.box_high = before.box_high;
+}
+
+void repeats(FlagValue& value, Options& options) {
+  whole<1, 1'000'000, bench, &BenchRequest::repeats>(value, options);
+  options.bench.repeats_given = true;
+}
+
+std::vector<Flag> all_flags() {
+  std::vector<Flag> all;
+  for_each_setting([&]<auto member>(const Field<member>& setting) {
+    if (!is_physical(setting) || setting.live != Live::never)  // the others are in scene files only
+      all.push_back({flag_name(setting.name), std::string(setting.placeholder), help_of_flag(setting),
+                     read_setting<member>, false, is_physical(setting) ? "Simulation" : "Execution",
+                     setting.for_stability ? stepping | testing : stepping});
+  });
+  const auto add = [&](const char* group, unsigned commands, std::vector<Flag> rows) {
+    for (Flag& row : rows) row.group = group, row.commands = commands;
+    std::ranges::move(rows, std::back_inserter(all));
+  };
+  add("Simulation", guarding,
+      {{"--guards", "NAME", "pause, freeze or off: reaction to a failed step", guards}});
+  add("Simulation", running | viewing,
+      {{"--break", "LIST", "stop at non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped",
+        parsed<parse_break_conditions, &Options::breaks>}});
+  add("Simulation", running | viewing | grading,
+      {{"--steps", "K", "number of steps [300; bvh: 0]; the viewer pauses at this state", steps}});
+  add("Execution", stepping | testing,
+      {{"--allow-large", "", "allow steps to use all available memory (default: 80 %)",
+        on<run, &RunOptions::allow_large>}});
+  add("Output", reporting,
+      {{"--json", "FILE|-", "the report as JSON; -: on stdout, without other text", file<&Options::json>}});
+  add("Output", running,
+      {{"--dump-bodies", "FILE", "CSV: state of all bodies at the end", file<&Options::dump_bodies>},
+       {"--dump-dynamics", "FILE", "CSV: mass, X, R, P, L, inverse inertia, F, T of all bodies at the end",
+        file<&Options::dump_dynamics>},
+       {"--energy-trace", "FILE", "CSV: energies, pairs, penetration", file<&Options::energy_trace>},
+       {"--residuals", "", "residual of each solver iteration of the last step", on<&Options::residuals>}});
+  add("Output", benching | studying,
+      {{"--csv", "FILE", "the rows as CSV", file<bench, &BenchRequest::csv>},
+       {"--markdown", "FILE", "the rows as a Markdown table", file<bench, &BenchRequest::markdown>},
+       {"--plot", "FILE.png", "a chart of the rows", file<bench, &BenchRequest::plot>}});
+  add("Pictures", capturing,
+      {{"--states", "LIST", "states to draw; 0 is the start [the first, and 30 and 60 steps later]",
+        parsed<parse_states, capture, &CaptureRequest::states>},
+       {"--out", "DIR", "folder of the pictures [captures]", file<capture, &CaptureRequest::out>},
+       {"--timings", "", "draw stage times; they differ between runs",
+        on<capture, &CaptureRequest::timings>}});
+  add("Pictures", drawing,
+      {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", layer_list},
+       {"--color", "NAME", "of bodies: speed, radius, id, contacts, order, depth, visits, sleep or error",
+        parsed<parse_body_color, capture, layers, &FrameLayers::color>},
+       {"--box-color", "NAME", "of boxes: level, sah, overlap, empty or visits",
+        parsed<parse_box_color, capture, layers, &FrameLayers::box_color>},
+       {"--box-range", "LOW,HIGH", "draw boxes with a value of --box-color in this range; HIGH may be inf",
+        parsed<parse_box_range, capture, layers>},
+       {"--size", "WxH", "width and height of a picture in pixels", parsed<parse_size, capture>},
+       {"--display-path", "NAME", "auto, interop, copy or upload: transfer of simulation data to OpenGL",
+        parsed<parse_display_path, capture, &CaptureRequest::display_path>},
+       {"--quality", "NAME", "full, quick or auto; quick has no ambient occlusion and hard shadows",
+        parsed<parse_quality, capture, draw, &DrawRequest::light>},
+       {"--supersample", "K", "K x K samples for each pixel of the 3D view, 1 to 4, or auto",
+        whole_or_auto<4, capture, draw, &DrawRequest::supersampling>},
+       {"--sphere-method", "NAME", "auto, quads or compute: drawing method of spheres; same pixels",
+        parsed<parse_sphere_method, capture, draw, &DrawRequest::spheres>}});
+  add("Benchmarks", benching,
+      {{"--frames", "K", "measured frames, after a warm-up [300]", whole<1, 1'000'000, &Options::frames>},
+       {"--variants", "LIST", "variants of the Box Collider, and mixed, log_normal or clusters, with commas",
+        list<&word<compared_scenes>, bench, &BenchRequest::variants>},
+       {"--sizes", "LIST", "numbers of bodies, with commas", list<body_count, bench, &BenchRequest::sizes>}});
+  add("Benchmarks", benching | grading,
+      {{"--methods", "LIST", "broad phases, with commas [all]",
+        list<&word<broad_phase_names>, bench, &BenchRequest::methods>}});
+  add("Benchmarks", benching | grading | studying,
+      {{"--repeats", "K", "repetitions of each measurement [50; accuracy: 3; paper: 20, at most 2 s]",
+        repeats}});
+  add("Accuracy study", studying,
+      {{"--tolerance", "E", "m: report the cheapest setting within this error; exit status 1 without one",
+        [](FlagValue& value, Options& options) {
+          options.accuracy.tolerance = value.number(limits::min_tolerance, limits::max_tolerance, "m");
+        }},
+       {"--seconds", "T", "maximum simulated seconds, at least 2 steps [60 steps, and at least 2 s]",
+        [](FlagValue& value, Options& options) {
+          options.accuracy.seconds = value.number(1e-6, 1e6, "s").value_or(0);
+        }}});
+  add("Stability tests", testing,
+      {{"--extended", "", "run the long variants of the cases", on<stability, &StabilityOptions::extended>},
+       {"--inject-faults", "", "run the injected-fault self-tests instead of the test cases",
+        on<stability, &StabilityOptions::inject_faults>},
+       {"--jobs", "K", "number of parallel trials; auto: one for each core",
+        whole_or_auto<1024, stability, &StabilityOptions::jobs>},
+       {"--save-failures", "DIR", "folder for snapshots before each failure, for --load",
+        file<stability, &StabilityOptions::save_failures>},
+       {"--write-table", "FILE", "write the table of results into FILE instead of running cases",
+        file<stability, &StabilityOptions::write_table>},
+       {"--from", "FILE", "JSON report for --write-table; once for each machine",
+        [](FlagValue& value, Options& options) { file_name(value, options.stability.from.emplace_back()); },
+        true}});
+  add("Stability tests", testing | viewing,
+      {{"--cases", "DIR", "folder of the cases [assets/scenes/hard]",
+        file<stability, &StabilityOptions::cases>}});
+  add("Window", viewing,
+      {{"--reset-ui", "", "reset panels, layers and theme to their defaults",
+        on<&Options::view, &ViewRequest::reset_ui>},
+       {"--automation", "FILE", "write one JSON line for each frame: state, positions of widgets",
+        file<&Options::view, &ViewRequest::automation>}});
+  add("Snapshots and changes", running | capturing | viewing,
+      {{"--load", "FILE", "continue from a snapshot; replaces SCENE", file<&Options::load>}});
+  add("Snapshots and changes", running,
+      {{"--changes", "FILE", "changes of settings and bodies during the run", file<&Options::changes>},
+       {"--save", "FILE", "write a snapshot of the last state, for --load", file<&Options::save>}});
+  return all;
+}
 
 }  // namespace
 
 std::string flag_name(std::string_view setting) {
   std::string name = "--" + std::string(setting);
   std::ranges::replace(name, '_', '-');
+  for (const RenamedFlag& renamed : renamed_flags)
+    if (name == renamed.old_name) return std::string(renamed.name);
   return name;
 }
 
 std::span<const Flag> flags() {
-  static const std::vector<Flag> every = [] {
-    std::vector<Flag> list;
-    for_each_setting([&](const auto& setting) {
-      if (has_flag(setting))
-        list.push_back({flag_name(setting.name), std::string(setting.placeholder), help_of_flag(setting),
-                        setting.for_stability ? stepping | breaking : stepping});
-    });
-    for (const auto& [flag, read] : readers)
-      list.push_back({flag.name, flag.value ? flag.value : "", flag.help, flag.commands, flag.again});
-    return list;
-  }();
-  return every;
-}
-
-void read_flag(std::string_view flag, std::string_view text, Options& options,
-               std::vector<std::string>& faults) {
-  FlagReading in{FlagValue(flag, text, faults), options, faults};
-  for_each_setting([&]<auto member>(const Field<member>& setting) {
-    if (!has_flag(setting) || flag != flag_name(setting.name)) return;
-    auto value = parse_setting(in.value, setting);
-    if constexpr (is_physical(Field<member>{})) {
-      options.overrides.settings.get<member>() = std::move(value);
-    } else if (value) {
-      using Owner = typename Field<member>::Owner;
-      if constexpr (std::is_same_v<Owner, LaunchShape>)
-        options.run.shape.*member = *value;
-      else
-        options.run.*member = *value;
-    }
-  });
-  for (const Reader& reader : readers)
-    if (flag == reader.flag.name) reader.read(in);
+  static const std::vector<Flag> all = all_flags();
+  return all;
 }
 
 }  // namespace collidoscope

@@ -1,6 +1,6 @@
 #pragma once
 // What a command line asks for: where and how a scene runs, what of the scene it overrides, and what is
-// written where. Plain data, filled by read_flag(), one flag at a time.
+// written where. Plain data, filled by Flag::read(), one flag at a time.
 
 #include <cstdint>
 #include <optional>
@@ -53,10 +53,10 @@ struct AccuracyOptions {
 struct StabilityOptions {
   std::string cases;              ///< folder; empty: assets/scenes/hard
   bool extended = false;          ///< the long variants
-  bool plant = false;             ///< faults that must fail their criteria, in place of the trials
+  bool inject_faults = false;     ///< faults that must fail their criteria, in place of the trials
   int jobs = 0;                   ///< trials side by side; 0: one for each core
   std::string save_failures;      ///< folder of snapshots, or empty
-  std::string readme;             ///< file whose table is written anew, or empty
+  std::string write_table;        ///< file whose table is written anew, or empty
   std::vector<std::string> from;  ///< files of --json that the table is made of
 };
 
@@ -82,22 +82,32 @@ struct Options {
   std::int64_t steps_or(std::int64_t otherwise) const { return steps.value_or(otherwise); }
 };
 
-/// A flag of the command line, for --help and for the parser.
+class FlagValue;
+/// A flag of the command line: its help, and how its text is read into the member it is bound to.
 struct Flag {
   std::string name;
-  std::string value;  ///< stands for its value in --help; empty: it takes none
+  std::string value;  ///< placeholder of the value in --help; empty: the flag takes no value
   std::string help;
-  unsigned commands;   ///< bit() of each command that takes it
-  bool again = false;  ///< whether it may be given more than once
+  /// Reads one text ("true" if the flag takes no value), or adds faults to `value`.
+  void (*read)(FlagValue& value, Options& options);
+  bool again = false;      ///< the flag can be given more than once
+  std::string group = {};  ///< heading in --help
+  unsigned commands = 0;   ///< bit() of each command that takes the flag
 };
 constexpr unsigned bit(Command command) { return 1u << static_cast<unsigned>(command); }
+/// All flags of all commands.
 std::span<const Flag> flags();
 /// "--time-step" of "time_step".
 std::string flag_name(std::string_view setting);
 
-/// Reads one flag's text into `options`, or adds lines to `faults`. `flag` is the name of one of flags().
-void read_flag(std::string_view flag, std::string_view text, Options& options,
-               std::vector<std::string>& faults);
+struct RenamedFlag {
+  std::string_view old_name, name;
+};
+/// The parser still accepts the old names, with a warning. --help does not list them.
+inline constexpr RenamedFlag renamed_flags[] = {{"--long", "--extended"},
+                                                {"--plant", "--inject-faults"},
+                                                {"--readme", "--write-table"},
+                                                {"--lane-order", "--cpu-item-order"}};
 
 /// Replaces what the overrides name, then validates the whole. Throws InputError: faults of a value that came
 /// from a flag begin with the flag, others with `file` and the path in the scene.

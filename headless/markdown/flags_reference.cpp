@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "headless/cli/options.h"
-#include "headless/cli/setting_flags.h"
 #include "headless/markdown/field_cells.h"
 #include "headless/markdown/reference_pages.h"
 

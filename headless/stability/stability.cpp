@@ -29,15 +29,16 @@ void check_flags(const Options& options, const std::vector<std::string>& cases) 
   std::vector<std::string> faults;
   const StabilityOptions& stability = options.stability;
   const SettingsPatch& chosen = options.overrides.settings;
-  if (stability.readme.empty() != stability.from.empty())
-    faults.emplace_back(stability.from.empty() ? "--readme: --from FILE is missing, what --json wrote"
-                                               : "--from: is of --readme FILE, which is missing");
-  if (!stability.readme.empty() && (!cases.empty() || stability.plant || !options.json.empty()))
-    faults.emplace_back("--readme: runs no trials; leave out cases, --plant and --json");
-  if (stability.plant && (chosen.has<&Physics::solver>() || chosen.has<&Physics::precision>() ||
-                          !stability.save_failures.empty()))
+  if (stability.write_table.empty() != stability.from.empty())
+    faults.emplace_back(stability.from.empty() ? "--write-table: --from FILE is missing, a report of --json"
+                                               : "--from: needs --write-table FILE");
+  if (!stability.write_table.empty() && (!cases.empty() || stability.inject_faults || !options.json.empty()))
+    faults.emplace_back("--write-table: runs no trials; leave out cases, --inject-faults and --json");
+  if (stability.inject_faults && (chosen.has<&Physics::solver>() || chosen.has<&Physics::precision>() ||
+                                  !stability.save_failures.empty()))
     faults.emplace_back(
-        "--plant: faults run with the solver and in the precision of their scenes; leave out --solver, "
+        "--inject-faults: faults run with the solver and in the precision of their scenes; leave out "
+        "--solver, "
         "--precision and --save-failures");
   if (!faults.empty()) throw InputError(faults);
 }
@@ -166,8 +167,8 @@ int run_injected_faults(const CommandLine& line, const std::vector<HardCase>& ca
 int stability_command(const CommandLine& line) {
   const StabilityOptions& asked = line.options.stability;
   check_flags(line.options, line.operands);
-  if (!asked.readme.empty()) {
-    rewrite_readme(asked.readme, asked.from);
+  if (!asked.write_table.empty()) {
+    rewrite_readme(asked.write_table, asked.from);
     return 0;
   }
   const RunOptions options = on_one_thread(line.options.run, executor_of(line.options.run));
@@ -177,7 +178,7 @@ int stability_command(const CommandLine& line) {
     for (const std::string& warning : one.criterion.warnings) fmt::print(stderr, "{}\n", warning);
   if (!line.options.json.empty() && line.options.json != "-") OutputFile("--json", line.options.json);
   if (!asked.save_failures.empty()) ensure_writable_folder("--save-failures", asked.save_failures);
-  return asked.plant ? run_injected_faults(line, cases, options) : run_suite(line, cases, options);
+  return asked.inject_faults ? run_injected_faults(line, cases, options) : run_suite(line, cases, options);
 }
 
 }  // namespace collidoscope

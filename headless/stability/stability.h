@@ -1,7 +1,7 @@
 #pragma once
 // The command `stability [CASE...]`: runs the hard cases (sim_cuda/stability/hard_case.h) with every solver
-// in both precisions. --plant runs the injected faults, each of which must fail its assertion. --readme
-// writes the table from the files of other runs.
+// in both precisions. --inject-faults runs the injected faults, each of which must fail its assertion.
+// --write-table writes the table from the files of other runs.
 
 #include "headless/cli/command_line.h"
 

@@ -186,7 +186,7 @@ void rewrite_readme(const std::string& readme, const std::vector<std::string>& f
   const std::string table = stability_markdown(runs);
   const std::string text =
       with_stability(read_text_file(readme, most_bytes, "the page of Markdown"), readme, table);
-  OutputFile output("--readme", readme);
+  OutputFile output("--write-table", readme);
   output.write(text);
   output.commit();
 }
