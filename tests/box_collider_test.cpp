@@ -12,6 +12,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/philox.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/scene/settings_patch.h"
 
 namespace collidoscope {
 namespace {
@@ -76,6 +77,46 @@ TEST(BoxCollider, EqualRadiusHasTheMeanVolume) {
   EXPECT_NEAR(volume / 200'000, std::pow(equal_radius(5), 3), 0.2);  // standard error 0.08
   for (const double r : spawned({.count = 10, .variant = Variant::equal}).radius)
     EXPECT_EQ(r, equal_radius(5));
+}
+
+TEST(BoxCollider, MostlySmallRadiiFillAsMuchOfTheBox) {
+  BoxCollider small{.count = 200'000, .radii = Radii::mostly_small, .variant = Variant::scaled};
+  Scene scene;
+  scene.box = Box{};
+  scene.generators = {small};
+  const InitialBodies bodies = initial_bodies(scene);
+  const double side = scaled_side(small.count, small.radius_max, small.radii);
+  double volume = 0;
+  std::size_t below_a_fifth = 0;
+  for (const double r : bodies.radius) {
+    volume += 4 * std::numbers::pi / 3 * r * r * r;
+    below_a_fifth += r < small.radius_max / 5;
+    EXPECT_GE(r, small.radius_max / 16);
+    EXPECT_LE(r, small.radius_max);
+  }
+  EXPECT_NEAR(volume / (side * side * side), scaled_fill, 0.003);
+  EXPECT_NEAR(static_cast<double>(below_a_fifth) / 200'000, std::cbrt((16.0 / 5 - 1) / 15), 0.005);
+  EXPECT_NEAR(equal_radius(5, Radii::mostly_small), 5 * std::cbrt(0.10893), 1e-4);
+}
+
+// The whole change besides the physics above is a member and a row of the table of settings.
+TEST(BoxCollider, RadiiAreASettingOfFilesFlagsAndChanges) {
+  const Scene read = parse_scene(
+      R"({"format": "collidoscope-scene", "version": 1, "box": {},
+          "generators": [{"kind": "box_collider", "count": 4, "radii": "mostly_small"}]})",
+      "s");
+  EXPECT_EQ(read.generators[0].radii, Radii::mostly_small);
+  EXPECT_THAT(write_scene(read), testing::HasSubstr(R"("radii": "mostly_small")"));
+  SettingsPatch patch;
+  patch.set<&BoxCollider::radii>(Radii::uniform);
+  Scene changed = read;
+  apply(patch, changed);
+  EXPECT_EQ(initial_bodies(changed).radius,
+            initial_bodies(parse_scene(
+                               R"({"format": "collidoscope-scene", "version": 1, "box": {},
+          "generators": [{"kind": "box_collider", "count": 4}]})",
+                               "s"))
+                .radius);
 }
 
 TEST(BoxCollider, DrawsFollowTheFormula) {

@@ -125,20 +125,29 @@ double newton_cube_root(double x) {
   return y;
 }
 
-double scaled_side(std::int64_t count, double radius_max) {
-  const double mean_volume = std::numbers::pi / 3 * (radius_max * radius_max * radius_max);
+/// Mean of (r / radius_max)^3. With v uniform in (0, 1], r / radius_max is v, or (1 + 15 v^3) / 16.
+constexpr double mean_cube(Radii radii) {
+  constexpr double a = 1.0 / 16, b = 15.0 / 16;
+  return radii == Radii::uniform ? 0.25 : a * a * a + 3 * a * a * b / 4 + 3 * a * b * b / 7 + b * b * b / 10;
+}
+
+double scaled_side(std::int64_t count, double radius_max, Radii radii) {
+  const double mean_volume =
+      4 * mean_cube(radii) * (std::numbers::pi / 3 * (radius_max * radius_max * radius_max));
   const double side = newton_cube_root(static_cast<double>(count) * mean_volume / scaled_fill);
   return static_cast<float>(std::max(100.0, side));
 }
 
-float equal_radius(double radius_max) {
+float equal_radius(double radius_max, Radii radii) {
+  if (radii == Radii::mostly_small)
+    return static_cast<float>(radius_max * newton_cube_root(mean_cube(radii)));
   // The mean of r^3 for r uniform in (0, R] is R^3 / 4. A sphere of radius R cuberoot(1/4) therefore has the
   // mean volume. cuberoot(1/4) = 2^(-2/3) = 0.62996052494743658...
   return static_cast<float>(radius_max) * 0.62996052494743658f;
 }
 
 double largest_radius(const BoxCollider& generator) {
-  return generator.variant == Variant::equal ? equal_radius(generator.radius_max)
+  return generator.variant == Variant::equal ? equal_radius(generator.radius_max, generator.radii)
                                              : static_cast<float>(generator.radius_max);
 }
 
@@ -146,7 +155,7 @@ std::optional<Box> box_in_effect(const Scene& scene) {
   std::optional<Box> box = scene.box;
   for (const BoxCollider& generator : scene.generators) {
     if (generator.variant == Variant::paper || !box) continue;
-    const double side = scaled_side(generator.count, generator.radius_max);
+    const double side = scaled_side(generator.count, generator.radius_max, generator.radii);
     box->max = box->min + Vector3d(side, side, side);
   }
   return box;
@@ -195,8 +204,11 @@ void append_box_collider(const BoxCollider& generator, const Box& box, const std
     look_now_and_then(cancellation, i);
     const auto id = static_cast<std::uint32_t>(i - first);
     const PhiloxWords r = philox4x32({{id, 0, 0, 0}}, key);
-    const float radius = generator.variant == Variant::equal ? equal_radius(generator.radius_max)
-                                                             : radius_max * (1 - unit_float(r.w[0]));
+    const float fraction = 1 - unit_float(r.w[0]);
+    const float radius =
+        generator.variant == Variant::equal ? equal_radius(generator.radius_max, generator.radii)
+        : generator.radii == Radii::uniform ? radius_max * fraction
+                                            : radius_max * ((1 + 15 * (fraction * fraction * fraction)) / 16);
     const float margin = generator.spawn == Spawn::centres ? 0 : radius;
     bodies.radius[i] = radius;
     bodies.position[i] = walls.place(margin, r.w[1], r.w[2], r.w[3]);

@@ -4,9 +4,9 @@
 // count from 0 within the generator. A uniform number is u = (word >> 8) / 2^24 in [0, 1).
 // Body i is therefore the same for every N, except in variants whose box grows with N.
 //
-//   stream 0: word 0 -> radius = radius_max (1 - u); words 1, 2, 3 -> position, one u per axis
-//   stream 1: words 0, 1, 2 -> velocity component = speed_max (2 u - 1)
-//   stream 2, 3, ...: words 0, 1, 2 -> further candidate positions; only `apart` uses them
+//   stream 0: word 0 -> radius = radius_max (1 - u), or radius_max (1 + 15 (1 - u)^3) / 16; words 1, 2, 3 ->
+//   position, one u per axis stream 1: words 0, 1, 2 -> velocity component = speed_max (2 u - 1) stream 2, 3,
+//   ...: words 0, 1, 2 -> further candidate positions; only `apart` uses them
 //
 // `apart` places the largest sphere first. Only there does a start position depend on the other bodies.
 // Values are computed in float and widened, so float and double runs start from the same state.
@@ -28,10 +28,12 @@ double newton_cube_root(double x);
 /// Side in metres of the cube of the variants `scaled` and `equal` for `count` spheres.
 /// Equals max(100, cuberoot(count m / 0.3)), rounded to float. m = pi/3 radius_max^3 is the mean volume of a
 /// sphere with a radius uniform in (0, radius_max] (130.9 m^3 for 5 m).
-double scaled_side(std::int64_t count, double radius_max);
+/// With `mostly_small` radii, m is 0.436 times that.
+double scaled_side(std::int64_t count, double radius_max, Radii radii = Radii::uniform);
 
-/// Radius of all spheres in `equal`: radius_max cuberoot(1/4). Its volume is the mean volume m above.
-float equal_radius(double radius_max);
+/// Radius of all spheres in `equal`: its volume is the mean volume m above. radius_max cuberoot(1/4) for
+/// `uniform`.
+float equal_radius(double radius_max, Radii radii = Radii::uniform);
 
 /// Upper bound in metres of the radii of this generator.
 double largest_radius(const BoxCollider& generator);

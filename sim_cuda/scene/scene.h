@@ -84,6 +84,13 @@ inline constexpr std::array<Named<Variant>, 4> variant_names{
      {"settled", Variant::settled, "as scaled, simulated to rest before state 0; needs gravity"},
      {"equal", Variant::equal, "as scaled, with one radius"}}};
 
+/// Distribution of the radii of generated spheres.
+enum class Radii { uniform, mostly_small };
+inline constexpr std::array<Named<Radii>, 2> radii_names{
+    {{"uniform", Radii::uniform, "uniform in (0, radius_max]"},
+     {"mostly_small", Radii::mostly_small,
+      "from radius_max/16 to radius_max, half of them below radius_max/5"}}};
+
 /// Allowed start positions of generated spheres.
 enum class Spawn { inside, centres, apart };
 inline constexpr std::array<Named<Spawn>, 3> spawn_names{
@@ -96,6 +103,7 @@ inline constexpr std::array<Named<Spawn>, 3> spawn_names{
 struct BoxCollider {
   std::int64_t count = 2000;  ///< number of bodies, 0 to 2^27
   double radius_max = 5;      ///< m, 1e-3 to 1e9
+  Radii radii = Radii::uniform;
   Variant variant = Variant::paper;
   Spawn spawn = Spawn::inside;
   std::uint64_t seed = 1;

@@ -141,12 +141,25 @@ inline constexpr auto generator_settings = std::tuple{
                                     .label = "max radius",
                                     .placeholder = "R",
                                     .live = Live::restart},
+<<<<<<< HEAD
     Field<&BoxCollider::variant>{
         .key = "variant",
         .help = "how the generator's box and radii depend on N; at most one generator is not \"paper\"",
         .choices = variant_names,
         .placeholder = "NAME",
         .live = Live::restart},
+=======
+    Field<&BoxCollider::radii>{.key = "radii",
+                               .help = "distribution of the generated radii",
+                               .choices = radii_names,
+                               .placeholder = "NAME",
+                               .live = Live::restart},
+    Field<&BoxCollider::variant>{.key = "variant",
+                                 .help = "how the generator's box and radii depend on N",
+                                 .choices = variant_names,
+                                 .placeholder = "NAME",
+                                 .live = Live::restart},
+>>>>>>> 2597b124b2a7ee8202b76a6eeb8738956d47825d
     Field<&BoxCollider::spawn>{.key = "spawn",
                                .help = "where generated bodies start",
                                .choices = spawn_names,
