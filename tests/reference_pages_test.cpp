@@ -229,7 +229,7 @@ TEST(ReferencePages, NameAllMembersOfAScene) {
     if (line.starts_with("| `")) fields.insert(line.substr(3, line.find('`', 3) - 3));
   const std::string text = text_of(project_file("tests/fuzz/corpus/scene/all.json"));
   ordered_json scene = ordered_json::parse(text, nullptr, true, true);
-  scene["added"] = ordered_json::array();  // its entries are those of `bodies`
+  scene["extra_bodies"] = ordered_json::array();  // its entries are those of `bodies`
   EXPECT_THAT(lacking(fields, paths_of(scene, {"materials"})), testing::IsEmpty());
 }
 

@@ -73,9 +73,9 @@ std::string scene_reference() {
   table.row("generators[].kind", "`\"box_collider\"`", "required", "needs a `box`");
   table.fields("generators[].", generator_settings);
   table.material("generators[].");
-  table.row("generators[].without", "list of whole numbers, from 0, ascending", "[]",
+  table.row("generators[].excluded", "list of whole numbers, from 0, ascending", "[]",
             "numbers of its bodies that are left out; the others stay the same");
-  table.row("added", "as `bodies`", "[]", "bodies that were added during a run");
+  table.row("extra_bodies", "as `bodies`", "[]", "bodies that were added during a run");
   table.row("obstacles", listed(limits::max_listed), "[]", "half-spaces and boxes that never move");
   table.row("obstacles[].shape", "`\"plane\"`, `\"box\"`", "required",
             "bodies stay where normal · x ≥ offset, or outside the box; boxes not with `impulse`");

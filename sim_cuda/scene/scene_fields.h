@@ -76,8 +76,8 @@ inline constexpr auto guards_fields = std::tuple{
         "distance",
         "a centre farther from the origin is a failure, and a box that reaches farther along an axis", "m", 0,
         limits::max_guarded),
-    detail::number<&ValidationSettings::angular_speed>("spin", "a larger spin is a failure", "rad/s", 0,
-                                                       limits::max_guarded),
+    detail::number<&ValidationSettings::angular_speed>("angular_speed", "a larger spin is a failure", "rad/s",
+                                                       0, limits::max_guarded),
 };
 
 inline constexpr auto body_fields = std::tuple{
