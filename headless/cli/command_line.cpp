@@ -21,8 +21,8 @@ struct Operand {
   const char* help;
   bool required = true, many = false;
 };
-constexpr Operand scene{"SCENE", "a file, or a name from assets/scenes or assets/scenes/analytic"};
-constexpr Operand optional_scene{scene.name, scene.help, false};
+constexpr Operand scene_operand{"SCENE", "a file, or a name from assets/scenes or assets/scenes/analytic"};
+constexpr Operand optional_scene{scene_operand.name, scene_operand.help, false};
 struct CommandInfo {
   std::string name;
   Command command;
@@ -33,8 +33,8 @@ struct CommandInfo {
   std::string usage() const {
     std::vector<std::string> names;
     for (const Operand& one : operands) {
-      const std::string name = fmt::format("{}{}", one.name, one.many ? "..." : "");
-      names.push_back(one.required ? name : "[" + name + "]");
+      const std::string operand = fmt::format("{}{}", one.name, one.many ? "..." : "");
+      names.push_back(one.required ? operand : "[" + operand + "]");
     }
     return fmt::format("{}", fmt::join(names, " "));
   }
@@ -42,13 +42,13 @@ struct CommandInfo {
 
 const std::vector<CommandInfo>& commands() {
   static const std::vector<CommandInfo> every{
-      {"run", Command::run, "simulate a scene and report state and cost, without pictures", {scene}},
-      {"capture", Command::capture, "simulate a scene and write pictures of its states", {scene}},
+      {"run", Command::run, "simulate a scene and report state and cost, without pictures", {scene_operand}},
+      {"capture", Command::capture, "simulate a scene and write pictures of its states", {scene_operand}},
       {"compare",
        Command::compare,
        "measure the difference of two pictures",
        {{"A.png", "first picture"}, {"B.png", "second picture"}}},
-      {"bvh", Command::bvh, "measure the quality of the tree of each broad phase", {scene}},
+      {"bvh", Command::bvh, "measure the quality of the tree of each broad phase", {scene_operand}},
       {"bench",
        Command::bench,
        "run a suite of measurements",
