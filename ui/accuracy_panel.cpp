@@ -65,7 +65,7 @@ void accuracy_tooltip(const AccuracyPoint& p, const WorkspaceView& view, bool no
                                                : ""));
   length("max error", p.error_worst);
   if (view.with_times)
-    row("cost", fmt::format("{} ms per simulated s", short_number(p.ms.median)) +
+    row("cost", fmt::format("{} ms/s", short_number(p.ms.median)) +
                     (std::isfinite(p.ms.low) && std::isfinite(p.ms.high)
                          ? spread(short_number(p.ms.low), short_number(p.ms.high))
                          : ""));

@@ -138,7 +138,7 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   track(workspace, "effects.auto");
   explain("Uses the effects that the scene needs. A switch below overrides this. Effects change the result.");
   ImGui::SameLine();
-  ImGui::Checkbox("measure cost of each effect", &workspace.measure_effects);
+  ImGui::Checkbox("measure costs", &workspace.measure_effects);
   track(workspace, "effects.measure");
   explain(
       "Step time with an effect minus step time without it, from the present state, in two more worlds. "

@@ -19,20 +19,20 @@ namespace {
 
 // A logarithmic slider and a text field for a whole number.
 struct LogRow {
-  const char *name, *label, *help;
+  std::string name, label, help;
   std::int64_t low, high, limit;        ///< range of the slider; maximum of the field
-  bool decides = true;                  ///< the setting affects the result
+  bool decides;                         ///< the setting affects the result
   const std::string* chosen = nullptr;  ///< set: 0 means "auto"; text of the automatic value, may be empty
   std::int64_t manual = 0;              ///< value after "auto" is switched off
   float column = 2, field = 5.4f;       ///< ems: position of the slider, width of the field
 };
 
 void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
-  ImGui::PushID(row.name);
+  ImGui::PushID(row.name.c_str());
   const float size = ImGui::GetFontSize();
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(row.label);
-  explain(row.help);
+  ImGui::TextUnformatted(row.label.c_str());
+  explain(row.help.c_str());
   ImGui::SameLine(size * row.column);
   const bool automatic = row.chosen != nullptr, is_auto = automatic && value == 0;
   const std::string text = is_auto ? (row.chosen->empty() ? "auto" : *row.chosen) : "";
@@ -48,19 +48,19 @@ void log_row(Workspace& workspace, std::int64_t& value, const LogRow& row) {
     value = shown;
   workspace.adjusting |= ImGui::IsItemActive();
   workspace.adjusting_result |= row.decides && ImGui::IsItemActive();
-  track(workspace, (std::string(row.name) + ".slider").c_str());
+  track(workspace, (row.name + ".slider").c_str());
   ImGui::SameLine();
   ImGui::SetNextItemWidth(input);
-  number_field(workspace, row.name, row.label, value,
+  number_field(workspace, row.name.c_str(), row.label.c_str(), value,
                NumberRange<std::int64_t>{row.low, row.limit, "", automatic}, "{}");
   if (automatic) {
     ImGui::SameLine();
     if (is_auto) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
     if (ImGui::Button("auto", {button, 0})) value = is_auto ? row.manual : 0;
     if (is_auto) ImGui::PopStyleColor();
-    track(workspace, (std::string(row.name) + ".auto").c_str());
+    track(workspace, (row.name + ".auto").c_str());
   }
-  draw_input_fault(workspace, row.name);
+  draw_input_fault(workspace, row.name.c_str());
   ImGui::PopID();
 }
 
@@ -69,6 +69,18 @@ void log_row(Workspace& workspace, int& value, const LogRow& row) {
   std::int64_t wide = value;
   log_row(workspace, wide, row);
   value = static_cast<int>(wide);
+}
+
+/// The row of a whole-numbered setting, without "auto".
+template <auto member>
+LogRow row_of(const Field<member>& setting) {
+  return {.name = "settings." + std::string(setting.name),
+          .label = std::string(setting.label),
+          .help = std::string(setting.help),
+          .low = 1,
+          .high = static_cast<std::int64_t>(setting.slider_high),
+          .limit = static_cast<std::int64_t>(setting.high),
+          .decides = is_physical(setting)};
 }
 
 /// A choice that is disabled, with the reason.
@@ -113,12 +125,9 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
     return;
   }
   // Pairs of "paper" grow as N²: the slider stays within playable counts, the field accepts more.
-  const std::int64_t highest = s.generator.variant == Variant::paper ? 20'000 : 2'000'000;
-  log_row(workspace, s.generator.count,
-          {"settings.bodies", "N",
-           "Number of generated bodies. Remaining bodies keep their state. If the box depends on N (scaled, "
-           "settled, equal), the run restarts",
-           1, highest, limits::max_bodies});
+  LogRow row = row_of(field_of<&BoxCollider::count>);
+  if (s.generator.variant == Variant::paper) row.high = 20'000;
+  log_row(workspace, s.generator.count, row);
   const std::string sum = bodies_text(view);
   if (sum.empty()) return;
   faint_text(sum);
@@ -129,13 +138,12 @@ void draw_generator(Workspace& workspace, const WorkspaceView& view) {
 void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   const LaunchRange chosen = launch_range(*view.history);
-  log_row(workspace, s.run.shape.blocks,
-          {"settings.blocks", "B",
-           "Thread blocks per launch. Exactly B · T threads (on the CPU: lanes) run each stage", 1, 65536,
-           limits::max_blocks, false, &chosen.blocks, 256});
-  log_row(workspace, s.run.shape.threads,
-          {"settings.threads", "T", "Threads per block, 1 to 1024", 1, limits::max_threads,
-           limits::max_threads, false, &chosen.threads, 256});
+  LogRow blocks = row_of(field_of<&LaunchShape::blocks>), threads = row_of(field_of<&LaunchShape::threads>);
+  blocks.chosen = &chosen.blocks;
+  threads.chosen = &chosen.threads;
+  blocks.manual = threads.manual = 256;
+  log_row(workspace, s.run.shape.blocks, blocks);
+  log_row(workspace, s.run.shape.threads, threads);
   const LaunchShape& shape = view.active_settings.run.shape;
   std::vector<std::string> lines = chosen.lines;
   if (shape.blocks > 0 && shape.threads > 0)
@@ -153,28 +161,15 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
 void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   Settings& s = workspace.settings;
   const std::string chosen = std::to_string(view.substeps);
-  LogRow row{"settings.substeps",
-             "substeps",
-             "Substeps per step, 1 to 1000. soft_step and jacobi_split find contacts once per step and "
-             "solve them in each substep; impulse finds and solves them in each. auto: 1 with impulse, "
-             "else 4, or as many as the joints need",
-             1,
-             32,
-             limits::max_substeps,
-             true,
-             &chosen,
-             view.substeps,
-             6.6f,
-             3.4f};
+  LogRow row = row_of(field_of<&Physics::substeps>), iterations = row_of(field_of<&Physics::iterations>);
+  row.column = iterations.column = 6.6f;
+  row.field = iterations.field = 3.4f;
+  row.chosen = &chosen;
+  row.manual = view.substeps;
   int substeps = s.physics.substeps.value_or(0);
   log_row(workspace, substeps, row);
   s.physics.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
-  row.name = "settings.iterations";
-  row.label = "iterations";
-  row.help = "Solver iterations over all contacts per substep, 1 to 1000";
-  row.limit = limits::max_iterations;
-  row.chosen = nullptr;
-  log_row(workspace, s.physics.iterations, row);
+  log_row(workspace, s.physics.iterations, iterations);
 }
 
 /// A row with a number field.
@@ -250,7 +245,8 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
   faint_text("Physics (changes the result)");
   double rate = 1 / s.physics.time_step;
   const double before = rate;
-  number_row(workspace, "settings.rate", "step rate", "Steps per second of simulated time", rate,
+  number_row(workspace, "settings.rate", field_of<&Physics::time_step>.label,
+             "Steps per second of simulated time", rate,
              {limits::min_rate, limits::max_steps_per_second, "Hz"}, "{:.6g} Hz");
   if (rate != before) s.physics.time_step = 1 / rate;
   draw_restitution(workspace, s.material.restitution);
@@ -261,9 +257,10 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::Spacing();
     faint_text("Scene (restarts the run)");
     choice_rows(workspace, view, generator_settings, s.generator);
-    number_row(workspace, "settings.radius", "max radius", field_of<&BoxCollider::radius_max>.help,
-               s.generator.radius_max, {limits::min_generated_radius, view.greatest_radius, "m"}, "{:.4g} m");
-    number_row(workspace, "settings.seed", "seed", "Seed of the random start", s.generator.seed,
+    number_row(workspace, "settings.radius", field_of<&BoxCollider::radius_max>.label,
+               field_of<&BoxCollider::radius_max>.help, s.generator.radius_max,
+               {limits::min_generated_radius, view.greatest_radius, "m"}, "{:.4g} m");
+    number_row(workspace, "settings.seed", "seed", field_of<&BoxCollider::seed>.help, s.generator.seed,
                {0, std::numeric_limits<std::uint64_t>::max()}, "{}");
   }
   end_panel();

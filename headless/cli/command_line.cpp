@@ -268,6 +268,9 @@ CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& 
     for (CLI::Option* option : selected.get_options())
       if (option->count() > 0 && !option->get_callback_run()) option->run_callback();
   }
+  // CLI11's mark for the end of a subcommand.
+  if (std::ranges::find(arguments, "++") != arguments.end())
+    faults.push_back(fmt::format("++: one argument too many; {} takes {}", command.name, command.usage()));
   warn_of_old_names(selected, arguments);
   for (const std::string& extra : app.remaining(true)) {
     if (extra.size() < 2 || extra[0] != '-')

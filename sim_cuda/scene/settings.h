@@ -1,7 +1,7 @@
 #pragma once
 // The settings of a run in one table: name, member, unit, range, default, help and live behaviour.
-// Scene files, change files, flags, panels, reports, accuracy studies, hard cases and generated documents
-// iterate over it (for_each_setting). A new setting needs a member in scene.h or in the options, and a row
+// Scene files, change files, flags, the settings panel, criteria and generated documents iterate over it
+// (for_each_setting). A new setting needs a member in scene.h or in the options, and a row
 // here.
 //
 // Physics, Material and BoxCollider affect the state. RunOptions affects only how the state is computed.
@@ -31,7 +31,7 @@ inline constexpr auto physics_settings = std::tuple{
                                .unit = "s",
                                .low = limits::min_time_step,
                                .high = limits::max_time_step,
-                               .label = "rate",
+                               .label = "step rate",
                                .placeholder = "S",
                                .live = Live::new_world},
     Field<&Physics::substeps>{
