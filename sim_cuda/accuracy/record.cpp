@@ -48,7 +48,7 @@ auto choice_of(const Json& json, const Table& table) {
 }
 
 Json json_of(const AccuracyPoint& p) {
-  Json setting;
+  Json setting = Json::object();
   patch_of(p.setting).for_each_set([&](const auto& field, const auto& value) {
     setting[std::string(field.name)] = value_json(field, value);
   });

@@ -242,7 +242,7 @@ class ChangesReader {
 };
 
 std::string text_of(const Change& change, const Scene& scene) {
-  OrderedJson settings;
+  OrderedJson settings = OrderedJson::object();
   settings["step"] = change.step;
   change.settings.for_each_set(
       [&](const auto& setting, const auto& value) { put(settings, setting.name, setting, value); });

@@ -43,7 +43,8 @@ OrderedJson value_json(const Field<member>& field, const typename Field<member>:
   }
 }
 
-/// Adds the member `key` to an object. An unset value is skipped.
+/// Adds the member `key` to an object. An unset value is skipped. The object must not be null: if an
+/// allocation fails while nlohmann 3.11 turns null into an object, the program ends.
 template <auto member>
 void put(OrderedJson& object, std::string_view key, const Field<member>& field,
          const typename Field<member>::Value& value) {
@@ -57,10 +58,18 @@ void put(OrderedJson& object, std::string_view key, const Field<member>& field,
   if (!json.is_null()) object[std::string(key)] = std::move(json);
 }
 
-/// Adds all fields of a table under their keys.
+/// Adds all fields of a table under their keys. The object must not be null.
 template <class Table, class Owner>
 void put_fields(OrderedJson& object, const Table& table, const Owner& owner) {
   for_each_field(table, [&](const auto& field) { put(object, field.key, field, owner.*(field.member)); });
+}
+
+/// An object with all fields of a table.
+template <class Table, class Owner>
+OrderedJson fields_json(const Table& table, const Owner& owner) {
+  OrderedJson object = OrderedJson::object();
+  put_fields(object, table, owner);
+  return object;
 }
 
 /// One line of text with a space after each colon and comma. Invalid UTF-8 bytes are replaced.

@@ -17,22 +17,19 @@ class SceneWriter {
 
   std::string write() {
     const Physics& physics = scene_.physics;
-    OrderedJson head;
+    OrderedJson head = OrderedJson::object();
     head["format"] = "collidoscope-scene";
     head["version"] = 1;
     head["name"] = scene_.name;
-    if (scene_.box) put_fields(head["box"] = OrderedJson::object(), box_fields, *scene_.box);
+    if (scene_.box) head["box"] = fields_json(box_fields, *scene_.box);
     put_fields(head, physics_settings, physics);
-    put_fields(head["drag"], drag_fields, physics.drag);
-    if (physics.sleep) put_fields(head["sleep"], sleep_fields, *physics.sleep);
-    if (physics.guards) put_fields(head["guards"], guards_fields, *physics.guards);
+    head["drag"] = fields_json(drag_fields, physics.drag);
+    if (physics.sleep) head["sleep"] = fields_json(sleep_fields, *physics.sleep);
+    if (physics.guards) head["guards"] = fields_json(guards_fields, *physics.guards);
     for (const auto& [key, value] : head.items()) begin_member(key) += json_line(value);
 
-    write_list("attractors", physics.attractors, [](const Attractor& attractor) {
-      OrderedJson json;
-      put_fields(json, attractor_fields, attractor);
-      return json;
-    });
+    write_list("attractors", physics.attractors,
+               [](const Attractor& attractor) { return fields_json(attractor_fields, attractor); });
     write_materials();
     write_list("bodies", scene_.bodies, [&](const Body& body) { return json_of(body); });
     write_list("generators", scene_.generators, [&](const BoxCollider& g) { return json_of(g); });
@@ -40,15 +37,13 @@ class SceneWriter {
       write_list("extra_bodies", scene_.extra_bodies, [&](const Body& body) { return json_of(body); });
     write_obstacles();
     write_list("joints", scene_.joints, [](const Joint& joint) { return json_of(joint); });
-    OrderedJson camera;
-    put_fields(camera, camera_fields, scene_.camera);
-    begin_member("camera") += json_line(camera);
+    begin_member("camera") += json_line(fields_json(camera_fields, scene_.camera));
     return "{" + text_ + "\n}\n";
   }
 
   OrderedJson json_of(const Body& body) const {
     static const Body usual;
-    OrderedJson json;
+    OrderedJson json = OrderedJson::object();
     for_each_field(
         body_fields, [&]<auto member>(const Field<member>& field) {
           const bool always = is_field<member, &Body::shape, &Body::position> ||
@@ -82,8 +77,6 @@ class SceneWriter {
   void write_materials() {
     std::string& text = begin_member("materials") += "{";
     for (const Material& material : scene_.materials) {
-      OrderedJson json;
-      put_fields(json, material_settings, material);
       text += (&material == scene_.materials.data() ? "\n    " : ",\n    ") + json_line(material.name) +
               ": " + json_line(json);
     }
@@ -91,7 +84,7 @@ class SceneWriter {
   }
 
   OrderedJson json_of(const BoxCollider& generator) const {
-    OrderedJson json;
+    OrderedJson json = OrderedJson::object();
     json["kind"] = "box_collider";
     put_fields(json, generator_settings, generator);
     put_material(json, generator.material);
@@ -103,12 +96,14 @@ class SceneWriter {
   void write_obstacles() {
     std::vector<OrderedJson> all;
     for (const Plane& plane : scene_.obstacles) {
-      all.emplace_back()["shape"] = "plane";
+      all.push_back(OrderedJson::object());
+      all.back()["shape"] = "plane";
       put_fields(all.back(), plane_fields, plane);
       put_material(all.back(), plane.material);
     }
     for (const BoxObstacle& box : scene_.boxes) {
-      all.emplace_back()["shape"] = "box";
+      all.push_back(OrderedJson::object());
+      all.back()["shape"] = "box";
       put_fields(all.back(), box_obstacle_fields, box);
       put_material(all.back(), box.material);
     }
@@ -118,7 +113,7 @@ class SceneWriter {
   static OrderedJson json_of(const Joint& joint) {
     static const Joint usual;
     const bool spring = joint.kind == JointKind::spring, hinge = joint.kind == JointKind::hinge;
-    OrderedJson json;
+    OrderedJson json = OrderedJson::object();
     for_each_field(
         joint_fields, [&]<auto member>(const Field<member>& field) {
           const bool of_springs = is_field<member, &Joint::frequency, &Joint::damping_ratio>;
