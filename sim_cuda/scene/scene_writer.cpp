@@ -78,7 +78,7 @@ class SceneWriter {
     std::string& text = begin_member("materials") += "{";
     for (const Material& material : scene_.materials) {
       text += (&material == scene_.materials.data() ? "\n    " : ",\n    ") + json_line(material.name) +
-              ": " + json_line(json);
+              ": " + json_line(fields_json(material_settings, material));
     }
     text += "\n  }";
   }
