@@ -38,11 +38,11 @@ inline std::string bounds_text(double low, double high) {
 }
 
 /// A value of JSON in Markdown.
-inline std::string json_cell(const OrderedJson& value) {
+inline std::string json_cell(const nlohmann::ordered_json& value) {
   if (value.is_number()) return number_text(value.get<double>());
   if (!value.is_array()) return code(value.dump());
   std::string text = "[";
-  for (const OrderedJson& part : value) text += (text.size() > 1 ? ", " : "") + json_cell(part);
+  for (const nlohmann::ordered_json& part : value) text += (text.size() > 1 ? ", " : "") + json_cell(part);
   return text + "]";
 }
 

@@ -242,18 +242,17 @@ class ChangesReader {
 };
 
 std::string text_of(const Change& change, const Scene& scene) {
-  OrderedJson settings = OrderedJson::object();
-  settings["step"] = change.step;
+  ObjectText object;
+  const auto list = [](const auto& values) { return fmt::format("[{}]", fmt::join(values, ", ")); };
+  object("step", scalar_text(change.step));
   change.settings.for_each_set(
-      [&](const auto& setting, const auto& value) { put(settings, setting.name, setting, value); });
-  std::string text = json_line(settings);
-  text.pop_back();  // closing brace
-  if (!change.remove.empty()) text += fmt::format(", \"remove\": [{}]", fmt::join(change.remove, ", "));
+      [&](const auto& setting, const auto& value) { put(object, setting.name, setting, value); });
+  if (!change.remove.empty()) object("remove", list(change.remove));
   std::vector<std::string> bodies;
   for (const Body& body : change.add) bodies.push_back(write_body(body, scene));
-  if (!bodies.empty()) text += fmt::format(", \"add\": [{}]", fmt::join(bodies, ", "));
-  if (!change.freeze.empty()) text += fmt::format(", \"freeze\": [{}]", fmt::join(change.freeze, ", "));
-  return text + "}";
+  if (!bodies.empty()) object("add", list(bodies));
+  if (!change.freeze.empty()) object("freeze", list(change.freeze));
+  return object.text();
 }
 
 }  // namespace

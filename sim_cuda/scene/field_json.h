@@ -1,7 +1,10 @@
 #pragma once
-// Writes fields as JSON values. field_reader.h reads them back to the same bits.
-// Include it in source files only: it includes nlohmann's library.
+// Writes fields as the text of JSON values. field_reader.h reads them back to the same bits. nlohmann's
+// library formats single values only: its arrays and objects allocate memory in their destructors, and a
+// failing allocation there ends the program. Include this header in source files only: it includes nlohmann's
+// library.
 
+#include <fmt/format.h>
 #include <bit>
 #include <nlohmann/json.hpp>
 
@@ -10,70 +13,95 @@
 
 namespace collidoscope {
 
-using OrderedJson = nlohmann::ordered_json;
+/// The text of a number, boolean or string. Invalid UTF-8 bytes of a string are replaced.
+inline std::string scalar_text(const nlohmann::ordered_json& scalar) {
+  return scalar.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+inline std::string array_text(std::initializer_list<double> numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "[" : ", ") + scalar_text(number);
+  return text + "]";
+}
 
 /// "auto" if unset, otherwise the names of the enabled effects.
-OrderedJson effects_json(const std::optional<Effects>& effects);
+std::string effects_text(const std::optional<Effects>& effects);
 
-inline OrderedJson vector_json(const Vector3d& v) { return OrderedJson::array({v[0], v[1], v[2]}); }
-
-/// The JSON value of a field. Null if an optional value is unset and the field has no "auto".
+/// The JSON text of a field's value. Empty if an optional value is unset and the field has no "auto".
 template <auto member>
-OrderedJson value_json(const Field<member>& field, const typename Field<member>::Value& value) {
+std::string value_text(const Field<member>& field, const typename Field<member>::Value& value) {
   using Value = typename Field<member>::Value;
+  const char* const automatic = "\"auto\"";
   if constexpr (std::is_same_v<Value, std::optional<Effects>>) {
-    return effects_json(value);
+    return effects_text(value);
   } else if constexpr (std::is_enum_v<Value>) {
-    return std::string(name_of(field.choices, value));
+    return scalar_text(std::string(name_of(field.choices, value)));
   } else if constexpr (std::is_same_v<Value, Vector3d>) {
-    return vector_json(value);
+    return array_text({value[0], value[1], value[2]});
   } else if constexpr (std::is_same_v<Value, std::optional<Vector3d>>) {
-    return value ? vector_json(*value) : OrderedJson(nullptr);
+    return value ? array_text({(*value)[0], (*value)[1], (*value)[2]}) : "";
+  } else if constexpr (std::is_same_v<Value, std::optional<std::array<double, 2>>>) {
+    return value ? array_text({(*value)[0], (*value)[1]}) : "";
   } else if constexpr (std::is_same_v<Value, Quaterniond>) {
-    return OrderedJson::array({value.w(), value.x(), value.y(), value.z()});
+    return array_text({value.w(), value.x(), value.y(), value.z()});
   } else if constexpr (std::is_same_v<Value, TimeStep>) {
-    return value.seconds();
+    return scalar_text(value.seconds());
   } else if constexpr (requires { value.has_value(); }) {
-    if (value) return *value;
-    return field.automatic == Auto::unset ? OrderedJson("auto") : OrderedJson(nullptr);
+    if (value) return scalar_text(*value);
+    return field.automatic == Auto::unset ? automatic : "";
   } else if constexpr (std::is_integral_v<Value>) {
-    return field.automatic == Auto::zero && value == 0 ? OrderedJson("auto") : OrderedJson(value);
+    return field.automatic == Auto::zero && value == 0 ? automatic : scalar_text(value);
   } else {
-    return value;
+    return scalar_text(value);
   }
 }
 
-/// Adds the member `key` to an object. An unset value is skipped. The object must not be null: if an
-/// allocation fails while nlohmann 3.11 turns null into an object, the program ends.
+/// The value for other documents of nlohmann's library. Null if it has no text.
 template <auto member>
-void put(OrderedJson& object, std::string_view key, const Field<member>& field,
+nlohmann::ordered_json value_json(const Field<member>& field, const typename Field<member>::Value& value) {
+  const std::string text = value_text(field, value);
+  return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json::parse(text);
+}
+
+/// Passes the key and the text of a value to `add`. An unset value is skipped.
+template <class Add, auto member>
+void put(Add&& add, std::string_view key, const Field<member>& field,
          const typename Field<member>::Value& value) {
   if constexpr (std::is_same_v<typename Field<member>::Value, TimeStep>) {
     if (const auto n = value.steps_per_second()) {
-      object["steps_per_second"] = *n;
+      add("steps_per_second", scalar_text(*n));
       return;
     }
   }
-  OrderedJson json = value_json(field, value);
-  if (!json.is_null()) object[std::string(key)] = std::move(json);
+  if (const std::string text = value_text(field, value); !text.empty()) add(key, text);
 }
 
-/// Adds all fields of a table under their keys. The object must not be null.
-template <class Table, class Owner>
-void put_fields(OrderedJson& object, const Table& table, const Owner& owner) {
-  for_each_field(table, [&](const auto& field) { put(object, field.key, field, owner.*(field.member)); });
+/// Passes all fields of a table under their keys to `add`.
+template <class Add, class Table, class Owner>
+void put_fields(Add&& add, const Table& table, const Owner& owner) {
+  for_each_field(table, [&](const auto& field) { put(add, field.key, field, owner.*(field.member)); });
 }
+
+/// A JSON object in one line.
+class ObjectText {
+ public:
+  /// `value` is JSON.
+  void operator()(std::string_view key, std::string_view value) {
+    text_ += fmt::format("{}\"{}\": {}", text_.empty() ? "" : ", ", key, value);
+  }
+  std::string text() const { return "{" + text_ + "}"; }
+
+ private:
+  std::string text_;
+};
 
 /// An object with all fields of a table.
 template <class Table, class Owner>
-OrderedJson fields_json(const Table& table, const Owner& owner) {
-  OrderedJson object = OrderedJson::object();
+std::string fields_text(const Table& table, const Owner& owner) {
+  ObjectText object;
   put_fields(object, table, owner);
-  return object;
+  return object.text();
 }
-
-/// One line of text with a space after each colon and comma. Invalid UTF-8 bytes are replaced.
-std::string json_line(const OrderedJson& json);
 
 /// Bitwise equality. -0 differs from 0, so that a value of -0 is written.
 template <class Value>

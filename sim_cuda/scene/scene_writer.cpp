@@ -2,6 +2,8 @@
 // Unset optional values and default members of bodies and joints are omitted. Numbers are the shortest
 // decimals that read back to the same bits. Each body, joint, generator and obstacle has its own line.
 
+#include <fmt/ranges.h>
+
 #include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/scene_fields.h"
@@ -17,117 +19,115 @@ class SceneWriter {
 
   std::string write() {
     const Physics& physics = scene_.physics;
-    OrderedJson head = OrderedJson::object();
-    head["format"] = "collidoscope-scene";
-    head["version"] = 1;
-    head["name"] = scene_.name;
-    if (scene_.box) head["box"] = fields_json(box_fields, *scene_.box);
-    put_fields(head, physics_settings, physics);
-    head["drag"] = fields_json(drag_fields, physics.drag);
-    if (physics.sleep) head["sleep"] = fields_json(sleep_fields, *physics.sleep);
-    if (physics.guards) head["guards"] = fields_json(guards_fields, *physics.guards);
-    for (const auto& [key, value] : head.items()) begin_member(key) += json_line(value);
+    const auto add = [&](std::string_view key, std::string_view value) { begin_member(key) += value; };
+    add("format", scalar_text("collidoscope-scene"));
+    add("version", "1");
+    add("name", scalar_text(scene_.name));
+    if (scene_.box) add("box", fields_text(box_fields, *scene_.box));
+    put_fields(add, physics_settings, physics);
+    add("drag", fields_text(drag_fields, physics.drag));
+    if (physics.sleep) add("sleep", fields_text(sleep_fields, *physics.sleep));
+    if (physics.guards) add("guards", fields_text(guards_fields, *physics.guards));
 
     write_list("attractors", physics.attractors,
-               [](const Attractor& attractor) { return fields_json(attractor_fields, attractor); });
+               [](const Attractor& attractor) { return fields_text(attractor_fields, attractor); });
     write_materials();
-    write_list("bodies", scene_.bodies, [&](const Body& body) { return json_of(body); });
-    write_list("generators", scene_.generators, [&](const BoxCollider& g) { return json_of(g); });
+    write_list("bodies", scene_.bodies, [&](const Body& body) { return text_of(body); });
+    write_list("generators", scene_.generators, [&](const BoxCollider& g) { return text_of(g); });
     if (!scene_.extra_bodies.empty())
-      write_list("extra_bodies", scene_.extra_bodies, [&](const Body& body) { return json_of(body); });
+      write_list("extra_bodies", scene_.extra_bodies, [&](const Body& body) { return text_of(body); });
     write_obstacles();
-    write_list("joints", scene_.joints, [](const Joint& joint) { return json_of(joint); });
-    begin_member("camera") += json_line(fields_json(camera_fields, scene_.camera));
+    write_list("joints", scene_.joints, [](const Joint& joint) { return text_of(joint); });
+    add("camera", fields_text(camera_fields, scene_.camera));
     return "{" + text_ + "\n}\n";
   }
 
-  OrderedJson json_of(const Body& body) const {
+  std::string text_of(const Body& body) const {
     static const Body usual;
-    OrderedJson json = OrderedJson::object();
+    ObjectText object;
     for_each_field(
         body_fields, [&]<auto member>(const Field<member>& field) {
           const bool always = is_field<member, &Body::shape, &Body::position> ||
                               (is_field<member, &Body::radius> && body.shape == Shape::sphere);
           if (is_field<member, &Body::radius> && body.shape != Shape::sphere) return;
-          if (always || !same_bits(body.*member, usual.*member)) put(json, field.key, field, body.*member);
+          if (always || !same_bits(body.*member, usual.*member)) put(object, field.key, field, body.*member);
         });
-    if (body.material != 0) put_material(json, body.material);
-    return json;
+    if (body.material != 0) put_material(object, body.material);
+    return object.text();
   }
 
  private:
   /// Starts a member of the scene on a new line.
-  std::string& begin_member(const std::string& key) {
-    text_ += text_.empty() ? "\n  " : ",\n  ";
-    return text_ += json_line(key) + ": ";
+  std::string& begin_member(std::string_view key) {
+    return text_ += fmt::format("{}\n  \"{}\": ", text_.empty() ? "" : ",", key);
   }
 
   template <class Item, class Write>
-  void write_list(const std::string& key, const std::vector<Item>& items, Write write) {
+  void write_list(std::string_view key, const std::vector<Item>& items, Write write) {
     std::string& text = begin_member(key) += "[";
-    for (std::size_t k = 0; k < items.size(); ++k)
-      text += (k > 0 ? ",\n    " : "\n    ") + json_line(write(items[k]));
+    for (std::size_t k = 0; k < items.size(); ++k) text += (k > 0 ? ",\n    " : "\n    ") + write(items[k]);
     text += items.empty() ? "]" : "\n  ]";
   }
 
-  void put_material(OrderedJson& json, int index) const {
-    json["material"] = scene_.materials.at(static_cast<std::size_t>(index)).name;
+  void put_material(ObjectText& object, int index) const {
+    object("material", scalar_text(scene_.materials.at(static_cast<std::size_t>(index)).name));
   }
 
   void write_materials() {
     std::string& text = begin_member("materials") += "{";
     for (const Material& material : scene_.materials) {
-      text += (&material == scene_.materials.data() ? "\n    " : ",\n    ") + json_line(material.name) +
-              ": " + json_line(fields_json(material_settings, material));
+      text += (&material == scene_.materials.data() ? "\n    " : ",\n    ") + scalar_text(material.name) +
+              ": " + fields_text(material_settings, material);
     }
     text += "\n  }";
   }
 
-  OrderedJson json_of(const BoxCollider& generator) const {
-    OrderedJson json = OrderedJson::object();
-    json["kind"] = "box_collider";
-    put_fields(json, generator_settings, generator);
-    put_material(json, generator.material);
-    if (!generator.excluded.empty()) json["excluded"] = generator.excluded;
-    return json;
+  std::string text_of(const BoxCollider& generator) const {
+    ObjectText object;
+    object("kind", scalar_text("box_collider"));
+    put_fields(object, generator_settings, generator);
+    put_material(object, generator.material);
+    if (!generator.excluded.empty())
+      object("excluded", fmt::format("[{}]", fmt::join(generator.excluded, ", ")));
+    return object.text();
+  }
+
+  template <class Table, class Obstacle>
+  std::string obstacle_text(const char* shape, const Table& table, const Obstacle& obstacle) const {
+    ObjectText object;
+    object("shape", scalar_text(shape));
+    put_fields(object, table, obstacle);
+    put_material(object, obstacle.material);
+    return object.text();
   }
 
   /// Writes planes before boxes.
   void write_obstacles() {
-    std::vector<OrderedJson> all;
-    for (const Plane& plane : scene_.obstacles) {
-      all.push_back(OrderedJson::object());
-      all.back()["shape"] = "plane";
-      put_fields(all.back(), plane_fields, plane);
-      put_material(all.back(), plane.material);
-    }
-    for (const BoxObstacle& box : scene_.boxes) {
-      all.push_back(OrderedJson::object());
-      all.back()["shape"] = "box";
-      put_fields(all.back(), box_obstacle_fields, box);
-      put_material(all.back(), box.material);
-    }
-    write_list("obstacles", all, [](const OrderedJson& json) { return json; });
+    std::vector<std::string> all;
+    for (const Plane& plane : scene_.obstacles) all.push_back(obstacle_text("plane", plane_fields, plane));
+    for (const BoxObstacle& box : scene_.boxes) all.push_back(obstacle_text("box", box_obstacle_fields, box));
+    write_list("obstacles", all, [](const std::string& text) { return text; });
   }
 
-  static OrderedJson json_of(const Joint& joint) {
+  static std::string text_of(const Joint& joint) {
     static const Joint usual;
     const bool spring = joint.kind == JointKind::spring, hinge = joint.kind == JointKind::hinge;
-    OrderedJson json = OrderedJson::object();
+    ObjectText object;
     for_each_field(
         joint_fields, [&]<auto member>(const Field<member>& field) {
           const bool of_springs = is_field<member, &Joint::frequency, &Joint::damping_ratio>;
           const bool of_hinges = is_field<member, &Joint::axis, &Joint::limits>;
           if (is_field<member, &Joint::b> && !joint.b) {
-            json["b"] = "world";
+            object("b", scalar_text("world"));
             return;
           }
           if ((of_springs && !spring) || (of_hinges && !hinge)) return;
           const bool always =
               of_springs || is_field<member, &Joint::kind, &Joint::a, &Joint::b, &Joint::axis>;
-          if (always || !same_bits(joint.*member, usual.*member)) put(json, field.key, field, joint.*member);
+          if (always || !same_bits(joint.*member, usual.*member))
+            put(object, field.key, field, joint.*member);
         });
-    return json;
+    return object.text();
   }
 
   const Scene& scene_;
@@ -138,34 +138,14 @@ class SceneWriter {
 
 std::string write_scene(const Scene& scene) { return SceneWriter(scene).write(); }
 
-std::string write_body(const Body& body, const Scene& scene) {
-  return json_line(SceneWriter(scene).json_of(body));
-}
+std::string write_body(const Body& body, const Scene& scene) { return SceneWriter(scene).text_of(body); }
 
-std::string json_line(const OrderedJson& json) {
-  const std::string dense = json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+std::string effects_text(const std::optional<Effects>& effects) {
+  if (!effects) return scalar_text("auto");
   std::string text;
-  text.reserve(dense.size() + dense.size() / 4);
-  bool quoted = false;
-  for (std::size_t k = 0; k < dense.size(); ++k) {
-    const char c = dense[k];
-    text += c;
-    if (quoted && c == '\\')
-      text += dense[++k];  // escaped character
-    else if (c == '"')
-      quoted = !quoted;
-    else if (!quoted && (c == ':' || c == ','))
-      text += ' ';
-  }
-  return text;
-}
-
-OrderedJson effects_json(const std::optional<Effects>& effects) {
-  if (!effects) return "auto";
-  OrderedJson names = OrderedJson::array();
   for (const EffectName& effect : effect_names)
-    if ((*effects).*effect.flag) names.push_back(std::string(effect.name));
-  return names;
+    if ((*effects).*effect.flag) text += (text.empty() ? "" : ", ") + scalar_text(effect.name);
+  return "[" + text + "]";
 }
 
 }  // namespace collidoscope
