@@ -229,7 +229,7 @@ int run_command(const CommandLine& line) {
 
   const StepStats initial = world.measure();
   std::string trace =
-      "step,kinetic,potential,push_work,total,pairs,touching,speculative,split_contacts,max_penetration,"
+      "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,max_penetration,"
       "escaped\n" +
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;

@@ -395,7 +395,7 @@ TEST(Cli, TheFilesOfARunAgreeWithItsReport) {
 
   const auto energy = numbers_of_csv(folder / "energy.csv", header);
   EXPECT_EQ(header,
-            "step,kinetic,potential,push_work,total,pairs,touching,speculative,split_contacts,max_"
+            "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,max_"
             "penetration,escaped");
   ASSERT_EQ(energy.size(), 10u);  // states 0 to 9
   EXPECT_EQ(energy.front()[4], report["energy"]["initial"].get<double>());

@@ -121,7 +121,7 @@ TEST(Report, SaysWhatEachSweepLeft) {
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read[1]["stage"], "relax");
   EXPECT_EQ(read[1]["substep"], 3);
-  EXPECT_EQ(read[1]["sweep"], 2);
+  EXPECT_EQ(read[1]["iteration"], 2);
   EXPECT_EQ(read[1]["contacts"], 10);
   EXPECT_EQ(read[1]["rms"], 0.125);
   EXPECT_EQ(read[0]["max"], 1.25);

@@ -171,7 +171,7 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
 
 std::string study_csv(const AccuracyRecord& record) {
   std::string text =
-      "family,name,time_step,substeps,iterations,solver,integrator,rotation_update,precision,"
+      "series,name,time_step,substeps,iterations,solver,integrator,rotation_update,precision,"
       "continuous_collision,error,error_low,error_high,error_worst,ms_per_second,ms_low,ms_high,"
       "energy_drift,energy_error,momentum_balance,angular_momentum_balance,angular_momentum_error,"
       "penetration_max,penetration_rms,penetration_over_radius,joint_error,joint_angle,cone_violation,"

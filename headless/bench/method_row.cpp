@@ -61,7 +61,7 @@ nlohmann::ordered_json json_of(const MethodRow& row) {
     json["stages"].push_back({{"name", stage.name},
                               {"median_us", stage.median_us},
                               {"launches", stage.launches},
-                              {"own_shape", stage.library_launch}});
+                              {"library_launch", stage.library_launch}});
   return json;
 }
 

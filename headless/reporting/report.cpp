@@ -9,7 +9,9 @@
 
 #include "sim_cuda/measure/launch_json.h"
 #include "sim_cuda/scene/effect_reasons.h"
+#include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/scene/settings_patch.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -45,6 +47,17 @@ Json finding_json(const Finding& finding) {
       {"before", finding.invalid_before}};
 }
 
+/// All settings of the table. Those of a generator are left out unless the scene has exactly one.
+Json settings_json(const RunReport& report) {
+  Json json = Json::object();
+  for_each_setting([&]<auto member>(const Field<member>& setting) {
+    if (is_of_generator(setting) && !report.has_generator_settings) return;
+    const auto& owner = owner_in<typename Field<member>::Owner>(report.settings);
+    json[std::string(setting.name)] = value_json(setting, owner.*member);
+  });
+  return json;
+}
+
 std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
 
 std::string stage_table(const RunTimes& times) {
@@ -72,10 +85,9 @@ std::string stage_table(const RunTimes& times) {
     text += fmt::format(total_row, "whole step, plain", ms(times.step_median_ms, times.steps_timed),
                         ms(times.step_p95_ms, times.steps_timed));
   text +=
-      "  Stages are timed on odd steps, with a time taken after each; the whole step on\n"
-      "  even ones, with none taken within. So the sum contains the cost of measuring,\n"
-      "  the step does not, and as medians of different steps they need not add up.\n";
-  if (library_launch) text += "  * works in part in a launch shape of its own, not in (B, T)\n";
+      "  Stages are timed on odd steps, the whole step on even steps. The sum contains\n"
+      "  the cost of measuring. Medians of different steps need not add up.\n";
+  if (library_launch) text += "  * partly launched by a library that ignores (B, T)\n";
   return text;
 }
 
@@ -95,8 +107,8 @@ std::string numbers_text(const RunReport& report) {
   text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
   text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
                                last.potential_energy + 0.0));
-  text += line("", fmt::format("{:.6g} J of it potential, from putting bodies back inside walls",
-                               last.push_work - first.push_work));
+  text += line(
+      "", fmt::format("{:.6g} J of the potential energy are push_work", last.push_work - first.push_work));
   text += line("momentum", vector(last.momentum, "kg m/s"));
   text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
   if (last.joints > 0) {
@@ -164,6 +176,8 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .precision = std::string(name_of(precision_names, scene.physics.precision)),
       .effects = names_of(world.effects()),
       .effect_reasons = {},
+      .settings = settings_of(scene, world.options()),
+      .has_generator_settings = scene.generators.size() == 1,
       .shape = world.launch_shape(),
       .substeps = world.substeps(),
       .iterations = scene.physics.iterations,
@@ -215,12 +229,13 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["effects"] = report.effects;
   json["effect_reasons"] = Json::object();
   for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
+  json["settings"] = settings_json(report);
   json["state_hash"] = fmt::format("{:016x}", report.state_hash);
   json["pairs"] = {{"aabb", last.pairs},
                    {"contacts", last.touching},  // older name of "touching"
                    {"touching", last.touching},
                    {"speculative", last.speculative},
-                   {"split_contacts", last.uncoloured_contacts}};
+                   {"uncoloured_contacts", last.uncoloured_contacts}};
   json["energy"] = {{"initial", report.initial.energy()},
                     {"final", last.energy()},
                     {"kinetic", last.kinetic_energy},
@@ -254,7 +269,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
     for (const Residual& r : report.residuals)
       json["residuals"].push_back({{"stage", r.stage},
                                    {"substep", r.substep},
-                                   {"sweep", r.iteration},
+                                   {"iteration", r.iteration},
                                    {"contacts", r.contacts},
                                    {"rms", r.rms},
                                    {"max", r.max}});
@@ -265,7 +280,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
                               {"median_ms", time_json(stage.median_ms, stage.samples)},
                               {"p95_ms", time_json(stage.p95_ms, stage.samples)},
                               {"launches", stage.launches},
-                              {"own_shape", stage.library_launch},
+                              {"library_launch", stage.library_launch},
                               {"launch", launch_json(stage.launch)}});
   json["step_median_ms"] = time_json(report.times.step_median_ms, report.times.steps_timed);
   json["step_p95_ms"] = time_json(report.times.step_p95_ms, report.times.steps_timed);

@@ -12,6 +12,7 @@
 #include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/guard/finding.h"
 #include "sim_cuda/measure/step_stats.h"
+#include "sim_cuda/scene/settings.h"
 #include "sim_cuda/solver/residual.h"
 
 namespace collidoscope {
@@ -29,6 +30,8 @@ struct RunReport {
   std::vector<std::string> effects;                                 ///< enabled effects
   std::vector<std::pair<std::string, std::string>> effect_reasons;  ///< all effects with the reason for
                                                                     ///< "auto" to enable them or not
+  RunSettings settings;                                             ///< as requested
+  bool has_generator_settings = false;                              ///< the scene has exactly one generator
   LaunchShape shape;                                                ///< 0: "auto"
   int substeps = 1, iterations = 1;
   double time_step = 0;  ///< s

@@ -39,6 +39,11 @@ double number_of(const Json& json, double otherwise = not_known) {
   return json.is_null() ? otherwise : json.get<double>();
 }
 
+/// A member that files of older versions have under another name.
+const Json& member(const Json& json, const char* name, const char* old_name) {
+  return json.contains(name) ? json.at(name) : json.at(old_name);
+}
+
 template <class Table>
 auto choice_of(const Json& json, const Table& table) {
   const auto name = json.get<std::string>();
@@ -53,7 +58,7 @@ Json json_of(const AccuracyPoint& p) {
     setting[std::string(field.name)] = value_json(field, value);
   });
   setting["continuous_collision"] = p.setting.continuous_collision;
-  Json json{{"family", p.series_name},
+  Json json{{"series", p.series_name},
             {"name", p.name},
             {"setting", setting},
             {"measured", p.has_error()},
@@ -77,7 +82,7 @@ Json json_of(const AccuracyPoint& p) {
 
 AccuracyPoint point_of(const Json& json) {
   AccuracyPoint p;
-  p.series_name = json.at("family");
+  p.series_name = member(json, "series", "family");
   p.name = json.at("name");
   const Json& s = json.at("setting");
   p.setting = {s.at("time_step"),
@@ -113,7 +118,7 @@ std::string write_record(const AccuracyRecord& record) {
                   {"scene", record.scene},
                   {"bodies", record.bodies},
                   {"executor", record.executor},
-                  {"subject", record.problem_hash},
+                  {"problem_hash", record.problem_hash},
                   {"rounds", record.rounds},
                   {"complete", record.complete},
                   {"reference",
@@ -124,8 +129,8 @@ std::string write_record(const AccuracyRecord& record) {
                     {"end", r.end},
                     {"error", finite_or_null(r.error)},
                     {"order", finite_or_null(r.order)},
-                    {"growth_rate", finite_or_null(r.lyapunov_rate)}}},
-                  {"doubts", record.warnings}};
+                    {"lyapunov_rate", finite_or_null(r.lyapunov_rate)}}},
+                  {"warnings", record.warnings}};
   std::string text = head.dump(2, ' ', false, Json::error_handler_t::replace);
   text.resize(text.size() - 2);  // removes the last line; each point then gets its own line
   text += ",\n  \"points\": [";
@@ -142,11 +147,11 @@ AccuracyRecord parse_record(const std::string& text, const std::string& name) {
     AccuracyRecord record;
     json.at("scene").get_to(record.scene);
     json.at("executor").get_to(record.executor);
-    json.at("subject").get_to(record.problem_hash);
+    member(json, "problem_hash", "subject").get_to(record.problem_hash);
     json.at("bodies").get_to(record.bodies);
     json.at("rounds").get_to(record.rounds);
     json.at("complete").get_to(record.complete);
-    json.at("doubts").get_to(record.warnings);
+    member(json, "warnings", "doubts").get_to(record.warnings);
     const Json& r = json.at("reference");
     AccuracyReference& reference = record.reference;
     reference.kind = choice_of(r.at("kind"), kind_names);
@@ -156,7 +161,7 @@ AccuracyRecord parse_record(const std::string& text, const std::string& name) {
     r.at("end").get_to(reference.end);
     reference.error = number_of(r.at("error"));
     reference.order = number_of(r.at("order"));
-    reference.lyapunov_rate = number_of(r.at("growth_rate"));
+    reference.lyapunov_rate = number_of(member(r, "lyapunov_rate", "growth_rate"));
     for (const Json& point : json.at("points")) record.points.push_back(point_of(point));
     return record;
   } catch (const std::exception& error) {

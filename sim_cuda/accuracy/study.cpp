@@ -231,7 +231,7 @@ void AccuracyStudy::check_convergence() {
     if (off > 4 * apart + 4 * reference_.error)
       warnings_.push_back(
           fmt::format("{}: the last two time steps are {:.2g} m from each other, but {:.2g} m from the "
-                      "reference: this family converges to something else",
+                      "reference: this series converges to something else",
                       series_name, apart, off));
   }
   at_horizon_.clear();

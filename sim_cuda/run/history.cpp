@@ -127,7 +127,7 @@ std::string history_json(const History& history, std::size_t window) {
     const History::Stage& stage = history.stages()[k];
     Json entry = {{"name", stage.name},
                   {"launches", stage.launches},
-                  {"own_shape", stage.library_launch},
+                  {"library_launch", stage.library_launch},
                   {"launch", launch_json(stage.launch)}};
     entry.update(summary(history.summarize_stage(k, window)));
     document["stages"].push_back(entry);

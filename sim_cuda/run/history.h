@@ -79,7 +79,7 @@ class History {
 /// CSV of the newest `window` steps: a header line, then one row per step. Fields without a measurement are
 /// empty.
 std::string history_csv(const History& history, std::size_t window);
-/// The newest `window` steps as a JSON object: "stages" (name, launches, own_shape, launch, median_ms,
+/// The newest `window` steps as a JSON object: "stages" (name, launches, library_launch, launch, median_ms,
 /// p95_ms), "step" and "steps".
 std::string history_json(const History& history, std::size_t window);
 
