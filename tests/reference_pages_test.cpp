@@ -1,5 +1,6 @@
-// The reference tables of the documents: each page has the text that the program prints, each topic stands in
-// one page, and the tables name all members of reports and of scene files. UPDATE_GOLDENS=1 writes the pages.
+// The generated tables of the documents: each page has the table that the program prints or that result files
+// give, each table is in one page, and the references name all members of reports and of scene files.
+// UPDATE_GOLDENS=1 writes the pages.
 
 #include "headless/markdown/reference_pages.h"
 
@@ -23,6 +24,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/settings.h"
 #include "sim_cuda/world.h"
+#include "tests/result_tables.h"
 #include "tests/run_program.h"
 #include "tests/scenes.h"
 
@@ -31,12 +33,20 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::string_view begin_mark = "<!-- begin generated: help --markdown ", begin_mark_end = " -->\n",
-                           end_mark = "<!-- end generated -->";
+constexpr std::string_view begin_mark = "<!-- begin generated: ", begin_mark_end = " -->\n",
+                           end_mark = "<!-- end generated -->", reference_source = "help --markdown ",
+                           result_source = "results ";
 
-/// The page with each table made anew. Adds the topics to `topics`. Throws InputError for an unknown topic
-/// and for a mark without its end.
-std::string with_reference_tables(const std::string& page, std::vector<std::string>& topics) {
+/// The table of a mark: "help --markdown TOPIC" or "results NAME".
+std::string generated_table(std::string_view source) {
+  if (source.starts_with(reference_source)) return reference_table(source.substr(reference_source.size()));
+  if (source.starts_with(result_source)) return result_table(source.substr(result_source.size()));
+  throw InputError("a mark has an unknown source");
+}
+
+/// The page with each table generated again. Adds the sources to `sources`. Throws InputError for an unknown
+/// source and for a mark without its end.
+std::string with_generated_tables(const std::string& page, std::vector<std::string>& sources) {
   std::string result;
   std::size_t at = 0;
   for (std::size_t begin; (begin = page.find(begin_mark, at)) != page.npos;) {
@@ -44,9 +54,9 @@ std::string with_reference_tables(const std::string& page, std::vector<std::stri
     const std::size_t end = page.find(end_mark, name);
     if (name_end == page.npos || end == page.npos || name_end > end)
       throw InputError("a mark of a generated table lacks its end");
-    topics.push_back(page.substr(name, name_end - name));
-    result +=
-        page.substr(at, name_end + begin_mark_end.size() - at) + '\n' + reference_table(topics.back()) + '\n';
+    sources.push_back(page.substr(name, name_end - name));
+    result += page.substr(at, name_end + begin_mark_end.size() - at) + '\n' +
+              generated_table(sources.back()) + '\n';
     at = end;
   }
   return result + page.substr(at);
@@ -72,35 +82,37 @@ bool is_bundle() { return !std::filesystem::exists(project_file("sim_cuda")); }
 TEST(ReferencePages, HoldTheGeneratedTables) {
   const bool update = std::getenv("UPDATE_GOLDENS") != nullptr;
   for (const auto& [file, page] : project_pages()) {
-    std::vector<std::string> topics;
-    const std::string expected = with_reference_tables(page, topics);
+    std::vector<std::string> sources;
+    const std::string expected = with_generated_tables(page, sources);
     if (update && page != expected) std::ofstream(file, std::ios::binary) << expected;
     EXPECT_TRUE(update || page == expected)
-        << file
-        << " differs from help --markdown; UPDATE_GOLDENS=1 ./dev test -R '^ReferencePages' writes it";
+        << file << " is out of date; UPDATE_GOLDENS=1 ./dev test -R '^ReferencePages' writes it";
   }
 }
 
-TEST(ReferencePages, HaveEachTopicOnce) {
+TEST(ReferencePages, HaveEachTableOnce) {
   if (is_bundle()) GTEST_SKIP() << "a bundle has no pages";
-  std::vector<std::string> topics, known;
-  for (const auto& [file, page] : project_pages()) with_reference_tables(page, topics);
-  for (const ReferenceTopic& topic : reference_topics()) known.emplace_back(topic.name);
-  EXPECT_THAT(topics, testing::UnorderedElementsAreArray(known));
+  std::vector<std::string> sources, known;
+  for (const auto& [file, page] : project_pages()) with_generated_tables(page, sources);
+  for (const ReferenceTopic& topic : reference_topics())
+    known.push_back(std::string(reference_source) + std::string(topic.name));
+  for (const std::string_view name : result_table_names())
+    known.push_back(std::string(result_source) + std::string(name));
+  EXPECT_THAT(sources, testing::UnorderedElementsAreArray(known));
 }
 
-TEST(ReferencePages, RefuseUnknownTopicsAndOpenMarks) {
-  std::vector<std::string> topics;
-  const std::string begin = std::string(begin_mark) + "breaks" + std::string(begin_mark_end);
-  const std::string page = "a\n" + begin + "old\n" + std::string(end_mark) + "\nb\n";
-  EXPECT_EQ(with_reference_tables(page, topics),
-            "a\n" + begin + '\n' + reference_table("breaks") + '\n' + std::string(end_mark) + "\nb\n");
-  EXPECT_THROW(with_reference_tables(begin + "old\n", topics), InputError);
-  EXPECT_THROW(with_reference_tables(std::string(begin_mark) + "breaks\n", topics), InputError);
-  EXPECT_THROW(
-      with_reference_tables(
-          std::string(begin_mark) + "brakes" + std::string(begin_mark_end) + std::string(end_mark), topics),
-      InputError);
+TEST(ReferencePages, RefuseUnknownSourcesAndOpenMarks) {
+  std::vector<std::string> sources;
+  const std::string end(end_mark);
+  const auto begin = [](const std::string& source) {
+    return std::string(begin_mark) + source + std::string(begin_mark_end);
+  };
+  const std::string breaks = begin("help --markdown breaks");
+  EXPECT_EQ(with_generated_tables("a\n" + breaks + "old\n" + end + "\nb\n", sources),
+            "a\n" + breaks + '\n' + reference_table("breaks") + '\n' + end + "\nb\n");
+  EXPECT_THROW(with_generated_tables(breaks + "old\n", sources), InputError);
+  for (const char* unknown : {"help --markdown brakes", "results step", "breaks"})
+    EXPECT_THROW(with_generated_tables(begin(unknown) + end, sources), InputError) << unknown;
 }
 
 TEST(ReferencePages, AreWhatTheProgramPrints) {

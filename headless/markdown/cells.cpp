@@ -39,8 +39,8 @@ std::string with_bars_escaped(std::string_view text) {
 
 }  // namespace
 
-MarkdownTable::MarkdownTable(std::initializer_list<std::string_view> columns) {
-  row({columns.begin(), columns.end()});
+MarkdownTable::MarkdownTable(const std::vector<std::string>& columns) {
+  row(columns);
   for (std::size_t k = 0; k < columns.size(); ++k) text_ += "|---";
   text_ += "|\n";
 }

@@ -1,7 +1,6 @@
 #pragma once
 // Tables in Markdown, and texts of the code tables as their cells.
 
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,7 +9,7 @@ namespace collidoscope {
 
 class MarkdownTable {
  public:
-  explicit MarkdownTable(std::initializer_list<std::string_view> columns);
+  explicit MarkdownTable(const std::vector<std::string>& columns);
   /// As many cells as columns, in Markdown.
   void row(const std::vector<std::string>& cells);
   const std::string& text() const { return text_; }
