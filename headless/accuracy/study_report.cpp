@@ -34,8 +34,8 @@ std::string runs_text(const AccuracyRecord& record) {
   }
   if (most == 0) return "not timed yet";
   if (most == 1) return "one run per setting";
-  return "median of " + (least < most ? fmt::format("{} to {} runs per setting", least, most)
-                                      : fmt::format("{} runs per setting", most));
+  return "median of " +
+         (least < most ? fmt::format("{} to {} runs", least, most) : fmt::format("{} runs", most));
 }
 
 std::string head_text(const AccuracyRecord& record) {
