@@ -450,7 +450,7 @@ TEST(Cli, ADeviceIsWrittenInPlace) {
 TEST(Cli, MeshesAreSaidToCollideAsSpheres) {
   const Outcome outcome = run_headless({"run", "tumbling_mesh", "--steps", "2"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(outcome.err, "note: mesh bodies collide as their bounding spheres for now\n");
+  EXPECT_EQ(outcome.err, "note: mesh bodies collide as their bounding spheres\n");
   EXPECT_EQ(run_headless({"run", "one_body", "--steps", "2"}).err, "");
 }
 
@@ -489,10 +489,10 @@ TEST(Cli, ChangesAreMadeAndCheckedAgainstWhatWasRecorded) {
   EXPECT_EQ(json::parse(again.out)["state_hash"], hash) << "it stops at the end that was recorded";
   const Outcome other = run(changes + end + "0123456789abcdef\"}}");
   EXPECT_EQ(other.status, 1);
-  EXPECT_THAT(other.err, HasSubstr("state 9 was recorded with the hash 0123456789abcdef, and has " + hash));
+  EXPECT_THAT(other.err, HasSubstr("state 9: recorded hash 0123456789abcdef, actual hash " + hash));
   const Outcome soon = run(changes + end + hash + "\"}}", {"--steps", "4"});
   EXPECT_EQ(soon.status, 0);
-  EXPECT_THAT(soon.err, HasSubstr("the run ended before 2 of its changes"));
+  EXPECT_THAT(soon.err, HasSubstr("the run ended before 2 of the changes in this file"));
 
   const Outcome wrong = run("\"changes\": [\n {\"step\": 3, \"remove\": [60]}]}");
   EXPECT_EQ(wrong.status, 2);
@@ -553,7 +553,8 @@ TEST(Capture, RefusesAFileThatIsAlsoAPicture) {
   const std::string out = folder.path(), picture = folder / "one_body_0030.png";
   const Outcome outcome = run_headless({"capture", "one_body", "--out", out, "--json", picture});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "--json: " + picture + " is the picture of state 30 too; give another file\n");
+  EXPECT_EQ(outcome.err,
+            "--json: " + picture + " is also the picture of state 30; expected a different file\n");
   EXPECT_EQ(folder.files(), 0u);
 }
 

@@ -357,7 +357,7 @@ TEST(SnapshotOfARun, SavedLoadedAndSavedAgain) {
   EXPECT_EQ(edited.status, 0) << edited.err;
   const Outcome early = run_headless({"capture", "--load", file, "--states", "10", "--out", folder / "out"});
   EXPECT_EQ(early.status, 2);
-  EXPECT_EQ(early.err, "--states: 10 lies before state 40, at which the run starts\n");
+  EXPECT_EQ(early.err, "--states: 10 is before the first state; expected at least 40\n");
   const Outcome two = run_headless({"run", "box_collider", "--load", file});
   EXPECT_EQ(two.status, 2);
   EXPECT_EQ(two.err, "--load: a snapshot has its own scene; leave out box_collider\n");
