@@ -89,7 +89,7 @@ TEST(SceneFaults, AreTwentyAtMost) {
   ASSERT_EQ(lines.size(), 21u);
   EXPECT_THAT(lines[0], StartsWith("3:12: NaN"));
   EXPECT_THAT(lines[19], StartsWith("22:12: bodies[19].radius: must lie in"));
-  EXPECT_EQ(lines[20], "and 7 more");
+  EXPECT_EQ(lines[20], "and 7 more errors");
 }
 
 TEST(SceneFaults, OfDerivedMassesHaveALine) {

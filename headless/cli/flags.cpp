@@ -139,7 +139,7 @@ void on(FlagValue& value, Options& options) {
   if (value.text() == "true")
     member<path...>(options) = true;
   else
-    value.fault("takes no value; leave out " + shown(value.text()));
+    value.fault("takes no value; remove " + shown(value.text()));
 }
 
 /// The name of a file or of a folder.
