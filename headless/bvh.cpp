@@ -89,11 +89,10 @@ std::string text_of(const std::vector<MeasuredTree>& trees) {
   };
   const auto number = [](double value) { return fmt::format("{:.4g}", value); };
   row("", [](const MeasuredTree& m) { return m.method; });
-  row("bits of a Morton key",
-      [](const MeasuredTree& m) { return m.key_bits > 0 ? grouped(m.key_bits) : "-"; });
+  row("Morton key bits", [](const MeasuredTree& m) { return m.key_bits > 0 ? grouped(m.key_bits) : "-"; });
   row("nodes", [](const MeasuredTree& m) { return grouped(m.quality.nodes); });
   row("levels", [](const MeasuredTree& m) { return grouped(m.quality.levels); });
-  row("bytes of the method", [](const MeasuredTree& m) { return grouped(m.quality.bytes); });
+  row("bytes", [](const MeasuredTree& m) { return grouped(m.quality.bytes); });
   row("SAH cost", [&](const MeasuredTree& m) { return number(m.quality.sah); });
   row("EPO", [&](const MeasuredTree& m) { return number(m.quality.epo); });
   row("0.29 SAH + 0.71 EPO", [&](const MeasuredTree& m) { return number(m.quality.sah_epo); });
@@ -104,24 +103,22 @@ std::string text_of(const std::vector<MeasuredTree>& trees) {
       return m.quality.own.by_query ? number(value(m.quality.own)) : "-";
     };
   };
-  row("own visits a query: mean", [&](const MeasuredTree& m) { return number(m.quality.own.mean); });
-  row("  99 of 100 below", own([](const OwnVisits& v) { return v.p99; }));
-  row("  most", own([](const OwnVisits& v) { return static_cast<double>(v.max); }));
-  row("  warp's most / mean", own([](const OwnVisits& v) { return v.warp_ratio; }));
-  row("root visits a query: mean", [&](const MeasuredTree& m) { return number(m.quality.visits_mean); });
-  row("  99 of 100 below", [&](const MeasuredTree& m) { return number(m.quality.visits_p99); });
-  row("  most", [](const MeasuredTree& m) { return grouped(m.quality.visits_max); });
-  row("  warp's most / mean", [&](const MeasuredTree& m) { return number(m.quality.warp_ratio); });
+  row("own visits/query: mean", [&](const MeasuredTree& m) { return number(m.quality.own.mean); });
+  row("  99th percentile", own([](const OwnVisits& v) { return v.p99; }));
+  row("  maximum", own([](const OwnVisits& v) { return static_cast<double>(v.max); }));
+  row("  warp maximum / mean", own([](const OwnVisits& v) { return v.warp_ratio; }));
+  row("root visits/query: mean", [&](const MeasuredTree& m) { return number(m.quality.visits_mean); });
+  row("  99th percentile", [&](const MeasuredTree& m) { return number(m.quality.visits_p99); });
+  row("  maximum", [](const MeasuredTree& m) { return grouped(m.quality.visits_max); });
+  row("  warp maximum / mean", [&](const MeasuredTree& m) { return number(m.quality.warp_ratio); });
   row("  expected", [&](const MeasuredTree& m) { return number(m.quality.expected_visits); });
-  row("  for each true pair", [&](const MeasuredTree& m) { return number(m.quality.tests_per_pair); });
+  row("  per overlapping pair", [&](const MeasuredTree& m) { return number(m.quality.tests_per_pair); });
   row("build, median us", [](const MeasuredTree& m) { return fmt::format("{:.1f}", m.build_us); });
   row("query, median us", [](const MeasuredTree& m) { return fmt::format("{:.1f}", m.query_us); });
   text +=
-      "\n  own visits: nodes that the method's own traversal reads, which finds the pairs; of bullet_dbvt, "
-      "tests "
-      "of two nodes.\n"
-      "  root visits: boxes that one and the same query tests, from the root of each tree as it is drawn.\n"
-      "\n  leaves by level, the fullest is 9:\n";
+      "\n  own visits: nodes read by the method's own traversal; for bullet_dbvt, tests of node pairs.\n"
+      "  root visits: boxes tested by the same query from the root of each displayed tree.\n"
+      "\n  leaves per level, 0 to 9 relative to the fullest level:\n";
   for (const MeasuredTree& m : trees)
     text += fmt::format("  {:<26}{}\n", m.method, depth_histogram(m.quality));
   return text;
@@ -159,10 +156,10 @@ int bvh_command(const CommandLine& line) {
     progress.update(k + 1);
   }
   if (trees.empty() && bodies == 0)
-    throw InputError(scene.name + ": the scene has no bodies, so no method has a tree; give one with bodies");
+    throw InputError(scene.name + ": the scene has no bodies; expected at least one body");
   if (trees.empty())
-    throw InputError(
-        fmt::format("{}: none of these methods has a tree: {}", scene.name, fmt::join(methods, ", ")));
+    throw InputError(fmt::format("{}: no tree to measure with {}; expected a method with a tree", scene.name,
+                                 fmt::join(methods, ", ")));
   Json json{{"scene", scene.name},
             {"device", device},
             {"state", first->steps()},

@@ -109,8 +109,8 @@ int run_capture(const CaptureRequest& request, World& world) {
   ensure_writable_folder("--out", request.out);
   const std::vector<std::int64_t> states = states_to_draw(request, world.steps());
   if (states.front() < world.steps())
-    throw InputError(fmt::format("--states: {} lies before state {}, at which the run starts", states.front(),
-                                 world.steps()));
+    throw InputError(fmt::format("--states: {} is before the first state; expected at least {}",
+                                 states.front(), world.steps()));
   const auto log = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
   const EglContext context(world.info().gpu);
   for (const std::string& line : context.steps_down()) log(line);
@@ -127,8 +127,8 @@ int run_capture(const CaptureRequest& request, World& world) {
   DisplayLink link(world, request.display_path, log);
   GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)
                                 : overlay_font_size(request.width, request.height));
-  log(fmt::format("drawn by {}{}, OpenGL {}; display path: {}", context.renderer(),
-                  context.software() ? " (a software renderer)" : "", context.version(),
+  log(fmt::format("renderer: {}{}, OpenGL {}; display path: {}", context.renderer(),
+                  context.software() ? " (software renderer)" : "", context.version(),
                   display_path_name(link.path())));
   std::optional<PanelPicture> panels;
   if (request.layers.ui) {
@@ -181,9 +181,9 @@ int run_capture(const CaptureRequest& request, World& world) {
                       stats.touching));
     if (const ReferenceView& view = reference.view(); view.known())
       print(fmt::format(
-          "{:{}}  off by {:.3g} m rms, {:.3g} m at most; reference: {}, from state {}, {}\n", "", file.size(),
+          "{:{}}  error {:.3g} m rms, {:.3g} m max; reference: {}, from state {}, {}\n", "", file.size(),
           view.rms, view.max, view.name, view.start_state,
-          view.error_estimate > 0 ? fmt::format("itself off by {:.2g} m", view.error_estimate) : "exact"));
+          view.error_estimate > 0 ? fmt::format("its own error {:.2g} m", view.error_estimate) : "exact"));
     else if (asked)
       log(fmt::format("state {}: no reference: {}", state, reference.view().unavailable_reason));
     flush_stdout();

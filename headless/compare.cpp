@@ -195,8 +195,8 @@ std::vector<float> perceptual_difference(const Image& a, const Image& b) {
 
 void require_same_size(const Image& a, const Image& b) {
   if (a.width == b.width && a.height == b.height) return;
-  throw InputError(fmt::format("compare: the pictures are {}x{} and {}x{}; two of one size are needed",
-                               a.width, a.height, b.width, b.height));
+  throw InputError(fmt::format("compare: the pictures are {}x{} and {}x{}; expected the same size", a.width,
+                               a.height, b.width, b.height));
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ class EarlyEnd {
 World make_world(const Start& start, const RunOptions& options) {
   World world = start.world(options);
   if (!world.initial().meshes.empty())
-    std::fputs("note: mesh bodies collide as their bounding spheres for now\n", stderr);
+    std::fputs("note: mesh bodies collide as their bounding spheres\n", stderr);
   return world;
 }
 
@@ -175,7 +175,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
     stepped.seconds += spent;
     stepped.simulated += static_cast<double>(world.steps() - before) * world.scene().physics.time_step;
     if (world.validation().frozen().size() > frozen)
-      std::fputs(fmt::format("note: bodies frozen so far: {}; found last: {}\n",
+      std::fputs(fmt::format("note: number of frozen bodies: {}; last finding: {}\n",
                              world.validation().frozen().size(), describe(*world.validation().finding()))
                      .c_str(),
                  stderr);
@@ -205,11 +205,12 @@ std::string failure_file(const World& world, std::int64_t step) {
 /// True if the final state matches the one recorded in the change file. Prints a message if not.
 bool as_recorded(World& world, const Replay& replay, const std::string& file) {
   if (const std::size_t left = replay.left(); left > 0)
-    std::fprintf(stderr, "note: %s: the run ended before %zu of its changes\n", file.c_str(), left);
+    std::fprintf(stderr, "note: %s: the run ended before %zu of the changes in this file\n", file.c_str(),
+                 left);
   const std::optional<RecordedEnd>& end = replay.end();
   if (!end || end->step != world.steps() || end->state_hash == world.state_hash()) return true;
-  std::fputs(fmt::format("{}: state {} was recorded with the hash {:016x}, and has {:016x} here: is it "
-                         "the same scene, with the same flags?\n",
+  std::fputs(fmt::format("{}: state {}: recorded hash {:016x}, actual hash {:016x}; expected the same "
+                         "scene and flags as in the recording\n",
                          file, end->step, end->state_hash, world.state_hash())
                  .c_str(),
              stderr);
@@ -244,7 +245,7 @@ int run_command(const CommandLine& line) {
   std::string failed_at = save_on_failure ? failure_file(world, failed_step) : options.save;
   if (save_on_failure) outputs.snapshot.emplace("--save", failed_at);
   if (early_end.requested())
-    std::fputs(fmt::format("interrupted at state {} of {}; the files hold the run up to there\n",
+    std::fputs(fmt::format("interrupted at state {} of {}; the output files end at this state\n",
                            world.steps(), last)
                    .c_str(),
                stderr);
@@ -252,7 +253,7 @@ int run_command(const CommandLine& line) {
   report.simulated_seconds = stepped.simulated;
   report.failure = stepped.failure.value_or("");
 
-  with_allocation_context("writing what came out", [&] {
+  with_allocation_context("writing the output files", [&] {
     // Writes all files before committing any. A full disk then leaves no partial set of files.
     const auto into = [&](OutputFile& file) {
       return [&](std::string_view text) {
@@ -281,8 +282,8 @@ int run_command(const CommandLine& line) {
     not_printed = std::current_exception();
   }
   if (stepped.failure) {
-    std::fputs(fmt::format("{}; state {} {}is in {}\n", *stepped.failure, world.steps(),
-                           stepped.failed_at_start ? "" : "before it ", failed_at)
+    std::fputs(fmt::format("{}; state {} {}saved to {}\n", *stepped.failure, world.steps(),
+                           stepped.failed_at_start ? "" : "before the failure ", failed_at)
                    .c_str(),
                stderr);
   }
@@ -309,8 +310,8 @@ void refuse_picture_files(const CommandLine& line, const Start& start) {
     for (const std::int64_t state :
          states_to_draw(options.capture, start.snapshot ? start.snapshot->state.steps : 0))
       if (fs::path(picture_file(options.capture, start.scene, state)).filename() == path.filename())
-        faults.push_back(fmt::format("{}: {} is the picture of state {} too; give another file", flag,
-                                     shown(file), state));
+        faults.push_back(fmt::format("{}: {} is also the picture of state {}; expected a different file",
+                                     flag, shown(file), state));
   };
   check("--json", options.json);
   check("--load", options.load);

@@ -70,8 +70,8 @@ TEST(AnalyticSuite, WritesARowOfCsvForEachStep) {
 
 TEST(AnalyticSuite, SaysWhatFailedAndWhy) {
   const std::string text = analytic_text(results(), "a machine");
-  EXPECT_THAT(text, testing::HasSubstr("a machine: 3 cases, 4 runs at 4 steps each, 1 failed"));
-  EXPECT_THAT(text, testing::HasSubstr("\nfail by semi_implicit_euler in f64: at h = 0.03333 s the error is "
+  EXPECT_THAT(text, testing::HasSubstr("a machine: 3 cases, 4 runs at 4 step sizes each, 1 failed"));
+  EXPECT_THAT(text, testing::HasSubstr("\nfail, semi_implicit_euler, f64: at h = 0.03333 s the error is "
                                        "0.2, and 0.122 is allowed\n"));
   EXPECT_THAT(text, testing::HasSubstr("FAILED"));
   EXPECT_THAT(text, testing::HasSubstr("1/30 - 1/240"));
@@ -101,7 +101,7 @@ TEST(AnalyticSuite, RefusesFlagsOfScenes) {
     FAIL() << "ran";
   } catch (const InputError& error) {
     ASSERT_EQ(error.lines().size(), 3u);
-    EXPECT_THAT(error.lines()[0], testing::StartsWith("--gravity: accuracy without a scene runs cases"));
+    EXPECT_THAT(error.lines()[0], testing::StartsWith("--gravity: set by the analytic cases"));
     EXPECT_THAT(error.lines()[1], testing::StartsWith("--solver: "));
     EXPECT_THAT(error.lines()[2], testing::StartsWith("--tolerance: "));
   }

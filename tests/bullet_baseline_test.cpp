@@ -81,7 +81,7 @@ TEST(BenchSolvers, OneRowForEachAndARatio) {
   EXPECT_THAT(text_of(at + "r.csv"), testing::StartsWith("solver,settings,step_ms,"));
   const Outcome refused = run_headless({"bench", "solvers", "rolling_out"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, testing::HasSubstr("bench solvers compares spheres, planes and friction"));
+  EXPECT_THAT(refused.err, testing::HasSubstr("bench solvers supports only spheres, planes and friction"));
 }
 
 }  // namespace

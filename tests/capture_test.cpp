@@ -76,8 +76,8 @@ TEST(Capture, SaysHowFarTheBodiesAreFromTheirGhosts) {
     return testing::internal::GetCapturedStdout();
   };
   const std::string said = capture("spheres,ghosts,errors:20", "with");
-  EXPECT_THAT(said, testing::HasSubstr("off by 0 m rms, 0 m at most"));
-  EXPECT_THAT(said, testing::HasSubstr("off by 0.0781 m rms, 0.0781 m at most; reference: event-driven hard "
+  EXPECT_THAT(said, testing::HasSubstr("error 0 m rms, 0 m max"));
+  EXPECT_THAT(said, testing::HasSubstr("error 0.0781 m rms, 0.0781 m max; reference: event-driven hard "
                                        "spheres, from state 0, exact"));
   EXPECT_THAT(capture("spheres", "without"), testing::Not(testing::HasSubstr("reference")));
   EXPECT_NE(bytes_of(folder / "with/two_0064.png"), bytes_of(folder / "without/two_0064.png"));

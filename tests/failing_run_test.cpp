@@ -47,7 +47,7 @@ TEST_F(FailingRun, EndsBeforeTheStepAndLeavesWhatReproducesIt) {
   const Outcome failed =
       run_headless({"run", scene_, "--executor", "cpu", "--steps", "40", "--save", saved_, "--json", "-"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_EQ(failed.err, std::string(line) + "; state 15 before it is in " + saved_ + "\n");
+  EXPECT_EQ(failed.err, std::string(line) + "; state 15 before the failure saved to " + saved_ + "\n");
   const json report = json::parse(failed.out);
   EXPECT_EQ(report["steps"], 15);
   EXPECT_EQ(report["failure"], line);
@@ -83,8 +83,9 @@ TEST_F(FailingRun, SavesWhereItRunsAndOverwritesNothing) {
   const Outcome first = run_headless(run), second = run_headless(run);
   fs::current_path(before);
   EXPECT_EQ(first.status, 1);
-  EXPECT_THAT(first.err, HasSubstr("state 15 before it is in failure-one_falls-16.snapshot\n"));
-  EXPECT_THAT(second.err, HasSubstr("state 15 before it is in failure-one_falls-16-2.snapshot\n"));
+  EXPECT_THAT(first.err, HasSubstr("state 15 before the failure saved to failure-one_falls-16.snapshot\n"));
+  EXPECT_THAT(second.err,
+              HasSubstr("state 15 before the failure saved to failure-one_falls-16-2.snapshot\n"));
   EXPECT_EQ(read_snapshot(folder_ / "failure-one_falls-16.snapshot").state.steps, 15);
   EXPECT_TRUE(fs::exists(folder_ / "failure-one_falls-16-2.snapshot"));
 }
@@ -120,7 +121,7 @@ TEST_F(FailingRun, GoesOnWithTheBodyFrozen) {
   const Outcome frozen = run_headless({"run", scene_, "--executor", "cpu", "--guards", "freeze", "--steps",
                                        "40", "--save", saved_, "--json", "-"});
   EXPECT_EQ(frozen.status, 0) << frozen.err;
-  EXPECT_THAT(frozen.err, HasSubstr("note: bodies frozen so far: 1; found last: " + std::string(line)));
+  EXPECT_THAT(frozen.err, HasSubstr("note: number of frozen bodies: 1; last finding: " + std::string(line)));
   const json report = json::parse(frozen.out);
   EXPECT_EQ(report["steps"], 40);
   EXPECT_EQ(report["guards"]["frozen"], json::array({1}));
@@ -135,7 +136,8 @@ TEST_F(FailingRun, BreaksOnAConditionAndGoesBackAStep) {
   EXPECT_EQ(broken.status, 1);
   EXPECT_THAT(
       broken.err,
-      HasSubstr("speed: after step 16 5.232 m/s, over 5 m/s, body 1; state 15 before it is in " + saved_));
+      HasSubstr("speed: after step 16 5.232 m/s, over 5 m/s, body 1; state 15 before the failure saved to " +
+                saved_));
   EXPECT_EQ(json::parse(broken.out)["steps"], 15);
   const Outcome again = run_headless({"run", "--load", saved_, "--executor", "cpu", "--break", "speed=5",
                                       "--steps", "1", "--save", folder_ / "again.snapshot"});
@@ -156,7 +158,7 @@ TEST_F(FailingRun, BreaksAtTheFirstState) {
                                          steps, "--save", saved_, "--json", "-"});
     EXPECT_EQ(broken.status, 1);
     EXPECT_EQ(broken.err,
-              "escaped: at state 0 1 bodies, the first is body 0; state 0 is in " + saved_ + "\n");
+              "escaped: at state 0 1 bodies, the first is body 0; state 0 saved to " + saved_ + "\n");
     EXPECT_EQ(json::parse(broken.out)["steps"], 0);
     EXPECT_EQ(read_snapshot(saved_).state.steps, 0);
   }

@@ -80,8 +80,8 @@ TEST(Frames, ATableForPeople) {
       run_headless({"bench", "frames", "--bodies", "50", "--executor", "cpu", "--frames", "2", "--size",
                     "160x120", "--layers", "spheres,ui", "--json", folder / "frames.json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* line : {"Box Collider: 50 bodies", "simulate", "publish", "draw the 3D view", "ui: panels",
-                           "whole frame", "frames a second", "hash "})
+  for (const char* line : {"Box Collider: 50 bodies", "simulate", "publish", "draw: 3D view", "ui: panels",
+                           "whole frame", "frames per second", "hash "})
     EXPECT_THAT(outcome.out, testing::HasSubstr(line));
   EXPECT_EQ(json::parse(text_of(folder / "frames.json")).at("bodies"), 50);
 }

@@ -208,7 +208,7 @@ std::string growth() {
   const Json scaling = result("nvidia-h200/scaling.json");
   std::int64_t largest = 0;
   for (const Json& row : scaling["rows"]) largest = std::max(largest, row["bodies"].get<std::int64_t>());
-  MarkdownTable table({"method", "fixed, µs", "exponent", "fit within",
+  MarkdownTable table({"method", "fixed, µs", "exponent", "fit error",
                        fmt::format("ns per body at N = {}", grouped(largest))});
   for (const Json& fit : scaling["growth"]) {
     for (const Json& row : scaling["rows"])
@@ -232,8 +232,8 @@ std::string predictors() {
 }
 
 std::string solvers() {
-  MarkdownTable table({"solver", "settings", "step, ms (p5 to p95)", "over `soft_step` (p5 to p95)",
-                       "overlap, r.m.s.", "deepest, m", "kinetic energy, J", "speed, r.m.s., m/s"});
+  MarkdownTable table({"solver", "settings", "step, ms (p5 to p95)", "ratio to `soft_step` (p5 to p95)",
+                       "overlap, r.m.s.", "max. overlap, m", "kinetic energy, J", "speed, r.m.s., m/s"});
   for (const Json& row : result("xeon-2-cores/solvers-5000-pile.json")["rows"])
     table.row({row["solver"], row["settings"], spread(row["step_ms"], 2), spread(row["ratio"], 2),
                fmt::format("{:.2g} %", 100 * row["overlap_rms"].get<double>()),
@@ -285,7 +285,7 @@ std::string effects(const char* file) {
                row["off_costs_nothing"].get<bool>() ? "same" : "differ", fixed(row["step_ms"]["median"], 3),
                spread(row["off_ratio"], 3), spread(row["on_ratio"], 3), fmt::format("{:+}", launches),
                fmt::format("{:+.1f}", bytes / 1024),
-               row["on"]["state_hash"] == row["off"]["state_hash"] ? "same" : "differs"});
+               row["on"]["state_hash"] == row["off"]["state_hash"] ? "unchanged" : "changed"});
   }
   return table.text();
 }

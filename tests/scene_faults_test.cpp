@@ -89,7 +89,7 @@ TEST(SceneFaults, AreTwentyAtMost) {
   ASSERT_EQ(lines.size(), 21u);
   EXPECT_THAT(lines[0], StartsWith("3:12: NaN"));
   EXPECT_THAT(lines[19], StartsWith("22:12: bodies[19].radius: must lie in"));
-  EXPECT_EQ(lines[20], "and 7 more");
+  EXPECT_EQ(lines[20], "and 7 more errors");
 }
 
 TEST(SceneFaults, OfDerivedMassesHaveALine) {
@@ -161,10 +161,11 @@ TEST(SceneFaults, OfOtherFilesOfTheSameForm) {
 TEST(BvhCommand, SaysThatAnEmptySceneHasNoBodies) {
   const Outcome empty = run_headless({"bvh", "empty"});
   EXPECT_EQ(empty.status, 2);
-  EXPECT_EQ(empty.err, "Empty: the scene has no bodies, so no method has a tree; give one with bodies\n");
+  EXPECT_EQ(empty.err, "Empty: the scene has no bodies; expected at least one body\n");
   const Outcome treeless = run_headless({"bvh", "box_collider", "--bodies", "5", "--methods", "brute_force"});
   EXPECT_EQ(treeless.status, 2);
-  EXPECT_EQ(treeless.err, "Box Collider: none of these methods has a tree: brute_force\n");
+  EXPECT_EQ(treeless.err,
+            "Box Collider: no tree to measure with brute_force; expected a method with a tree\n");
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST(Signals, KeepWhatARunHasComeTo) {
     const std::int64_t steps = snapshot.state.steps;
     EXPECT_GT(steps, 0);
     EXPECT_THAT(text_of(err), testing::HasSubstr("interrupted at state " + std::to_string(steps) +
-                                                 " of 1000000; the files hold the run up to there\n"));
+                                                 " of 1000000; the output files end at this state\n"));
     EXPECT_EQ(nlohmann::json::parse(text_of(json))["steps"], steps);
     const std::string rows = text_of(trace);
     EXPECT_EQ(std::ranges::count(rows, '\n'), steps + 2);

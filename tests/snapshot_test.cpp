@@ -323,8 +323,8 @@ TEST(SnapshotOfARun, RefusesFlagsThatAskForOtherBodies) {
        {std::pair{"--seed", "5"}, {"--variant", "equal"}, {"--spawn", "centres"}}) {
     const Outcome outcome = run_headless({"run", "--load", file, "--steps", "1", flag, value});
     EXPECT_EQ(outcome.status, 2) << flag;
-    EXPECT_EQ(outcome.err, std::string(flag) + ": " + file + " has other bodies; leave out " + flag +
-                               ", or give the scene instead of --load\n");
+    EXPECT_EQ(outcome.err, std::string(flag) + ": " + file + " has different bodies; remove " + flag +
+                               ", or give SCENE instead of --load\n");
   }
   for (const auto& [flag, value] : {std::pair{"--seed", "1"}, {"--bodies", "25"}, {"--time-step", "1/100"}}) {
     const Outcome outcome = run_headless({"run", "--load", file, "--steps", "1", flag, value});
@@ -357,13 +357,13 @@ TEST(SnapshotOfARun, SavedLoadedAndSavedAgain) {
   EXPECT_EQ(edited.status, 0) << edited.err;
   const Outcome early = run_headless({"capture", "--load", file, "--states", "10", "--out", folder / "out"});
   EXPECT_EQ(early.status, 2);
-  EXPECT_EQ(early.err, "--states: 10 lies before state 40, at which the run starts\n");
+  EXPECT_EQ(early.err, "--states: 10 is before the first state; expected at least 40\n");
   const Outcome two = run_headless({"run", "box_collider", "--load", file});
   EXPECT_EQ(two.status, 2);
-  EXPECT_EQ(two.err, "--load: a snapshot has its own scene; leave out box_collider\n");
+  EXPECT_EQ(two.err, "--load: the snapshot contains its scene; remove box_collider\n");
   const Outcome lost = run_headless({"run", "--load", file, "--steps", "1", "--json", file});
   EXPECT_EQ(lost.status, 2);
-  EXPECT_THAT(lost.err, HasSubstr("is the file of --json too"));
+  EXPECT_THAT(lost.err, HasSubstr("is also the file of --json"));
 }
 
 }  // namespace

@@ -179,7 +179,7 @@ TEST(Suites, ThePaperOwnsItsShapesAndSaysWhatItClaims) {
   EXPECT_EQ(queries["whole"], 12);
   EXPECT_EQ(queries["half"], 12);
   EXPECT_EQ(report["recursion"].size(), 2u);
-  EXPECT_THAT(run.out, HasSubstr("by calls"));
+  EXPECT_THAT(run.out, HasSubstr("ms with recursive calls"));
   EXPECT_THAT(run.out, HasSubstr("eats up the speedup\" (whole queries)"));
   EXPECT_THAT(run.out, HasSubstr("eats up the speedup\" (half queries)"));
   for (const char* column : {"p5", "p95", "bytes", "query"}) EXPECT_THAT(run.out, HasSubstr(column));
@@ -203,9 +203,9 @@ std::string claims_at(double share) {
 }
 
 TEST(Suites, EightyPercentAreConfirmedFromEightyPercentOn) {
-  EXPECT_THAT(claims_at(0.73), HasSubstr("73.0 % here: not confirmed"));
-  EXPECT_THAT(claims_at(0.79), HasSubstr("79.0 % here: not confirmed"));
-  EXPECT_THAT(claims_at(0.81), HasSubstr("81.0 % here: confirmed"));
+  EXPECT_THAT(claims_at(0.73), HasSubstr("measured 73.0 %: not confirmed"));
+  EXPECT_THAT(claims_at(0.79), HasSubstr("measured 79.0 %: not confirmed"));
+  EXPECT_THAT(claims_at(0.81), HasSubstr("measured 81.0 %: confirmed"));
 }
 
 TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {
@@ -230,7 +230,7 @@ TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {
     EXPECT_FALSE(report["effects"][0]["without"]["buffers"].contains(absent)) << absent;
   const Outcome refused = run_headless({"bench", "effects", "rolling", "--executor", "cpu"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("calls for gravity alone"));
+  EXPECT_THAT(refused.err, HasSubstr("needs only gravity"));
 }
 
 TEST(Suites, RefuseWhatCannotBeWrittenBeforeTheyMeasure) {

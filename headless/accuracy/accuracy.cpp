@@ -39,8 +39,7 @@ void start_apart(const CommandLine& line, Scene& scene) {
   }
   scene = std::move(apart);
   std::fputs(
-      "note: generated spheres start apart, so that an exact answer is known; --spawn inside: as the "
-      "scene has them\n",
+      "note: generated spheres start apart, which gives an exact reference; set --spawn to change this\n",
       stderr);
 }
 
@@ -48,13 +47,14 @@ void start_apart(const CommandLine& line, Scene& scene) {
 void advance(const std::string& file, AccuracyStudy& study) {
   if (file.empty() || file == "-" || !std::filesystem::is_regular_file(file)) return;
   try {
-    const std::string text = read_text_file(file, std::size_t{64} << 20, "what accuracy --json wrote");
+    const std::string text = read_text_file(file, std::size_t{64} << 20, "a report of accuracy --json");
     const AccuracyRecord record = parse_record(text, file);
     if (record.complete || !study.restore(record)) return;
     const auto known = std::ranges::count_if(record.points, &AccuracyPoint::has_error);
-    std::fputs(
-        fmt::format("note: {} holds {} of {} settings already\n", file, known, record.points.size()).c_str(),
-        stderr);
+    std::fputs(fmt::format("note: {} already has the results of {} of {} settings\n", file, known,
+                           record.points.size())
+                   .c_str(),
+               stderr);
   } catch (const InputError&) {
   }
 }
@@ -86,7 +86,7 @@ void work(AccuracyStudy& study, const InterruptHandler& interrupt_handler,
 }
 
 [[noreturn]] void end_without_result() {
-  std::fputs("stopped before the reference was known: nothing is kept\n", stderr);
+  std::fputs("stopped before the reference was computed; no results to save\n", stderr);
   InterruptHandler::reraise();
 }
 
@@ -99,9 +99,9 @@ int accuracy_command(const CommandLine& line) try {
   Scene scene = load_scene(line);
   const double least = coarsest_step(scene.physics.time_step);
   if (options.accuracy.seconds != 0 && options.accuracy.seconds < least)
-    throw InputError(fmt::format(
-        "--seconds: {} s is shorter than {} s, the largest step that is compared; give {} or more",
-        options.accuracy.seconds, least, least));
+    throw InputError(
+        fmt::format("--seconds: {} s is shorter than the largest tested step, {} s; expected at least {} s",
+                    options.accuracy.seconds, least, least));
   const ResultFiles files(options);
   start_apart(line, scene);
   Cancellation cancellation;
@@ -124,9 +124,10 @@ int accuracy_command(const CommandLine& line) try {
   flush_stdout();
   if (!record.complete) {
     const bool kept = !options.json.empty() && options.json != "-";
-    std::fputs(kept ? fmt::format("stopped; the same command goes on from {}\n", options.json).c_str()
-                    : "stopped; with --json FILE the same command would go on from there\n",
-               stderr);
+    std::fputs(
+        kept ? fmt::format("stopped; run the same command again to continue from {}\n", options.json).c_str()
+             : "stopped; results not saved; with --json FILE, the same command can continue\n",
+        stderr);
     InterruptHandler::reraise();
   }
   return tolerance && !recommended(record.points, record.reference.error, *tolerance).point ? 1 : 0;

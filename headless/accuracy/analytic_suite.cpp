@@ -110,7 +110,7 @@ struct Counts {
     }
   }
   std::string text(const std::string& device) const {
-    return fmt::format("The analytic suite on {}: {} cases, {} runs at {} steps each, {}", device, cases,
+    return fmt::format("Analytic suite on {}: {} cases, {} runs at {} step sizes each, {}", device, cases,
                        rows, analytic_levels, failed == 0 ? "all pass" : fmt::format("{} failed", failed));
   }
 };
@@ -128,7 +128,7 @@ void refuse_settings_of_cases(const Options& options) {
   for (const auto& [flag, given] : flags)
     if (given)
       faults.push_back(fmt::format(
-          "{}: accuracy without a scene runs cases that set this; name a scene, or leave it out", flag));
+          "{}: set by the analytic cases of accuracy without SCENE; give SCENE or remove the flag", flag));
   if (!faults.empty()) throw InputError(faults);
 }
 
@@ -179,10 +179,10 @@ std::string analytic_csv(const std::vector<AnalyticResult>& results) {
 }
 
 std::string analytic_markdown(const std::vector<AnalyticResult>& results, const std::string& device) {
-  std::string text = Counts(results).text(device) +
-                     ".\n\n| case: error of | integrator | order | smallest h, s | in double | of theory | "
-                     "in float | pays to "
-                     "| why |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n";
+  std::string text =
+      Counts(results).text(device) +
+      ".\n\n| case: quantity | integrator | order | smallest h, s | f64 error | f64 error / theory | "
+      "f32 error | f32 limit of h, s | reason |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n";
   std::string last;
   for (const AnalyticRow& row : analytic_rows(results)) {
     const AnalyticResult& r = row.any();
@@ -200,8 +200,8 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
 
 std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device) {
   constexpr const char* columns = "{:<21}{:<27}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
-  std::string text = fmt::format(columns, "case", "integrator", "h, s", "error in double", "order",
-                                 "of theory", "in float", "pays to", "", "error of");
+  std::string text = fmt::format(columns, "case", "integrator", "h, s", "f64 error", "order", "/ theory",
+                                 "f32 error", "f32 limit", "", "quantity");
   std::string last;
   for (const AnalyticRow& row : analytic_rows(results)) {
     const AnalyticResult& r = row.any();
@@ -216,7 +216,7 @@ std::string analytic_text(const std::vector<AnalyticResult>& results, const std:
   text += fmt::format("\n{}.\n", Counts(results).text(device));
   for (const AnalyticResult& r : results)
     if (!r.passed())
-      text += fmt::format("{} by {} in {}: {}\n", r.name, name_of(r.method),
+      text += fmt::format("{}, {}, {}: {}\n", r.name, name_of(r.method),
                           name_of(precision_names, r.precision), r.fault);
   return text;
 }
@@ -228,7 +228,7 @@ Chart analytic_chart(const std::vector<AnalyticResult>& results, const std::stri
   std::vector<std::string> methods;
   for (const AnalyticResult& r : results) {
     if (r.name != name) continue;
-    chart.title = r.name + ": slopes are orders; dashed in float";
+    chart.title = r.name + ": slope = order; dashed: f32";
     chart.y.label = "error of " + r.compared;
     const std::string method = name_of(r.method);
     if (methods.empty() || methods.back() != method) methods.push_back(method);

@@ -32,24 +32,23 @@ std::string runs_text(const AccuracyRecord& record) {
     least = std::min(least, point.ms_runs.size());
     most = std::max(most, point.ms_runs.size());
   }
-  if (most == 0) return "no prices yet";
-  if (most == 1) return "one run each";
+  if (most == 0) return "not timed yet";
+  if (most == 1) return "one run per setting";
   return "median of " +
-         (least < most ? fmt::format("{} to {} runs each", least, most) : fmt::format("{} runs each", most));
+         (least < most ? fmt::format("{} to {} runs", least, most) : fmt::format("{} runs", most));
 }
 
 std::string head_text(const AccuracyRecord& record) {
   const AccuracyReference& r = record.reference;
   std::string text = fmt::format("{}, N = {}; {}, {}\n", record.scene, grouped(record.bodies),
                                  record.executor, runs_text(record));
-  text += fmt::format("against: {}\n", r.description);
+  text += fmt::format("reference: {}\n", r.description);
   text += fmt::format("positions compared over {:.3g} s", r.horizon);
   if (r.seconds > r.horizon) text += fmt::format(", energy and distributions over {:.3g} s", r.seconds);
   if (!r.end.empty()) text += fmt::format(": {}", r.end);
-  text += fmt::format("\nits own error: {} m", number(r.error));
+  text += fmt::format("\nerror of the reference: {} m", number(r.error));
   if (std::isfinite(r.order)) text += fmt::format(", observed order {:.2f}", r.order);
-  if (r.lyapunov_rate > 0)
-    text += fmt::format("; a tiny displacement grows e-fold each {:.2g} s", 1 / r.lyapunov_rate);
+  if (r.lyapunov_rate > 0) text += fmt::format("; Lyapunov time {:.2g} s", 1 / r.lyapunov_rate);
   return text + "\n";
 }
 
@@ -89,7 +88,7 @@ std::string row_text(const AccuracyPoint& p) {
   const AccuracyInvariants& i = p.invariants;
   const double joints = std::isfinite(i.joint_error) ? i.joint_error : i.penetration_max;
   return fmt::format("{} {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", p.on_front ? '*' : ' ', p.name,
-                     p.has_error() && !std::isfinite(p.error) ? "lost" : number(p.error),
+                     p.has_error() && !std::isfinite(p.error) ? "diverged" : number(p.error),
                      number(p.error_worst), cost_text(p.ms), number(i.energy_error),
                      number(i.momentum_balance), number(joints));
 }
@@ -98,7 +97,7 @@ std::string cheapest_text(const AccuracyRecord& record, double tolerance) {
   const Recommendation answer = recommended(record.points, record.reference.error, tolerance);
   if (!answer.point) return answer.unavailable_reason;
   const AccuracyPoint& p = record.points[*answer.point];
-  return fmt::format("the cheapest within {:g} m: {}, {}; error {} m, {:.4g} ms for a simulated second",
+  return fmt::format("fastest setting within {:g} m: {}, {}; error {} m, {:.4g} ms per simulated second",
                      tolerance, p.series_name, p.name, number(p.error), p.ms.median);
 }
 
@@ -120,12 +119,12 @@ std::string float_text(const AccuracyRecord& record) {
     }
   }
   if (pairs == 0 || ratios.empty()) return "";
-  return fmt::format("double costs {:.2f} times what float does (median of {} settings); {}\n",
+  return fmt::format("f64 takes {:.2f} times as long as f32 (median of {} settings); {}\n",
                      quantile(ratios, 0.5, not_known), ratios.size(),
-                     departs > 0 ? fmt::format("float stops paying at {} m: there its error is first more "
-                                               "than a quarter above double's",
+                     departs > 0 ? fmt::format("the largest f32 error that exceeds the f64 error by more "
+                                               "than 25 % is {} m",
                                                number(departs))
-                                 : "float is as accurate as double at every setting, within a quarter");
+                                 : "the f32 error is at most 25 % above the f64 error at every setting");
 }
 
 /// The Pareto front, from cheap to expensive.
@@ -143,21 +142,19 @@ std::string study_text(const AccuracyRecord& record, std::optional<double> toler
   std::string text = head_text(record);
   const bool joints = std::ranges::any_of(
       record.points, [](const AccuracyPoint& p) { return std::isfinite(p.invariants.joint_error); });
-  text += fmt::format("\n  {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", "", "error, m", "worst", "ms a second",
-                      "energy", "momentum", joints ? "joint, m" : "depth, m");
+  text += fmt::format("\n  {:<33}{:>9}{:>9}  {:<25}{:>9}{:>9}{:>9}\n", "", "error, m", "max, m",
+                      "ms per simulated second", "energy", "momentum", joints ? "joint, m" : "depth, m");
   for (const std::string& series_name : series_of(record)) {
     const double order = order_of(record, series_name);
-    text +=
-        series_name + (std::isfinite(order) ? fmt::format(", order {:.2f} in its step", order) : "") + "\n";
+    text += series_name + (std::isfinite(order) ? fmt::format(", observed order {:.2f}", order) : "") + "\n";
     for (const AccuracyPoint& p : record.points)
       if (p.series_name == series_name) text += row_text(p);
   }
   text +=
-      "* nothing else is both cheaper and more accurate. error: root mean square over bodies and time of "
-      "how\n"
-      "  far each is from where it should be; energy: off the reference's, over its most kinetic energy;\n"
-      "  momentum: change that neither walls nor gravity account for, over the sum of m |v|\n\n";
-  text += "the front, from cheap to dear:\n";
+      "* Pareto-optimal: no other setting is both faster and more accurate. error: root mean square of the\n"
+      "  distance to the reference over bodies and time; energy: difference to the reference, over its\n"
+      "  largest kinetic energy; momentum: change not due to walls or gravity, over the sum of m |v|\n\n";
+  text += "Pareto front, fastest first:\n";
   for (const AccuracyPoint* p : front_of(record))
     text += fmt::format("  {:<60}{:>9} m {:>9.4g} ms\n", p->series_name + ", " + p->name, number(p->error),
                         p->ms.median);
@@ -214,7 +211,8 @@ std::string study_markdown(const AccuracyRecord& record, std::optional<double> t
   std::string text = head_text(record);
   std::ranges::replace(text, '\n', ' ');
   text +=
-      "\n\n| setting | error, m | worst, m | ms for a simulated second | energy | overlap over radius |\n"
+      "\n\n| setting | error, m | max. error, m | ms per simulated second | energy error | overlap / radius "
+      "|\n"
       "|---|---:|---:|---:|---:|---:|\n";
   for (const AccuracyPoint* p : front_of(record))
     text += fmt::format("| `{}`, {} | {:.2g} | {:.2g} | {} | {:.2g} | {:.2g} |\n", p->series_name, p->name,
@@ -230,10 +228,10 @@ Chart study_chart(const AccuracyRecord& record, std::optional<double> tolerance)
   AccuracyChart made = accuracy_chart(record.points, reference, tolerance.value_or(0), true);
   Chart& chart = made.chart;
   chart.title = fmt::format("{}, N = {}: what accuracy costs", record.scene, grouped(record.bodies));
-  chart.note = fmt::format("{}; {:.3g} s; {}, {}; double dashed, broad line: Pareto front",
+  chart.note = fmt::format("{}; {:.3g} s; {}, {}; dashed: f64; thick line: Pareto front",
                            reference.kind == AccuracyReference::Kind::hard_spheres
-                               ? "against event-driven hard spheres"
-                               : "against a converged run",
+                               ? "reference: event-driven hard spheres"
+                               : "reference: converged run",
                            reference.horizon, record.executor, runs_text(record));
   for (std::size_t s = 0; s < chart.series.size(); ++s) {
     ChartSeries& series = chart.series[s];

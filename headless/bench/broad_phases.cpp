@@ -34,10 +34,9 @@ std::string visits_text(const MethodRow& r) { return r.visits > 0 ? fmt::format(
 
 std::string broad_phases_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   std::string text = fmt::format(
-      "{}; microseconds from positions to the ordered list of pairs, median (5th to 95th percentile).\n\n"
-      "| N | variant | method | key bits | µs | pairs | own visits a query | launches | bytes a body | "
-      "stages, "
-      "µs (timed apart; * in part own shape) |\n"
+      "{}; time in µs from positions to the ordered list of pairs, median (5th to 95th percentile).\n\n"
+      "| N | variant | method | key bits | µs | pairs | own visits per query | launches | bytes per body | "
+      "stages, µs (timed separately; *: partly library launch) |\n"
       "|---:|---|---|---:|---:|---:|---:|---:|---:|---|\n",
       text_of(machine));
   for (const MethodRow& r : rows)
@@ -64,7 +63,7 @@ MethodRow measure_cubql(const Scene& scene, const MethodRow& ours) {
   for (std::size_t k = 0; k < bodies.size(); ++k) bounds(static_cast<int>(k));
   const BaselineTimes times = time_cubql(boxes, ours.repeats);
   if (times.pairs != ours.pairs)
-    throw MachineError(fmt::format("cuBQL finds {} pairs among {} bodies where there are {}", times.pairs,
+    throw MachineError(fmt::format("cuBQL: found {} pairs of {} bodies, expected {}", times.pairs,
                                    bodies.size(), ours.pairs));
   MethodRow row = ours;
   row.method = "cuBQL, unordered";
@@ -100,8 +99,8 @@ int bench_broad_phases(const CommandLine& line) {
       machine = machine_of(World(at.scene, at.run));
       if (table)
         print(fmt::format(
-            "{}\nkeys: bits of a Morton key. visits: nodes that a query of the method's own reads, mean.\n"
-            "{:>12} {:<11}{:<20}{:>4}{:>12}{:>12}{:>12}{:>14}{:>9}{:>5}  stages, µs (timed apart)\n",
+            "{}\nkeys: bits per Morton key. visits: mean number of nodes that a query of the method reads.\n"
+            "{:>12} {:<11}{:<20}{:>4}{:>12}{:>12}{:>12}{:>14}{:>9}{:>5}  stages, µs (timed separately)\n",
             machine.device, "N", "variant", "method", "keys", "median µs", "p5", "p95", "pairs", "visits",
             "runs"));
     }
@@ -113,7 +112,8 @@ int bench_broad_phases(const CommandLine& line) {
     files.write(broad_phases_json(machine, rows), csv_of(rows), broad_phases_markdown(machine, rows));
     for (std::size_t k = known; table && k < rows.size(); ++k) print_row(rows[k]);
   });
-  files.plot(chart_of_methods("Broad phases: from positions to the ordered list of pairs", machine, rows));
+  files.plot(
+      chart_of_methods("Broad phases: time from positions to the ordered list of pairs", machine, rows));
   if (!table) print(broad_phases_json(machine, rows));
   return 0;
 }

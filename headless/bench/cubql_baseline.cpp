@@ -40,7 +40,7 @@ template <class T>
 struct DeviceArray {
   T* data = nullptr;
   explicit DeviceArray(std::size_t size) {
-    check(cudaMalloc(reinterpret_cast<void**>(&data), size * sizeof(T)), "memory for cuBQL's work");
+    check(cudaMalloc(reinterpret_cast<void**>(&data), size * sizeof(T)), "allocate memory for cuBQL");
   }
   ~DeviceArray() { cudaFree(data); }
   DeviceArray(const DeviceArray&) = delete;
@@ -68,20 +68,20 @@ BaselineTimes time_cubql(std::span<const Aabb> boxes, int repeats) {
     check(cudaEventRecord(start, stream), "record an event");
     cuBQL::bvh3f tree;
     cuBQL::cuda::radixBuilder(tree, on_device.data, n, cuBQL::BuildConfig{}, stream);
-    check(cudaMemsetAsync(count.data, 0, sizeof *count.data, stream), "clear a counter");
+    check(cudaMemsetAsync(count.data, 0, sizeof *count.data, stream), "clear the counter of pairs");
     constexpr std::uint32_t threads = 128;
     find_pairs<<<(n + threads - 1) / threads, threads, 0, stream>>>(tree, on_device.data, n, pairs, room,
                                                                     count.data);
-    check(cudaPeekAtLastError(), "launch cuBQL's query");
+    check(cudaPeekAtLastError(), "launch the cuBQL query");
     times.bytes =
         static_cast<std::int64_t>(tree.numNodes * sizeof(cuBQL::bvh3f::node_t) + n * sizeof(std::uint32_t));
     cuBQL::cuda::free(tree, stream);
     check(cudaEventRecord(end, stream), "record an event");
     check(cudaStreamSynchronize(stream), "run cuBQL");
     float ms = 0;
-    check(cudaEventElapsedTime(&ms, start, end), "read a time");
+    check(cudaEventElapsedTime(&ms, start, end), "read the elapsed time");
     unsigned long long found = 0;
-    check(cudaMemcpy(&found, count.data, sizeof found, cudaMemcpyDeviceToHost), "read a counter");
+    check(cudaMemcpy(&found, count.data, sizeof found, cudaMemcpyDeviceToHost), "read the counter of pairs");
     times.pairs = static_cast<std::int64_t>(found);
     return ms;
   };
@@ -104,7 +104,7 @@ BaselineTimes time_cubql(std::span<const Aabb> boxes, int repeats) {
 bool has_cubql() { return false; }
 
 BaselineTimes time_cubql(std::span<const Aabb>, int) {
-  throw MachineError("this build does not know cuBQL: -DCOLLIDOSCOPE_CUBQL=FOLDER tells CMake where it is");
+  throw MachineError("cuBQL: this build has no cuBQL support; configure with -DCOLLIDOSCOPE_CUBQL=FOLDER");
 }
 
 #endif

@@ -136,8 +136,8 @@ Scene base_of(const CommandLine& line) {
   gravity.gravity = true;
   if (scene.generators.size() != 1 || World(scene, line.options.run).effects() != gravity)
     throw InputError(scene.name +
-                     ": bench effects adds each effect to a scene of one generator that calls for gravity "
-                     "alone, such as box_collider_scaled");
+                     ": bench effects expects a scene with one generator that needs only gravity, such as "
+                     "box_collider_scaled");
   scene.physics.substeps = substeps_in_effect(scene.physics);  // constant, although joints might require more
   Body body;                                                   // a body that can be given a spin
   body.position = World(scene, line.options.run).initial().box.value_or(Box{}).max * 0.5;
@@ -228,15 +228,15 @@ std::vector<std::string> cells_of(const EffectRow& r) {
       fmt::format("{:+}", r.on.launch_count() - r.without.launch_count()),
       fmt::format("{:+.1f}",
                   static_cast<double>(r.on.bytes() - r.without.bytes()) / static_cast<double>(1 << 10)),
-      r.decides ? (r.on.hash != r.without.hash ? "another" : "THE SAME")
-                : (r.on_matches_hash_rule() ? "same" : "DIFFERENT")};
+      r.decides ? (r.on.hash != r.without.hash ? "changed" : "UNCHANGED")
+                : (r.on_matches_hash_rule() ? "unchanged" : "CHANGED")};
   return cells;
 }
 const std::vector<std::string> heads{"effect",
                                      "off: launches, buffers, hash",
                                      "step, ms",
-                                     "off, A/B (p5 to p95)",
-                                     "on, A/B (p5 to p95)",
+                                     "off, ratio (p5 to p95)",
+                                     "on, ratio (p5 to p95)",
                                      "on: launches",
                                      "on: KiB",
                                      "on: hash"};

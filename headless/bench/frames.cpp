@@ -134,12 +134,12 @@ class PanelBench {
 };
 
 const char* meaning(std::string_view part) {
-  if (part == "simulate") return "simulate: a step, measured";
+  if (part == "simulate") return "simulate: step with statistics";
   if (part == "publish") return "publish: map, pack, unmap";
-  if (part == "draw") return "draw the 3D view";
-  if (part == "fill") return "gather what panels show";
-  if (part == "ui") return "ui: panels, on the CPU";
-  return "ui: rasterise";
+  if (part == "draw") return "draw: 3D view";
+  if (part == "fill") return "fill: collect data of panels";
+  if (part == "ui") return "ui: panels, CPU";
+  return "rasterise: panels";
 }
 
 std::string layer_names(const FrameLayers& layers) {
@@ -213,10 +213,10 @@ std::string result_text(const FramesSetting& setting, const MeasuredFrames& meas
                        fmt::format("{:.1f} %", 100 * part.sum / measured.frame.sum));
   };
   std::string text = title_text(setting.run);
-  text += fmt::format("drawn by {}{}\ndisplay path {}; {}x{}, {} x {} samples, quality {}, spheres by {}\n",
-                      setting.renderer, setting.software ? " (a software renderer)" : "",
-                      setting.display_path, setting.width, setting.height, setting.supersampling,
-                      setting.supersampling, setting.quality, setting.compute ? "compute" : "quads");
+  text += fmt::format("renderer {}{}\ndisplay path {}; {}x{}, {} x {} samples, quality {}, spheres by {}\n",
+                      setting.renderer, setting.software ? " (software renderer)" : "", setting.display_path,
+                      setting.width, setting.height, setting.supersampling, setting.supersampling,
+                      setting.quality, setting.compute ? "compute" : "quads");
   text += fmt::format("layers {}: {} bodies, {} boxes, {} touching contacts; {} pairs\n\n", setting.layers,
                       grouped(measured.drawn.bodies), grouped(measured.drawn.boxes),
                       grouped(measured.drawn.contacts), grouped(setting.run.final.pairs));
@@ -226,15 +226,15 @@ std::string result_text(const FramesSetting& setting, const MeasuredFrames& meas
     if (part.name != "draw") continue;
     for (const Part& pass : measured.passes.all())
       if (pass.sum >= 0.0005 * static_cast<double>(pass.ms.size()))
-        text += line(fmt::format("  {}, on the GPU", pass.name), pass);
+        text += line(fmt::format("  {}, GPU", pass.name), pass);
   }
   text += line("whole frame", measured.frame);
   const RunTimes& times = setting.run.times;
   if (times.steps_timed > 0)
-    text += fmt::format(row, "a step alone, nothing measured", fmt::format("{:.3f}", times.step_median_ms),
-                        "", fmt::format("{:.3f}", times.step_p95_ms), "");
+    text += fmt::format(row, "step without statistics", fmt::format("{:.3f}", times.step_median_ms), "",
+                        fmt::format("{:.3f}", times.step_p95_ms), "");
   return text + fmt::format(
-                    "\n  {:.1f} frames a second, over {} frames after {} that warmed up\n"
+                    "\n  {:.1f} frames per second over {} frames, after {} warm-up frames\n"
                     "  state {}, hash {:016x}\n",
                     frames_per_second(measured), measured.frame.ms.size(), setting.warm_up,
                     setting.run.final.step, setting.run.state_hash);

@@ -128,7 +128,7 @@ void sweep(const CommandLine& line, const SweepDefaults& defaults,
   Scene scene = load_scene(line);
   if (scene.generators.size() != 1)
     throw InputError(scene.name + ": bench " + line.suite +
-                     " varies the number of bodies: a scene with one generator is needed");
+                     " varies the number of bodies; expected a scene with exactly one generator");
   const BenchRequest& request = line.options.bench;
   const auto& methods = request.methods.empty() ? defaults.methods : request.methods;
   const auto& sizes = request.sizes.empty() ? defaults.sizes : request.sizes;

@@ -95,11 +95,12 @@ int bench_paper(const CommandLine& line) {
   if (!options.overrides.settings.has<&Physics::solver>())
     scene.physics.solver = Solver::impulse;  // the paper's solver
   if (scene.generators.size() != 1)
-    throw InputError(scene.name +
-                     ": bench paper varies the number of bodies: a scene with one generator is needed");
+    throw InputError(
+        scene.name +
+        ": bench paper varies the number of bodies; expected a scene with exactly one generator");
   const std::vector<Wanted> wanted = wanted_rows(options.bench.sizes);
   if (wanted.empty())
-    throw InputError("--sizes: the paper's tables have N = 100, 500, 1000, 5000, 10000 and 50000");
+    throw InputError("--sizes: not in the paper's tables; expected 100, 500, 1000, 5000, 10000 or 50000");
   const ResultFiles files(options);
 
   // Tables 2, 4 and 5 share their runs.

@@ -44,7 +44,7 @@ std::vector<PaperCell> paper_cells() {
 
 const char* paper_table_title(int table) {
   constexpr std::array names{"",
-                             "Table 1: every pair by brute force",
+                             "Table 1: brute force over all pairs",
                              "Table 2: dynamics forwarding",
                              "Table 3: collision handling, tree built top-down from a work queue",
                              "Table 4: collision handling, tree built bottom-up",

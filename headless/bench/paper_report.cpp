@@ -62,15 +62,14 @@ void add_efficiency(const PaperRows& rows, PaperQuery query, std::vector<std::st
   if (!(ours > 0)) return;
   constexpr double claimed = 0.8;
   lines.push_back(fmt::format(
-      "\"Efficiency of 80 % in most cases\" (Table 5, {} queries, median beyond 8 threads): {:.1f} % by the "
-      "paper's own figures, {:.1f} % here: {}.",
+      "\"Efficiency of 80 % in most cases\" (Table 5, {} queries, median above 8 threads): paper {:.1f} %, "
+      "measured {:.1f} %: {}.",
       name_of(query), 100 * median_efficiency(rows, query, paper_ms), 100 * ours, outcome(ours >= claimed)));
   const double sort = median_efficiency(rows, query, sort_ms),
                rest = median_efficiency(rows, query, unsorted_ms);
   lines.push_back(
       fmt::format("\"The sorting algorithm seems to be the main factor that eats up the speedup\" ({} "
-                  "queries): the sort is "
-                  "{:.1f} % efficient here, all the rest {:.1f} %: {}.",
+                  "queries): measured efficiency of the sort {:.1f} %, of the other stages {:.1f} %: {}.",
                   name_of(query), 100 * sort, 100 * rest, outcome(sort < 0.9 * rest)));
 }
 
@@ -89,8 +88,8 @@ void add_comparison(const PaperRows& rows, PaperQuery query, const std::string& 
   }
   if (compared == 0) return;
   lines.push_back(fmt::format(
-      "\"Bottom-up is faster than top-down\" (Tables 3 and 4, N = 10,000), {}: in {} of {} shapes here; "
-      "top-down takes {:.2f} to {:.2f} times as long (in the paper 2.4 to 6.9): {}.",
+      "\"Bottom-up is faster than top-down\" (Tables 3 and 4, N = 10,000), {}: measured in {} of {} "
+      "launch shapes; top-down takes {:.2f} to {:.2f} times as long (paper: 2.4 to 6.9): {}.",
       what, faster, compared, least, most, faster == 0 ? "refuted" : outcome(faster == compared)));
 }
 
@@ -100,28 +99,26 @@ std::vector<std::string> claims(const PaperResults& results) {
   for (const PaperQuery query : {PaperQuery::whole, PaperQuery::half}) add_efficiency(rows, query, lines);
   for (const PaperQuery query : {PaperQuery::whole, PaperQuery::half})
     add_comparison(rows, query, fmt::format("collision handling, {} queries", name_of(query)), our_ms, lines);
-  add_comparison(rows, PaperQuery::whole, "building alone", build_ms, lines);
+  add_comparison(rows, PaperQuery::whole, "tree build only", build_ms, lines);
   if (const PaperRow* row = find(rows, PaperQuery::none, 1, 5000, 8, 64)) {
     const double tests = 5000.0 * 4999 / 2;
-    lines.push_back(fmt::format(
-        "Table 1 implies {:.1f} ns a pair tested by its 512 threads in the paper, {:.2f} ns here.",
-        1e6 * row->cell.paper_ms / tests, 1e6 * row->ms.median / tests));
+    lines.push_back(
+        fmt::format("Table 1, time per tested pair with 512 threads: paper {:.1f} ns, measured {:.2f} ns.",
+                    1e6 * row->cell.paper_ms / tests, 1e6 * row->ms.median / tests));
   }
   if (const PaperRow* row = find(rows, PaperQuery::whole, 4, 50000, 2, 4)) {
     const double pairs = static_cast<double>(row->timing.pairs);
-    lines.push_back(
-        fmt::format("Table 4 implies {:.2f} us of one thread for each of our pairs (N = 50,000, 8 threads: "
-                    "tree, query and "
-                    "response), {:.0f} cycles of that chip, less than one read of its memory takes; here "
-                    "{:.1f} us. So many "
-                    "pairs the paper cannot have had.",
-                    1e3 * 8 * row->cell.paper_ms / pairs, 8 * row->cell.paper_ms * 1'072'000 / pairs,
-                    1e3 * 8 * row->ms.median / pairs));
+    lines.push_back(fmt::format(
+        "Table 4, thread time per pair (N = 50,000, 8 threads; tree, query and response): paper "
+        "{:.2f} us for the number of pairs measured here, or {:.0f} cycles of its GPU, which is less "
+        "than one memory read; measured {:.1f} us. So the paper's run had fewer pairs.",
+        1e3 * 8 * row->cell.paper_ms / pairs, 8 * row->cell.paper_ms * 1'072'000 / pairs,
+        1e3 * 8 * row->ms.median / pairs));
   }
   for (const PaperRecursion& r : results.recursions)
     lines.push_back(fmt::format(
-        "\"At least 5x performance\" by a stack in place of recursion (N = {}, {}, whole queries): the query "
-        "takes {:.4f} ms with a stack, {:.4f} by calls, {:.2f} times as long: {}.",
+        "\"At least 5x performance\" by a stack instead of recursion (N = {}, {}, whole queries): the query "
+        "takes {:.4f} ms with a stack and {:.4f} ms with recursive calls, {:.2f} times as long: {}.",
         grouped(r.bodies),
         r.shape.blocks > 0 ? fmt::format("B {}, T {}", r.shape.blocks, r.shape.threads) : "B and T auto",
         r.stack_ms.median, r.calls_ms.median, r.calls_ms.median / r.stack_ms.median,
@@ -132,13 +129,13 @@ std::vector<std::string> claims(const PaperResults& results) {
 std::string table_text(const PaperRows& rows, int table, bool markdown) {
   std::string text =
       markdown ? fmt::format(
-                     "**{}**\n\n| N | B | T | query | ms, paper | S | ms, here (p5 to p95) | S | "
+                     "**{}**\n\n| N | B | T | query | ms, paper | S | ms, measured (p5 to p95) | S | "
                      "efficiency | pairs | bytes | launches |\n"
                      "|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|\n",
                      paper_table_title(table))
                : fmt::format(
                      "{}\n{:>8}{:>4}{:>4} {:<6}{:>11}{:>7}{:>13}{:>11}{:>11}{:>7}{:>12}{:>11}{:>14}{:>9}\n",
-                     paper_table_title(table), "N", "B", "T", "query", "ms, paper", "S", "ms, here", "p5",
+                     paper_table_title(table), "N", "B", "T", "query", "ms, paper", "S", "ms, measured", "p5",
                      "p95", "S", "efficiency", "pairs", "bytes", "launches");
   for (const PaperRow& r : rows) {
     if (r.cell.table != table) continue;
@@ -170,9 +167,8 @@ const char* name_of(PaperQuery query) {
 std::string paper_text(const PaperResults& results, bool markdown) {
   std::string text =
       results.device +
-      "; the paper: NVIDIA GTX 940M. S: speed-up over the first shape of the same N and query.\n"
-      "Query whole: each body looks for all that it overlaps, as the paper describes; half: each "
-      "pair is met once, from one side.\n\n";
+      "; paper: NVIDIA GTX 940M. S: speed-up relative to the first launch shape of the same N and query.\n"
+      "Query whole: each body finds all its overlaps, as in the paper; half: each pair is found once.\n\n";
   for (int table = 1; table <= 5; ++table)
     if (std::ranges::find(results.rows, table, [](const PaperRow& r) { return r.cell.table; }) !=
         results.rows.end())
@@ -238,10 +234,10 @@ std::string paper_csv(const PaperResults& results) {
 
 Chart paper_chart(const PaperResults& results) {
   Chart chart;
-  chart.title = "Speed-up of the whole step over B T threads (Table 5, tree built bottom-up, whole queries)";
-  chart.note = results.device + "; dashed: the paper's NVIDIA GTX 940M";
-  chart.x = {"threads in all, B T", short_number, true};
-  chart.y = {"speed-up over 2 blocks of 4", short_number, true};
+  chart.title = "Speed-up of a step against the number of threads (Table 5, bottom-up tree, whole queries)";
+  chart.note = results.device + "; dashed: paper, NVIDIA GTX 940M";
+  chart.x = {"number of threads, B T", short_number, true};
+  chart.y = {"speed-up over 2 blocks of 4 threads", short_number, true};
   ChartSeries ideal{"linear", 0xff888888, {{8, 1}, {256, 32}}};
   ideal.marks = false;
   chart.series.push_back(ideal);

@@ -51,14 +51,14 @@ constexpr Measure measures[] = {
     {"expected root visits", [](const TreeQuality& q) { return q.expected_visits; }},
     {"root visits, mean", [](const TreeQuality& q) { return q.visits_mean; }},
     {"root visits, 99th percentile", [](const TreeQuality& q) { return q.visits_p99; }},
-    {"root visits, most", [](const TreeQuality& q) { return static_cast<double>(q.visits_max); }},
-    {"root visits, warp's most", [](const TreeQuality& q) { return q.warp_ratio * q.visits_mean; }},
-    {"root visits, warp / mean", [](const TreeQuality& q) { return q.warp_ratio; }},
-    {"root visits a true pair", [](const TreeQuality& q) { return q.tests_per_pair; }},
+    {"root visits, maximum", [](const TreeQuality& q) { return static_cast<double>(q.visits_max); }},
+    {"root visits, mean of warp maxima", [](const TreeQuality& q) { return q.warp_ratio * q.visits_mean; }},
+    {"root visits, warp maximum / mean", [](const TreeQuality& q) { return q.warp_ratio; }},
+    {"root visits per true pair", [](const TreeQuality& q) { return q.tests_per_pair; }},
     {"own visits, mean", [](const TreeQuality& q) { return q.own.mean; }},
     {"own visits, 99th percentile", [](const TreeQuality& q) { return by_query(q, q.own.p99); }},
-    {"own visits, most", [](const TreeQuality& q) { return by_query(q, static_cast<double>(q.own.max)); }},
-    {"own visits, warp's most",
+    {"own visits, maximum", [](const TreeQuality& q) { return by_query(q, static_cast<double>(q.own.max)); }},
+    {"own visits, mean of warp maxima",
      [](const TreeQuality& q) { return by_query(q, q.own.warp_ratio * q.own.mean); }},
 };
 
@@ -156,11 +156,9 @@ std::string predictors_csv(const std::vector<PredictorRow>& rows) {
 std::string predictors_text(const BenchMachine& machine, const std::vector<PredictorRow>& rows,
                             bool markdown) {
   std::string text = fmt::format(
-      "{}; {} trees. Spearman's rank correlation of each measure with the time of a query: 1 ranks them all "
-      "alike.\n"
-      "Same query: one traversal over every method's tree, arranged alike. Own: the method's, with the "
-      "ordering of "
-      "pairs.\nWithin: of the trees of one scene, the mean over scenes.\n\n",
+      "{}; {} trees. Spearman's rank correlation of each measure with the time of a query; 1: same order.\n"
+      "Same: the same traversal of every tree. Own: the method's own traversal and ordering of pairs.\n"
+      "Within: mean over scenes of the correlation over the trees of a scene. All: over all trees.\n\n",
       text_of(machine), rows.size());
   text +=
       markdown
@@ -183,11 +181,11 @@ Chart predictors_chart(const BenchMachine& machine, const std::vector<PredictorR
       *std::ranges::find_if(measures, [&](const Measure& m) { return m.name == best.name; });
   Chart chart;
   chart.title = fmt::format(
-      "What predicts the time of a query best: {} (rank correlation {:.2f} within scenes, {:.2f} overall)",
+      "Best predictor of the time of a query: {} (rank correlation {:.2f} within scenes, {:.2f} overall)",
       best.name, best.same_within, best.same_all);
-  chart.note = text_of(machine) + "; one and the same query over every tree, median";
+  chart.note = text_of(machine) + "; the same traversal of every tree, median";
   chart.x = {best.name, short_number, true};
-  chart.y = {"ns a query", short_number, true};
+  chart.y = {"ns per query", short_number, true};
   for (const PredictorRow& r : rows) {
     if (std::isnan(measure.of(r.quality))) continue;
     auto series = std::ranges::find(chart.series, r.method, &ChartSeries::name);
@@ -217,7 +215,8 @@ int bench_predictors(const CommandLine& line) {
     files.write(predictors_json(machine, rows), predictors_csv(rows), predictors_text(machine, rows, true));
   });
   if (rows.empty())
-    throw InputError("bench predictors: none of these methods has a tree, or there are no bodies");
+    throw InputError(
+        "bench predictors: no tree to measure; expected a method with a tree and at least one body");
   files.plot(predictors_chart(machine, rows));
   print(line.options.json == "-" ? predictors_json(machine, rows) : predictors_text(machine, rows, false));
   return 0;

@@ -73,7 +73,7 @@ double ns_a_body(const Line& line) { return 1000 * line.samples.back().time / li
 
 std::string growth_text(const std::vector<MethodRow>& rows) {
   std::string text = fmt::format("{:<20}{:<8}{:>12}{:>24}{:>12}{:>18}\n", "method", "variant", "fixed µs",
-                                 "exponent of N", "fit within", "ns a body, last");
+                                 "exponent of N", "fit error", "ns/body at max N");
   for (const Line& line : lines_of(rows))
     text += fmt::format("{:<20}{:<8}{:>11}{:>24}{:>12}{:>18.2f}\n", line.method, line.variant,
                         fixed_text(line.growth), exponent_text(line.growth), error_text(line.growth),
@@ -83,8 +83,8 @@ std::string growth_text(const std::vector<MethodRow>& rows) {
 
 std::string scaling_markdown(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   std::string text = fmt::format(
-      "{}; µs = fixed + scale N^exponent, fitted; in brackets the exponents without each N in turn.\n\n"
-      "| variant | method | fixed, µs | exponent | fit within | ns a body at N = {} |\n"
+      "{}; fit: µs = fixed + scale N^exponent. Brackets: range of exponents with one N omitted.\n\n"
+      "| variant | method | fixed, µs | exponent | fit error | ns per body at N = {} |\n"
       "|---|---|---:|---:|---:|---:|\n",
       text_of(machine), grouped(rows.back().bodies));
   for (const Line& line : lines_of(rows))
@@ -97,7 +97,8 @@ std::string scaling_markdown(const BenchMachine& machine, const std::vector<Meth
 }
 
 Chart scaling_chart(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
-  Chart chart = chart_of_methods("Growth with N: from positions to the ordered list of pairs", machine, rows);
+  Chart chart =
+      chart_of_methods("Growth with N: time from positions to the ordered list of pairs", machine, rows);
   const std::vector<Line> lines = lines_of(rows);  // in the order of the chart's series
   for (std::size_t k = 0; k < lines.size(); ++k)
     if (is_fitted(lines[k].growth))

@@ -75,7 +75,7 @@ void refuse_unsupported_by_bullet(const Scene& scene, const World& world) {
       moved || !world.initial().meshes.empty() || !scene.boxes.empty())
     throw InputError(
         scene.name +
-        ": bench solvers compares spheres, planes and friction; leave out drag, attractors, rolling "
+        ": bench solvers supports only spheres, planes and friction; remove drag, attractors, rolling "
         "resistance, sleep, joints, kinematic and fixed bodies, boxes and meshes");
 }
 
@@ -197,10 +197,9 @@ std::string solvers_csv(const std::vector<SolverRow>& rows) {
 
 std::string solvers_markdown(const SolversSetting& setting, const std::vector<SolverRow>& rows) {
   std::string text = fmt::format(
-      "{}, N = {}, {} touching pairs, steps of {:.4g} s, {} of them; {}, {} thread{}.\n\n"
-      "| solver | settings | a step, ms (p5 to p95) | over soft_step (p5 to p95) | overlap, r.m.s. | "
-      "deepest, m | "
-      "kinetic energy, J | speed, r.m.s., m/s | energy since the start, J |\n"
+      "{}, N = {}, {} touching pairs, time step {:.4g} s, {} steps; {}, {} thread{}.\n\n"
+      "| solver | settings | step, ms (p5 to p95) | ratio to soft_step (p5 to p95) | overlap, r.m.s. | "
+      "max. overlap, m | kinetic energy, J | speed, r.m.s., m/s | energy change, J |\n"
       "|---|---|---:|---:|---:|---:|---:|---:|---:|\n",
       setting.scene, grouped(setting.start.bodies), grouped(setting.start.touching), setting.time_step,
       setting.steps, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
@@ -221,7 +220,7 @@ std::string solvers_text(const SolversSetting& setting, const std::vector<Solver
                   grouped(setting.start.bodies), grouped(setting.start.touching), setting.steps,
                   setting.time_step, setting.device, setting.threads, setting.threads > 1 ? "s" : "");
   text += fmt::format("{:<10}{:<39} {:>8} {:>21}{:>11}{:>9}{:>10}{:>10}\n", "solver", "", "ms",
-                      "over soft_step", "overlap", "deepest", "J", "m/s");
+                      "ratio to soft_step", "overlap", "depth, m", "J", "m/s");
   for (const SolverRow& r : rows)
     text += fmt::format(
         "{:<10}{:<39} {:>8.2f} {:>21}{:>9.2g} %{:>9.2g}{:>10.2g}{:>10}\n", r.name, r.settings, r.ms.median,

@@ -15,16 +15,17 @@ namespace {
 
 constexpr std::string_view of_sweeps = "--methods --variants --sizes --repeats --csv --markdown --plot";
 constexpr Suite every[] = {
-    {"broad-phases", "each broad phase, over variants and numbers of bodies", of_sweeps, bench_broad_phases},
+    {"broad-phases", "time of each broad phase over variants and numbers of bodies", of_sweeps,
+     bench_broad_phases},
     {"scaling", "fitted growth of the time of each broad phase with N", of_sweeps, bench_scaling},
-    {"predictors", "correlation of measures of tree quality with query time", of_sweeps, bench_predictors},
+    {"predictors", "rank correlation of tree quality measures with query time", of_sweeps, bench_predictors},
     {"paper", "Tables 1 to 5 of the term project that preceded this program",
      "--sizes --repeats --csv --markdown --plot", bench_paper},
-    {"solvers", "the solvers and Bullet's solver on one pile: time, overlap, energy",
+    {"solvers", "soft_step, impulse and Bullet on one pile: time, overlap, energy",
      "--repeats --csv --markdown", bench_solvers},
     {"effects", "cost of each effect; a disabled effect must add no launch and no buffer",
      "--repeats --csv --markdown", bench_effects},
-    {"frames", "time of a frame of the viewer: simulate, publish, draw, panels",
+    {"frames", "frame time of the viewer: simulate, publish, draw, panels",
      "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
      "--sphere-method",
      bench_frames},

@@ -26,7 +26,7 @@ std::vector<std::int64_t> parse_states(const std::string& text, const std::strin
     std::int64_t state = -1;
     if (!whole_number(part, state) || state < 0 || state > 1000000000)
       faults.push_back(where + ": '" + part +
-                       "': not a state; whole numbers from 0 to 1000000000, such as 0,30,60");
+                       "': not a state; expected whole numbers from 0 to 1000000000, such as 0,30,60");
     else
       states.push_back(state);
   }
@@ -43,7 +43,7 @@ void parse_size(const std::string& text, CaptureRequest& request, const std::str
                     whole_number(std::string_view(text).substr(cross + 1), height);
   if (!read || width < 16 || width > 16384 || height < 16 || height > 16384)
     throw InputError(where + ": '" + text +
-                     "': not a size; WIDTHxHEIGHT, each 16 to 16384, such as 1280x800");
+                     "': not a size; expected WIDTHxHEIGHT, each 16 to 16384, such as 1280x800");
   request.width = static_cast<int>(width);
   request.height = static_cast<int>(height);
 }

@@ -21,7 +21,8 @@ struct Operand {
   const char* help;
   bool required = true, many = false;
 };
-constexpr Operand scene_operand{"SCENE", "a file, or a name from assets/scenes or assets/scenes/analytic"};
+constexpr Operand scene_operand{"SCENE",
+                                "scene file, or name of a scene in assets/scenes or assets/scenes/analytic"};
 constexpr Operand optional_scene{scene_operand.name, scene_operand.help, false};
 struct CommandInfo {
   std::string name;
@@ -52,10 +53,10 @@ const std::vector<CommandInfo>& commands() {
       {"bench",
        Command::bench,
        "run a suite of measurements",
-       {{"SUITE", "one of those below"}, optional_scene}},
+       {{"SUITE", "name of a suite below"}, optional_scene}},
       {"accuracy",
        Command::accuracy,
-       "convergence study: error versus run time; without a scene, of cases with closed-form solutions",
+       "convergence study: error versus run time; without SCENE, for cases with closed-form solutions",
        {optional_scene}},
       {"stability",
        Command::stability,
@@ -152,7 +153,7 @@ void add_arguments(CLI::App& app, const CommandInfo& command, CommandLine& line,
       if (renamed.name == flag.name) names += fmt::format(",{}", renamed.old_name);
     const auto take = [&](const CLI::results_t& texts) {
       if (texts.size() > 1 && !flag.value.empty() && !flag.again) {
-        faults.push_back(fmt::format("{}: given {} times; once is enough", flag.name, texts.size()));
+        faults.push_back(fmt::format("{}: given {} times, expected once", flag.name, texts.size()));
         return true;
       }
       for (const std::string& text : texts) {
@@ -179,7 +180,7 @@ void warn_of_old_names(const CLI::App& app, const std::vector<std::string>& argu
   for (const auto& [old_name, name] : renamed_flags) {
     const auto is_old = [&](const std::string& text) { return text.substr(0, text.find('=')) == old_name; };
     if (is_given(app, name) && std::ranges::any_of(arguments, is_old))
-      fmt::print(stderr, "{} is now {}; the old name still works\n", old_name, name);
+      fmt::print(stderr, "{}: renamed to {}; the old name is still accepted\n", old_name, name);
   }
 }
 
@@ -188,12 +189,12 @@ void check_operands(const CommandInfo& command, std::span<const Suite> suites,
   const auto required = std::ranges::count_if(command.operands, &Operand::required);
   const auto missing = required - std::ssize(operands);
   if (command.command == Command::bench && operands.empty())
-    faults.push_back(fmt::format("bench: a suite is missing; there are {}", suite_names(suites)));
+    faults.push_back(fmt::format("bench: missing SUITE, expected one of {}", suite_names(suites)));
   else if (loads && !operands.empty())
-    faults.push_back(fmt::format("--load: a snapshot has its own scene; leave out {}", shown(operands[0])));
+    faults.push_back(fmt::format("--load: the snapshot contains its scene; remove {}", shown(operands[0])));
   else if (!loads && missing > 0)
-    faults.push_back(fmt::format("{}: {} missing: {} {}", command.name,
-                                 missing > 1 ? "two files are" : "a file is", command.name, command.usage()));
+    faults.push_back(fmt::format("{}: missing {}, expected {} {}", command.name,
+                                 missing > 1 ? "two files" : "file", command.name, command.usage()));
 }
 
 /// The first operand of bench is its suite, and its scene is the Box Collider unless it says otherwise.
@@ -203,7 +204,7 @@ void take_suite(CommandLine& line, std::span<const Suite> suites, std::vector<st
   line.operands.erase(line.operands.begin());
   if (std::ranges::find(suites, line.suite, &Suite::name) == suites.end())
     faults.push_back(
-        fmt::format("bench: {} is no suite; there are {}", shown(line.suite), suite_names(suites)));
+        fmt::format("bench: unknown suite {}, expected one of {}", shown(line.suite), suite_names(suites)));
   if (line.operands.empty()) line.operands.emplace_back("box_collider");
 }
 
@@ -215,15 +216,16 @@ void check_suite_flag(const CommandLine& line, std::span<const Suite> suites, co
   const std::string padded = fmt::format(" {} ", suite->flags);
   if (padded.find(fmt::format(" {} ", flag.name)) == std::string::npos)
     faults.push_back(
-        fmt::format("{}: bench {} does not take it; it takes {}", flag.name, suite->name, suite->flags));
+        fmt::format("{}: not a flag of bench {}, expected {}", flag.name, suite->name, suite->flags));
 }
 
 void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::string>& faults) {
   const Options& options = line.options;
   if (line.command == Command::compare && !options.json.empty() && options.json != "-")
-    faults.push_back(fmt::format("--json: {} is not -, all that compare takes", shown(options.json)));
+    faults.push_back(fmt::format("--json: {} is not supported by compare, expected -", shown(options.json)));
   if (line.command == Command::capture && options.json == "-")
-    faults.emplace_back("--json: - is not a file; the stdout of capture lists its pictures");
+    faults.emplace_back(
+        "--json: - is not supported by capture, which lists pictures on stdout; expected a file");
   if (line.command == Command::compare) return;
   // One file for two things would keep the last alone; the scene would be lost.
   std::vector<std::pair<std::string, std::filesystem::path>> seen;
@@ -233,7 +235,8 @@ void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::
     const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(file), failed);
     for (const auto& [other, taken] : seen)
       if (taken == path)
-        faults.push_back(fmt::format("{}: {} is the file of {} too", flag, shown(file), other));
+        faults.push_back(fmt::format("{}: {} is also the file of {}, expected a different file", flag,
+                                     shown(file), other));
     seen.emplace_back(flag, path);
   };
   if (!line.operands.empty() && line.command != Command::stability) {
@@ -264,20 +267,20 @@ CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& 
   } catch (const CLI::RequiredError&) {     // check_operands names the operand
   } catch (const CLI::ArgumentMismatch&) {  // the last flag lacks its value
     const std::string& flag = arguments.back();
-    faults.push_back(shown(flag.substr(0, flag.find('='))) + ": its value is missing");
+    faults.push_back(shown(flag.substr(0, flag.find('='))) + ": missing value");
     for (CLI::Option* option : selected.get_options())
       if (option->count() > 0 && !option->get_callback_run()) option->run_callback();
   }
   // CLI11's mark for the end of a subcommand.
   if (std::ranges::find(arguments, "++") != arguments.end())
-    faults.push_back(fmt::format("++: one argument too many; {} takes {}", command.name, command.usage()));
+    faults.push_back(fmt::format("++: unexpected argument; usage: {} {}", command.name, command.usage()));
   warn_of_old_names(selected, arguments);
   for (const std::string& extra : app.remaining(true)) {
     if (extra.size() < 2 || extra[0] != '-')
       faults.push_back(
-          fmt::format("{}: one argument too many; {} takes {}", shown(extra), command.name, command.usage()));
+          fmt::format("{}: unexpected argument; usage: {} {}", shown(extra), command.name, command.usage()));
     else if (extra != "--")
-      faults.push_back(fmt::format("{}: unknown flag; {} --help lists all", shown(extra), command.name));
+      faults.push_back(fmt::format("{}: unknown flag; see {} --help", shown(extra), command.name));
   }
   check_operands(command, suites, line.operands, is_given(selected, "--load"), faults);
   take_suite(line, suites, faults);
@@ -305,8 +308,8 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
   CommandLine answer;
   answer.text = first == "help" ? help_of(app) : parse(app, {first});
   if (answer.text.empty())
-    throw InputError((first.empty() ? "a command is missing" : shown(first) + ": unknown command") +
-                     "; there are run, capture, compare, bvh, bench, accuracy and stability, and --help");
+    throw InputError((first.empty() ? "missing command" : shown(first) + ": unknown command") +
+                     ", expected run, capture, compare, bvh, bench, accuracy, stability or --help");
   return answer;
 }
 
@@ -342,7 +345,7 @@ void refuse_other_bodies(const SettingsPatch& settings, const std::string& file,
     apply(SettingsPatch().set<member>(value), scene);
     if (!requires_restart(saved, scene)) return;
     const std::string flag = flag_name(setting.name);
-    faults.push_back(fmt::format("{}: {} has other bodies; leave out {}, or give the scene instead of --load",
+    faults.push_back(fmt::format("{}: {} has different bodies; remove {}, or give SCENE instead of --load",
                                  flag, shown(file), flag));
   });
   if (!faults.empty()) throw InputError(faults);
@@ -386,8 +389,8 @@ std::string scene_file(const std::string& given) {
   }
   std::ranges::sort(names);
   throw InputError(fmt::format("{}: neither a file nor the name of a scene; {}", shown(given),
-                               names.empty() ? "no folder assets/scenes was found"
-                                             : fmt::format("there are {}", fmt::join(names, ", "))));
+                               names.empty() ? "folder assets/scenes not found"
+                                             : fmt::format("expected one of {}", fmt::join(names, ", "))));
 }
 
 }  // namespace collidoscope

@@ -33,13 +33,12 @@ void print_line(std::string_view line) {
 void print_faults(const std::vector<std::string>& faults) {
   constexpr std::size_t most = 20;  // a broken file has thousands
   for (std::size_t i = 0; i < faults.size() && i < most; ++i) print_line(faults[i]);
-  if (faults.size() > most) std::fprintf(stderr, "and %zu more\n", faults.size() - most);
+  if (faults.size() > most) std::fprintf(stderr, "and %zu more errors\n", faults.size() - most);
 }
 
 void report_out_of_memory(const char* activity) {
-  std::fprintf(stderr,
-               "out of memory%s%s: the machine refused an allocation; fewer bodies (--bodies) need less\n",
-               *activity != 0 ? " while " : "", activity);
+  std::fprintf(stderr, "out of memory%s%s; use fewer bodies (--bodies)\n", *activity != 0 ? " while " : "",
+               activity);
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ void on(FlagValue& value, Options& options) {
   if (value.text() == "true")
     member<path...>(options) = true;
   else
-    value.fault("takes no value; leave out " + shown(value.text()));
+    value.fault("takes no value; remove " + shown(value.text()));
 }
 
 /// The name of a file or of a folder.
@@ -246,7 +246,8 @@ std::vector<Flag> all_flags() {
   add("Simulation", guarding,
       {{"--guards", "NAME", "pause, freeze or off: reaction to a failed step", guards}});
   add("Simulation", running | viewing,
-      {{"--break", "LIST", "stop at non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped",
+      {{"--break", "LIST",
+        "stop conditions, such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped",
         parsed<parse_break_conditions, &Options::breaks>}});
   add("Simulation", running | viewing | grading,
       {{"--steps", "K", "number of steps [300; bvh: 0]; the viewer pauses at this state", steps}});
@@ -260,22 +261,24 @@ std::vector<Flag> all_flags() {
        {"--dump-dynamics", "FILE", "CSV: mass, X, R, P, L, inverse inertia, F, T of all bodies at the end",
         file<&Options::dump_dynamics>},
        {"--energy-trace", "FILE", "CSV: energies, pairs, penetration", file<&Options::energy_trace>},
-       {"--residuals", "", "residual of each solver iteration of the last step", on<&Options::residuals>}});
+       {"--residuals", "", "report the residual of each solver iteration of the last step",
+        on<&Options::residuals>}});
   add("Output", benching | studying,
       {{"--csv", "FILE", "the rows as CSV", file<bench, &BenchRequest::csv>},
        {"--markdown", "FILE", "the rows as a Markdown table", file<bench, &BenchRequest::markdown>},
        {"--plot", "FILE.png", "a chart of the rows", file<bench, &BenchRequest::plot>}});
   add("Pictures", capturing,
-      {{"--states", "LIST", "states to draw; 0 is the start [the first, and 30 and 60 steps later]",
+      {{"--states", "LIST", "states to draw; 0 is the start [the first state, and 30 and 60 steps later]",
         parsed<parse_states, capture, &CaptureRequest::states>},
        {"--out", "DIR", "folder of the pictures [captures]", file<capture, &CaptureRequest::out>},
        {"--timings", "", "draw stage times; they differ between runs",
         on<capture, &CaptureRequest::timings>}});
   add("Pictures", drawing,
-      {{"--layers", "LIST", "such as spheres,bvh:2-5,contacts", layer_list},
-       {"--color", "NAME", "of bodies: speed, radius, id, contacts, order, depth, visits, sleep or error",
+      {{"--layers", "LIST", "layers to draw, such as spheres,bvh:2-5,contacts", layer_list},
+       {"--color", "NAME",
+        "colour of bodies: speed, radius, id, contacts, order, depth, visits, sleep or error",
         parsed<parse_body_color, capture, layers, &FrameLayers::color>},
-       {"--box-color", "NAME", "of boxes: level, sah, overlap, empty or visits",
+       {"--box-color", "NAME", "colour of boxes: level, sah, overlap, empty or visits",
         parsed<parse_box_color, capture, layers, &FrameLayers::box_color>},
        {"--box-range", "LOW,HIGH", "draw boxes with a value of --box-color in this range; HIGH may be inf",
         parsed<parse_box_range, capture, layers>},
@@ -284,23 +287,25 @@ std::vector<Flag> all_flags() {
         parsed<parse_display_path, capture, &CaptureRequest::display_path>},
        {"--quality", "NAME", "full, quick or auto; quick has no ambient occlusion and hard shadows",
         parsed<parse_quality, capture, draw, &DrawRequest::light>},
-       {"--supersample", "K", "K x K samples for each pixel of the 3D view, 1 to 4, or auto",
+       {"--supersample", "K", "K x K samples per pixel of the 3D view, 1 to 4, or auto",
         whole_or_auto<4, capture, draw, &DrawRequest::supersampling>},
        {"--sphere-method", "NAME", "auto, quads or compute: drawing method of spheres; same pixels",
         parsed<parse_sphere_method, capture, draw, &DrawRequest::spheres>}});
   add("Benchmarks", benching,
       {{"--frames", "K", "measured frames, after a warm-up [300]", whole<1, 1'000'000, &Options::frames>},
-       {"--variants", "LIST", "variants of the Box Collider, and mixed, log_normal or clusters, with commas",
+       {"--variants", "LIST",
+        "comma-separated variants of the Box Collider, or mixed, log_normal or clusters",
         list<&word<compared_scenes>, bench, &BenchRequest::variants>},
-       {"--sizes", "LIST", "numbers of bodies, with commas", list<body_count, bench, &BenchRequest::sizes>}});
+       {"--sizes", "LIST", "comma-separated numbers of bodies",
+        list<body_count, bench, &BenchRequest::sizes>}});
   add("Benchmarks", benching | grading,
-      {{"--methods", "LIST", "broad phases, with commas [all]",
+      {{"--methods", "LIST", "comma-separated broad phases [all]",
         list<&word<broad_phase_names>, bench, &BenchRequest::methods>}});
   add("Benchmarks", benching | grading | studying,
       {{"--repeats", "K", "repetitions of each measurement [50; accuracy: 3; paper: 20, at most 2 s]",
         repeats}});
   add("Accuracy study", studying,
-      {{"--tolerance", "E", "m: report the cheapest setting within this error; exit status 1 without one",
+      {{"--tolerance", "E", "m: report the fastest setting within this error; exit status 1 if there is none",
         [](FlagValue& value, Options& options) {
           options.accuracy.tolerance = value.number(limits::min_tolerance, limits::max_tolerance, "m");
         }},
@@ -312,13 +317,13 @@ std::vector<Flag> all_flags() {
       {{"--extended", "", "run the long variants of the cases", on<stability, &StabilityOptions::extended>},
        {"--inject-faults", "", "run the injected-fault self-tests instead of the test cases",
         on<stability, &StabilityOptions::inject_faults>},
-       {"--jobs", "K", "number of parallel trials; auto: one for each core",
+       {"--jobs", "K", "number of parallel trials; auto: one per core",
         whole_or_auto<1024, stability, &StabilityOptions::jobs>},
-       {"--save-failures", "DIR", "folder for snapshots before each failure, for --load",
+       {"--save-failures", "DIR", "folder for a snapshot of the state before each failure, for --load",
         file<stability, &StabilityOptions::save_failures>},
        {"--write-table", "FILE", "write the table of results into FILE instead of running cases",
         file<stability, &StabilityOptions::write_table>},
-       {"--from", "FILE", "JSON report for --write-table; once for each machine",
+       {"--from", "FILE", "JSON report for --write-table; repeat for each machine",
         [](FlagValue& value, Options& options) { file_name(value, options.stability.from.emplace_back()); },
         true}});
   add("Stability tests", testing | viewing,

@@ -34,9 +34,9 @@ void apply(const Overrides& overrides, const std::string& file, Scene& scene) {
     overrides.settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto&) {
       if (!is_of_generator(setting)) return;
       others.get<member>().reset();
-      faults.push_back(fmt::format(
-          "{}: {} has {} generators; it needs a scene with exactly one", flag_name(setting.name), shown(file),
-          scene.generators.empty() ? "no" : fmt::to_string(scene.generators.size())));
+      faults.push_back(
+          fmt::format("{}: {} has {} generators, expected exactly one", flag_name(setting.name), shown(file),
+                      scene.generators.empty() ? "no" : fmt::to_string(scene.generators.size())));
     });
     apply(others, scene);
   }

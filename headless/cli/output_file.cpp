@@ -19,13 +19,13 @@ OutputFile::OutputFile(std::string flag, const std::string& target)
     : flag_(std::move(flag)), target_(target) {
   const auto refuse = [&](const std::string& why) {
     throw InputError(
-        fmt::format("{}: {} cannot be written: {}; give a file in a folder that exists and can be written",
-                    flag_, shown(target), why));
+        fmt::format("{}: {} cannot be written: {}; expected a file in an existing writable folder", flag_,
+                    shown(target), why));
   };
   std::error_code failed;
   const fs::file_status status = fs::status(target_, failed);
   if (fs::is_directory(status)) refuse("it is a folder");
-  if (fs::path(target_).filename().empty()) refuse("it is no name of a file");
+  if (fs::path(target_).filename().empty()) refuse("it is not a file name");
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (access(target_.c_str(), W_OK) != 0) refuse(std::strerror(errno));
     return;
@@ -65,13 +65,13 @@ bool OutputFile::commit_new(const std::string& target) {
 
 void ensure_writable_folder(const std::string& flag, const std::string& folder) {
   const auto refuse = [&](const std::string& why) {
-    throw InputError(fmt::format("{}: {}; give a folder that can be written", flag, why));
+    throw InputError(fmt::format("{}: {}; expected a writable folder", flag, why));
   };
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed || !fs::is_directory(folder, failed))
-    refuse(fmt::format("{} cannot be made: {}", shown(folder),
-                       failed ? failed.message() : "a file of this name is in the way"));
+    refuse(fmt::format("{} cannot be created: {}", shown(folder),
+                       failed ? failed.message() : "a file of this name exists"));
   try {
     AtomicFile probe((fs::path(folder) / "trial").string());
   } catch (const FileWriteError& error) {

@@ -31,8 +31,8 @@ std::string meaning_in_changes(const Field<member>& setting) {
 }  // namespace
 
 std::string changes_reference() {
-  MarkdownTable table{"key", "unit", "range", "acts", "meaning"};
-  table.row({"`step`", "", "whole, 0 or more; required", "", "number of the state at which the change acts"});
+  MarkdownTable table{"key", "unit", "range", "takes effect", "meaning"};
+  table.row({"`step`", "", "whole, 0 or more; required", "", "state at which the change is applied"});
   for_each_setting([&](const auto& setting) {
     if (setting.live == Live::never) return;
     const std::string acts(text_of_live(setting.live));
@@ -44,12 +44,11 @@ std::string changes_reference() {
                  "instead of `time_step`"});
   });
   const std::string at_once(text_of_live(Live::new_world));
-  table.row({"`remove`", "", "list of ids, as they are after `bodies`, before this removal", at_once,
+  table.row({"`remove`", "", "list of ids after the change of `bodies`, before this removal", at_once,
              "bodies to remove"});
-  table.row(
-      {"`add`", "", "list, as `bodies` of a scene", at_once, "bodies to add; each gets the highest id"});
-  table.row({"`freeze`", "", "list of ids, as they are before the rest of this change", at_once,
-             "dynamic bodies to fix where they are, as guards do"});
+  table.row({"`add`", "", "list, as `bodies` of a scene", at_once, "bodies to add; each gets the next id"});
+  table.row({"`freeze`", "", "list of ids before the rest of this change", at_once,
+             "dynamic bodies to make static, as guards do"});
   return table.text();
 }
 

@@ -17,14 +17,14 @@
 namespace collidoscope {
 
 std::string effects_reference() {
-  MarkdownTable table{"effect", "needed where", "needs", "what it does"};
+  MarkdownTable table{"effect", "needed if", "requires", "description"};
   for (const EffectName& effect : effect_names)
     table.row({code(effect.name), prose(effect.needed_where), prose(effect.needs), prose(effect.what)});
   return table.text();
 }
 
 std::string broad_phases_reference() {
-  MarkdownTable table{"method", "what it does", "traversal", "weakness"};
+  MarkdownTable table{"method", "description", "traversal", "weakness"};
   for (const BroadPhaseMethod& method : broad_phase_methods)
     table.row({code(method.name), prose(method.what), prose(method.traversal), prose(method.weakness)});
   return table.text();
@@ -80,7 +80,7 @@ std::string reference_table(std::string_view topic) {
 std::optional<std::string> markdown_help(const std::vector<std::string>& arguments) {
   if (arguments.size() < 2 || arguments[0] != "help" || arguments[1] != "--markdown") return std::nullopt;
   if (arguments.size() > 3)
-    throw InputError(shown(arguments[3]) + ": one argument too many; help --markdown takes one topic");
+    throw InputError(shown(arguments[3]) + ": unexpected argument; usage: help --markdown [TOPIC]");
   if (arguments.size() == 3) return reference_table(arguments[2]);
   std::string names;
   for (const ReferenceTopic& topic : reference_topics()) names += std::string(topic.name) + '\n';

@@ -23,9 +23,10 @@ class SceneTable {
           table_.row({code(path + std::string(field.key)), unit_text(field.unit), range_text(field),
                       default_text(field), meaning_text(field)});
           if constexpr (is_field<member, &Physics::time_step>)
-            table_.row({"`steps_per_second`", "1/s",
-                        "whole, " + detail::bounds_text(1, limits::max_steps_per_second), "",
-                        "instead of `time_step`, which is then 1/`steps_per_second`; both are a fault"});
+            table_.row(
+                {"`steps_per_second`", "1/s",
+                 "whole, " + detail::bounds_text(1, limits::max_steps_per_second), "",
+                 "instead of `time_step`, which is then 1/`steps_per_second`; both together are an error"});
         });
   }
   void material(const std::string& path) {
@@ -51,12 +52,12 @@ std::string scene_reference() {
             "closed container; its six inner faces are walls of the material `default`");
   table.fields("box.", box_fields);
   table.fields("", physics_settings);
-  table.row("drag", "object", "no drag", "the medium that all bodies move through");
+  table.row("drag", "object", "no drag", "medium around all bodies");
   table.fields("drag.", drag_fields);
   table.row("attractors", listed(limits::max_attractors), "[]",
             "points that attract all bodies; not with `impulse`");
   table.fields("attractors[].", attractor_fields);
-  table.row("sleep", "object", "nothing sleeps", "islands at rest fall asleep; not with `impulse`");
+  table.row("sleep", "object", "no sleeping", "islands at rest fall asleep; not with `impulse`");
   table.fields("sleep.", sleep_fields);
   table.row("guards", "object", "no guards", "checks of values after each stage");
   table.fields("guards.", guards_fields);
@@ -66,7 +67,7 @@ std::string scene_reference() {
             "`{\"default\": {}}`", "`default` always exists");
   table.fields("materials.*.", material_settings);
   table.row("bodies", listed(limits::max_listed), "[]",
-            fmt::format("with those of generators at most {} bodies", number_text(limits::max_bodies)));
+            fmt::format("together with generated bodies, at most {}", number_text(limits::max_bodies)));
   table.fields("bodies[].", body_fields);
   table.material("bodies[].");
   table.row("generators", listed(limits::max_listed), "[]", "");
@@ -74,9 +75,9 @@ std::string scene_reference() {
   table.fields("generators[].", generator_settings);
   table.material("generators[].");
   table.row("generators[].excluded", "list of whole numbers, from 0, ascending", "[]",
-            "numbers of its bodies that are left out; the others stay the same");
-  table.row("extra_bodies", "as `bodies`", "[]", "bodies that were added during a run");
-  table.row("obstacles", listed(limits::max_listed), "[]", "half-spaces and boxes that never move");
+            "numbers of its bodies to omit; the other bodies do not change");
+  table.row("extra_bodies", "as `bodies`", "[]", "bodies added during a run");
+  table.row("obstacles", listed(limits::max_listed), "[]", "static half-spaces and boxes");
   table.row("obstacles[].shape", "`\"plane\"`, `\"box\"`", "required",
             "bodies stay where normal · x ≥ offset, or outside the box; boxes not with `impulse`");
   table.fields("obstacles[].", plane_fields);

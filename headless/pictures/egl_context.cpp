@@ -22,7 +22,7 @@ struct Candidate {
 std::string egl_error() {
   switch (const EGLint code = eglGetError()) {
     case EGL_SUCCESS:
-      return "no error given";
+      return "no EGL error code";
     case EGL_NOT_INITIALIZED:
       return "EGL_NOT_INITIALIZED";
     case EGL_BAD_ACCESS:
@@ -76,7 +76,7 @@ std::vector<Candidate> devices(int wanted_cuda_device) {
 EglContext::EglContext(int cuda_device) {
   // libepoxy aborts the program if libEGL or an entry point is missing. Check for each one before use.
   if (!epoxy_has_egl())
-    throw MachineError("no picture can be drawn: libEGL is missing (Debian: apt install libegl1)");
+    throw MachineError("EGL: libEGL is missing; install it (Debian: apt install libegl1)");
   const bool has_platforms = epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base");
   if (has_platforms && epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
       (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
@@ -96,20 +96,20 @@ EglContext::EglContext(int cuda_device) {
         return;
       }
     }
-    if (candidates.empty()) steps_down_.push_back("EGL lists no device");
+    if (candidates.empty()) steps_down_.push_back("EGL: no device");
   } else {
-    steps_down_.push_back("EGL has no device platform");
+    steps_down_.push_back("EGL: no device platform");
   }
   if (has_platforms && epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
     EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA,
                                                   reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
     if (try_display(display, "Mesa's surfaceless platform")) return;
   } else {
-    steps_down_.push_back("EGL has no surfaceless platform");
+    steps_down_.push_back("EGL: no surfaceless platform");
   }
   std::string said;
   for (const std::string& line : steps_down_) said += (said.empty() ? "" : "; ") + line;
-  throw MachineError("no picture can be drawn: OpenGL 4.5 without a window was asked of EGL; " + said);
+  throw MachineError("EGL: no OpenGL 4.5 context without a window: " + said);
 }
 
 bool EglContext::try_display(void* display, const std::string& name) {
@@ -119,21 +119,21 @@ bool EglContext::try_display(void* display, const std::string& name) {
   };
   if (display == EGL_NO_DISPLAY) return fail("no display, " + egl_error());
   EGLint major = 0, minor = 0;
-  if (!eglInitialize(display, &major, &minor)) return fail("does not start, " + egl_error());
+  if (!eglInitialize(display, &major, &minor)) return fail("initialisation failed, " + egl_error());
   const auto give_up = [&](const std::string& what) {
     fail(what + ", " + egl_error());
     eglTerminate(display);
     return false;
   };
   if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context"))
-    return give_up("draws to surfaces only");
-  if (!eglBindAPI(EGL_OPENGL_API)) return give_up("has no desktop OpenGL");
+    return give_up("no EGL_KHR_surfaceless_context");
+  if (!eglBindAPI(EGL_OPENGL_API)) return give_up("no desktop OpenGL");
   EGLConfig config = EGL_NO_CONFIG_KHR;
   if (!epoxy_has_egl_extension(display, "EGL_KHR_no_config_context")) {
     const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
     EGLint count = 0;
     if (!eglChooseConfig(display, wanted, &config, 1, &count) || count < 1)
-      return give_up("has no configuration for desktop OpenGL");
+      return give_up("no configuration for desktop OpenGL");
   }
   const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                                4,
@@ -143,10 +143,10 @@ bool EglContext::try_display(void* display, const std::string& name) {
                                EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                EGL_NONE};
   EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
-  if (context == EGL_NO_CONTEXT) return give_up("has no OpenGL 4.5 core context");
+  if (context == EGL_NO_CONTEXT) return give_up("no OpenGL 4.5 core context");
   if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
     eglDestroyContext(display, context);
-    return give_up("cannot make its context current");
+    return give_up("context cannot be made current");
   }
   display_ = display;
   context_ = context;
@@ -167,7 +167,7 @@ EglContext::~EglContext() {
 
 void EglContext::make_current() const {
   if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
-    throw MachineError("EGL cannot make its context current: " + egl_error());
+    throw MachineError("EGL: context cannot be made current: " + egl_error());
 }
 
 }  // namespace collidoscope

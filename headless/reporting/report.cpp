@@ -82,12 +82,12 @@ std::string stage_table(const RunTimes& times) {
   }
   text += fmt::format(row, "sum of the stages", ms(sum, timed), "", "", launches);
   if (times.steps_timed > 0)
-    text += fmt::format(total_row, "whole step, plain", ms(times.step_median_ms, times.steps_timed),
+    text += fmt::format(total_row, "whole step, no timers", ms(times.step_median_ms, times.steps_timed),
                         ms(times.step_p95_ms, times.steps_timed));
   text +=
-      "  Stages are timed on odd steps, the whole step on even steps. The sum contains\n"
-      "  the cost of measuring. Medians of different steps need not add up.\n";
-  if (library_launch) text += "  * partly launched by a library that ignores (B, T)\n";
+      "  Stages are timed on odd steps, the whole step on even steps. The sum includes\n"
+      "  the cost of the stage timers. Medians of different steps need not add up.\n";
+  if (library_launch) text += "  *: partly library launch, which does not use (B, T)\n";
   return text;
 }
 
@@ -100,19 +100,19 @@ std::string numbers_text(const RunReport& report) {
   const auto vector = [](const double(&v)[3], const char* unit) {
     return fmt::format("{:.6g}, {:.6g}, {:.6g} {}", v[0], v[1], v[2], unit);
   };
-  std::string text = line("pairs", fmt::format("{} of boxes that overlap; {} touching", grouped(last.pairs),
+  std::string text = line("pairs", fmt::format("{} of overlapping boxes; {} touching", grouped(last.pairs),
                                                grouped(last.touching)));
-  text += line("contacts", fmt::format("{} speculative, of the last step; {} mass-split",
+  text += line("contacts", fmt::format("{} speculative in the last step; {} mass-split",
                                        grouped(last.speculative), grouped(last.uncoloured_contacts)));
-  text += line("energy", fmt::format("{:.6g} J, from {:.6g} J", last.energy(), first.energy()));
+  text += line("energy", fmt::format("{:.6g} J, initially {:.6g} J", last.energy(), first.energy()));
   text += line("", fmt::format("kinetic {:.6g} J, potential {:.6g} J", last.kinetic_energy,
                                last.potential_energy + 0.0));
-  text += line(
-      "", fmt::format("{:.6g} J of the potential energy are push_work", last.push_work - first.push_work));
+  text +=
+      line("", fmt::format("potential energy includes push_work {:.6g} J", last.push_work - first.push_work));
   text += line("momentum", vector(last.momentum, "kg m/s"));
   text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
   if (last.joints > 0) {
-    text += line("joints", fmt::format("{}; {:.3g} m off at most, {:.3g} rad", grouped(last.joints),
+    text += line("joints", fmt::format("{}; max error {:.3g} m, {:.3g} rad", grouped(last.joints),
                                        last.max_joint_error, last.max_joint_angle));
     if (last.spring_energy > 0) text += line("", fmt::format("{:.6g} J in springs", last.spring_energy));
   }
@@ -122,11 +122,11 @@ std::string numbers_text(const RunReport& report) {
                              grouped(last.islands_asleep), grouped(last.islands)));
   if (!report.residuals.empty()) {
     const Residual& left = report.residuals.back();
-    text += line("residual", fmt::format("{:.3g} m/s over {} contacts, {:.3g} m/s at the worst", left.rms,
+    text += line("residual", fmt::format("{:.3g} m/s rms over {} contacts, {:.3g} m/s max", left.rms,
                                          grouped(left.contacts), left.max));
   }
   text += line("wall impulse", fmt::format("{:.6g} N s", last.wall_impulse));
-  text += line("penetration", fmt::format("{:.6g} m at the deepest", last.max_penetration));
+  text += line("penetration", fmt::format("{:.6g} m max", last.max_penetration));
   text += line("bodies", fmt::format("{} not finite, {} outside the box", grouped(last.non_finite),
                                      grouped(last.escaped)));
   if (!report.frozen.empty())
@@ -135,10 +135,10 @@ std::string numbers_text(const RunReport& report) {
         fmt::format("{} bodies: {}", grouped(std::ssize(report.frozen)),
                     fmt::join(std::span(report.frozen).first(std::min<std::size_t>(report.frozen.size(), 10)),
                               ", ")));
-  if (report.finding) text += line("found", describe(*report.finding));
+  if (report.finding) text += line("finding", describe(*report.finding));
   text += line("memory", fmt::format("{} bytes", grouped(report.allocated_bytes)));
   if (report.wall_seconds && *report.wall_seconds > 0 && last.step > first.step) {
-    text += line("time", fmt::format("{:.3f} s, {:.3g} times as fast as real time", *report.wall_seconds,
+    text += line("time", fmt::format("{:.3f} s, {:.3g} times real time", *report.wall_seconds,
                                      report.simulated_seconds / *report.wall_seconds));
   }
   return text + line("state hash", fmt::format("{:016x}", report.state_hash));
@@ -308,7 +308,7 @@ std::string title_text(const RunReport& report) {
          fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,
                      count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
                      report.broad_phase,
-                     report.key_bits > 0 ? fmt::format(" by keys of {} bits", report.key_bits) : "",
+                     report.key_bits > 0 ? fmt::format(" with {}-bit keys", report.key_bits) : "",
                      report.solver, report.precision,
                      report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
 }

@@ -30,16 +30,16 @@ void check_flags(const Options& options, const std::vector<std::string>& cases) 
   const StabilityOptions& stability = options.stability;
   const SettingsPatch& chosen = options.overrides.settings;
   if (stability.write_table.empty() != stability.from.empty())
-    faults.emplace_back(stability.from.empty() ? "--write-table: --from FILE is missing, a report of --json"
-                                               : "--from: needs --write-table FILE");
+    faults.emplace_back(stability.from.empty()
+                            ? "--write-table: missing --from FILE, a report of stability --json"
+                            : "--from: needs --write-table FILE");
   if (!stability.write_table.empty() && (!cases.empty() || stability.inject_faults || !options.json.empty()))
-    faults.emplace_back("--write-table: runs no trials; leave out cases, --inject-faults and --json");
+    faults.emplace_back("--write-table: runs no trials; remove CASE, --inject-faults and --json");
   if (stability.inject_faults && (chosen.has<&Physics::solver>() || chosen.has<&Physics::precision>() ||
                                   !stability.save_failures.empty()))
     faults.emplace_back(
-        "--inject-faults: faults run with the solver and in the precision of their scenes; leave out "
-        "--solver, "
-        "--precision and --save-failures");
+        "--inject-faults: uses solver and precision of the scenes; remove --solver, --precision and "
+        "--save-failures");
   if (!faults.empty()) throw InputError(faults);
 }
 
@@ -92,7 +92,7 @@ void save_failures(const StabilityRun& run, const RunOptions& options, const std
                     name_of(precision_names, row.configuration.precision));
     const std::string file = (std::filesystem::path(folder) / name).string();
     write_file_atomically(file, bytes);
-    std::fputs(fmt::format("{}: state {}; run --load {} --steps {} comes to what failed\n",
+    std::fputs(fmt::format("{}: state {}; reproduce the failure with run --load {} --steps {}\n",
                            name_of(*row.hard_case, row.configuration), row.result.last_passing_state, file,
                            row.result.steps - row.result.last_passing_state)
                    .c_str(),

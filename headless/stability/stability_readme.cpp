@@ -128,7 +128,7 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
     const Json& run = runs.emplace_back(Json::parse(text, nullptr, false));
     if (!run.is_object() || word(run, "suite") != "stability" || !run.contains("cases") ||
         !run.contains("trials"))
-      throw InputError(name + ": is not what stability --json writes of trials");
+      throw InputError(name + ": not a report of stability --json");
     for (const Json& about : run["cases"])
       if (std::ranges::none_of(
               rows, [&](const CaseRow& row) { return word(row.about, "name") == word(about, "name"); }))
@@ -157,11 +157,9 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
   std::int64_t limits = 0, test_runs = 0;
   const std::string counts = readme_counts(runs, limits, test_runs);
   text +=
-      "\nTwo marks for each solver, in float and in double: ✓ holds, L a declared limit, – the solver does "
-      "not take the scene, or "
-      "it runs elsewhere alone, **✗** fails. *Same*: CPU and GPU came to the same state, bit for bit, in "
-      "each "
-      "of them.\n\n" +
+      "\nTwo marks per solver, for f32 and f64: ✓ passed, L declared limit, – not applicable to this solver "
+      "or executor, **✗** failed. *Same*: CPU and GPU reach bitwise equal states in each of these "
+      "trials.\n\n" +
       counts + ".\n";
   if (limits_text.empty()) return text + "\nNo limits are declared.\n";
   text += fmt::format("\nDeclared limits: {} of {} trials", limits, test_runs);
@@ -174,7 +172,7 @@ std::string with_stability(const std::string& readme, const std::string& name, c
   const std::string begin_mark(stability_begin);
   const std::size_t begin = readme.find(begin_mark), end = readme.find(stability_end);
   if (begin == std::string::npos || end == std::string::npos || end < begin)
-    throw InputError(fmt::format("{}: lacks the lines {} and {}, between which the table belongs", name,
+    throw InputError(fmt::format("{}: missing lines {} and {}, which enclose the table", name,
                                  stability_begin, stability_end));
   return readme.substr(0, begin + begin_mark.size()) + "\n\n" + table + "\n" + readme.substr(end);
 }
@@ -182,10 +180,10 @@ std::string with_stability(const std::string& readme, const std::string& name, c
 void rewrite_readme(const std::string& readme, const std::vector<std::string>& from) {
   std::vector<std::pair<std::string, std::string>> runs;
   for (const std::string& file : from)
-    runs.emplace_back(file, read_text_file(file, most_bytes, "what stability --json wrote"));
+    runs.emplace_back(file, read_text_file(file, most_bytes, "a report of stability --json"));
   const std::string table = stability_markdown(runs);
   const std::string text =
-      with_stability(read_text_file(readme, most_bytes, "the page of Markdown"), readme, table);
+      with_stability(read_text_file(readme, most_bytes, "a Markdown page"), readme, table);
   OutputFile output("--write-table", readme);
   output.write(text);
   output.commit();

@@ -123,13 +123,13 @@ std::string counts_text(const StabilityRun& run) {
                      limits = run.count(TestOutcome::expected_failure), ran = passed + failed + limits;
   std::string text = fmt::format(
       "{} trials of {} on {}{}: {} passed, {} failed, {} declared {}", ran,
-      by_case(run).size() == 1 ? "a case" : fmt::format("{} cases", by_case(run).size()), run.device,
+      by_case(run).size() == 1 ? "1 case" : fmt::format("{} cases", by_case(run).size()), run.device,
       run.extended ? ", long" : "", passed, failed, limits, limits == 1 ? "limit" : "limits");
   if (limits > 0)
     text += fmt::format(" (one in {:.3g})", static_cast<double>(ran) / static_cast<double>(limits));
   text += fmt::format("; {} not applicable; {:.1f} s", run.count(TestOutcome::not_applicable), run.seconds);
   if (run.asked > std::ssize(run.rows))
-    text += fmt::format("; stopped, {} trials did not end", run.asked - std::ssize(run.rows));
+    text += fmt::format("; interrupted, {} trials not finished", run.asked - std::ssize(run.rows));
   return text + "\n";
 }
 
@@ -216,10 +216,10 @@ std::string injected_faults_text(const std::vector<InjectedFaultRow>& rows) {
     else if (!row.result.failure.empty())
       text += fmt::format(": the run failed: {}\n", row.result.failure);
     else
-      text += fmt::format(": holds in spite of fault {}\n", row.fault + 1);
+      text += fmt::format(": passed despite fault {}\n", row.fault + 1);
   }
-  return text + fmt::format("\n{} faults planted: {}\n", rows.size(),
-                            hidden == 0 ? "each fails its term" : fmt::format("{} show nowhere", hidden));
+  return text + fmt::format("\n{} faults injected: {}\n", rows.size(),
+                            hidden == 0 ? "all detected" : fmt::format("{} not detected", hidden));
 }
 
 }  // namespace collidoscope
