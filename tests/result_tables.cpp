@@ -208,8 +208,8 @@ std::string growth() {
   const Json scaling = result("nvidia-h200/scaling.json");
   std::int64_t largest = 0;
   for (const Json& row : scaling["rows"]) largest = std::max(largest, row["bodies"].get<std::int64_t>());
-  MarkdownTable table({"method", "fixed, µs", "exponent", "fit error",
-                       fmt::format("ns per body at N = {}", grouped(largest))});
+  const std::string last_column = fmt::format("ns per body at N = {}", grouped(largest));
+  MarkdownTable table({"method", "fixed, µs", "exponent", "fit error", last_column});
   for (const Json& fit : scaling["growth"]) {
     for (const Json& row : scaling["rows"])
       if (row["method"] == fit["method"] && row["bodies"] == largest)
@@ -225,7 +225,8 @@ std::string growth() {
 std::string predictors() {
   MarkdownTable table({"measure", "same query, within a scene", "same query, all",
                        "own query, within a scene", "own query, all"});
-  for (const Json& row : result("nvidia-h200/predictors.json")["correlations"])
+  const Json suite = result("nvidia-h200/predictors.json");
+  for (const Json& row : suite["correlations"])
     table.row({row["measure"], fixed(row["same_query_within_scenes"], 2), fixed(row["same_query_all"], 2),
                fixed(row["own_query_within_scenes"], 2), fixed(row["own_query_all"], 2)});
   return table.text();
@@ -234,7 +235,8 @@ std::string predictors() {
 std::string solvers() {
   MarkdownTable table({"solver", "settings", "step, ms (p5 to p95)", "ratio to `soft_step` (p5 to p95)",
                        "overlap, r.m.s.", "max. overlap, m", "kinetic energy, J", "speed, r.m.s., m/s"});
-  for (const Json& row : result("xeon-2-cores/solvers-5000-pile.json")["rows"])
+  const Json suite = result("xeon-2-cores/solvers-5000-pile.json");
+  for (const Json& row : suite["rows"])
     table.row({row["solver"], row["settings"], spread(row["step_ms"], 2), spread(row["ratio"], 2),
                fmt::format("{:.2g} %", 100 * row["overlap_rms"].get<double>()),
                fmt::format("{:.2g}", row["max_penetration"].get<double>()),
@@ -275,7 +277,8 @@ std::string frames_of_cpu() {
 std::string effects(const char* file) {
   MarkdownTable table({"effect", "off: launches, buffers, hash", "step, ms", "off, ratio (p5 to p95)",
                        "on, ratio (p5 to p95)", "on: launches", "on: KiB", "on: hash"});
-  for (const Json& row : result(file)["effects"]) {
+  const Json suite = result(file);
+  for (const Json& row : suite["effects"]) {
     int launches = 0;
     for (const auto& [stage, n] : row["on"]["launches"].items()) launches += n.get<int>();
     for (const auto& [stage, n] : row["off"]["launches"].items()) launches -= n.get<int>();

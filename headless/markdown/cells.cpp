@@ -39,8 +39,11 @@ std::string with_bars_escaped(std::string_view text) {
 
 }  // namespace
 
-MarkdownTable::MarkdownTable(const std::vector<std::string>& columns) {
-  row(columns);
+MarkdownTable::MarkdownTable(std::initializer_list<std::string_view> columns)
+    : MarkdownTable(std::vector<std::string>(columns.begin(), columns.end())) {}
+
+MarkdownTable::MarkdownTable(std::span<const std::string> columns) {
+  row({columns.begin(), columns.end()});
   for (std::size_t k = 0; k < columns.size(); ++k) text_ += "|---";
   text_ += "|\n";
 }

@@ -1,6 +1,8 @@
 #pragma once
 // Tables in Markdown, and texts of the code tables as their cells.
 
+#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,7 +11,8 @@ namespace collidoscope {
 
 class MarkdownTable {
  public:
-  explicit MarkdownTable(const std::vector<std::string>& columns);
+  explicit MarkdownTable(std::initializer_list<std::string_view> columns);
+  explicit MarkdownTable(std::span<const std::string> columns);
   /// As many cells as columns, in Markdown.
   void row(const std::vector<std::string>& cells);
   const std::string& text() const { return text_; }
