@@ -15,15 +15,14 @@ LineCull::LineCull()
       mark_contacts_(gl::Program::compute("line_cull.comp", "#define MARK\n#define CONTACTS\n")),
       sum_(gl::Program::compute("line_cull.comp", "#define SUM\n")),
       list_(gl::Program::compute("line_cull.comp", "#define LIST\n")),
-      ranks_("ranks of lines"),
-      starts_("lines by group"),
-      listed_("lines that may be seen") {}
+      ranks_("line ranks"),
+      starts_("lines per group"),
+      listed_("visible lines") {}
 
 void LineCull::look_at(const gl::Target& surfaces, bool cull) {
   culling_ = cull;
   const int width = groups_of(surfaces.width(), tile), height = groups_of(surfaces.height(), tile);
-  if (width != width_ || height != height_)
-    depths_ = gl::make_texture("depth of tiles", width, height, GL_R32F);
+  if (width != width_ || height != height_) depths_ = gl::make_texture("tile depth", width, height, GL_R32F);
   width_ = width;
   height_ = height;
   tiles_.use();

@@ -59,7 +59,7 @@ void Renderer::resize(int width, int height) {
   const int w = width * options_.supersampling, h = height * options_.supersampling;
   surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
   // Lighting and lines test the depth of the surfaces and never write it.
-  lit_.emplace("lit picture", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
+  lit_.emplace("lit image", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
   ids_.reset();
