@@ -33,7 +33,7 @@ void Publisher::publish(const PublishTarget& target) {
       (target.boxes != nullptr && target.box_capacity < counts.boxes) ||
       (target.contacts != nullptr && target.contact_capacity < counts.contacts) ||
       (target.joints != nullptr && target.joint_capacity < counts.joints))
-    throw std::logic_error("publish: the target is smaller than counts() says");
+    throw std::logic_error("publish: the target is smaller than counts()");
   run_.keep_impulses();
   const bool by_visits = target.bodies != nullptr && target.body_color == BodyColor::visits;
   const bool by_tree = by_visits || (target.bodies != nullptr && (target.body_color == BodyColor::order ||

@@ -120,7 +120,7 @@ TEST_F(BoundedReading, OfFoldersAndPipes) {
     writer.join();
   }
   EXPECT_EQ(tried([&] { read_snapshot(pipe); }).line,
-            pipe + ": is a pipe; a snapshot is a file, and is read twice");
+            pipe + ": is a pipe; expected a regular file, because a snapshot is read twice");
 }
 
 /// Two snapshots of equal size alternate in one file that is rewritten in place.
@@ -237,7 +237,7 @@ TEST_F(BoundedReading, ChangesThatRemoveAMillionBodies) {
       R"({"format": "collidoscope-changes", "version": 1, "changes": [{"step": 1, "remove": [)";
   for (int i = 0; i < 1'000'000; ++i) text += fmt::format("{},", i);
   const Reading reading = tried([&] { parse_changes(text + "0]}]}", "f", Scene{}, {}, 0); });
-  EXPECT_THAT(reading.line, HasSubstr("there is no body 0; ids are below 0 here"));
+  EXPECT_THAT(reading.line, HasSubstr("body 0 does not exist; ids must be below 0"));
   EXPECT_LT(reading.peak_bytes, 512 * mebibyte);
 }
 
