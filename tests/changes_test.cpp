@@ -323,13 +323,15 @@ TEST(Change, FaultsSayWhereAndWhat) {
             "f:2:24: body 122 does not exist; ids must be below 122");
   EXPECT_EQ(fault_of(R"({"step": 1, "bodies": 20, "remove": [22]})"),
             "f:2:38: body 22 does not exist; ids must be below 22");
-  EXPECT_EQ(fault_of(R"({"step": 1, "remove": [3, 3]})"), "f:2:27: body 3 stands twice in this list");
-  EXPECT_THAT(fault_of(R"({"step": 1, "remove": [1.5]})"), HasSubstr("f:2:24: \"remove\" is a list of ids"));
+  EXPECT_EQ(fault_of(R"({"step": 1, "remove": [3, 3]})"), "f:2:27: body 3 appears twice in this list");
+  EXPECT_THAT(fault_of(R"({"step": 1, "remove": [1.5]})"),
+              HasSubstr("f:2:24: \"remove\" must be a list of ids"));
   EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [5, 121]})"), "");
   EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [122]})"),
             "f:2:24: body 122 does not exist; ids must be below 122");
-  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [3, 3]})"), "f:2:27: body 3 stands twice in this list");
-  EXPECT_THAT(fault_of(R"({"step": 1, "freeze": ["3"]})"), HasSubstr("f:2:24: \"freeze\" is a list of ids"));
+  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [3, 3]})"), "f:2:27: body 3 appears twice in this list");
+  EXPECT_THAT(fault_of(R"({"step": 1, "freeze": ["3"]})"),
+              HasSubstr("f:2:24: \"freeze\" must be a list of ids"));
   EXPECT_EQ(fault_of(R"({"step": 1, "add": [{"motion": "static"}]}, {"step": 2, "freeze": [122]})"),
             "f:2:68: body 122 is not dynamic; only dynamic bodies can be frozen");
   EXPECT_THAT(fault_of(R"({"step": 1, "add": [{"radius": 1}, {"radius": -1}]})"),
@@ -341,14 +343,14 @@ TEST(Change, FaultsSayWhereAndWhat) {
   EXPECT_THAT(fault_of(R"({"step": 1, "solver": "impulse"})"), HasSubstr("f:2:23: "));
   EXPECT_THAT(fault_of(R"({"step": 1, "time_step": 0})"), HasSubstr("f:2:26: time_step: must lie in"));
   EXPECT_THAT(fault_of(R"({"step": 1, "threads": 2000})"),
-              HasSubstr("f:2:24: \"threads\" is \"auto\" or a whole number from 1 to 1024"));
+              HasSubstr("f:2:24: \"threads\" must be \"auto\" or a whole number from 1 to 1024"));
   EXPECT_THAT(fault_of(R"({"step": 1, "broad_phase": "lbvh"})"), HasSubstr("f:2:28: unknown broad phase"));
   EXPECT_THAT(fault_of(R"({"step": 1, "seed": 4})"),
               HasSubstr("f:2:1: other bodies or another box need a restart"));
   EXPECT_THAT(fault_of(R"({"step": 1, "bodies": 4})", 0, false),
               HasSubstr("f:2:23: \"bodies\" needs a scene with one generator; this one has none"));
   EXPECT_THAT(fault_of(R"({"step": 1, "effects": ["friction"]})"),
-              HasSubstr("f:2:24: effects: must hold rotation"));
+              HasSubstr("f:2:24: effects: must contain rotation"));
 }
 
 }  // namespace

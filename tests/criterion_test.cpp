@@ -157,9 +157,9 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
             "c:2:42: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 26)");
   const std::pair<const char*, const char*> faults[] = {
       {R"("assertions": [])", "\"steps\" is missing"},
-      {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
-      {R"("steps": 10, "long_steps": 5)", "\"long_steps\" is a whole number from 10 to"},
-      {R"("steps": 10, "every": 0)", "\"every\" is a whole number from 1"},
+      {R"("steps": -1)", "\"steps\" must be a whole number from 0 to"},
+      {R"("steps": 10, "long_steps": 5)", "\"long_steps\" must be a whole number from 10 to"},
+      {R"("steps": 10, "every": 0)", "\"every\" must be a whole number from 1"},
       {R"("steps": 10, "assertions": [{"at_most": 1}])", "a term has a \"quantity\""},
       {R"("steps": 10, "assertions": [{"quantity": "finite", "at_most": 1}])", "always holds by itself"},
       {R"("steps": 10, "assertions": [{"quantity": "found", "at_least": 1}])",
@@ -168,13 +168,13 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "at_least": 2}])",
        "nothing can hold"},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "from": 11}])",
-       "\"from\" is a whole"},
+       "\"from\" must be a whole"},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "from": 5, "to": 4}])",
        "before \"from\""},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "body": 1}])",
        "unknown key \"body\""},
       {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1, "body": 5, "axis": "x"}])",
-       "\"body\" is a whole number from 0 to 4, not 5"},
+       "\"body\" must be a whole number from 0 to 4, not 5"},
       {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1}])", "has an \"axis\""},
       {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1}])", "has a \"scene\""},
       {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1, "scene": "../a.json"}])",
@@ -194,7 +194,7 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
        "a list of 3 numbers"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
-      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 24, 30 or 63"},
+      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" must be 24, 30 or 63"},
       {R"("steps": 10, "assertion": [])", "did you mean \"assertions\"?"}};
   for (const auto& [members, words] : faults) {
     const std::string line = fault_of(members);

@@ -287,7 +287,7 @@ TEST(HardSpheres, RefuseWhatTheyDoNotKnowInALineEach) {
 
   scene = plain;
   scene.materials[0].friction = 0.5;
-  EXPECT_EQ(refusal(scene), head + "rotation (friction turns bodies)\n" + head +
+  EXPECT_EQ(refusal(scene), head + "rotation (friction applies torques)\n" + head +
                                 "friction (the material \"default\" has friction 0.5)");
   scene = plain;
   scene.physics.effects = Effects{.rotation = true};

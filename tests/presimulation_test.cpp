@@ -240,7 +240,7 @@ TEST(SettledProgram, TwoAtOnceAndOneWithoutGravity) {
   const Outcome floating =
       run_headless({"run", "box_collider", "--variant", "settled", "--gravity", "0,0,0"});
   EXPECT_EQ(floating.status, 2);
-  EXPECT_EQ(floating.err, "--variant: must not be settled without gravity: nothing would come to rest\n");
+  EXPECT_EQ(floating.err, "--variant: must not be settled without gravity: no body would come to rest\n");
   unsetenv("XDG_CACHE_HOME");
 }
 
