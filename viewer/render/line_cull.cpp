@@ -30,7 +30,7 @@ void LineCull::look_at(const gl::Target& surfaces, bool cull) {
   glBindImageTexture(0, depths_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glDispatchCompute(static_cast<GLuint>(width), static_cast<GLuint>(height), 1);
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-  gl::check("to take the depth of tiles");
+  gl::check("compute the tile depth");
 }
 
 void LineCull::list(Kind kind, int first, int count, int vertices_each, float low, float high) {
@@ -62,7 +62,7 @@ void LineCull::list(Kind kind, int first, int count, int vertices_each, float lo
   glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, listed_.get());
-  gl::check("to list " + std::to_string(count) + " lines");
+  gl::check("list " + std::to_string(count) + " lines");
 }
 
 }  // namespace collidoscope
