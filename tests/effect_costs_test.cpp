@@ -97,7 +97,8 @@ TEST(EffectCosts, SayWhatCannotBeMeasured) {
   costs.begin(world);
   while (!costs.done()) costs.advance(world, 1e9);
   const std::vector<EffectView> all = costs.views(world);
-  EXPECT_THAT(of(all, &Effects::rotation).cost->unavailable_reason, testing::HasSubstr("must contain rotation"));
+  EXPECT_THAT(of(all, &Effects::rotation).cost->unavailable_reason,
+              testing::HasSubstr("must contain rotation"));
   EXPECT_EQ(of(all, &Effects::joints).cost->unavailable_reason, "");
 
   scene = rubbing();

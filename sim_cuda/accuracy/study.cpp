@@ -86,7 +86,7 @@ AccuracyStudy::Progress AccuracyStudy::progress() const {
   Progress progress{static_cast<std::int64_t>(next_), static_cast<std::int64_t>(jobs_.size()), "done"};
   if (next_ < jobs_.size()) {
     const AccuracyPoint& point = points_[jobs_[next_].point];
-    progress.current_task = fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price",
+    progress.current_task = fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "timing",
                                         point.series_name, point.name);
   }
   return progress;

@@ -70,8 +70,8 @@ EffectReason called(const Scene& scene, const InitialBodies& bodies, bool Effect
                ? because("a body moves more than a radius per substep")
                : not_since("all start slowly");
   if (flag == &Effects::sleeping)
-    return physics.sleep ? because(fmt::format("bodies below {:g} m/s for {:g} s sleep",
-                                               physics.sleep->speed, physics.sleep->time))
+    return physics.sleep ? because(fmt::format("bodies below {:g} m/s for {:g} s sleep", physics.sleep->speed,
+                                               physics.sleep->time))
                          : not_since("no \"sleep\" in the scene");
   if (flag == &Effects::guards)
     return physics.guards ? because(fmt::format("the scene's \"guards\" {} on failure",

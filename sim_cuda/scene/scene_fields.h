@@ -148,8 +148,8 @@ inline constexpr auto joint_fields = std::tuple{
 };
 
 inline constexpr auto camera_fields = std::tuple{
-    detail::place<&Camera::position>("position", "", "fits the scene"),
-    detail::place<&Camera::target>("target", "point that the camera looks at", "fits the scene"),
+    detail::place<&Camera::position>("position", "", "frames the scene"),
+    detail::place<&Camera::target>("target", "point that the camera looks at", "frames the scene"),
     detail::number<&Camera::up>("up", "up direction, not 0 and not along the line of sight", "",
                                 -limits::max_coordinate, limits::max_coordinate),
     detail::number<&Camera::vertical_field_of_view>("vertical_field_of_view", "", "degrees", 1, 150),

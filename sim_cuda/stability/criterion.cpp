@@ -40,7 +40,7 @@ std::string_view parameters_of(Quantity quantity) {
     case Quantity::difference:
       return "`scene`, `offset`";
     case Quantity::other_hash:
-      return "`shapes` `[[B, T], ...]`, `broad_phases` (`[\"all\"]`: all of the executor)";
+      return "`shapes` `[[B, T], ...]`, `broad_phases` (`[\"all\"]`: all methods of the executor)";
     default:
       return "";
   }
