@@ -15,7 +15,7 @@
 namespace collidoscope {
 
 World::World(const Scene& scene, const RunOptions& options, const RunState* start, const BodyIdMap& ids) {
-  with_allocation_context("making a world", [&] {
+  with_allocation_context("creating a world", [&] {
     std::optional<RunState> rest;
     if (start == nullptr && needs_presimulation(valid(scene)))
       start = &rest.emplace(settled_state(scene, options));

@@ -115,7 +115,7 @@ TEST(AccuracyRecord, ReadsWhatItWroteAndRefusesTheRest) {
       parse_record(text, "file");
       ADD_FAILURE() << text;
     } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).find("file: no study of accuracy: "), 0u);
+      EXPECT_EQ(std::string(error.what()).find("file: not an accuracy study: "), 0u);
     }
   }
 }

@@ -82,16 +82,14 @@ TEST(AccuracyPoint, NothingIsRecommendedBelowTheReferencesOwnError) {
   EXPECT_EQ(recommended(points, 0.05, 1).unavailable_reason, "");
   EXPECT_EQ(recommended(points, 0.05, 0.2).point, 2u);
   EXPECT_EQ(recommended(points, 0, 0.01).unavailable_reason,
-            "no setting has an error of at most 0.01 m; the least is 0.1 m");
+            "no setting has an error of at most 0.01 m; the smallest error is 0.1 m");
   EXPECT_EQ(recommended(points, 1.1, 2).point, std::nullopt);
   EXPECT_EQ(recommended(points, 1.1, 2).unavailable_reason,
-            "no setting can be recommended: all errors lie below the reference's own error of 1.1 m, so they "
-            "cannot be told apart");
-  EXPECT_EQ(
-      recommended(points, 0.2, 0.15).unavailable_reason,
-      "no setting can be recommended: the allowed error of 0.15 m lies below the reference's own error of "
-      "0.2 m");
-  EXPECT_EQ(recommended({}, 1, 1).unavailable_reason, "no setting is measured yet");
+            "no setting can be recommended: all errors are below the error of the reference, 1.1 m");
+  EXPECT_EQ(recommended(points, 0.2, 0.15).unavailable_reason,
+            "no setting can be recommended: the allowed error of 0.15 m is below the error of the reference, "
+            "0.2 m");
+  EXPECT_EQ(recommended({}, 1, 1).unavailable_reason, "no setting has been measured yet");
   EXPECT_TRUE(all_below_reference(points, 0.9));
   EXPECT_FALSE(all_below_reference(points, 0.8));
   EXPECT_FALSE(all_below_reference({}, 1));

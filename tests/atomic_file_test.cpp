@@ -232,10 +232,10 @@ TEST(AtomicFile, AFolderThatCannotBeMadeIsNamed) {
     return "";
   };
   EXPECT_EQ(words([&] { make_folder(file); }),
-            "Cannot create folder " + file + ": a file of this name exists");
+            "Cannot create folder " + file + ": a file with this name exists");
   EXPECT_EQ(
       words([&] { write_file_atomically(file + "/x.json", "text"); }),
-      file + "/x.json cannot be written: cannot create folder " + file + ": a file of this name exists");
+      file + "/x.json cannot be written: cannot create folder " + file + ": a file with this name exists");
 }
 
 }  // namespace

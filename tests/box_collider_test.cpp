@@ -203,8 +203,8 @@ TEST(BoxCollider, ApartSaysWhenThereIsNoRoom) {
     FAIL() << "52 % cannot be filled at random";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
-                testing::MatchesRegex("generators\\[0\\]\\.spawn: no room for 4000 spheres .*they would "
-                                      "fill 52\\.. % of the box.*"));
+                testing::MatchesRegex("generators\\[0\\]\\.spawn: no space for 4000 spheres .*their volume "
+                                      "is 52\\.. % of the box.*"));
   }
   EXPECT_THROW(spawned({.count = 100'000, .spawn = Spawn::apart}), InputError);
 }

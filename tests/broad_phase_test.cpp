@@ -151,7 +151,7 @@ TEST(BroadPhase, UnknownNamesListTheKnown) {
     FAIL() << "accepted";
   } catch (const InputError& error) {
     const std::string line = error.what();
-    EXPECT_TRUE(line.starts_with("the broad phase 'bvh_botom_up' is unknown; one of lbvh_ropes, ")) << line;
+    EXPECT_TRUE(line.starts_with("unknown broad phase 'bvh_botom_up'; expected one of lbvh_ropes, ")) << line;
     for (const std::string& name : broad_phase_names()) EXPECT_NE(line.find(name), line.npos) << name;
   }
 }

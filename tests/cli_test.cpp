@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "--blocks: 2147483648 is not a whole number from 1 to 2147483647, or auto"},
         BadInput{
             "NoSuchDevice", "", run_with({"--executor", "cuda", "--gpu", "1023"}), 3,
-            "the executor cuda cannot be used: .*CUDA.*|GPU 1023 is not there: this machine has GPUs .*"},
+            "the executor cuda cannot be used: .*CUDA.*|GPU 1023 does not exist: this machine has GPUs .*"},
         BadInput{"NoSuite", "", {"bench"}, 2, "bench: missing SUITE, expected one of .*frames.*"},
         BadInput{"UnknownSuite",
                  "",
@@ -505,7 +505,7 @@ TEST(Cli, ChangesAreMadeAndCheckedAgainstWhatWasRecorded) {
 
   const Outcome wrong = run("\"changes\": [\n {\"step\": 3, \"remove\": [60]}]}");
   EXPECT_EQ(wrong.status, 2);
-  EXPECT_THAT(wrong.err, HasSubstr("changes.json:2:25: there is no body 60; ids are below 60 here"));
+  EXPECT_THAT(wrong.err, HasSubstr("changes.json:2:25: body 60 does not exist; ids must be below 60"));
   EXPECT_EQ(run_program(program_folder() / "collidoscope-headless",
                         {"run", "box_collider", "--changes", folder / "none.json"})
                 .status,
@@ -545,8 +545,9 @@ TEST(Run, AnEndBeforeTheSnapshotIsRefused) {
   };
   const Outcome early = run(1);
   EXPECT_EQ(early.status, 2);
-  EXPECT_EQ(early.err,
-            changes + ":2:17: lies before state 2, where the run goes on; it is that state or a later one\n");
+  EXPECT_EQ(
+      early.err,
+      changes + ":2:17: lies before state 2, where the run continues; must be that state or a later one\n");
   EXPECT_EQ(run(2).status, 1) << "another hash";
 }
 

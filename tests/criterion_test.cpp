@@ -127,7 +127,7 @@ TEST(Criterion, ALimitIsOfAllThatItDoesNotName) {
 TEST(Criterion, OfASceneThatIsRefused) {
   const Criterion c = parse(R"("refused": ["radius", "mass"])");
   EXPECT_THAT(c.refused, ElementsAre("radius", "mass"));
-  EXPECT_THAT(fault_of(R"("refused": [])"), HasSubstr("at least one line"));
+  EXPECT_THAT(fault_of(R"("refused": [])"), HasSubstr("at least one string"));
   EXPECT_THAT(fault_of(R"("refused": ["a"], "steps": 3)"), HasSubstr("c:2:"));
 }
 
@@ -144,7 +144,7 @@ TEST(Criterion, OfWhatGuardsMustFind) {
   EXPECT_EQ(c.assertions[0].quantity, Quantity::expected_finding);
   EXPECT_EQ(c.injected_faults[0].assertion, 0u);
   EXPECT_THAT(fault_of(R"("steps": 10, "inject": {"step": 7, "body": 3, "position": [null, 0, 0]})"),
-              HasSubstr("is of cases with \"expect_finding\""));
+              HasSubstr("is valid only with \"expect_finding\""));
   EXPECT_THAT(fault_of(R"("steps": 10, "expect_finding": {"step": 8, "body": 3})"),
               HasSubstr("a \"stage\" and a"));
   EXPECT_THAT(
@@ -157,44 +157,44 @@ TEST(Criterion, NamesEveryFaultByLineAndColumn) {
             "c:2:42: unknown quantity \"penetraton\"; did you mean \"penetration\"? (there are 26)");
   const std::pair<const char*, const char*> faults[] = {
       {R"("assertions": [])", "\"steps\" is missing"},
-      {R"("steps": -1)", "\"steps\" is a whole number from 0 to"},
-      {R"("steps": 10, "long_steps": 5)", "\"long_steps\" is a whole number from 10 to"},
-      {R"("steps": 10, "every": 0)", "\"every\" is a whole number from 1"},
-      {R"("steps": 10, "assertions": [{"at_most": 1}])", "a term has a \"quantity\""},
-      {R"("steps": 10, "assertions": [{"quantity": "finite", "at_most": 1}])", "always holds by itself"},
+      {R"("steps": -1)", "\"steps\" must be a whole number from 0 to"},
+      {R"("steps": 10, "long_steps": 5)", "\"long_steps\" must be a whole number from 10 to"},
+      {R"("steps": 10, "every": 0)", "\"every\" must be a whole number from 1"},
+      {R"("steps": 10, "assertions": [{"at_most": 1}])", "a term must have a \"quantity\""},
+      {R"("steps": 10, "assertions": [{"quantity": "finite", "at_most": 1}])", "is always checked"},
       {R"("steps": 10, "assertions": [{"quantity": "found", "at_least": 1}])",
-       "is said by \"expect_finding\" beside"},
-      {R"("steps": 10, "assertions": [{"quantity": "speed"}])", "a term has a bound"},
+       "is set by \"expect_finding\" beside"},
+      {R"("steps": 10, "assertions": [{"quantity": "speed"}])", "a term must have a bound"},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "at_least": 2}])",
-       "nothing can hold"},
+       "must not exceed \"at_most\""},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "from": 11}])",
-       "\"from\" is a whole"},
+       "\"from\" must be a whole"},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "from": 5, "to": 4}])",
        "before \"from\""},
       {R"("steps": 10, "assertions": [{"quantity": "speed", "at_most": 1, "body": 1}])",
        "unknown key \"body\""},
       {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1, "body": 5, "axis": "x"}])",
-       "\"body\" is a whole number from 0 to 4, not 5"},
-      {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1}])", "has an \"axis\""},
-      {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1}])", "has a \"scene\""},
+       "\"body\" must be a whole number from 0 to 4, not 5"},
+      {R"("steps": 10, "assertions": [{"quantity": "position", "at_most": 1}])", "must have an \"axis\""},
+      {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1}])", "must have a \"scene\""},
       {R"("steps": 10, "assertions": [{"quantity": "difference", "at_most": 1, "scene": "../a.json"}])",
        "the criterion's own folder"},
-      {R"("steps": 10, "assertions": [{"quantity": "other_hash", "at_most": 0}])", "has \"shapes\""},
+      {R"("steps": 10, "assertions": [{"quantity": "other_hash", "at_most": 0}])", "must have \"shapes\""},
       {R"("steps": 10, "assertions": [{"quantity": "other_hash", "at_most": 0, "shapes": [[0, 1]]}])",
        "[B, T]"},
-      {R"("steps": 10, "limits": [{"why": "a"}])", "a limit says where"},
-      {R"("steps": 10, "limits": [{"solver": "impulse"}])", "a limit has a \"why\""},
+      {R"("steps": 10, "limits": [{"why": "a"}])", "a limit must have a \"solver\""},
+      {R"("steps": 10, "limits": [{"solver": "impulse"}])", "a limit must have a \"why\""},
       {R"("steps": 10, "executors": ["gpu"])", "\"cpu\" and \"cuda\""},
       {R"("steps": 10, "injected_faults": [{"fails": "speed", "step": 1, "body": 1}])",
        "\"assertions\" has none"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "term": 2, "scene": "a.json"}])",
        "\"assertions\" has 1"},
-      {R"("steps": 10, "injected_faults": [{"fails": "finite"}])", "a fault is a \"set\" of settings"},
-      {R"("steps": 10, "injected_faults": [{"step": 1, "body": 1}])", "a fault \"fails\" a quantity"},
+      {R"("steps": 10, "injected_faults": [{"fails": "finite"}])", "a fault must have a \"set\" of settings"},
+      {R"("steps": 10, "injected_faults": [{"step": 1, "body": 1}])", "a fault must have \"fails\""},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "step": 1, "body": 1, "position": [1, 2]}])",
        "a list of 3 numbers"},
       {R"("steps": 10, "injected_faults": [{"fails": "finite", "set": {"bodies": 3}}])", "one generator"},
-      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" is 24, 30 or 63"},
+      {R"("steps": 10, "run": {"key_bits": 31})", "\"key_bits\" must be 24, 30 or 63"},
       {R"("steps": 10, "assertion": [])", "did you mean \"assertions\"?"}};
   for (const auto& [members, words] : faults) {
     const std::string line = fault_of(members);

@@ -97,7 +97,8 @@ TEST(EffectCosts, SayWhatCannotBeMeasured) {
   costs.begin(world);
   while (!costs.done()) costs.advance(world, 1e9);
   const std::vector<EffectView> all = costs.views(world);
-  EXPECT_THAT(of(all, &Effects::rotation).cost->unavailable_reason, testing::HasSubstr("must hold rotation"));
+  EXPECT_THAT(of(all, &Effects::rotation).cost->unavailable_reason,
+              testing::HasSubstr("must contain rotation"));
   EXPECT_EQ(of(all, &Effects::joints).cost->unavailable_reason, "");
 
   scene = rubbing();
@@ -106,7 +107,7 @@ TEST(EffectCosts, SayWhatCannotBeMeasured) {
   World paper(scene, o);
   costs.begin(paper);
   while (!costs.done()) costs.advance(paper, 1e9);
-  EXPECT_EQ(of(costs.views(paper), &Effects::friction).cannot, "impulse has none");
+  EXPECT_EQ(of(costs.views(paper), &Effects::friction).cannot, "not supported by impulse");
   EXPECT_FALSE(of(costs.views(paper), &Effects::friction).cost.has_value());
 }
 

@@ -42,16 +42,16 @@ TEST(EffectReasons, InWords) {
   scene.physics.solver = Solver::soft_step;
   EXPECT_EQ(reason_in(scene, &Effects::gravity).why, "gravity is 9.81 m/s²");
   EXPECT_EQ(reason_in(scene, &Effects::drag).why, "no medium");
-  EXPECT_EQ(reason_in(scene, &Effects::friction).why, "no material has any");
+  EXPECT_EQ(reason_in(scene, &Effects::friction).why, "0 in all materials");
   EXPECT_EQ(reason_in(scene, &Effects::friction).cannot, "");
   scene.materials[0].rolling_resistance = 0.1;
-  EXPECT_EQ(reason_in(scene, &Effects::friction).why, "rolling resistance needs it");
-  EXPECT_EQ(reason_in(scene, &Effects::rotation).why, "friction turns bodies");
+  EXPECT_EQ(reason_in(scene, &Effects::friction).why, "required by rolling resistance");
+  EXPECT_EQ(reason_in(scene, &Effects::rotation).why, "friction applies torques");
   EXPECT_EQ(reason_in(scene, &Effects::rolling_resistance).why,
             "the material \"default\" has rolling resistance 0.1");
   scene.physics.solver = Solver::impulse;
   scene.physics.effects = Effects{.gravity = true};
-  EXPECT_EQ(reason_in(scene, &Effects::friction).cannot, "impulse has none");
+  EXPECT_EQ(reason_in(scene, &Effects::friction).cannot, "not supported by impulse");
   EXPECT_EQ(reason_in(scene, &Effects::gravity).cannot, "");
 }
 

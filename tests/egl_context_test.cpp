@@ -43,8 +43,8 @@ TEST(Gl, AWrongCallIsReportedWithWhatWasBeingDone) {
   test_context();
   gl::check("nothing");
   glEnable(GL_TEXTURE_2D + 1);
-  EXPECT_THAT(refusal([] { gl::check("to try what cannot be"); }),
-              HasSubstr("OpenGL refused to try what cannot be: "));
+  EXPECT_THAT(refusal([] { gl::check("run an invalid call"); }),
+              HasSubstr("OpenGL: cannot run an invalid call: "));
   EXPECT_EQ(refusal([] { gl::check("nothing"); }), "");
 }
 

@@ -304,7 +304,7 @@ TEST(Finding, NamesAllThatItKnows) {
   finding.invalid_before = true;
   EXPECT_EQ(
       describe(finding),
-      "stage forces of step 8, substep 2: body 3 has the orientation nan; it was bad in state 7 already");
+      "stage forces of step 8, substep 2: body 3 has the orientation nan; it was already invalid in state 7");
 }
 
 }  // namespace

@@ -271,7 +271,7 @@ std::string refusal(const Scene& scene) {
 
 TEST(HardSpheres, RefuseWhatTheyDoNotKnowInALineEach) {
   const std::string head =
-      "test: the event-driven reference knows spheres, planes, gravity and restitution, no ";
+      "test: the event-driven reference supports only spheres, planes, gravity and restitution, not ";
   Scene plain = hard_space();
   plain.bodies = {sphere(1, Vector3d(0, 0, 0)), sphere(1, Vector3d(5, 0, 0))};
   EXPECT_EQ(refusal(plain), "none");
@@ -287,28 +287,29 @@ TEST(HardSpheres, RefuseWhatTheyDoNotKnowInALineEach) {
 
   scene = plain;
   scene.materials[0].friction = 0.5;
-  EXPECT_EQ(refusal(scene), head + "rotation (friction turns bodies)\n" + head +
+  EXPECT_EQ(refusal(scene), head + "rotation (friction applies torques)\n" + head +
                                 "friction (the material \"default\" has friction 0.5)");
   scene = plain;
   scene.physics.effects = Effects{.rotation = true};
-  EXPECT_EQ(refusal(scene), head + "rotation (the scene's list of effects holds it)");
+  EXPECT_EQ(refusal(scene), head + "rotation (in the scene's list of effects)");
   scene = plain;
   scene.boxes = {{}};
   scene.boxes[0].center = Vector3d(9, 9, 9);
-  EXPECT_EQ(refusal(scene), head + "boxes among the obstacles");
+  EXPECT_EQ(refusal(scene), head + "box obstacles");
   scene = plain;
   scene.bodies[1].motion = Motion::fixed;
-  EXPECT_EQ(refusal(scene), head + "bodies that no force moves (body 1)");
+  EXPECT_EQ(refusal(scene), head + "static or kinematic bodies (body 1)");
   scene = plain;
   scene.bodies[1].position = Vector3d(1.5, 0, 0);
-  EXPECT_EQ(refusal(scene),
-            "test: bodies 0 and 1 overlap by 0.5 m at the start; hard spheres start apart (spawn \"apart\")");
+  EXPECT_EQ(
+      refusal(scene),
+      "test: bodies 0 and 1 overlap by 0.5 m at the start; hard spheres must not overlap (spawn \"apart\")");
   scene = plain;
   scene.obstacles = {Plane{Vector3d(0, 0, 1), -0.75, 0}};
   scene.bodies.pop_back();
-  EXPECT_EQ(
-      refusal(scene),
-      "test: body 0 lies beyond plane 0 by 0.25 m at the start; hard spheres start apart (spawn \"apart\")");
+  EXPECT_EQ(refusal(scene),
+            "test: body 0 is behind plane 0 by 0.25 m at the start; hard spheres must not overlap (spawn "
+            "\"apart\")");
   scene = box_collider(10, Variant::settled);
   scene.materials[0].restitution = 1;
   EXPECT_THAT(refusal(scene),

@@ -162,19 +162,17 @@ TEST(LargeRuns, AreRefusedWithTheirFigures) {
   EXPECT_LT(seconds_since(start), 20) << "no step is begun";
   EXPECT_EQ(run.status, 3);
   EXPECT_EQ(run.out, "");
-  EXPECT_THAT(
-      run.err,
-      MatchesRegex(
-          "200,000 bodies have about [0-9,]+ pairs and [0-9,]+ contacts at first, "
-          "which take about [0-9]+ bytes \\([0-9.]+ GB\\); there are "
-          "2000000000 bytes \\(2.0 GB\\), as --memory-limit says: use fewer bodies, --variant scaled, or a "
-          "higher --memory-limit\n"));
+  EXPECT_THAT(run.err,
+              MatchesRegex("200,000 bodies have about [0-9,]+ initial pairs and [0-9,]+ initial contacts and "
+                           "need about [0-9]+ bytes \\([0-9.]+ GB\\); available: 2000000000 bytes \\(2.0 "
+                           "GB\\), the value of --memory-limit; use fewer bodies, --variant scaled, or a "
+                           "higher --memory-limit\n"));
   const Outcome more = run_headless({"run", "box_collider", "--bodies", "100000000", "--variant", "scaled",
                                      "--memory-limit", "2000000000"});
   EXPECT_EQ(more.status, 3);
   EXPECT_EQ(more.err,
-            "100,000,000 bodies alone take at least 10000000000 bytes (10.0 GB); there are 2000000000 bytes "
-            "(2.0 GB), as --memory-limit says: use fewer bodies, or a higher --memory-limit\n");
+            "100,000,000 bodies need at least 10000000000 bytes (10.0 GB); available: 2000000000 bytes (2.0 "
+            "GB), the value of --memory-limit; use fewer bodies, or a higher --memory-limit\n");
 }
 
 TEST(LargeRuns, WarnAboutTimeAndGoOn) {

@@ -156,7 +156,7 @@ TEST(LiveStability, SaysWhatIsWrongWithAFolder) {
   HardCasesRequests requests;
   requests.run_all = true;
   cases.follow(live.world(), requests);
-  EXPECT_THAT(cases.view().unavailable_reason, testing::HasSubstr("holds no case"));
+  EXPECT_THAT(cases.view().unavailable_reason, testing::HasSubstr("contains no case"));
   EXPECT_TRUE(cases.done());
 }
 

@@ -36,11 +36,11 @@ TEST(Names, NearestIsWithinAThirdOfTheWord) {
 
 TEST(Names, UnknownNameSaysWhatIsKnown) {
   EXPECT_EQ(unknown_name("integrator", "verlet", std::array<std::string_view, 1>{"rk4"}),
-            "unknown integrator \"verlet\"; \"rk4\" is the only one");
+            "unknown integrator \"verlet\"; expected \"rk4\"");
   EXPECT_EQ(unknown_name("variant", "papr", names_in(variant_names)),
             "unknown variant \"papr\"; did you mean \"paper\"? (paper, scaled, settled or equal)");
   EXPECT_EQ(unknown_name("variant", "huge", names_in(variant_names)),
-            "unknown variant \"huge\"; it is paper, scaled, settled or equal");
+            "unknown variant \"huge\"; expected paper, scaled, settled or equal");
 }
 
 TEST(Names, PrintableKeepsTerminalsSafe) {

@@ -57,9 +57,10 @@ TEST_P(OutOfMemoryOn, ARefusedBufferIsNamedWithWhatAllTake) {
   Buffer<char> a(executor, "a"), b(executor, "b"), c(executor, "c");
   a.resize_discarding(600'000);
   b.resize_discarding(300'000);
-  EXPECT_THAT(refusal_of([&] { c.resize_discarding(500'000); }),
-              testing::HasSubstr(" for 500000 bytes for 'c', which makes 1400000 bytes in all (largest: 'a' "
-                                 "600000, 'c' 500000, 'b' 300000); it answered: 148576 bytes are free"));
+  EXPECT_THAT(
+      refusal_of([&] { c.resize_discarding(500'000); }),
+      testing::HasSubstr(": allocation of 500000 bytes for 'c' failed, 1400000 bytes in total (largest: 'a' "
+                         "600000, 'c' 500000, 'b' 300000): 148576 bytes are free"));
 }
 
 /// The message states the total during the construction of a world, not only the failing buffer.

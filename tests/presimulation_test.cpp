@@ -185,7 +185,7 @@ TEST_P(Settled, ABrokenCacheCostsTimeAlone) {
   EXPECT_TRUE(was_made(scene, options()));
   EXPECT_EQ(hash_, made);
   ASSERT_EQ(lines_.size(), 2u);
-  EXPECT_THAT(lines_[1], HasSubstr("is not kept"));
+  EXPECT_THAT(lines_[1], HasSubstr("is not cached"));
 }
 
 TEST_P(Settled, WhatNeverRestsEndsWithALine) {
@@ -193,7 +193,7 @@ TEST_P(Settled, WhatNeverRestsEndsWithALine) {
   scene.physics.gravity.z() = -1e6;  // bodies cross the whole box in a step
   EXPECT_TRUE(was_made(scene, options()));
   ASSERT_EQ(lines_.size(), 1u);
-  EXPECT_THAT(lines_[0], HasSubstr("not at rest after 9 steps: a kinetic energy of"));
+  EXPECT_THAT(lines_[0], HasSubstr("not at rest after 9 steps: the kinetic energy is"));
 }
 
 TEST_P(Settled, TheWindowSettlesAnewOnlyWhereTheRunStartsAnew) {
@@ -240,7 +240,7 @@ TEST(SettledProgram, TwoAtOnceAndOneWithoutGravity) {
   const Outcome floating =
       run_headless({"run", "box_collider", "--variant", "settled", "--gravity", "0,0,0"});
   EXPECT_EQ(floating.status, 2);
-  EXPECT_EQ(floating.err, "--variant: must not be settled without gravity: nothing would come to rest\n");
+  EXPECT_EQ(floating.err, "--variant: must not be settled without gravity: no body would come to rest\n");
   unsetenv("XDG_CACHE_HOME");
 }
 

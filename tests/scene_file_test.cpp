@@ -176,28 +176,28 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"bodies\": [{\"raduis\": 1}]}",
             "s:2:13: unknown key \"raduis\" in a body; did you mean \"radius\"?"},
         Bad{"\"camera\": {\"zoom\": 1}}",
-            "s:2:12: unknown key \"zoom\" in a camera; it has position, target, up or "
+            "s:2:12: unknown key \"zoom\" in a camera; expected position, target, up or "
             "vertical_field_of_view"},
-        Bad{"\"name\": \"a\", \"name\": \"b\"}", "s:2:14: the key \"name\" stands twice"},
+        Bad{"\"name\": \"a\", \"name\": \"b\"}", "s:2:14: duplicate key \"name\""},
         // types
-        Bad{"\"name\": 1}", "s:2:9: \"name\" is a text, not a number"},
-        Bad{"\"box\": []}", "s:2:8: a box is an object, { ... }, not a list"},
-        Bad{"\"box\": null}", "s:2:8: a box is an object, { ... }, not null"},
-        Bad{"\"bodies\": {}}", "s:2:11: \"bodies\" is a list, not an object"},
-        Bad{"\"bodies\": [7]}", "s:2:12: a body is an object, { ... }, not a number"},
-        Bad{"\"gravity\": -9.81}", "s:2:12: \"gravity\" is a list of three numbers, [x, y, z]"},
+        Bad{"\"name\": 1}", "s:2:9: \"name\" must be a string, not a number"},
+        Bad{"\"box\": []}", "s:2:8: a box must be an object, { ... }, not a list"},
+        Bad{"\"box\": null}", "s:2:8: a box must be an object, { ... }, not null"},
+        Bad{"\"bodies\": {}}", "s:2:11: \"bodies\" must be a list, not an object"},
+        Bad{"\"bodies\": [7]}", "s:2:12: a body must be an object, { ... }, not a number"},
+        Bad{"\"gravity\": -9.81}", "s:2:12: \"gravity\" must be a list of three numbers, [x, y, z]"},
         Bad{"\"gravity\": [0, 0]}",
-            "s:2:12: \"gravity\" is a list of three numbers, [x, y, z], not of 2 values"},
+            "s:2:12: \"gravity\" must be a list of three numbers, [x, y, z], not of 2 values"},
         Bad{"\"gravity\": [0, \"0\", 0]}",
-            "s:2:16: \"gravity\" is a list of three numbers, [x, y, z]; this is a text"},
-        Bad{"\"time_step\": true}", "s:2:14: \"time_step\" is a number, not true or false"},
-        Bad{"\"time_step\": 1e-999}", "s:2:14: 1e-999 is too near to zero for a double; write 0"},
-        Bad{"\"gravity\": [0, 1e-999, 0]}", "s:2:16: 1e-999 is too near to zero"},
-        Bad{"\"substeps\": 1.5}", "s:2:13: \"substeps\" is a whole number, not 1.5"},
-        Bad{"\"materials\": []}", "s:2:14: \"materials\" is an object of names"},
-        Bad{"\"materials\": {\"a\": 1}}", "s:2:20: a material is an object, { ... }, not a number"},
+            "s:2:16: \"gravity\" must be a list of three numbers, [x, y, z]; this is a string"},
+        Bad{"\"time_step\": true}", "s:2:14: \"time_step\" must be a number, not true or false"},
+        Bad{"\"time_step\": 1e-999}", "s:2:14: 1e-999 is too small for a double; write 0"},
+        Bad{"\"gravity\": [0, 1e-999, 0]}", "s:2:16: 1e-999 is too small"},
+        Bad{"\"substeps\": 1.5}", "s:2:13: \"substeps\" must be a whole number, not 1.5"},
+        Bad{"\"materials\": []}", "s:2:14: \"materials\" must be an object of names"},
+        Bad{"\"materials\": {\"a\": 1}}", "s:2:20: a material must be an object, { ... }, not a number"},
         Bad{"\"bodies\": [{\"orientation\": [1, 0, 0]}]}",
-            "s:2:28: \"orientation\" is a list of four numbers, the quaternion [w, x, y, z], not of 3 "
+            "s:2:28: \"orientation\" must be a list of four numbers, the quaternion [w, x, y, z], not of 3 "
             "values"},
         // names
         Bad{"\"solver\": \"soft_stop\"}",
@@ -205,26 +205,27 @@ INSTANTIATE_TEST_SUITE_P(
             "jacobi_split)"},
         Bad{"\"integrator\": \"rk5\"}", "s:2:15: unknown integrator \"rk5\"; did you mean \"rk4\"?"},
         Bad{"\"rotation_update\": \"lie\"}",
-            "s:2:20: unknown rotation_update \"lie\"; it is first_order or lie_group"},
-        Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; it is f32 or f64"},
-        Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" is \"auto\" or a list of effects"},
+            "s:2:20: unknown rotation_update \"lie\"; expected first_order or lie_group"},
+        Bad{"\"precision\": \"f16\"}", "s:2:14: unknown precision \"f16\"; expected f32 or f64"},
+        Bad{"\"effects\": \"all\"}", "s:2:12: \"effects\" must be \"auto\" or a list of effects"},
         Bad{"\"effects\": [\"gravity\", \"magic\"]}",
-            "s:2:24: unknown effect \"magic\"; it is gravity, attractor, "},
+            "s:2:24: unknown effect \"magic\"; expected gravity, attractor, "},
         Bad{"\"effects\": [\"friction\", \"rotation\"], \"solver\": \"impulse\"}",
-            "s:2:12: effects: must not hold friction with the solver impulse"},
+            "s:2:12: effects: must not contain friction with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"effects\": [\"friction\"]}",
-            "s:2:35: effects: must hold rotation where they hold friction"},
+            "s:2:35: effects: must contain rotation if they contain friction"},
         Bad{"\"effects\": [\"gravity\", 3]}", "s:2:24: unknown effect \"3\""},
-        Bad{"\"effects\": [\"gravity\", \"gravity\"]}", "s:2:24: \"gravity\" stands twice in this list"},
+        Bad{"\"effects\": [\"gravity\", \"gravity\"]}", "s:2:24: \"gravity\" appears twice in this list"},
         Bad{"\"bodies\": [{\"material\": \"steel\"}]}",
-            "s:2:25: unknown material \"steel\"; \"default\" is the only one"},
-        Bad{"\"bodies\": [{\"shape\": \"cube\"}]}", "s:2:22: unknown shape \"cube\"; it is sphere or mesh"},
+            "s:2:25: unknown material \"steel\"; expected \"default\""},
+        Bad{"\"bodies\": [{\"shape\": \"cube\"}]}",
+            "s:2:22: unknown shape \"cube\"; expected sphere or mesh"},
         Bad{"\"bodies\": [{\"motion\": \"fixed\"}]}",
-            "s:2:23: unknown motion \"fixed\"; it is dynamic, kinematic or static"},
+            "s:2:23: unknown motion \"fixed\"; expected dynamic, kinematic or static"},
         Bad{"\"bodies\": [{\"motion\": \"static\", \"velocity\": [0, 0, 1]}]}",
-            "s:2:23: bodies[0].motion: must be kinematic or dynamic where a velocity is given"},
+            "s:2:23: bodies[0].motion: must be kinematic or dynamic if a velocity is given"},
         Bad{"\"restitution_threshold\": \"none\"}",
-            "s:2:26: \"restitution_threshold\" is \"auto\" or a number"},
+            "s:2:26: \"restitution_threshold\" must be \"auto\" or a number"},
         // ranges, found by validate()
         Bad{"\"bodies\": [{}, {\"radius\": -1}]}",
             "s:2:27: bodies[1].radius: must lie in [1e-09, 1e+09] m, not -1"},
@@ -248,11 +249,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"box\": {\"min\": [100, 0, 0]}}", "s:2:8: box.max[0]: must be more than min[0] = 100"},
         Bad{"\"drag\": {\"density\": -1}}", "s:2:21: drag.density: must lie in [0, 1e+09] kg/m^3, not -1"},
         Bad{"\"drag\": {\"viscous\": 1}}",
-            "s:2:10: unknown key \"viscous\" in drag; it has viscosity, density or coefficient"},
+            "s:2:10: unknown key \"viscous\" in drag; expected viscosity, density or coefficient"},
         Bad{"\"attractors\": [{\"strength\": 1}], \"solver\": \"impulse\"}",
-            "s:2:15: attractors: must not hold attractors with the solver impulse"},
+            "s:2:15: attractors: must not contain attractors with the solver impulse"},
         Bad{"\"effects\": [\"attractor\"], \"solver\": \"impulse\"}",
-            "s:2:12: effects: must not hold attractors with the solver impulse"},
+            "s:2:12: effects: must not contain attractors with the solver impulse"},
         // effects that impulse lacks
         Bad{"\"materials\": {\"default\": {\"friction\": 0.5}}, \"solver\": \"impulse\"}",
             "s:2:39: materials.default.friction: must be 0 with the solver impulse"},
@@ -261,55 +262,55 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"materials\": {\"default\": {\"rolling_resistance\": 0.1}}, \"solver\": \"impulse\"}",
             "s:2:49: materials.default.rolling_resistance: must be 0 with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"effects\": [\"rotation\", \"rolling_resistance\"]}",
-            "s:2:35: effects: must hold friction where they hold rolling_resistance"},
+            "s:2:35: effects: must contain friction if they contain rolling_resistance"},
         Bad{"\"obstacles\": [{\"shape\": \"box\"}], \"solver\": \"impulse\"}",
             "s:2:25: obstacles[0].shape: must be plane with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"obstacles\": [{\"shape\": \"plane\"}, {\"shape\": \"box\", "
             "\"size\": [1, 0, 1]}]}",
             "s:2:87: obstacles[1].size[1]: must lie in [1e-09, 1e+09] m, not 0"},
-        Bad{"\"obstacles\": [{}]}", "s:2:15: an obstacle has \"shape\": \"plane\" or \"shape\": \"box\""},
+        Bad{"\"obstacles\": [{}]}",
+            "s:2:15: an obstacle must have \"shape\": \"plane\" or \"shape\": \"box\""},
         Bad{"\"gravity\": [0, 0, 0], \"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"variant\": "
             "\"settled\"}]}",
             "s:2:85: generators[0].variant: must not be settled without gravity"},
         Bad{"\"solver\": \"impulse\", \"sleep\": {}}",
-            "s:2:31: sleep: must be left out with the solver impulse"},
+            "s:2:31: sleep: must be removed with the solver impulse"},
         Bad{"\"solver\": \"soft_step\", \"sleep\": true}",
-            "s:2:33: \"sleep\" is an object, { ... }, not true or false"},
+            "s:2:33: \"sleep\" must be an object, { ... }, not true or false"},
         Bad{"\"solver\": \"soft_step\", \"sleep\": {\"sped\": 1}}", "s:2:34: unknown key \"sped\""},
         Bad{"\"solver\": \"soft_step\", \"sleep\": {\"speed\": -1}}",
             "s:2:43: sleep.speed: must lie in [0, 1e+09] m/s, not -1"},
         Bad{"\"solver\": \"soft_step\", \"sleep\": {\"time\": 2e6}}",
             "s:2:42: sleep.time: must lie in [0, 1e+06] s, not 2e6"},
         Bad{"\"guards\": {\"on_failure\": \"stop\"}}",
-            "s:2:26: unknown on_failure \"stop\"; it is pause or freeze"},
+            "s:2:26: unknown on_failure \"stop\"; expected pause or freeze"},
         Bad{"\"guards\": {\"speed\": -1}}", "s:2:21: guards.speed: must lie in [0, 1e+18] m/s, not -1"},
         Bad{"\"guards\": {\"spin\": 1e19}}",
             "s:2:20: guards.angular_speed: must lie in [0, 1e+18] rad/s, not 1e19"},
-        Bad{"\"guards\": {\"distance\": \"far\"}}", "s:2:24: \"distance\" is a number"},
-        Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not hold sleeping without \"sleep\""},
+        Bad{"\"guards\": {\"distance\": \"far\"}}", "s:2:24: \"distance\" must be a number"},
+        Bad{"\"effects\": [\"sleeping\"]}", "s:2:12: effects: must not contain sleeping without \"sleep\""},
         // generators
         Bad{"\"generators\": [{\"kind\": \"box_collider\"}]}", "s:2:16: generators[0]: needs a \"box\""},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 3, \"without\": [0, 3]}]}",
-            "s:2:79: generators[0].excluded[1]: must be the number of one of its 3 bodies, from 0, more "
-            "than"},
+            "s:2:79: generators[0].excluded[1]: must be the index of one of its 3 bodies, from 0, in "
+            "ascending order"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"without\": [1.5]}]}",
-            "s:2:64: \"excluded\" is a list of whole numbers"},
+            "s:2:64: \"excluded\" must be a list of whole numbers"},
         Bad{"\"added\": [{\"radius\": 0}]}", "s:2:22: extra_bodies[0].radius: must lie in"},
-        Bad{"\"box\": {}, \"generators\": [{}]}",
-            "s:2:27: a generator has \"kind\": \"box_collider\", the only one"},
-        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"rain\"}]}", "s:2:36: a generator has \"kind\""},
+        Bad{"\"box\": {}, \"generators\": [{}]}", "s:2:27: a generator must have \"kind\": \"box_collider\""},
+        Bad{"\"box\": {}, \"generators\": [{\"kind\": \"rain\"}]}", "s:2:36: a generator must have \"kind\""},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 10000000000}]}",
             "s:2:61: generators[0].count: must be a whole number from 0 to 134217728, not 10000000000"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"count\": 1e300}]}",
             "s:2:61: generators[0].count: must be a whole number from 0 to 134217728, not 1e300"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": -1}]}",
-            "s:2:60: \"seed\" is a whole number from 0 to 18446744073709551615, not -1"},
+            "s:2:60: \"seed\" must be a whole number from 0 to 18446744073709551615, not -1"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 18446744073709551616}]}",
-            "s:2:60: \"seed\" is a whole number from 0 to"},
+            "s:2:60: \"seed\" must be a whole number from 0 to"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 1e30}]}",
-            "s:2:60: \"seed\" is a whole number from 0 to 18446744073709551615, not 1e30"},
+            "s:2:60: \"seed\" must be a whole number from 0 to 18446744073709551615, not 1e30"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"seed\": 0.5}]}",
-            "s:2:60: \"seed\" is a whole"},
+            "s:2:60: \"seed\" must be a whole"},
         Bad{"\"box\": {}, \"generators\": [{\"kind\": \"box_collider\", \"radius_max\": 60}]}",
             "s:2:66: generators[0].radius_max: must be at most 50 m, for the spheres to fit in the box, not "
             "60"},
@@ -324,17 +325,19 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"\"camera\": {\"vertical_field_of_view\": 0}}",
             "s:2:38: camera.vertical_field_of_view: must lie in [1, 150] degrees, not 0"},
         // syntax
-        Bad{"\"name\": 1e999}", "s:2:9: 1e999 is beyond what a double holds"},
-        Bad{"\"gravity\": [0, 0, NaN]}", "s:2:19: NaN is not a number that can be simulated"},
-        Bad{"\"gravity\": [0, 0", "s:2:17: the text ends inside the array that line 2 opens"}));
+        Bad{"\"name\": 1e999}", "s:2:9: 1e999 is out of range of a double"},
+        Bad{"\"gravity\": [0, 0, NaN]}", "s:2:19: NaN is not a finite number"},
+        Bad{"\"gravity\": [0, 0",
+            "s:2:17: unexpected end of the document inside the array opened on line 2"}));
 
 TEST(SceneFile, HeadersAreRequired) {
-  EXPECT_THAT(faults_of("{}"), ElementsAre("s:1:1: a scene starts with \"format\": \"collidoscope-scene\"",
-                                           "s:1:1: \"version\" is missing; it is 1"));
+  EXPECT_THAT(faults_of("{}"),
+              ElementsAre("s:1:1: a scene must start with \"format\": \"collidoscope-scene\"",
+                          "s:1:1: \"version\" is missing; expected 1"));
   EXPECT_THAT(faults_of("{\"format\": \"x\", \"version\": 2}"),
-              ElementsAre("s:1:12: a scene starts with \"format\": \"collidoscope-scene\"",
-                          "s:1:28: this version of the format is not known; it is 1"));
-  EXPECT_THAT(faults_of("[]"), ElementsAre("s:1:1: a scene is an object, { ... }, not a list"));
+              ElementsAre("s:1:12: a scene must start with \"format\": \"collidoscope-scene\"",
+                          "s:1:28: unknown version of the format; expected 1"));
+  EXPECT_THAT(faults_of("[]"), ElementsAre("s:1:1: a scene must be an object, { ... }, not a list"));
 }
 
 TEST(SceneFile, EveryFaultIsListedInTheOrderOfTheText) {
@@ -343,8 +346,9 @@ TEST(SceneFile, EveryFaultIsListedInTheOrderOfTheText) {
                 "\"colour\": 1,\n\"bodies\": [{\"radius\": -1, \"mass\": \"heavy\"},\n{\"velocity\": 3}],\n"
                 "\"substeps\": 0, \"substeps\": 1}"),
       ElementsAre(StartsWith("s:2:1: unknown key \"colour\""), StartsWith("s:3:23: bodies[0].radius"),
-                  StartsWith("s:3:35: \"mass\" is a number, not a text"), StartsWith("s:4:14: \"velocity\""),
-                  StartsWith("s:5:13: substeps: must be"), StartsWith("s:5:16: the key \"substeps\"")));
+                  StartsWith("s:3:35: \"mass\" must be a number, not a string"),
+                  StartsWith("s:4:14: \"velocity\""), StartsWith("s:5:13: substeps: must be"),
+                  StartsWith("s:5:16: duplicate key \"substeps\"")));
 }
 
 TEST(SceneFile, HundredsOfThousandsOfFaultsTakeNoTime) {
@@ -372,8 +376,8 @@ TEST(SceneFile, FilesThatCannotBeRead) {
   const std::string huge = (folder / "huge.json").string();
   std::ofstream(huge).put('{');
   std::filesystem::resize_file(huge, std::uintmax_t{1} << 40);  // a sparse file, refused before it is read
-  EXPECT_THAT(line(huge), StartsWith(huge + ": holds more than 64 MiB, the most that is read"));
-  EXPECT_THAT(line("/dev/zero"), StartsWith("/dev/zero: holds more than 64 MiB"));  // has no size
+  EXPECT_THAT(line(huge), StartsWith(huge + ": larger than 64 MiB, the maximum size"));
+  EXPECT_THAT(line("/dev/zero"), StartsWith("/dev/zero: larger than 64 MiB"));  // has no size
 }
 
 TEST(SceneFile, MeshPathsStartAtTheFile) {
@@ -560,25 +564,28 @@ TEST(SceneFile, FaultsOfJointsHaveTheirPlace) {
   const std::string jointed = head + R"("solver": "soft_step", "bodies": [{}, {}, {}], "joints": [
 )";
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {R"({"a": 0, "b": 1})", R"(s:3:1: a joint has a "kind": distance, spring, ball or hinge)"},
-      {R"({"kind": "rope", "a": 0, "b": 1})", R"(s:3:10: unknown kind "rope"; it is distance, spring)"},
-      {R"({"kind": "ball", "b": 1})", R"(s:3:1: a joint's "a" is the id of a body)"},
-      {R"({"kind": "ball", "a": 0})", R"(s:3:1: a joint's "b" is the id of a body or "world")"},
-      {R"({"kind": "ball", "a": 0, "b": "wall"})", R"(s:3:31: a joint's "b" is the id of a body or "world")"},
-      {R"({"kind": "ball", "a": 0, "b": 0.5})", R"(s:3:31: "b" is a whole number, not 0.5)"},
+      {R"({"a": 0, "b": 1})", R"(s:3:1: a joint must have a "kind": distance, spring, ball or hinge)"},
+      {R"({"kind": "rope", "a": 0, "b": 1})", R"(s:3:10: unknown kind "rope"; expected distance, spring)"},
+      {R"({"kind": "ball", "b": 1})", R"(s:3:1: a joint's "a" must be the id of a body)"},
+      {R"({"kind": "ball", "a": 0})", R"(s:3:1: a joint's "b" must be the id of a body or "world")"},
+      {R"({"kind": "ball", "a": 0, "b": "wall"})",
+       R"(s:3:31: a joint's "b" must be the id of a body or "world")"},
+      {R"({"kind": "ball", "a": 0, "b": 0.5})", R"(s:3:31: "b" must be a whole number, not 0.5)"},
       {R"({"kind": "ball", "a": 3, "b": 1})",
        "s:3:23: joints[0].a: must be the id of a body, below 3, not 3"},
       {R"({"kind": "ball", "a": 0, "b": 1, "length": 1})",
-       R"(s:3:34: "length" is of distances and springs alone)"},
-      {R"({"kind": "ball", "a": 0, "b": 1, "axis": [0, 0, 1]})", R"(s:3:34: "axis" is of hinges alone)"},
+       R"(s:3:34: "length" is valid only for distances and springs)"},
+      {R"({"kind": "ball", "a": 0, "b": 1, "axis": [0, 0, 1]})",
+       R"(s:3:34: "axis" is valid only for hinges)"},
       {R"({"kind": "hinge", "a": 0, "b": 1, "axis": [0, 0, 0]})", "s:3:43: the axis must not be zero"},
-      {R"({"kind": "hinge", "a": 0, "b": 1, "limits": 5})", R"(s:3:45: "limits" is a list of two angles)"},
+      {R"({"kind": "hinge", "a": 0, "b": 1, "limits": 5})",
+       R"(s:3:45: "limits" must be a list of two angles)"},
       {R"({"kind": "ball", "a": 0, "b": 1, "collide": 1})",
-       R"(s:3:45: "collide" is true or false, not a number)"},
+       R"(s:3:45: "collide" must be true or false, not a number)"},
       {R"({"kind": "ball", "a": 0, "b": 1, "colide": true})",
        R"(s:3:34: unknown key "colide" in a joint; did)"},
       {R"({"kind": "distance", "a": 0, "b": "world"})",
-       "s:3:1: joints[0].anchor_b: must say where in the world"},
+       "s:3:1: joints[0].anchor_b: must be given for a joint to the world"},
   };
   for (const auto& [joint, fault] : cases)
     EXPECT_THAT(faults_of(jointed + joint + "]}"), testing::ElementsAre(testing::StartsWith(fault))) << joint;

@@ -180,7 +180,7 @@ TEST(Snapshot, AMeshThatHasChangedIsRefused) {
     world_from(snapshot, snapshot.scene, o);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("has the file of a mesh changed?"));
+    EXPECT_THAT(error.what(), HasSubstr("a mesh file may have changed"));
   }
 }
 
@@ -249,7 +249,7 @@ TEST_F(SpoiltSnapshot, WholeItIsRead) { EXPECT_EQ(line_of(good_), "read"); }
 TEST_F(SpoiltSnapshot, CutShortAnywhere) {
   for (std::size_t bytes = 0; bytes < good_.size(); bytes += bytes < 64 ? 1 : 97)
     EXPECT_THAT(line_of(good_.substr(0, bytes)),
-                HasSubstr(bytes < 40 ? "is no snapshot" : "is damaged: it has"));
+                HasSubstr(bytes < 40 ? "is not a snapshot" : "is damaged: it has"));
   EXPECT_THAT(line_of(good_ + "more"), HasSubstr("is damaged: it has"));
 }
 
@@ -263,16 +263,16 @@ TEST_F(SpoiltSnapshot, AlteredAnywhere) {
 
 TEST_F(SpoiltSnapshot, ForeignNewerAndNoFile) {
   EXPECT_THAT(line_of("{\"format\": \"collidoscope-scene\", \"version\": 1, \"name\": \"a scene\"}"),
-              HasSubstr("is no snapshot; \"collidoscope-headless run SCENE --save FILE\" writes one"));
+              HasSubstr("is not a snapshot; \"collidoscope-headless run SCENE --save FILE\" writes one"));
   std::string newer = good_;
   newer[24] = static_cast<char>(snapshot_version + 1);
-  EXPECT_THAT(line_of(newer), HasSubstr("a newer one can"));
+  EXPECT_THAT(line_of(newer), HasSubstr("use a newer version"));
   std::string turned = good_;
   std::swap(turned[28], turned[31]);
   EXPECT_THAT(line_of(turned), HasSubstr("byte order"));
   EXPECT_THAT(line(folder_ / "none"), HasSubstr("cannot be opened (No such file or directory)"));
   EXPECT_THAT(line(folder_.path()), HasSubstr("is a folder"));
-  EXPECT_THAT(line("/dev/zero"), HasSubstr("is no snapshot"));
+  EXPECT_THAT(line("/dev/zero"), HasSubstr("is not a snapshot"));
 }
 
 TEST_F(SpoiltSnapshot, AListLongerThanTheFileTakesNoMemory) {

@@ -97,8 +97,7 @@ TEST_P(StepEstimates, RefuseWithFiguresAndAreOverruled) {
     World world(scene, scarce);
     FAIL() << "there is no room";
   } catch (const TooLarge& error) {
-    EXPECT_THAT(error.plain(),
-                HasSubstr("there are 40.0 MB, as the memory limit says: use fewer bodies, or "));
+    EXPECT_THAT(error.plain(), HasSubstr("available: 40.0 MB, the memory limit; use fewer bodies, or "));
     EXPECT_THAT(error.plain(), testing::Not(HasSubstr("--")));
     const std::string line = error.what();
     for (const char* part : {"20,000 bodies", " pairs", " contacts", " bytes", "40000000 bytes (40.0 MB)",

@@ -226,7 +226,7 @@ TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {
     EXPECT_TRUE(seen.contains(std::string(effect.name))) << effect.name;
   // Frictionless spheres without rotation: no rotation or friction data is stored.
   for (const char* absent :
-       {"orientations", "angular velocities", "inertia", "friction of contacts", "friction at walls"})
+       {"orientations", "angular velocities", "inertia", "contact friction", "wall friction"})
     EXPECT_FALSE(report["effects"][0]["without"]["buffers"].contains(absent)) << absent;
   const Outcome refused = run_headless({"bench", "effects", "rolling", "--executor", "cpu"});
   EXPECT_EQ(refused.status, 2);

@@ -117,7 +117,7 @@ TEST_P(TestRuns, LimitsAreDeclaredWhereTheyShow) {
       run(flight(R"("steps": 4, "limits": [{"solver": "impulse", "why": "it is fast"}])"),
           {.solver = Solver::impulse});
   EXPECT_EQ(holds.outcome, TestOutcome::failed);
-  EXPECT_THAT(holds.why, HasSubstr("holds, where a limit is declared: remove it"));
+  EXPECT_THAT(holds.why, HasSubstr("passes although a limit is declared; remove the limit"));
 }
 
 TEST_P(TestRuns, DoNotApplyWhereTheSolverRefusesTheScene) {
@@ -202,7 +202,7 @@ TEST_P(TestRuns, GuardsFindWhatIsPlanted) {
   }
   HardCase another = one;
   another.criterion.expected_finding->body = 0;
-  EXPECT_THAT(run(another).why, HasSubstr("guards find what they must: "));
+  EXPECT_THAT(run(another).why, HasSubstr("guards report the expected finding: "));
   EXPECT_THAT(run(another).why, HasSubstr("body 1"));
 }
 

@@ -20,7 +20,8 @@ TEST(PlainError, HasNoWordsOfCpp) {
             "a.json:1:2: what, and what would be right");
   EXPECT_EQ(plain_text(MachineError("no GPU")), "no GPU");
   EXPECT_EQ(plain_text(TooLarge("use --allow-large", "use fewer bodies")), "use fewer bodies");
-  EXPECT_EQ(plain_text(OutOfMemory("making a step")), "out of memory while making a step; use fewer bodies");
+  EXPECT_EQ(plain_text(OutOfMemory("computing a step")),
+            "out of memory while computing a step; use fewer bodies");
   EXPECT_EQ(plain_text(std::bad_alloc()), "out of memory: an allocation failed; use fewer bodies");
   const auto denied = std::make_error_code(std::errc::permission_denied);
   EXPECT_EQ(plain_text(std::filesystem::filesystem_error("cannot create directories", "captures", denied)),

@@ -187,8 +187,8 @@ TEST_P(Worlds, SayHowManyBytesTheyLackAndLiveOn) {
       FAIL() << "there was no room for " << roomy.measure().pairs << " pairs";
     } catch (const MachineError& error) {
       const std::string line = error.what();
-      EXPECT_NE(line.find(" pairs, which take at least "), std::string::npos) << line;
-      EXPECT_NE(line.find("gives " + std::to_string(o.memory_limit)), std::string::npos) << line;
+      EXPECT_NE(line.find(" pairs, which need at least "), std::string::npos) << line;
+      EXPECT_NE(line.find("provides " + std::to_string(o.memory_limit)), std::string::npos) << line;
     }
     EXPECT_EQ(tight.state_hash(), before);
     EXPECT_LE(tight.info().allocated_bytes, o.memory_limit);

@@ -19,7 +19,7 @@ bool App::with_error_bar(Action action, bool step) {
   } catch (const std::exception& error) {
     report_error(plain_text(error), step);
   } catch (...) {
-    report_error("Internal error: no reason is known", step);
+    report_error("Internal error: unknown error", step);
   }
   return false;
 }

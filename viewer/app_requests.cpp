@@ -182,7 +182,7 @@ void App::spawn_projectile() {
   const ProjectileSpace room{world.initial().box, world.scene().obstacles, position, world.initial().radius};
   const std::optional<Body> ball =
       make_projectile(eye, scene_.camera().target - eye, scene_.scene_size(), room);
-  if (!ball) return show_notice("no free space for a ball in this direction");
+  if (!ball) return show_notice("no space for a ball in this direction");
   Change change;
   change.add = {*ball};
   live_.apply(std::move(change));

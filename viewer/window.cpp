@@ -11,7 +11,7 @@ namespace {
 std::string glfw_error() {
   const char* words = nullptr;
   glfwGetError(&words);
-  return words ? words : "GLFW does not say why";
+  return words ? words : "unknown GLFW error";
 }
 
 /// Prefers X11 (XWayland in a Wayland session), since the tests of the window run there. Else Wayland. GLFW
@@ -29,7 +29,7 @@ bool start_glfw() {
 
 Window::Window(int width, int height, const std::string& title) {
   if (!start_glfw())
-    throw MachineError("no window: " + glfw_error() + "; without a display there is collidoscope-headless");
+    throw MachineError("no window: " + glfw_error() + "; use collidoscope-headless without a display");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

@@ -81,21 +81,21 @@ bool all_below_reference(std::span<const AccuracyPoint> points, double reference
 Recommendation recommended(std::span<const AccuracyPoint> points, double reference_error, double tolerance) {
   if (all_below_reference(points, reference_error))
     return {std::nullopt,
-            fmt::format("no setting can be recommended: all errors lie below the reference's own "
-                        "error of {:.3g} m, so they cannot be told apart",
-                        reference_error)};
+            fmt::format(
+                "no setting can be recommended: all errors are below the error of the reference, {:.3g} m",
+                reference_error)};
   if (tolerance < reference_error)
-    return {std::nullopt,
-            fmt::format("no setting can be recommended: the allowed error of {:.3g} m lies below "
-                        "the reference's own error of {:.3g} m",
-                        tolerance, reference_error)};
+    return {std::nullopt, fmt::format("no setting can be recommended: the allowed error of {:.3g} m is below "
+                                      "the error of the reference, {:.3g} m",
+                                      tolerance, reference_error)};
   if (const auto best = cheapest_below(points, tolerance)) return {best, ""};
   double least = std::numeric_limits<double>::infinity();
   for (const AccuracyPoint& p : points)
     if (p.error < least) least = p.error;
-  if (!std::isfinite(least)) return {std::nullopt, "no setting is measured yet"};
-  return {std::nullopt, fmt::format("no setting has an error of at most {:.3g} m; the least is {:.3g} m",
-                                    tolerance, least)};
+  if (!std::isfinite(least)) return {std::nullopt, "no setting has been measured yet"};
+  return {std::nullopt,
+          fmt::format("no setting has an error of at most {:.3g} m; the smallest error is {:.3g} m",
+                      tolerance, least)};
 }
 
 }  // namespace collidoscope

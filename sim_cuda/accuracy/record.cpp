@@ -143,7 +143,7 @@ std::string write_record(const AccuracyRecord& record) {
 AccuracyRecord parse_record(const std::string& text, const std::string& name) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("suite") != "accuracy") throw std::runtime_error("suite is not accuracy");
+    if (json.at("suite") != "accuracy") throw std::runtime_error("suite must be accuracy");
     AccuracyRecord record;
     json.at("scene").get_to(record.scene);
     json.at("executor").get_to(record.executor);
@@ -165,7 +165,7 @@ AccuracyRecord parse_record(const std::string& text, const std::string& name) {
     for (const Json& point : json.at("points")) record.points.push_back(point_of(point));
     return record;
   } catch (const std::exception& error) {
-    throw InputError(name + ": no study of accuracy: " + printable(error.what()));
+    throw InputError(name + ": not an accuracy study: " + printable(error.what()));
   }
 }
 

@@ -175,7 +175,7 @@ void ReferenceRun::begin_runs(const std::string& why) {
 }
 
 bool ReferenceRun::advance_runs(const Deadline& slice) {
-  static constexpr const char* names[runs] = {"h", "h, start shaken", "h/2", "h/4"};
+  static constexpr const char* names[runs] = {"h", "h, perturbed start", "h/2", "h/4"};
   if (runs_done_ == runs) {
     finish_runs();
     return true;
@@ -217,8 +217,8 @@ void ReferenceRun::finish_runs() {
     d2.push_back(distance(third_[at - 1], samples_[at].bodies));
     if (!(d2.back() < 0.71 * d1.back()) && !(d2.back() < rounding)) {
       horizon_ = k - 1;
-      result_.end = fmt::format("runs at {:.3g} s and half of it part at {:.3g} s", setting_.time_step / 2,
-                                problem_.time(k));
+      result_.end = fmt::format("runs with steps of {:.3g} s and half of it diverge at {:.3g} s",
+                                setting_.time_step / 2, problem_.time(k));
       break;
     }
   }
@@ -235,9 +235,9 @@ void ReferenceRun::finish_runs() {
   result_.order = fine > rounding * rounding ? std::log2(coarse / fine) / 2 : not_known;
   const double order = std::isfinite(result_.order) ? std::clamp(result_.order, 0.5, 4.0) : 1;
   result_.error = std::max(std::sqrt(fine) / (std::exp2(order) - 1), rounding);
-  result_.description = fmt::format("converged run in double, {} s in {} substeps ({})",
+  result_.description = fmt::format("converged run in double precision, {} s in {} substeps ({})",
                                     fmt::format("{:.3g}", setting_.time_step / 4), setting_.substeps,
-                                    why.empty() ? "no event-driven answer" : "not event-driven: " + why);
+                                    why.empty() ? "no event-driven reference" : "not event-driven: " + why);
   first_.clear();
   second_.clear();
   third_.clear();
@@ -258,7 +258,7 @@ double ReferenceRun::measure_growth(const std::vector<BodyStates>& other,
     if (!(grown > most_growth) || sample > horizon_) continue;
     horizon_ = std::max(sample - 1, 1);
     result_.end =
-        fmt::format("a tiny displacement has grown {:.3g}-fold at {:.3g} s", grown, problem_.time(sample));
+        fmt::format("a small perturbation has grown {:.3g}-fold at {:.3g} s", grown, problem_.time(sample));
     break;
   }
   result_.horizon = problem_.time(horizon_);

@@ -58,7 +58,7 @@ AccuracyStudy::AccuracyStudy(const Scene& scene, const RunOptions& options, Accu
   if (problem_.initial.size() == 0 ||
       (!motion.empty() && std::ranges::none_of(motion, [](Motion m) { return m == Motion::dynamic; })))
     throw InputError((scene.file.empty() ? scene.name : scene.file) +
-                     ": no body that forces move, so there is nothing whose error could be measured");
+                     ": no dynamic body; errors can be measured only for dynamic bodies");
   if (request_.reference_scene)
     reference_problem_ = make_accuracy_problem(*request_.reference_scene, options, request_.seconds, start);
   reference_run_ = std::make_unique<ReferenceRun>(reference_problem_ ? *reference_problem_ : problem_);
@@ -86,7 +86,7 @@ AccuracyStudy::Progress AccuracyStudy::progress() const {
   Progress progress{static_cast<std::int64_t>(next_), static_cast<std::int64_t>(jobs_.size()), "done"};
   if (next_ < jobs_.size()) {
     const AccuracyPoint& point = points_[jobs_[next_].point];
-    progress.current_task = fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "price",
+    progress.current_task = fmt::format("{} of {}, {}", jobs_[next_].round < 0 ? "error" : "timing",
                                         point.series_name, point.name);
   }
   return progress;
@@ -230,8 +230,8 @@ void AccuracyStudy::check_convergence() {
     const double off = from(samples_[static_cast<std::size_t>(horizon_)].bodies), apart = from(coarse);
     if (off > 4 * apart + 4 * reference_.error)
       warnings_.push_back(
-          fmt::format("{}: the last two time steps are {:.2g} m from each other, but {:.2g} m from the "
-                      "reference: this series converges to something else",
+          fmt::format("{}: the results of the last two time steps differ by {:.2g} m, but by {:.2g} m from "
+                      "the reference: this series converges to another solution",
                       series_name, apart, off));
   }
   at_horizon_.clear();

@@ -40,7 +40,8 @@ constexpr bool each_has_its_factory() {
     if (factories[k].name != broad_phase_methods[k].name) return false;
   return true;
 }
-static_assert(each_has_its_factory(), "the names of broad_phase_methods.h, in the same order");
+static_assert(each_has_its_factory(),
+              "the factories must match the names of broad_phase_methods.h, in the same order");
 }  // namespace
 
 std::vector<std::string> broad_phase_names(ExecutorKind kind) {
@@ -57,12 +58,12 @@ std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& 
     if (factories[k].make == nullptr) continue;
     if (name == factories[k].name) {
       if (broad_phase_methods[k].cpu_only && executor.on_device())
-        throw MachineError("the broad phase " + name + " runs on the CPU alone: choose the executor cpu");
+        throw MachineError("broad phase " + name + " runs only on the CPU: set the executor to cpu");
       return factories[k].make(executor);
     }
     known += (known.empty() ? "" : ", ") + std::string(factories[k].name);
   }
-  throw InputError("the broad phase '" + name + "' is unknown; one of " + known);
+  throw InputError("unknown broad phase '" + name + "'; expected one of " + known);
 }
 
 }  // namespace collidoscope

@@ -223,7 +223,7 @@ class Bsp final : public BroadPhase {
         sorted_keys_(executor, "sorted keys"),
         order_(executor, "bodies by node"),
         sorted_order_(executor, "bodies by node"),
-        leaves_(executor, "leaves of the tree"),
+        leaves_(executor, "tree leaves"),
         nodes_(executor, "tree nodes"),
         temporary_(executor, "sort workspace") {}
 

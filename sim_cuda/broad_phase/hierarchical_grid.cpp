@@ -87,7 +87,7 @@ struct LayOutLevel {
 class HierarchicalGrid final : public BroadPhase {
  public:
   explicit HierarchicalGrid(Executor& executor)
-      : executor_(executor), histogram_(executor, "census of sizes"), cells_(executor) {}
+      : executor_(executor), histogram_(executor, "size histogram"), cells_(executor) {}
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;

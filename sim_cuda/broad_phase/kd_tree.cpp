@@ -184,15 +184,15 @@ class KdTree final : public BroadPhase {
       : executor_(executor),
         keys_(executor, "sort keys"),
         sorted_keys_(executor, "sorted keys"),
-        ids_(executor, "ids to sort"),
-        lists_(executor, "bodies along each axis"),
-        partitioned_(executor, "bodies along each axis"),
-        side_(executor, "sides of bodies"),
-        left_(executor, "bodies that go left"),
-        before_(executor, "bodies that go left"),
-        leaves_(executor, "leaves of the tree"),
+        ids_(executor, "unsorted ids"),
+        lists_(executor, "bodies sorted by axis"),
+        partitioned_(executor, "bodies sorted by axis"),
+        side_(executor, "partition sides"),
+        left_(executor, "left partition counts"),
+        before_(executor, "left partition counts"),
+        leaves_(executor, "tree leaves"),
         nodes_(executor, "tree nodes"),
-        boxes_(executor, "boxes of the tree"),
+        boxes_(executor, "tree boxes"),
         temporary_(executor, "sort workspace") {}
 
   void reserve(std::int64_t bodies) override {

@@ -176,7 +176,7 @@ class LbvhRopes final : public RopeTreeMethod<Key> {
   using Base::executor_, Base::n_, Base::nodes_, Base::order_;
 
  public:
-  explicit LbvhRopes(Executor& executor) : Base(executor), arrivals_(executor, "words of tree climbers") {}
+  explicit LbvhRopes(Executor& executor) : Base(executor), arrivals_(executor, "arrival records") {}
 
   void reserve(std::int64_t bodies) override {
     Base::reserve(bodies);

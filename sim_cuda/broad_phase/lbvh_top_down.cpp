@@ -202,11 +202,11 @@ class LbvhTopDown final : public BroadPhase {
   explicit LbvhTopDown(Executor& executor)
       : executor_(executor),
         order_(executor),
-        levels_(executor, "levels of the queue"),
-        first_(executor, "first places of nodes"),
-        parent_(executor, "parents of nodes"),
-        arrival_(executor, "tree climbers"),
-        leaf_(executor, "leaves by place"),
+        levels_(executor, "queue levels"),
+        first_(executor, "first leaves of nodes"),
+        parent_(executor, "node parents"),
+        arrival_(executor, "arrival counters"),
+        leaf_(executor, "leaf nodes"),
         nodes_(executor, "tree nodes") {}
 
   void reserve(std::int64_t bodies) override {
@@ -243,7 +243,7 @@ class LbvhTopDown final : public BroadPhase {
 
   std::int64_t tree_nodes() const override { return static_cast<std::int64_t>(nodes_.size()); }
   void write_tree(const TreeSink& sink) const override {
-    Buffer<std::uint32_t> number(executor_, "numbers of nodes");
+    Buffer<std::uint32_t> number(executor_, "node numbers");
     number.resize_discarding(nodes_.size());
     executor_.run("tree", tree_nodes(), NumberNodes{nodes_.data(), n_, number.data()});
     executor_.run("tree", tree_nodes(), WriteTopDownTree{nodes_.data(), parent_.data(), number.data(), sink});

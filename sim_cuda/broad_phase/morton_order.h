@@ -150,7 +150,7 @@ class MortonOrder {
                                                       : 30),
         keys_(executor, "Morton keys"),
         sorted_keys_(executor, "sorted Morton keys"),
-        ids_(executor, "ids to sort"),
+        ids_(executor, "unsorted ids"),
         order_(executor, "ids in Morton order"),
         count_(executor, "bodies per cell"),
         begin_(executor, "cell starts"),

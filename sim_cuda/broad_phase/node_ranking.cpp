@@ -122,8 +122,8 @@ std::vector<NodeReport> BvhStatistics::ranked(const TreeView& tree, NodeMetric m
 
 std::vector<NodeReport> BvhStatistics::nodes(const TreeView& tree, const std::vector<std::uint32_t>& places) {
   if (places.empty()) return {};
-  Buffer<std::uint32_t> requested(executor_, "nodes to read");
-  Buffer<GatheredNode> gathered(executor_, "nodes to read");
+  Buffer<std::uint32_t> requested(executor_, "requested nodes");
+  Buffer<GatheredNode> gathered(executor_, "gathered nodes");
   requested.upload(places);
   gathered.resize_discarding(places.size());
   executor_.run("quality", static_cast<std::int64_t>(places.size()),

@@ -63,7 +63,7 @@ std::uint32_t placing_rounds(std::size_t list_bytes) {
 
 PairList::PairList(Executor& executor)
     : executor_(executor),
-      found_(executor, "pairs found"),
+      found_(executor, "pair count"),
       count_(executor, "pairs per body"),
       offset_(executor, "pair offsets"),
       second_(executor, "pairs"),

@@ -163,13 +163,13 @@ class Ploc final : public RopeTreeMethod<Key> {
  public:
   explicit Ploc(Executor& executor)
       : Base(executor),
-        link_(executor, "links of nodes"),
+        link_(executor, "node links"),
         clusters_(executor, "clusters"),
         next_(executor, "clusters"),
         nearest_(executor, "nearest clusters"),
         merged_(executor, "merged clusters"),
         before_(executor, "merged clusters"),
-        counts_(executor, "clusters by round"),
+        counts_(executor, "clusters per round"),
         temporary_(executor, "scan workspace") {}
 
   void reserve(std::int64_t bodies) override {

@@ -129,10 +129,10 @@ class RefitBvh final : public RopeTreeMethod<Key> {
  public:
   explicit RefitBvh(Executor& executor)
       : Base(executor),
-        link_(executor, "links of nodes"),
-        arrival_(executor, "tree climbers"),
-        sums_(executor, "sums of areas"),
-        rebuild_state_(executor, "upkeep of the tree") {}
+        link_(executor, "node links"),
+        arrival_(executor, "arrival counters"),
+        sums_(executor, "area sums"),
+        rebuild_state_(executor, "rebuild state") {}
 
   void reserve(std::int64_t bodies) override {
     Base::reserve(bodies);

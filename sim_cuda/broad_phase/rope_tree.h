@@ -82,7 +82,7 @@ struct WriteRopeTree {
 inline void write_rope_tree(Executor& executor, std::uint32_t n, const RopedNode* nodes, TreeLinks links,
                             const TreeSink& sink) {
   const std::int64_t count = 2 * std::int64_t{n} - 1;
-  Buffer<std::uint32_t> leaves(executor, "leaves of nodes"), number(executor, "numbers of leaves");
+  Buffer<std::uint32_t> leaves(executor, "node leaves"), number(executor, "leaf numbers");
   leaves.resize_discarding(static_cast<std::size_t>(count));
   number.resize_discarding(n);
   leaves.fill_zero();

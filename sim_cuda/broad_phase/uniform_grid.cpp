@@ -42,7 +42,7 @@ struct LayOutGrid {
 class UniformGrid final : public BroadPhase {
  public:
   explicit UniformGrid(Executor& executor)
-      : executor_(executor), largest_(executor, "longest side"), cells_(executor) {}
+      : executor_(executor), largest_(executor, "largest box side"), cells_(executor) {}
 
   void reserve(std::int64_t bodies) override {
     bodies_ = bodies;

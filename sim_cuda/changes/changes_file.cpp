@@ -50,16 +50,16 @@ class ChangesReader {
     if (reader.whole("step", end.step) && end.step < start_)
       reading_.fault(
           *reader.member("step"),
-          fmt::format("lies before state {}, where the run goes on; it is that state or a later one",
+          fmt::format("lies before state {}, where the run continues; must be that state or a later one",
                       start_));
     if (reader.text("state_hash", hash)) {
       const auto [stop, error] = std::from_chars(hash.data(), hash.data() + hash.size(), end.state_hash, 16);
       if (error != std::errc{} || stop != hash.data() + hash.size() || hash.size() != 16)
-        reading_.fault(*reader.member("state_hash"), "\"state_hash\" is 16 hexadecimal digits");
+        reading_.fault(*reader.member("state_hash"), "\"state_hash\" must be 16 hexadecimal digits");
     }
     reader.finish();
     if (reader.is_object() && (reader.member("step") == nullptr || reader.member("state_hash") == nullptr))
-      reading_.fault(node, "\"end\" is a \"step\" and its \"state_hash\"");
+      reading_.fault(node, "\"end\" must have a \"step\" and its \"state_hash\"");
     list.end = end;
   }
 
@@ -88,21 +88,21 @@ class ChangesReader {
   void read_step(const JsonNode& node, ObjectReader& reader, Change& change) {
     if (!reader.whole("step", change.step)) {
       if (reader.member("step") == nullptr)
-        reading_.fault(node, "a change has a \"step\", the number of the state at which it acts");
+        reading_.fault(node, "a change must have a \"step\", the number of the state at which it applies");
       return;
     }
     if (change.step < 0)
-      reading_.fault(*reader.member("step"), "\"step\" is the number of a state, 0 or more");
+      reading_.fault(*reader.member("step"), "\"step\" must be the number of a state, 0 or more");
     else if (change.step < last_)
-      reading_.fault(*reader.member("step"),
-                     fmt::format("changes stand in the order of their steps, and one of state {} stands "
-                                 "before this one",
-                                 last_));
+      reading_.fault(
+          *reader.member("step"),
+          fmt::format(
+              "changes must be in ascending order of \"step\"; the change before this one has step {}",
+              last_));
     else if (change.step > 0 && change.step < start_)
-      reading_.fault(*reader.member("step"),
-                     fmt::format("lies before state {}, where the run goes on; changes are of that state or "
-                                 "later ones (of state 0 to begin anew)",
-                                 start_));
+      reading_.fault(*reader.member("step"), fmt::format("lies before state {}, where the run continues; "
+                                                         "must be that state, a later one, or 0 to restart",
+                                                         start_));
     if (change.step == 0) start_ = 0;
     last_ = std::max(last_, change.step);
   }
@@ -113,7 +113,7 @@ class ChangesReader {
       std::int64_t id = -1;
       const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id);
       if (child.kind != JsonKind::number || error != std::errc{} || stop != digits.data() + digits.size())
-        reading_.fault(child, fmt::format("\"{}\" is a list of ids, which are whole numbers", key));
+        reading_.fault(child, fmt::format("\"{}\" must be a list of ids (whole numbers)", key));
       ids.push_back(id);
     }
   }
@@ -131,8 +131,7 @@ class ChangesReader {
     }
     if (reading_.faults.empty() && change.step > 0 && requires_restart(before, scene_))
       reading_.fault(node,
-                     "these are other bodies, or another box: a change that begins another run stands "
-                     "at \"step\": 0");
+                     "other bodies or another box need a restart: such a change must be at \"step\": 0");
     if (reading_.faults.empty() && !change.add.empty()) try_bodies(node);
   }
 
@@ -144,7 +143,7 @@ class ChangesReader {
     });
     reading_.fault(
         *document_.find(node, key),
-        fmt::format("\"{}\" is of scenes with one generator; this one has {}", key,
+        fmt::format("\"{}\" needs a scene with one generator; this one has {}", key,
                     scene_.generators.empty() ? "none" : fmt::to_string(scene_.generators.size())));
     return false;
   }
@@ -165,9 +164,9 @@ class ChangesReader {
     for (std::size_t k = 0; k < ids.size(); ++k) {
       const JsonNode& at = document_.children(list)[k];
       if (ids[k] < 0 || ids[k] >= bodies)
-        reading_.fault(at, fmt::format("there is no body {}; ids are below {} here", ids[k], bodies));
+        reading_.fault(at, fmt::format("body {} does not exist; ids must be below {}", ids[k], bodies));
       if (!seen.insert(ids[k]).second)
-        reading_.fault(at, fmt::format("body {} stands twice in this list", ids[k]));
+        reading_.fault(at, fmt::format("body {} appears twice in this list; list it once", ids[k]));
     }
     return reading_.faults.empty();
   }
@@ -185,7 +184,7 @@ class ChangesReader {
                              : &scene_.extra_bodies[static_cast<std::size_t>(id - first_added)];
       if (body != nullptr && body->motion != Motion::dynamic)
         reading_.fault(document_.children(freeze)[k],
-                       fmt::format("no force moves body {}; a body that is frozen is a dynamic one", id));
+                       fmt::format("body {} is not dynamic; only dynamic bodies can be frozen", id));
     }
     return reading_.faults.empty();
   }

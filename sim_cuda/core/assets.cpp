@@ -29,8 +29,8 @@ fs::path asset(const std::string& name) {
     if (fs::path found = folder / name; fs::exists(found, failed)) return found;
     looked += (looked.empty() ? "" : ", ") + folder.string();
   }
-  throw MachineError("asset '" + name + "' is missing: looked in " + looked +
-                     "; set COLLIDOSCOPE_ASSETS to the folder that holds it");
+  throw MachineError("asset '" + name + "' not found: searched " + looked +
+                     "; set COLLIDOSCOPE_ASSETS to the folder that contains it");
 }
 
 }  // namespace collidoscope

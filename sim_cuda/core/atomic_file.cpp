@@ -172,7 +172,7 @@ bool AtomicFile::put(const fs::path& target, unsigned flags) {
 
 void AtomicFile::fail(const std::string& why) const {
   const int code = errno;
-  throw FileWriteError(name_, !why.empty() ? why : code != 0 ? std::strerror(code) : "no reason is known");
+  throw FileWriteError(name_, !why.empty() ? why : code != 0 ? std::strerror(code) : "unknown error");
 }
 
 namespace {
@@ -183,8 +183,8 @@ std::string folder_error(const fs::path& folder) {
   fs::create_directories(folder, failed);
   std::error_code unknown;
   if (fs::is_directory(folder, unknown)) return "";
-  if (fs::exists(folder, unknown)) return "a file of this name exists";
-  return failed ? failed.message() : "no reason is known";
+  if (fs::exists(folder, unknown)) return "a file with this name exists";
+  return failed ? failed.message() : "unknown error";
 }
 
 }  // namespace

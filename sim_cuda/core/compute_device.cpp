@@ -34,10 +34,10 @@ bool cuda_available(std::string* why) {
   if (status == cudaSuccess && devices > 0) return true;
   cudaGetLastError();
   if (why != nullptr)
-    *why = status == cudaSuccess ? "CUDA sees no device"
-                                 : std::string("CUDA says: ") + cudaGetErrorString(status);
+    *why = status == cudaSuccess ? "CUDA found no device"
+                                 : std::string("CUDA error: ") + cudaGetErrorString(status);
 #else
-  if (why != nullptr) *why = "this build has no CUDA";
+  if (why != nullptr) *why = "this build has no CUDA support";
 #endif
   return false;
 }
@@ -56,11 +56,12 @@ ComputeDevice open_device(const ExecutorOptions& options) {
   int devices = 0;
   check(cudaGetDeviceCount(&devices), "count devices");
   if (options.gpu < 0 || options.gpu >= devices)
-    throw MachineError("GPU " + std::to_string(options.gpu) + " is not there: this machine has GPUs 0 to " +
+    throw MachineError("GPU " + std::to_string(options.gpu) + " does not exist: this machine has GPUs 0 to " +
                        std::to_string(devices - 1));
   check(cudaSetDevice(options.gpu), "use GPU " + std::to_string(options.gpu));
   cudaDeviceProp properties{};
-  check(cudaGetDeviceProperties(&properties, options.gpu), "describe GPU " + std::to_string(options.gpu));
+  check(cudaGetDeviceProperties(&properties, options.gpu),
+        "query the properties of GPU " + std::to_string(options.gpu));
   device.name = properties.name;
   device.max_threads = properties.maxThreadsPerBlock;
   device.max_blocks = properties.maxGridSize[0];

@@ -16,8 +16,8 @@ template <class Action>
 inline void check(cudaError_t status, const Action& action) {
   if (status == cudaSuccess) return;
   cudaGetLastError();  // clears the sticky copy; `status` is reported
-  throw MachineError("CUDA: asked to " + std::string(action) + "; the device answered: " +
-                     cudaGetErrorString(status) + " (" + cudaGetErrorName(status) + ")");
+  throw MachineError("CUDA: cannot " + std::string(action) + ": " + cudaGetErrorString(status) + " (" +
+                     cudaGetErrorName(status) + ")");
 }
 
 }  // namespace collidoscope

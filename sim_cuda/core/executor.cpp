@@ -43,13 +43,13 @@ Executor::~Executor() {
 
 void Executor::set_shape(LaunchShape shape) {
   if (shape.blocks < 0 || shape.threads < 0 || shape.threads > 1024)
-    throw InputError("a launch of " + std::to_string(shape.blocks) + " blocks of " +
+    throw InputError("launch shape: " + std::to_string(shape.blocks) + " blocks of " +
                      std::to_string(shape.threads) +
-                     " threads: blocks are 1 or more, threads 1 to 1024, 0 is auto");
+                     " threads; expected 1 or more blocks, 1 to 1024 threads, or 0 for auto");
 #if SIM_CUDA
   if (on_device() && (shape.threads > device_.max_threads || shape.blocks > device_.max_blocks))
-    throw MachineError("asked " + device_.name + " for " + std::to_string(shape.blocks) + " blocks of " +
-                       std::to_string(shape.threads) + " threads; it launches at most " +
+    throw MachineError("launch shape: " + std::to_string(shape.blocks) + " blocks of " +
+                       std::to_string(shape.threads) + " threads; " + device_.name + " supports at most " +
                        std::to_string(device_.max_blocks) + " blocks of " +
                        std::to_string(device_.max_threads));
   planner_.set_shape(shape);
@@ -62,7 +62,7 @@ void Executor::reserve_call_stack([[maybe_unused]] std::size_t bytes) {
   if (!on_device()) return;
   constexpr std::size_t usual = 1024;  // bytes; CUDA's default
   std::size_t now = 0;
-  check(cudaDeviceGetLimit(&now, cudaLimitStackSize), "ask for the size of a call stack");
+  check(cudaDeviceGetLimit(&now, cudaLimitStackSize), "query the call stack size");
   if (now < usual + bytes)
     check(cudaDeviceSetLimit(cudaLimitStackSize, usual + bytes),
           "reserve " + std::to_string(usual + bytes) + " bytes of call stack for each thread");
@@ -117,7 +117,7 @@ void Executor::fill(void* destination, int byte, std::size_t bytes) {
 void Executor::synchronize() {
 #if SIM_CUDA
   if (!on_device()) return;
-  const char* const doing = "finish the work given to it";
+  const char* const doing = "complete the queued work";
   Cancellation* const cancellation = suspensions_ > 0 ? nullptr : options_.cancellation;
   if (cancellation == nullptr) return check(cudaStreamSynchronize(stream_), doing);
   // Polls without sleep for the first 5 ms, which is as fast as cudaStreamSynchronize(). Afterwards, each

@@ -17,7 +17,7 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
                                                           SharedBytes shared) {
   const auto known = fits_.find({kernel, threads});
   if (known != fits_.end()) return known->second;
-  const std::string doing = std::string("work out the occupancy of stage ") + name;
+  const std::string doing = std::string("compute the occupancy of stage ") + name;
   cudaFuncAttributes attributes{};
   check(cudaFuncGetAttributes(&attributes, kernel), doing);
   const auto shared_bytes = [&](int block) { return shared != nullptr ? shared(block) : 0; };

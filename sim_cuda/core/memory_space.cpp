@@ -55,7 +55,7 @@ std::int64_t MemorySpace::available_bytes() const {
 #if SIM_CUDA
   if (device_.is_gpu) {
     std::size_t free = 0, total = 0;
-    check(cudaMemGetInfo(&free, &total), "ask for the free memory of the device");
+    check(cudaMemGetInfo(&free, &total), "query the free memory of the device");
     free_bytes = static_cast<std::int64_t>(free);
   }
 #endif
@@ -98,10 +98,10 @@ void* MemorySpace::allocate(const char* name, std::size_t bytes) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;
   const auto refuse = [&](const std::string& answer) {
-    throw MachineError(
-        "asked " + device_.name + " for " + std::to_string(bytes) + " bytes for '" + name +
-        "', which makes " + std::to_string(allocated_bytes_ + static_cast<std::int64_t>(bytes)) +
-        " bytes in all (largest: " + largest_of(bytes_by_name(), name, bytes) + "); it answered: " + answer);
+    throw MachineError(device_.name + ": allocation of " + std::to_string(bytes) + " bytes for '" + name +
+                       "' failed, " + std::to_string(allocated_bytes_ + static_cast<std::int64_t>(bytes)) +
+                       " bytes in total (largest: " + largest_of(bytes_by_name(), name, bytes) +
+                       "): " + answer);
   };
   // Linux overcommits memory and kills a process that writes to more than exists. Therefore free memory is
   // checked before large allocations.

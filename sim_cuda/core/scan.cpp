@@ -15,7 +15,7 @@ std::size_t scan_temporary_bytes([[maybe_unused]] Executor& executor, [[maybe_un
         cub::DeviceScan::ExclusiveScan(nullptr, bytes, static_cast<const std::uint32_t*>(nullptr),
                                        static_cast<std::uint32_t*>(nullptr), cuda::std::plus<std::uint32_t>{},
                                        std::uint32_t{0}, static_cast<int>(count + 1)),
-        "size a scan");
+        "query the workspace size of a scan");
 #endif
   return bytes;
 }

@@ -17,7 +17,7 @@ std::size_t sort_temporary_bytes([[maybe_unused]] Executor& executor, std::int64
     check(cub::DeviceRadixSort::SortPairs(nullptr, bytes, keys, static_cast<Key*>(nullptr), values,
                                           static_cast<std::uint32_t*>(nullptr), static_cast<int>(count), 0,
                                           key_bits),
-          "size a sort");
+          "query the workspace size of a sort");
     return bytes;
   }
 #endif

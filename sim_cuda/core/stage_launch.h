@@ -20,7 +20,7 @@ enum class LaunchLimit {
 
 /// Name for panels and JSON.
 constexpr const char* name_of(LaunchLimit limit) {
-  constexpr std::array names{"unknown",         "too few items", "B x T as asked for", "threads",
+  constexpr std::array names{"unknown",         "too few items", "requested B x T", "threads",
                              "resident blocks", "registers",     "shared memory"};
   return names[static_cast<std::size_t>(limit)];
 }

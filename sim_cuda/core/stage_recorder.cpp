@@ -29,7 +29,7 @@ std::size_t StageRecorder::nodes_in_capture() const {
   cudaStreamCaptureStatus status{};
   cudaGraph_t graph = nullptr;
   check(cudaStreamGetCaptureInfo(stream_, &status, nullptr, &graph, nullptr, nullptr, nullptr),
-        "describe the recording");
+        "query the capture of the stream");
   if (status != cudaStreamCaptureStatusActive) return 0;
   std::size_t nodes = 0;
   check(cudaGraphGetNodes(graph, nullptr, &nodes), "count the nodes of a graph");

@@ -16,7 +16,7 @@ StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()
   StageRecorder& stages = executor_.stages_;
   const cudaStream_t stream = executor_.stream();
   stages.end();
-  check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "record a step");
+  check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "begin the capture of a step");
   StageRecorder::StageBeginCallback began;
   if (instrumented_) began = [this](std::size_t entry) { mark(entry); };
   stages.begin_capture(stream, std::move(began));
@@ -32,10 +32,10 @@ StepGraph::StepGraph(Executor& executor, bool instrumented, std::function<void()
     throw;
   }
   stages.end_capture();
-  check(cudaStreamEndCapture(stream, &graph), "end the recording of a step");
+  check(cudaStreamEndCapture(stream, &graph), "end the capture of a step");
   const cudaError_t status = cudaGraphInstantiate(&graph_, graph, 0);
   cudaGraphDestroy(graph);
-  check(status, "make a graph of a step");
+  check(status, "instantiate the graph of a step");
 #endif
 }
 
@@ -59,7 +59,8 @@ void StepGraph::mark(std::size_t entry) {
 
 void StepGraph::launch() {
 #if SIM_CUDA
-  if (executor_.on_device()) return check(cudaGraphLaunch(graph_, executor_.stream()), "run a step");
+  if (executor_.on_device())
+    return check(cudaGraphLaunch(graph_, executor_.stream()), "launch the graph of a step");
 #endif
   StageRecorder& stages = executor_.stages_;
   stages.begin_step(instrumented_);

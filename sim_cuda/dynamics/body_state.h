@@ -46,8 +46,8 @@ struct BodyBuffers {
         mass(executor, "masses"),
         inverse_mass(executor, "inverse masses"),
         inertia(executor, "inertia"),
-        material(executor, "materials of bodies"),
-        static_impulses(executor, "wall ledgers") {}
+        material(executor, "body materials"),
+        static_impulses(executor, "wall impulse sums") {}
   BodyView<Real> view() const {
     return {position.data(), velocity.data(), orientation.data(),  angular_velocity.data(),
             radius.data(),   mass.data(),     inverse_mass.data(), inertia.data()};

@@ -80,9 +80,9 @@ struct BeginDisplacementLimit {
 template <class Real>
 ContinuousCollision<Real>::ContinuousCollision(Executor& executor)
     : executor_(executor),
-      displacement_limit_(executor, "leashes"),
-      fraction_(executor, "shares of ways"),
-      entered_(executor, "rounds of held motion") {}
+      displacement_limit_(executor, "displacement limits"),
+      fraction_(executor, "motion fractions"),
+      entered_(executor, "active rounds") {}
 
 template <class Real>
 void ContinuousCollision<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_count,

@@ -86,7 +86,7 @@ class ContinuousCollision {
  public:
   /// Maximum number of clamping rounds (measure 3).
   static constexpr int rounds = 16;
-  static_assert(rounds % 2 == 0, "the last of them writes the shares that motion() reads");
+  static_assert(rounds % 2 == 0, "the last round must write the fractions that motion() reads");
 
   explicit ContinuousCollision(Executor& executor);
   void enable(const BodyView<Real>& bodies, std::int64_t body_count, const StepControl* control);

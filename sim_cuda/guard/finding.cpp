@@ -47,7 +47,7 @@ std::string describe(const Finding& finding) {
   return fmt::format(
       "stage {} of step {}, substep {}: body {} has the {} {:.6g}{}{}{}", finding.stage, finding.step,
       finding.substep, finding.body, name_of(finding.quantity), finding.value, unit.empty() ? "" : " ", unit,
-      finding.invalid_before ? fmt::format("; it was bad in state {} already", finding.step - 1) : "");
+      finding.invalid_before ? fmt::format("; it was already invalid in state {}", finding.step - 1) : "");
 }
 
 }  // namespace collidoscope

@@ -26,7 +26,7 @@ struct Finding {
 };
 
 /// "stage forces of step 8, substep 2: body 3 has the velocity 3.2e+10 m/s". With invalid_before, followed
-/// by "; it was bad in state 7 already".
+/// by "; it was already invalid in state 7".
 std::string describe(const Finding& finding);
 
 }  // namespace collidoscope

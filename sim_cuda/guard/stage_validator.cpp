@@ -133,7 +133,7 @@ double magnitude(const Aabb& box) {
 
 template <class Real>
 StageValidator<Real>::StageValidator(Executor& executor, const ValidationSettings& guards)
-    : executor_(executor), limits_(guards), first_violation_(executor, "what guards found first") {
+    : executor_(executor), limits_(guards), first_violation_(executor, "first guard finding") {
   clear();
 }
 

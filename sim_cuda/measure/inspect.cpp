@@ -72,7 +72,8 @@ BodyReport inspect(Executor& executor, const InspectSource<Real>& source, std::u
 
   constexpr std::uint32_t capacity = 1024;
   Buffer<Found> found(executor, "contacts of a body");
-  Buffer<std::uint32_t> counts(executor, "contacts of a body");  // {contacts, index in leaf order, node}
+  Buffer<std::uint32_t> counts(executor,
+                               "contact counts of a body");  // {contacts, index in leaf order, node}
   found.resize_discarding(capacity);
   counts.resize_discarding(3);
   counts.fill_zero();

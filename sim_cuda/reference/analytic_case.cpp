@@ -65,15 +65,16 @@ void evaluate(AnalyticResult& result) {
   result.fault.clear();
   for (const AnalyticLevel& level : result.levels)
     if (!(level.error <= level.tolerance)) {
-      result.fault = fmt::format("at h = {:.4g} s the error is {:.3g}, and {:.3g} is allowed", level.h,
+      result.fault = fmt::format("at h = {:.4g} s the error is {:.3g}; the limit is {:.3g}", level.h,
                                  level.error, level.tolerance);
       break;
     }
   if (result.method.theory.claim != Claim::leading || result.precision == Precision::f32) return;
   result.fitted_order = fitted_order(result.levels);
   if (!(std::abs(result.fitted_order - result.method.theory.order) <= order_tolerance))
-    result.fault = fmt::format("the fitted order is {:.2f}, theory's is {:g}{}{}", result.fitted_order,
-                               result.method.theory.order, result.fault.empty() ? "" : "; ", result.fault);
+    result.fault =
+        fmt::format("the fitted order is {:.2f}; the theoretical order is {:g}{}{}", result.fitted_order,
+                    result.method.theory.order, result.fault.empty() ? "" : "; ", result.fault);
 }
 
 AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, Precision precision,

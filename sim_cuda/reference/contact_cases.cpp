@@ -43,7 +43,7 @@ void add_bouncing(std::vector<AnalyticCase>& cases) {
   one.name = "bouncing";
   one.scene = analytic_scene("bouncing");
   one.compared = "height after three bounces, m";
-  one.rationale = "Euler falls short by g h a flight, and a bounce waits up to h for its step's end";
+  one.rationale = "Euler: speed error of g h per flight; each bounce is up to h late, at the end of its step";
   one.horizon = 2.3;
   one.scale = 5;
   const Rebounds ball = rebounds(one.scene);
@@ -74,8 +74,8 @@ void add_zeno(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "zeno";
   one.scene = analytic_scene("zeno");
-  one.compared = "time at which it rests, s";
-  one.rationale = "below 2 g h nothing bounces; each bounce before waits up to h";
+  one.compared = "time of rest, s";
+  one.rationale = "no bounce below 2 g h; each earlier bounce is up to h late";
   one.horizon = 2;
   one.scale = 2;
   const Rebounds ball = rebounds(one.scene);
@@ -105,7 +105,7 @@ void add_slide_to_roll(std::vector<AnalyticCase>& cases) {
   one.name = "slide_to_roll";
   one.scene = analytic_scene("slide_to_roll");
   one.compared = "position, m";
-  one.rationale = "mu g h t/2 until it rolls at t = 2 v / (7 mu g): v h/7";
+  one.rationale = "error mu g h t/2 until the ball rolls at t = 2 v / (7 mu g): v h/7";
   one.horizon = 1;
   one.scale = 7;
   const Body ball = one.scene.bodies[0];
@@ -123,7 +123,7 @@ void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
   one.name = name;
   one.scene = analytic_scene(name);
   one.compared = "position, m";
-  one.rationale = "a uniform acceleration: a h t/2";
+  one.rationale = "uniform acceleration: error a h t/2";
   one.horizon = 1;
   one.scale = 5;
   const Vector3d start = one.scene.bodies[0].position, normal = one.scene.obstacles[0].normal,
@@ -144,8 +144,8 @@ void add_stack(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "stack_forces";
   one.scene = analytic_scene("stack");
-  one.compared = "worst force, of the weight above";
-  one.rationale = "at rest impulses are what bears on them, whatever the step";
+  one.compared = "largest error of a force, relative to the weight above";
+  one.rationale = "at rest the impulses equal the load for every step size";
   one.horizon = 10;
   one.scale = 5;
   const auto n = static_cast<int>(one.scene.bodies.size());
@@ -168,7 +168,7 @@ void add_stack(std::vector<AnalyticCase>& cases) {
 
   one.name = "stack_sinking";
   one.compared = "height of the top, m";
-  one.rationale = "contacts yield by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
+  one.rationale = "contacts compress by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
   const double turn = 2 * std::numbers::pi * Softness<double>::cycles_per_substep;
   one.methods = by_euler(leading_theory(2, g * n * (n - 1) / (turn * turn)));
   const double height = one.scene.bodies.back().position.z();

@@ -27,22 +27,22 @@ double noise_of(const Vector3d& velocity) { return 8 * epsilon * velocity.lpNorm
 void refuse_unsupported(const Scene& scene, const InitialBodies& bodies, const Effects& effects) {
   std::vector<std::string> faults;
   const auto fault = [&](const std::string& what) {
-    faults.push_back(
-        fmt::format("{}: the event-driven reference knows spheres, planes, gravity and restitution, no {}",
-                    scene.file.empty() ? scene.name : scene.file, what));
+    faults.push_back(fmt::format(
+        "{}: the event-driven reference supports only spheres, planes, gravity and restitution, not {}",
+        scene.file.empty() ? scene.name : scene.file, what));
   };
   for (const EffectName& effect : effect_names) {
     const bool known = effect.flag == &Effects::gravity || effect.flag == &Effects::continuous_collision;
     if (known || !(effects.*effect.flag)) continue;
     const EffectReason reason = effect_reason(scene, bodies, effect.flag);
-    fault(fmt::format("{} ({})", effect.name,
-                      reason.required ? reason.why : "the scene's list of effects holds it"));
+    fault(
+        fmt::format("{} ({})", effect.name, reason.required ? reason.why : "in the scene's list of effects"));
   }
-  if (!scene.boxes.empty()) fault("boxes among the obstacles");
+  if (!scene.boxes.empty()) fault("box obstacles");
   if (!bodies.meshes.empty()) fault(fmt::format("meshes ({})", bodies.meshes.front().name));
   for (std::size_t i = 0; i < bodies.motion.size(); ++i)
     if (bodies.motion[i] != Motion::dynamic) {
-      fault(fmt::format("bodies that no force moves (body {})", i));
+      fault(fmt::format("static or kinematic bodies (body {})", i));
       break;
     }
   if (needs_presimulation(scene)) fault("piles at rest (variant settled): infinitely many collisions");
@@ -112,15 +112,16 @@ HardSpheres::HardSpheres(const Scene& scene)
 void HardSpheres::refuse_overlaps(const std::string& name) const {
   std::vector<std::string> faults;
   const auto fault = [&](const std::string& what, double depth) {
-    faults.push_back(fmt::format(
-        "{}: {} by {:.3g} m at the start; hard spheres start apart (spawn \"apart\")", name, what, depth));
+    faults.push_back(
+        fmt::format("{}: {} by {:.3g} m at the start; hard spheres must not overlap (spawn \"apart\")", name,
+                    what, depth));
   };
   for (std::uint32_t i = 0; i < count() && faults.size() < 100; ++i) {
     const Flight& a = flights_[i];
     const double rounding = 4 * epsilon * a.x.lpNorm<1>();
     for (std::uint32_t p = 0; p < planes_.size(); ++p) {
       const double depth = -gap(a.x, i, planes_[p]);
-      if (depth > 1e-9 * a.radius + rounding) fault(fmt::format("body {} lies beyond plane {}", i, p), depth);
+      if (depth > 1e-9 * a.radius + rounding) fault(fmt::format("body {} is behind plane {}", i, p), depth);
     }
     grid_->for_neighbours(i, [&](std::uint32_t j) {
       const double reach = a.radius + flights_[j].radius, depth = reach - (flights_[j].x - a.x).norm();
@@ -182,7 +183,7 @@ void HardSpheres::predict(std::uint32_t body) {
 // ---- Event processing ----
 
 bool HardSpheres::advance_to(double time) {
-  if (!(time >= time_)) throw std::logic_error("advance_to: time does not run backwards");
+  if (!(time >= time_)) throw std::logic_error("advance_to: the time must not decrease");
   while (next_collision(time)) {
   }
   return !zeno_;

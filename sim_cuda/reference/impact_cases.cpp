@@ -56,7 +56,7 @@ void add_head_on(std::vector<AnalyticCase>& cases) {
   one.name = "head_on";
   one.scene = analytic_scene("head_on");
   one.compared = "velocities, m/s";
-  one.rationale = "Newton's law holds whenever they meet";
+  one.rationale = "Newton's law of restitution is exact for every time of impact";
   one.horizon = 0.5;
   one.refinement = 3;
   one.scale = 5;
@@ -68,7 +68,7 @@ void add_head_on(std::vector<AnalyticCase>& cases) {
   // The spheres touch h/2 into a step and bounce at its end: the bounce is late by h/2.
   one.name = "head_on_path";
   one.compared = "positions, m";
-  one.rationale = "the bounce comes at the step's end, h/2 late: the speed of parting times that";
+  one.rationale = "the bounce is at the end of the step, h/2 late: error separation speed times h/2";
   const double parting = (impact.after.b - impact.after.a).norm();
   one.methods = by_euler(leading_theory(1, impact.both(parting / 2)));
   one.error = [=, horizon = one.horizon](World& world, int steps) {
@@ -87,7 +87,7 @@ void add_oblique(std::vector<AnalyticCase>& cases) {
   one.name = "oblique";
   one.scene = analytic_scene("oblique");
   one.compared = "velocities, m/s";
-  one.rationale = "the line of centres is read h/2 late: it turns by v_t / (r_a + r_b) h/2";
+  one.rationale = "the line of centres is evaluated h/2 late; it rotates by v_t / (r_a + r_b) h/2";
   one.horizon = 0.5;
   one.refinement = 3;
   one.scale = 5;
@@ -106,7 +106,7 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   one.name = name;
   one.scene = analytic_scene(name);
   one.compared = "velocity and spin times radius, m/s";
-  one.rationale = "Coulomb's law holds over the whole bounce";
+  one.rationale = "Coulomb's law is exact for the total impulse of the bounce";
   one.horizon = 0.5;
   one.refinement = 3;
   one.scale = 20;
@@ -127,7 +127,7 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   // unchanged until then.
   one.name = path;
   one.compared = "position, m";
-  one.rationale = "bounce and friction come at the step's end, h/2 late";
+  one.rationale = "bounce and friction act at the end of the step, h/2 late";
   const double time = (ball.position.z() - ball.radius) / -ball.velocity.z();
   const Vector3d missed = after.velocity - Vector3d(ball.velocity.x(), ball.velocity.y(), 0);
   one.methods = by_euler(leading_theory(1, missed.norm() / 2));
@@ -148,7 +148,7 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
   one.name = "cradle";
   one.scene = analytic_scene("cradle");
   one.compared = "velocities, m/s";
-  one.rationale = "equal spheres swap their velocities";
+  one.rationale = "equal spheres exchange their velocities";
   one.horizon = 0.75;
   one.refinement = 3;
   one.scale = 5;
@@ -165,8 +165,8 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 
   one.name = "cradle_path";
-  one.compared = "position of the last, m";
-  one.rationale = "each of n collisions passes the motion on late: h/2 (n - 1 + 2^-n) in all";
+  one.compared = "position of the last sphere, m";
+  one.rationale = "each of n collisions is late: h/2 (n - 1 + 2^-n) in total";
   const auto n = static_cast<double>(balls.size() - 1);
   one.methods = by_euler(leading_theory(1, v.norm() / 2 * (n - 1 + std::exp2(-n))));
   one.error = [=, horizon = one.horizon](World& world, int steps) {

@@ -79,7 +79,7 @@ AnalyticCase period() {
   one.name = "pendulum_period";
   one.scene = analytic_scene("pendulum_large");
   one.compared = "period, s";
-  one.rationale = "RATTLE's own error, and a swing wider by a h^2 / 8 for the half kick at the start";
+  one.rationale = "error of RATTLE, and an amplitude error of a h^2 / 8 from the first velocity update";
   one.horizon = 12;
   const Rod rod(one.scene);
   const double exact = pendulum_period(rod.w, rod.amplitude), start = rod.acceleration(rod.amplitude);
@@ -115,8 +115,8 @@ AnalyticCase spring_joint() {
   AnalyticCase one;
   one.name = "spring_joint";
   one.scene = analytic_scene("spring_joint");
-  one.compared = "stretch, m";
-  one.rationale = "frequency and decay are exact; the first kick is half a step ahead";
+  one.compared = "extension, m";
+  one.rationale = "frequency and decay are exact; the first velocity update is half a step early";
   one.horizon = 1.2;
   one.scale = 2;
   const Joint joint = one.scene.joints[0];
@@ -136,8 +136,9 @@ AnalyticCase spring_joint() {
 }  // namespace
 
 std::vector<AnalyticCase> joint_cases() {
-  return {swing("pendulum_small", "half a kick ahead at the start, half a kick late at the end", 1.5),
-          swing("pendulum_large", "the same, along the elliptic function", 2), period(), spring_joint()};
+  return {
+      swing("pendulum_small", "velocity half a step early at the start, half a step late at the end", 1.5),
+      swing("pendulum_large", "the same, for the elliptic function", 2), period(), spring_joint()};
 }
 
 }  // namespace collidoscope

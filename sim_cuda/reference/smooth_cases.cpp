@@ -47,7 +47,8 @@ void add_ballistic_flight(std::vector<AnalyticCase>& cases) {
   one.name = "ballistic_flight";
   one.scene = analytic_scene("ballistic_flight");
   one.compared = "position, m";
-  one.rationale = "Euler falls with the speed of the step's end: g h t/2; the others fly parabolas";
+  one.rationale =
+      "Euler uses the velocity at the end of the step: error g h t/2; the others are exact for parabolas";
   one.horizon = 2;
   one.scale = 25;
   const Body ball = one.scene.bodies[0];
@@ -64,8 +65,8 @@ void add_ballistic_flight(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 
   one.name = "ballistic_bias";
-  one.compared = "position less g h t/2, m";
-  one.rationale = "Euler's bias is that, and nothing more";
+  one.compared = "position minus g h t/2, m";
+  one.rationale = "the error of Euler is exactly this bias";
   one.methods = by_euler({});
   one.error = [=](World& world, int steps) { return (off(world, steps) - t * t / steps / 2 * g).norm(); };
   cases.push_back(one);
@@ -75,8 +76,9 @@ AnalyticCase spring_force() {
   AnalyticCase one;
   one.name = "spring_force";
   one.scene = analytic_scene(one.name);
-  one.compared = "position and speed over w, m";
-  one.rationale = "Euler: half a kick ahead at the start, half a kick late at the end: A sin(w t) w h/2";
+  one.compared = "position and velocity / w, m";
+  one.rationale =
+      "Euler: velocity half a step early at the start, half a step late at the end: A sin(w t) w h/2";
   one.horizon = 1.5;
   const Attractor pull = one.scene.physics.attractors[0];
   const double w = std::sqrt(pull.strength / std::pow(pull.softening, 3));
@@ -100,7 +102,7 @@ AnalyticCase orbit() {
   one.name = "orbit";
   one.scene = analytic_scene(one.name);
   one.compared = "position, m";
-  one.rationale = "Euler: the same, along Kepler's motion";
+  one.rationale = "Euler: the same, for Kepler's orbit";
   one.horizon = 25000;
   const double mu = one.scene.physics.attractors[0].strength;
   const Body& moon = one.scene.bodies[0];
@@ -213,7 +215,7 @@ AnalyticCase free_top() {
   one.name = "symmetric_top";
   one.scene = analytic_scene(one.name);
   one.compared = "orientation, rad";
-  one.rationale = "Euler turns it about where w was when the step began, while w goes round L";
+  one.rationale = "Euler rotates about w at the start of the step, but w precesses about L";
   one.horizon = 1.5;
   const Body& top = one.scene.bodies[0];
   const Vector3d inertia = *top.inertia, spin = top.angular_velocity, momentum = inertia.cwiseProduct(spin);
@@ -246,8 +248,8 @@ AnalyticCase middle_axis() {
   AnalyticCase one;
   one.name = "middle_axis";
   one.scene = analytic_scene(one.name);
-  one.compared = "spin along the body's axes, rad/s";
-  one.rationale = "the same; near the middle axis what is off grows";
+  one.compared = "angular velocity in body axes, rad/s";
+  one.rationale = "the same; near the intermediate axis errors grow";
   one.horizon = 3;
   const Body& body = one.scene.bodies[0];
   const Vector3d inertia = *body.inertia, spin = body.angular_velocity;

@@ -28,9 +28,9 @@ std::string read_condition(std::string_view part, BreakConditions& conditions) {
   const auto* known =
       std::ranges::find(break_condition_names, part.substr(0, equals), &BreakConditionName::name);
   if (known == break_condition_names.end())
-    return fmt::format("'{}' is no condition; it is a list of {}", part, all_shapes());
+    return fmt::format("'{}' is not a condition; expected a list of {}", part, all_shapes());
   std::optional<double>& limit = conditions.limit(known->condition);
-  if (limit) return fmt::format("{} is given twice; once is enough", known->name);
+  if (limit) return fmt::format("{} is given twice; give it once", known->name);
   limit = 0;
   if (!known->has_limit)
     return equals == part.npos ? "" : fmt::format("'{}': {} takes no number", part, known->name);
@@ -39,7 +39,7 @@ std::string read_condition(std::string_view part, BreakConditions& conditions) {
   if (!text.empty() && error == std::errc{} && end == text.data() + text.size() && *limit >= 0 &&
       *limit <= known->max_limit)
     return "";
-  return fmt::format("'{}': {}, a number from 0 to {:g}", part, shape_of(*known), known->max_limit);
+  return fmt::format("'{}': expected {}, a number from 0 to {:g}", part, shape_of(*known), known->max_limit);
 }
 
 double energy_of(const StepStats& stats) { return stats.energy() - stats.push_work; }

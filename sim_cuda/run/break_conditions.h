@@ -22,17 +22,18 @@ struct BreakConditionName {
   std::string_view unit;     ///< of value and limit
   bool has_limit;            ///< false: the limit is 0
   double max_limit;          ///< largest allowed limit; the smallest is 0
-  std::string_view meaning;  ///< "the fastest body is faster than this"
+  std::string_view meaning;  ///< "the largest speed exceeds this value"
 };
 inline constexpr auto break_condition_names = std::to_array<BreakConditionName>({
     {BreakCondition::non_finite, "non-finite", "bodies", false, 0, "a body is not finite"},
     {BreakCondition::energy_rise, "energy-rise", "%", true, 1e9,
-     "the energy has risen above that of the start by more than this part of the energy scale"},
-    {BreakCondition::penetration, "penetration", "m", true, 1e9, "the deepest overlap is deeper than this"},
-    {BreakCondition::speed, "speed", "m/s", true, 1e18, "the fastest body is faster than this"},
+     "the energy exceeds the initial energy by more than this fraction of the energy scale"},
+    {BreakCondition::penetration, "penetration", "m", true, 1e9,
+     "the largest penetration exceeds this depth"},
+    {BreakCondition::speed, "speed", "m/s", true, 1e18, "the largest speed exceeds this value"},
     {BreakCondition::stage_ms, "stage-ms", "ms", true, 1e9,
-     "a stage took longer than this; every other step is timed by stage"},
-    {BreakCondition::escaped, "escaped", "bodies", false, 0, "a centre is outside the box"},
+     "a stage takes longer than this; every other step is timed by stage"},
+    {BreakCondition::escaped, "escaped", "bodies", false, 0, "the centre of a body is outside the box"},
 });
 constexpr const BreakConditionName& name_of(BreakCondition condition) {
   return break_condition_names[static_cast<std::size_t>(condition)];

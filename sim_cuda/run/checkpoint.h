@@ -40,7 +40,7 @@ class Checkpoint {
   /// state. Throws std::logic_error without such a copy.
   void restore(Steppable auto& world, std::int64_t step) {
     if (!copy_ || step < copy_->steps)
-      throw std::logic_error("rewind: state " + std::to_string(step) + " was not followed");
+      throw std::logic_error("rewind: no checkpoint at or before state " + std::to_string(step));
     struct ResetOnExit {  // also on exceptions
       bool& on;
       ~ResetOnExit() { on = false; }

@@ -235,7 +235,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_
       impulses_(executor),
       control_(executor, "step control"),
       measurer_(executor),
-      publish_counts_(executor, "contacts per body to draw") {
+      publish_counts_(executor, "drawn contacts per body") {
   control_.upload({StepControl{}});
   if (effects.joints)
     joints_ = std::make_unique<Joints<Real>>(

@@ -33,7 +33,7 @@ void Publisher::publish(const PublishTarget& target) {
       (target.boxes != nullptr && target.box_capacity < counts.boxes) ||
       (target.contacts != nullptr && target.contact_capacity < counts.contacts) ||
       (target.joints != nullptr && target.joint_capacity < counts.joints))
-    throw std::logic_error("publish: the target is smaller than counts() says");
+    throw std::logic_error("publish: the target is smaller than counts()");
   run_.keep_impulses();
   const bool by_visits = target.bodies != nullptr && target.body_color == BodyColor::visits;
   const bool by_tree = by_visits || (target.bodies != nullptr && (target.body_color == BodyColor::order ||
@@ -46,7 +46,7 @@ void Publisher::publish(const PublishTarget& target) {
   if (by_tree) run_.detect();
   const bool by_error = target.body_color == BodyColor::error && errors_.size() == run_.initial.size();
   if (by_error && !drawn_errors_)
-    drawn_errors_ = std::make_unique<Buffer<float>>(run_.executor, "errors of bodies to draw");
+    drawn_errors_ = std::make_unique<Buffer<float>>(run_.executor, "drawn body errors");
   if (by_error) drawn_errors_->upload(errors_);
   run_.pipeline().publish(target, boxes || by_tree ? run_.level_ordered_tree() : TreeView{}, values,
                           by_error ? drawn_errors_->data() : nullptr);
@@ -57,7 +57,7 @@ void Publisher::set_errors(std::vector<float> errors) { errors_ = std::move(erro
 
 void* Publisher::scratch(std::size_t bytes, int slot) {
   while (scratch_.size() <= static_cast<std::size_t>(slot))
-    scratch_.push_back(std::make_unique<Buffer<std::byte>>(run_.executor, "scratch of the renderer"));
+    scratch_.push_back(std::make_unique<Buffer<std::byte>>(run_.executor, "draw workspace"));
   Buffer<std::byte>& buffer = *scratch_[static_cast<std::size_t>(slot)];
   if (buffer.size() < bytes) buffer.resize_discarding(bytes);
   return buffer.data();

@@ -115,7 +115,7 @@ std::optional<FirstViolation> Simulation::advance() {
   undo_.begin_step(runner_.pipeline().runs_per_step());
   try {
     const std::optional<FirstViolation> found =
-        with_allocation_context("making a step", [&] { return runner_.step(with_events); });
+        with_allocation_context("computing a step", [&] { return runner_.step(with_events); });
     count_step.found = found.has_value();
     undo_.end_step();
     return found;

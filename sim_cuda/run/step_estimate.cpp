@@ -112,11 +112,11 @@ std::string in_groups(double number) {
   const bool paper = generated && scene.generators[0].variant == Variant::paper;
   const double wanted = rounded(needed), there = static_cast<double>(given);
   throw TooLarge(
-      fmt::format("{} {}; there are {}, {}: use fewer bodies{}, or {}", what, in_bytes(wanted),
-                  in_bytes(there), limited ? "as --memory-limit says" : "80 % of what is available",
+      fmt::format("{} {}; available: {}, {}; use fewer bodies{}, or {}", what, in_bytes(wanted),
+                  in_bytes(there), limited ? "the value of --memory-limit" : "80 % of the free memory",
                   paper ? ", --variant scaled" : "", limited ? "a higher --memory-limit" : "--allow-large"),
-      fmt::format("{} {}; there are {}, {}: use fewer bodies{}", what, short_bytes(wanted),
-                  short_bytes(there), limited ? "as the memory limit says" : "80 % of what is available",
+      fmt::format("{} {}; available: {}, {}; use fewer bodies{}", what, short_bytes(wanted),
+                  short_bytes(there), limited ? "the memory limit" : "80 % of the free memory",
                   paper ? ", or the variant scaled" : ""));
 }
 
@@ -180,7 +180,7 @@ void require_memory_for_step(Executor& executor, const WorldSetup& setup) {
   const ExecutorOptions& options = executor.options();
   if (expected.bytes > room && !options.allow_large)
     refuse(setup.scene,
-           fmt::format("{} bodies have about {} pairs and {} contacts at first, which take about",
+           fmt::format("{} bodies have about {} initial pairs and {} initial contacts and need about",
                        in_groups(static_cast<double>(expected.bodies)), in_groups(rounded(expected.pairs)),
                        in_groups(rounded(expected.contacts))),
            static_cast<double>(expected.bytes), room, options);
@@ -199,7 +199,7 @@ void require_memory_for_bodies(const Scene& scene, const RunOptions& options) {
                             : on_gpu ? least_bytes_on_host
                                      : least_bytes_on_host + least_bytes_in_buffers;
   if (bodies <= room / each) return;
-  refuse(scene, fmt::format("{} bodies alone take at least", in_groups(static_cast<double>(bodies))),
+  refuse(scene, fmt::format("{} bodies need at least", in_groups(static_cast<double>(bodies))),
          static_cast<double>(each) * static_cast<double>(bodies), room, options);
 }
 

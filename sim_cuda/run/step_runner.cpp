@@ -16,10 +16,10 @@ constexpr std::int64_t max_list_length = 2147483647;  // counts have 32 bits
 std::int64_t grown(std::uint64_t needed, std::int64_t capacity, const char* what, std::size_t bytes_each) {
   if (needed <= static_cast<std::uint64_t>(capacity)) return capacity;
   if (needed > static_cast<std::uint64_t>(max_list_length))
-    throw MachineError("a step found " + std::to_string(needed) + ' ' + what + ", which would take " +
-                       std::to_string(needed * bytes_each) + " bytes; this build counts up to " +
+    throw MachineError("a step has " + std::to_string(needed) + ' ' + what + ", which need " +
+                       std::to_string(needed * bytes_each) + " bytes; this build supports at most " +
                        std::to_string(max_list_length) +
-                       ": use fewer bodies, or a variant whose pairs grow as N (scaled)");
+                       "; use fewer bodies, or a variant whose pairs grow as N (scaled)");
   return std::min<std::int64_t>(max_list_length, static_cast<std::int64_t>(needed + needed / 2));
 }
 
@@ -81,7 +81,7 @@ void StepRunner::detect() {
 void StepRunner::require_memory() const {
   if (is_unusable_)
     throw MachineError(
-        "memory ran out in the middle of a step, and this run has no state to go on from; start it again");
+        "out of memory within a step: this run has no valid state to continue from; restart it");
 }
 
 void StepRunner::reserve(Capacity capacity) {
@@ -121,16 +121,16 @@ bool StepRunner::grow() {
       const std::int64_t given = executor_.allocated_bytes() + executor_.room_bytes();
       const bool by_rule = options.memory_limit == 0 && !options.allow_large;
       const std::string found =
-          "a step found " + std::to_string(control.pairs_needed) + " pairs" +
-          (control.pairs > 0 ? " and " + std::to_string(control.contacts_needed) + " contacts, which take "
-                             : ", which take at least ");
+          "a step has " + std::to_string(control.pairs_needed) + " pairs" +
+          (control.pairs > 0 ? " and " + std::to_string(control.contacts_needed) + " contacts, which need "
+                             : ", which need at least ");
       const std::string rule = by_rule ? " (80 % of its available memory)" : "";
-      const std::string advice = ": use fewer bodies, or a variant whose pairs grow as N (scaled)";
-      throw TooLarge(found + std::to_string(given + bytes) + " bytes with the rest of the scene; " +
-                         executor_.device_name() + " gives " + std::to_string(given) + rule + advice +
+      const std::string advice = "; use fewer bodies, or a variant whose pairs grow as N (scaled)";
+      throw TooLarge(found + std::to_string(given + bytes) + " bytes including the rest of the scene; " +
+                         executor_.device_name() + " provides " + std::to_string(given) + rule + advice +
                          (by_rule ? ", or --allow-large" : ""),
                      found + short_bytes(static_cast<double>(given + bytes)) +
-                         " with the rest of the scene; " + executor_.device_name() + " gives " +
+                         " including the rest of the scene; " + executor_.device_name() + " provides " +
                          short_bytes(static_cast<double>(given)) + rule + advice);
     }
   }

@@ -60,7 +60,7 @@ std::vector<NodeReport> TreeProbe::ranked(NodeMetric metric, std::int64_t first,
 std::vector<NodeReport> TreeProbe::nodes_at(const std::vector<std::uint32_t>& places) {
   quality();
   for (const std::uint32_t place : places)
-    if (place >= nodes()) throw std::out_of_range("tree_node: there is no node " + std::to_string(place));
+    if (place >= nodes()) throw std::out_of_range("tree_node: no node " + std::to_string(place));
   return run_.bvh_cache().statistics().nodes(run_.level_ordered_tree(), places);
 }
 
@@ -75,13 +75,12 @@ NodeHistogram TreeProbe::node_histogram(NodeMetric metric, const NodeSelection& 
 
 std::vector<std::uint32_t> TreeProbe::visited(std::uint32_t id, std::int64_t limit) {
   quality();
-  if (id >= run_.initial.size())
-    throw std::out_of_range("visited_nodes: there is no body " + std::to_string(id));
+  if (id >= run_.initial.size()) throw std::out_of_range("visited_nodes: no body " + std::to_string(id));
   return run_.bvh_cache().statistics().visited(run_.level_ordered_tree(), id, limit);
 }
 
 std::int64_t TreeProbe::visits_of(std::uint32_t id) {
-  if (id >= run_.initial.size()) throw std::out_of_range("visits_of: there is no body " + std::to_string(id));
+  if (id >= run_.initial.size()) throw std::out_of_range("visits_of: no body " + std::to_string(id));
   return quality().nodes > 0 ? run_.bvh_cache().statistics().visits_of(id) : 0;
 }
 

@@ -87,7 +87,7 @@ void read_effects(Reading& reading, const JsonNode& node, std::optional<Effects>
   const JsonDocument& document = reading.document;
   if (node.kind == JsonKind::text && document.text(node) == "auto") return;
   if (node.kind != JsonKind::array) {
-    return reading.fault(node, "\"effects\" is \"auto\" or a list of effects, such as [\"gravity\"]");
+    return reading.fault(node, "\"effects\" must be \"auto\" or a list of effects, such as [\"gravity\"]");
   }
   effects.emplace();
   const std::vector<std::string_view> names = names_in(effect_names);
@@ -97,7 +97,7 @@ void read_effects(Reading& reading, const JsonNode& node, std::optional<Effects>
     for (const EffectName& effect : effect_names) {
       if (child.kind != JsonKind::text || effect.name != name) continue;
       if ((*effects).*effect.flag)
-        reading.fault(child, fmt::format("\"{}\" stands twice in this list", name));
+        reading.fault(child, fmt::format("\"{}\" appears twice in this list; list it once", name));
       (*effects).*effect.flag = true;
       found = true;
     }

@@ -67,8 +67,8 @@ struct Walls {
 [[noreturn]] void no_room(const BoxCollider& generator, const std::string& where, double fill,
                           const std::string& what) {
   throw InputError(
-      fmt::format("{}.spawn: no room for {} spheres that do not overlap: {}, and together they would fill "
-                  "{:.1f} % of the box; use fewer or smaller spheres, a larger box, or spawn \"inside\"",
+      fmt::format("{}.spawn: no space for {} spheres without overlap: {}, and their volume is {:.1f} % of "
+                  "the box; use fewer or smaller spheres, a larger box, or spawn \"inside\"",
                   where, generator.count, what, 100 * fill));
 }
 
@@ -84,7 +84,7 @@ void place_apart(const BoxCollider& generator, const Walls& walls, const std::st
     volume += 4.0 / 3 * std::numbers::pi * radius * radius * radius;
   }
   const double fill = volume / walls.volume();
-  if (fill >= 1) no_room(generator, where, fill, "they are more than the box holds");
+  if (fill >= 1) no_room(generator, where, fill, "their volume exceeds that of the box");
 
   SphereGrid grid(Vector3d(walls.low[0], walls.low[1], walls.low[2]),
                   Vector3d(walls.high[0], walls.high[1], walls.high[2]), largest_radius(generator),
@@ -104,8 +104,9 @@ void place_apart(const BoxCollider& generator, const Walls& walls, const std::st
     Vector3d& position = bodies.position[first + id];
     for (std::uint32_t tries = 1; grid.overlaps(position, radius); ++tries) {
       if (tries == max_tries) {
-        no_room(generator, where, fill,
-                fmt::format("none was found for sphere {} (radius {:.3g} m) in {} tries", id, radius, tries));
+        no_room(
+            generator, where, fill,
+            fmt::format("no free position for sphere {} (radius {:.3g} m) in {} tries", id, radius, tries));
       }
       const PhiloxWords r = philox4x32({{id, 1 + tries, 0, 0}}, key);
       position = walls.place(static_cast<float>(radius), r.w[0], r.w[1], r.w[2]);

@@ -31,15 +31,15 @@ MeshOrFault read(const Scene& scene, const std::string& path) {
 
 std::optional<std::string> mass_fault(double mass, const std::string& whose) {
   if (mass >= limits::min_mass && mass <= limits::max_mass) return std::nullopt;
-  return fmt::format("{} mass would be {:.3g} kg (density times volume); it lies in [{}, {}] kg", whose, mass,
-                     limits::min_mass, limits::max_mass);
+  return fmt::format("{} mass would be {:.3g} kg (density times volume); it must be in [{}, {}] kg", whose,
+                     mass, limits::min_mass, limits::max_mass);
 }
 
 std::optional<std::string> inertia_fault(const Vector3d& inertia) {
   if (inertia.minCoeff() >= limits::min_inertia && inertia.maxCoeff() <= limits::max_inertia)
     return std::nullopt;
   return fmt::format(
-      "its moment of inertia would be {:.3g} kg m^2; where bodies turn it lies in [{}, {}] kg m^2",
+      "its moment of inertia would be {:.3g} kg m^2; with rotation it must be in [{}, {}] kg m^2",
       inertia.minCoeff() < limits::min_inertia ? inertia.minCoeff() : inertia.maxCoeff(), limits::min_inertia,
       limits::max_inertia);
 }

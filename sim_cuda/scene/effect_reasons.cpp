@@ -21,23 +21,23 @@ EffectReason of_materials(const Scene& scene, double Material::*value, const cha
   for (const Material& material : scene.materials)
     if (material.*value != 0)
       return because(fmt::format("the material \"{}\" has {} {:g}", material.name, what, material.*value));
-  return not_since("no material has any");
+  return not_since("0 in all materials");
 }
 
 EffectReason of_friction(const Scene& scene) {
   EffectReason friction = of_materials(scene, &Material::friction, "friction");
   if (friction.required) return friction;
   if (of_materials(scene, &Material::rolling_resistance, "").required)
-    return because("rolling resistance needs it");
+    return because("required by rolling resistance");
   return friction;
 }
 
 EffectReason of_rotation(const Scene& scene, const InitialBodies& bodies) {
-  if (of_friction(scene).required) return because("friction turns bodies");
-  if (joints_turn_bodies(scene)) return because("a joint turns bodies");
+  if (of_friction(scene).required) return because("friction applies torques");
+  if (joints_turn_bodies(scene)) return because("a joint applies torques");
   if (std::ranges::any_of(bodies.angular_velocity, [](const Vector3d& spin) { return !spin.isZero(0); }))
-    return because("a body spins at the start");
-  return not_since("nothing spins or rubs");
+    return because("a body has an initial spin");
+  return not_since("no torques and no initial spin");
 }
 
 EffectReason of_drag(const Drag& medium) {
@@ -67,17 +67,17 @@ EffectReason called(const Scene& scene, const InitialBodies& bodies, bool Effect
                                 : because(counted(scene.joints.size(), "joint", "joints"));
   if (flag == &Effects::continuous_collision)
     return required_effects(scene, bodies).continuous_collision
-               ? because("a body starts faster than a radius in a substep")
+               ? because("a body moves more than a radius per substep")
                : not_since("all start slowly");
   if (flag == &Effects::sleeping)
-    return physics.sleep ? because(fmt::format("what is slower than {:g} m/s for {:g} s sleeps",
-                                               physics.sleep->speed, physics.sleep->time))
+    return physics.sleep ? because(fmt::format("bodies below {:g} m/s for {:g} s sleep", physics.sleep->speed,
+                                               physics.sleep->time))
                          : not_since("no \"sleep\" in the scene");
   if (flag == &Effects::guards)
-    return physics.guards ? because(fmt::format("the scene's \"guards\" {} what fails",
+    return physics.guards ? because(fmt::format("the scene's \"guards\" {} on failure",
                                                 name_of(on_failure_names, physics.guards->on_failure)))
                           : not_since("no \"guards\" in the scene");
-  return not_since("nothing calls for it");
+  return not_since("not required by the scene");
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ EffectReason effect_reason(const Scene& scene, const InitialBodies& bodies, bool
   // The same condition as in validate().
   const bool everywhere = flag == &Effects::gravity || flag == &Effects::drag || flag == &Effects::rotation ||
                           flag == &Effects::guards;
-  if (scene.physics.solver == Solver::impulse && !everywhere) reason.cannot = "impulse has none";
+  if (scene.physics.solver == Solver::impulse && !everywhere) reason.cannot = "not supported by impulse";
   return reason;
 }
 

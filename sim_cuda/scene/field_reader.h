@@ -73,7 +73,7 @@ bool read_value(Reading& reading, ObjectReader& reader, std::string_view key, co
         return true;
       }
       if (node->kind != JsonKind::number) {
-        reading.fault(*node, fmt::format("\"{}\" is \"auto\" or a number{}{}", key,
+        reading.fault(*node, fmt::format("\"{}\" must be \"auto\" or a number{}{}", key,
                                          field.unit.empty() ? "" : " in ", field.unit));
         return false;
       }
@@ -101,13 +101,13 @@ bool read_value(Reading& reading, ObjectReader& reader, std::string_view key, co
       if (!field.choices.empty() && (read == 0 || name_of(field.choices, read) == "?")) {
         std::vector<std::string_view> numbers = choice_names(field);
         std::erase(numbers, "auto");
-        reading.fault(*node, fmt::format("\"{}\" is {}", key, either_of(numbers)));
+        reading.fault(*node, fmt::format("\"{}\" must be {}", key, either_of(numbers)));
         return false;
       }
     }
     if (field.automatic == Auto::zero && field.choices.empty() &&
         !(static_cast<double>(read) >= field.low && static_cast<double>(read) <= field.high)) {
-      reading.fault(*node, fmt::format("\"{}\" is \"auto\" or a whole number from {:.0f} to {:.0f}", key,
+      reading.fault(*node, fmt::format("\"{}\" must be \"auto\" or a whole number from {:.0f} to {:.0f}", key,
                                        field.low, field.high));
       return false;
     }

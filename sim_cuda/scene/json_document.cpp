@@ -173,10 +173,8 @@ class JsonTreeBuilder {
   bool start(JsonKind kind) {
     const std::uint32_t begin = token_begin();
     if (open_.size() == JsonDocument::max_depth) {
-      fault_ =
-          JsonFault{begin, fmt::format("more than {} arrays and objects within each other; a scene needs "
-                                       "no more than 4",
-                                       JsonDocument::max_depth)};
+      fault_ = JsonFault{begin, fmt::format("more than {} nested arrays and objects; a scene needs at most 4",
+                                            JsonDocument::max_depth)};
       return false;
     }
     if (!add(kind, begin, 1)) return false;
@@ -210,7 +208,7 @@ class JsonTreeBuilder {
       if (document_.key(*members[i]) != document_.key(*members[i - 1])) continue;
       if (document_.faults_.size() > JsonDocument::max_faults) return;
       document_.faults_.push_back(
-          {members[i]->key_begin, fmt::format("the key \"{}\" stands twice in this object; keep one of them",
+          {members[i]->key_begin, fmt::format("duplicate key \"{}\" in this object; keep one of them",
                                               printable(document_.key(*members[i])))});
       document_.repeated_.push_back(members[i]->begin);
     }
@@ -241,7 +239,7 @@ std::string_view described(JsonKind kind) {
     case JsonKind::number:
       return "a number";
     case JsonKind::text:
-      return "a text";
+      return "a string";
     case JsonKind::array:
       return "a list";
     case JsonKind::object:
@@ -256,7 +254,7 @@ JsonDocument::JsonDocument(std::string text, std::string name, std::span<const J
     : text_(std::move(text)), name_(std::move(name)), aliases_(aliases) {
   if (text_.size() > max_bytes) {
     throw InputError(
-        fmt::format("{}: holds more than {} MiB, the most that is read; use a generator for so many "
+        fmt::format("{}: larger than {} MiB, the maximum size; use a generator for so many "
                     "bodies",
                     name_, max_bytes >> 20));
   }
@@ -345,7 +343,7 @@ std::vector<std::string> JsonDocument::lines(std::vector<JsonFault> faults) cons
   std::size_t line = 1, column = 1, at = text_.starts_with("\xEF\xBB\xBF") ? 3 : 0;
   for (const JsonFault& fault : faults) {
     if (result.size() == max_faults) {
-      result.push_back(fmt::format("{}: more than {} faults; the rest is not listed", name_, max_faults));
+      result.push_back(fmt::format("{}: more than {} faults; the others are not listed", name_, max_faults));
       break;
     }
     for (; at < fault.offset && at < text_.size(); ++at) {

@@ -38,10 +38,10 @@ JsonFault explain_text(std::string_view text, std::uint32_t at) {
     }
     if (c == '\n' || c == '\r') {
       return {at,
-              "this text has no closing quote on its line; end it with \", and write a line break as \\n"};
+              "this string has no closing quote on its line; end it with \", and write a line break as \\n"};
     }
     if (c < 0x20) {
-      return {i, fmt::format("a control character (byte {0}) in a text; write it as \\u{0:04x}", int{c})};
+      return {i, fmt::format("a control character (byte {0}) in a string; write it as \\u{0:04x}", int{c})};
     }
     if (c != '\\') continue;
     const std::string_view rest = text.substr(i + 1);
@@ -57,14 +57,14 @@ JsonFault explain_text(std::string_view text, std::uint32_t at) {
       }
       i += paired ? 11 : 5;
     } else if (escapes.find(rest[0]) == std::string_view::npos) {
-      return {
-          i,
-          "an unknown escape; known are \\\" \\\\ \\/ \\b \\f \\n \\r \\t and \\uXXXX (write \\\\ for \\)"};
+      return {i,
+              "unknown escape sequence; known are \\\" \\\\ \\/ \\b \\f \\n \\r \\t and \\uXXXX (write \\\\ "
+              "for \\)"};
     } else {
       ++i;
     }
   }
-  return {at, "this text has no closing quote; end it with \""};
+  return {at, "this string has no closing quote; end it with \""};
 }
 
 bool is_word_part(char c) {
@@ -85,10 +85,10 @@ std::string explain_number(std::string_view word) {
   const std::string_view digits = word.substr(word.starts_with('-') ? 1 : 0);
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (end == digits.data() + digits.size() && error == std::errc::result_out_of_range) {
-    return fmt::format("{} is beyond what a double holds; numbers lie within 1.8e308", printable(word));
+    return fmt::format("{} is out of range of a double; the maximum is 1.8e308", printable(word));
   }
   return fmt::format(
-      "\"{}\" is not a number as JSON writes it; write digits, then .digits, then e and an "
+      "\"{}\" is not a JSON number; write digits, then .digits, then e and an "
       "exponent, such as 0.5 or 1e-3 (no leading + or zeros, no bare point)",
       printable(word));
 }
@@ -125,7 +125,7 @@ class Explainer {
   JsonFault explain(const std::uint32_t end, JsonProgress last) {
     std::uint32_t at = skip_blanks(text_, end);
     if (last == JsonProgress::nothing) {
-      return at == text_.size() ? JsonFault{at, "there is nothing in here; a JSON text is an object: { ... }"}
+      return at == text_.size() ? JsonFault{at, "the document is empty; expected an object: { ... }"}
                                 : value(at, false);
     }
     if (last == JsonProgress::key) {
@@ -135,7 +135,7 @@ class Explainer {
     }
     if (open_.empty()) {
       if (stopped(at)) return stop(at);
-      return {at, "something follows after the end of the document; remove it"};
+      return {at, "unexpected text after the end of the document; remove it"};
     }
     const bool in_array = open_.back().is_array;
     if (last == JsonProgress::opened) return in_array ? value(at, false) : key(at, false);
@@ -145,7 +145,7 @@ class Explainer {
       return in_array ? value(at, true) : key(at, true);
     }
     if (text_[at] == (in_array ? '}' : ']')) {
-      return {at, fmt::format("\"{}\" closes the {} of {}; it ends with \"{}\"", text_[at],
+      return {at, fmt::format("\"{}\" cannot close the {} of {}; expected \"{}\"", text_[at],
                               in_array ? "array" : "object", line_of(text_, open_.back().begin),
                               in_array ? ']' : '}')};
     }
@@ -167,12 +167,12 @@ class Explainer {
   JsonFault stop(std::uint32_t at) const {
     if (at < text_.size()) {
       if (text_[at] == 0) return {at, "a zero byte; a scene is plain text (UTF-8)"};
-      if (text_.substr(at, 2) == "/*") return {at, "this comment is never closed; end it with */"};
+      if (text_.substr(at, 2) == "/*") return {at, "this comment is not closed; end it with */"};
       return {at, "comments start with // or stand between /* and */"};
     }
-    if (open_.empty()) return {at, "the text ends too early; a value is missing"};
+    if (open_.empty()) return {at, "unexpected end of the document; a value is missing"};
     const bool is_array = open_.back().is_array;
-    return {at, fmt::format("the text ends inside the {} that {} opens; is it cut off? close it with \"{}\"",
+    return {at, fmt::format("unexpected end of the document inside the {} opened on {}; close it with \"{}\"",
                             is_array ? "array" : "object", line_of(text_, open_.back().begin),
                             is_array ? ']' : '}')};
   }
@@ -184,7 +184,7 @@ class Explainer {
     if (c == '}' && after_comma)
       return {at, "another key must follow after a \",\"; remove the comma before \"}\""};
     if (c == ',') return {at, "a key is missing before this \",\""};
-    return {at, fmt::format("a key must stand here, in double quotes: \"name\": value; found {}",
+    return {at, fmt::format("expected a key in double quotes: \"name\": value; found {}",
                             printable(word_at(text_, at)))};
   }
 
@@ -198,7 +198,7 @@ class Explainer {
     if (c == ',' || c == ']' || c == '}' || c == ':') {
       return {at, fmt::format("a value is missing before this \"{}\"", c)};
     }
-    if (c == '\'') return {at, "text goes in double quotes: \"...\""};
+    if (c == '\'') return {at, "strings need double quotes: \"...\""};
     is_word_ = is_word_part(c);
     return {at, explain_word(word_at(text_, at))};
   }
@@ -287,9 +287,9 @@ bool is_utf8(std::string_view text, std::size_t* bad) {
 
 std::string explain_word(std::string_view word) {
   if (is_non_finite(word))
-    return fmt::format("{} is not a number that can be simulated; write a finite one", printable(word));
+    return fmt::format("{} is not a finite number; write a finite number", printable(word));
   if (begins_number(word[0])) return explain_number(word);
-  return fmt::format("{} is no JSON value; write a number, \"text\", true, false, [ ... ] or {{ ... }}",
+  return fmt::format("{} is not a JSON value; write a number, \"text\", true, false, [ ... ] or {{ ... }}",
                      printable(word));
 }
 

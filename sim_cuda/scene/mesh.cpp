@@ -97,10 +97,9 @@ class ObjReader {
       for (const std::string_view passed : {"", "vt", "vn", "o", "g", "s", "usemtl", "mtllib"}) {
         if (keyword == passed) return;
       }
-      fault_here(keyword,
-                 fmt::format("\"{}\" is not read here; a mesh is made of `v x y z` and `f i j k ...` "
-                             "(vt, vn, o, g, s, usemtl and mtllib are passed over)",
-                             printable(keyword)));
+      fault_here(keyword, fmt::format("unsupported keyword \"{}\"; a mesh consists of `v x y z` and `f i j k "
+                                      "...` (vt, vn, o, g, s, usemtl and mtllib are ignored)",
+                                      printable(keyword)));
     }
   }
 
@@ -122,15 +121,15 @@ class ObjReader {
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
       if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(x)) {
         return fault_here(
-            word, fmt::format("\"{}\" is not a number; a vertex is `v x y z`, in metres", printable(word)));
+            word, fmt::format("\"{}\" is not a number; expected `v x y z`, in metres", printable(word)));
       }
       if (std::abs(x) > limits::max_coordinate) {
-        return fault_here(word, fmt::format("{} is out of range; a coordinate lies in [-1e9, 1e9] m", x));
+        return fault_here(word, fmt::format("{} is out of range; a coordinate must be in [-1e9, 1e9] m", x));
       }
     }
-    if (count < 3) return fault_here(keyword, fmt::format("{} numbers; a vertex is `v x y z`", count));
+    if (count < 3) return fault_here(keyword, fmt::format("{} numbers; expected `v x y z`", count));
     if (count != 6 && count > 3 && value[3] != 1) {
-      return fault_here(keyword, "a vertex with a weight other than 1; give x y z alone");
+      return fault_here(keyword, "a vertex with a weight other than 1; give only x y z");
     }
     vertices_.emplace_back(value[0], value[1], value[2]);
     if (vertices_.size() > (std::size_t{1} << 30)) fault_here(keyword, "more than 2^30 vertices");
@@ -167,21 +166,24 @@ class ObjReader {
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
       const std::optional<std::uint32_t> index = corner(word);
       if (!index) {
-        return fault_here(word, fmt::format("\"{}\" names no vertex; a corner is v, v/vt, v//vn or v/vt/vn, "
-                                            "counted from 1, or from -1 backwards ({} vertices so far)",
-                                            printable(word), vertices_.size()));
+        return fault_here(word,
+                          fmt::format("\"{}\" is not a vertex index; a corner is v, v/vt, v//vn or v/vt/vn, "
+                                      "counted from 1, or from -1 backwards ({} vertices so far)",
+                                      printable(word), vertices_.size()));
       }
       const auto first = corners_.begin() + polygon.first;
       if (polygon.count == few) seen.insert(first, corners_.end());
       if (polygon.count < few ? std::find(first, corners_.end(), *index) != corners_.end()
                               : !seen.insert(*index).second) {
-        return fault_here(word, fmt::format("vertex {} twice in one face; name each once", *index + 1));
+        return fault_here(
+            word, fmt::format("vertex {} appears twice in one face; list each vertex once", *index + 1));
       }
       corners_.push_back(*index);
       ++polygon.count;
     }
     if (polygon.count < 3) {
-      return fault_here(keyword, fmt::format("a face of {} corners; it has at least three", polygon.count));
+      return fault_here(keyword,
+                        fmt::format("a face with {} corners; expected at least three", polygon.count));
     }
     polygons_.push_back(polygon);
   }
@@ -193,7 +195,8 @@ class ObjReader {
         if (index < vertices_.size()) continue;
         if (faults_.size() == max_faults) return;
         fault(polygon.line, 1,
-              fmt::format("the face names vertex {}, but there are {}", index + 1, vertices_.size()));
+              fmt::format("the face uses vertex {}, but the number of vertices is {}", index + 1,
+                          vertices_.size()));
       }
     }
   }
@@ -231,12 +234,12 @@ class ObjReader {
         // not reported: the limit is reached
       } else if (end - i == 1) {
         find(i,
-             "belongs to this face alone, so the surface is open; close it (vertices that lie in the same "
-             "place must be one vertex)");
+             "belongs only to this face, so the surface is open; close it (vertices at the same position "
+             "must be merged)");
       } else if (end - i > 2) {
-        find(i, fmt::format("belongs to {} faces; in a closed surface it belongs to two", end - i));
+        find(i, fmt::format("belongs to {} faces; in a closed surface it must belong to two", end - i));
       } else if (edges[i].from == edges[i + 1].from) {
-        find(i, fmt::format("runs the same way in the face of line {}; turn one of them over",
+        find(i, fmt::format("has the same direction in the face of line {}; reverse one of the faces",
                             edges[i + 1].line));
       }
       i = end;
@@ -262,18 +265,17 @@ Mesh parse_mesh(const std::string& text, const std::string& file, const std::str
 
   const MassProperties solid = mass_properties(mesh.vertices, mesh.faces);
   if (solid.volume < 0) {
-    throw InputError(file + ": the faces are clockwise seen from outside; turn all of them over");
+    throw InputError(file + ": the faces are clockwise seen from outside; reverse all faces");
   }
   const Vector3d moments = solid.inertia.diagonal();
   if (!(solid.volume > 0) || !(moments.minCoeff() > 0)) {
-    throw InputError(file + ": the surface encloses no volume; a body needs one to have a mass");
+    throw InputError(file + ": the surface encloses no volume; a body needs a positive volume");
   }
   const PrincipalAxes principal = principal_axes(solid.inertia);
   if (!(principal.moments.minCoeff() > 0)) {
     throw InputError(
         file +
-        ": the surface crosses itself, and about some axis its body would have no inertia; give one "
-        "that does not");
+        ": the surface intersects itself, and a moment of inertia is not positive; remove the intersections");
   }
   mesh.volume = solid.volume;
   mesh.center = solid.center;
@@ -293,7 +295,7 @@ Mesh parse_mesh(const std::string& text, const std::string& file, const std::str
   mesh.bounding_radius = std::sqrt(farthest);
   if (mesh.bounding_radius < limits::min_radius || mesh.bounding_radius > limits::max_radius) {
     throw InputError(
-        fmt::format("{}: the mesh's bounding sphere has a radius of {:.3g} m; it lies in [{}, {}] m", file,
+        fmt::format("{}: the mesh's bounding sphere has a radius of {:.3g} m; it must be in [{}, {}] m", file,
                     mesh.bounding_radius, limits::min_radius, limits::max_radius));
   }
   return mesh;

@@ -100,11 +100,11 @@ std::string unknown_name(std::string_view what, std::string_view word,
                          std::span<const std::string_view> names) {
   std::string text = fmt::format("unknown {} \"{}\"; ", what, printable(word));
   const std::string_view nearest = nearest_name(word, names);
-  if (names.empty()) return text + "there is none";
-  if (names.size() == 1) return text + fmt::format("\"{}\" is the only one", shown(names[0]));
+  if (names.empty()) return text + "none exists";
+  if (names.size() == 1) return text + fmt::format("expected \"{}\"", shown(names[0]));
   if (!nearest.empty()) text += fmt::format("did you mean \"{}\"? ", shown(nearest));
   const std::string all = names.size() > 24 ? fmt::format("there are {}", names.size()) : either_of(names);
-  if (nearest.empty()) return text + (names.size() > 24 ? all : "it is " + all);
+  if (nearest.empty()) return text + (names.size() > 24 ? all : "expected " + all);
   return text + "(" + all + ")";
 }
 

@@ -19,27 +19,27 @@ inline constexpr std::array<Named<Motion>, 3> motion_names{
      {"kinematic", Motion::kinematic, "moves with the given velocity and spin"},
      {"static", Motion::fixed, "at rest"}}};
 inline constexpr std::array<Named<OnFailure>, 2> on_failure_names{
-    {{"pause", OnFailure::pause, "the run stands before the step"},
+    {{"pause", OnFailure::pause, "the run pauses at the state before the step"},
      {"freeze", OnFailure::freeze, "the step is repeated with the body fixed"}}};
 inline constexpr std::array<Named<JointKind>, 4> joint_kind_names{
     {{"distance", JointKind::distance, "a rod, rope or strut between two points"},
      {"spring", JointKind::spring, "a spring and damper between two points"},
-     {"ball", JointKind::ball, "one point in common"},
-     {"hinge", JointKind::hinge, "one axis in common"}}};
+     {"ball", JointKind::ball, "one common point"},
+     {"hinge", JointKind::hinge, "one common axis"}}};
 
 // Options of a run: core/executor_options.h.
 inline constexpr std::array<Named<ExecutorKind>, 3> executor_names{
-    {{"auto", ExecutorKind::automatic, "CUDA if there is a device, else the CPU"},
+    {{"auto", ExecutorKind::automatic, "CUDA if a device is available, else the CPU"},
      {"cpu", ExecutorKind::cpu},
      {"cuda", ExecutorKind::cuda}}};
 inline constexpr std::array<Named<LaneOrder>, 3> lane_order_names{
-    {{"contiguous", LaneOrder::contiguous, "each lane takes one range of items"},
+    {{"contiguous", LaneOrder::contiguous, "each lane processes one range of items"},
      {"strided", LaneOrder::strided, "a test mode"},
      {"shuffled", LaneOrder::shuffled, "a test mode"}}};
 inline constexpr std::array<Named<SortMethod>, 3> sort_names{
-    {{"auto", SortMethod::automatic, "counting in cells up to 2^21 bodies, else the library"},
-     {"library", SortMethod::library, "CUB's, or the CPU's"},
-     {"radix", SortMethod::radix, "Harada and Howes 2011; its launches keep to (B, T)"}}};
+    {{"auto", SortMethod::automatic, "counting sort by cell up to 2^21 bodies, else library"},
+     {"library", SortMethod::library, "CUB radix sort, or the sort of the CPU"},
+     {"radix", SortMethod::radix, "radix sort of Harada and Howes 2011; its launches use (B, T)"}}};
 inline constexpr std::array<Named<int>, 4> key_bits_names{{{"auto", 0}, {"24", 24}, {"30", 30}, {"63", 63}}};
 
 /// An effect and its flag. The texts are Markdown.
@@ -56,17 +56,17 @@ inline constexpr auto effect_names = std::to_array<EffectName>({
      "acceleration −μ·d/(|d|² + ε²)^(3/2) by each point (Newton's law with Plummer softening)"},
     {"drag", &Effects::drag, "the medium has `viscosity`, or `density` and `coefficient`", "",
      "F = −6πη·r·v − ½ρ·C·π·r²·|v|·v; spin is not damped"},
-    {"rotation", &Effects::rotation, "a body spins at the start, a joint turns bodies, or friction", "",
-     "stores and integrates orientation and spin"},
+    {"rotation", &Effects::rotation, "a body has an initial spin, a joint applies torques, or friction is on",
+     "", "stores and integrates orientation and spin"},
     {"friction", &Effects::friction, "a material has `friction` or `rolling_resistance`",
-     "`rotation`; not `impulse`", "Coulomb's friction"},
+     "`rotation`; not `impulse`", "Coulomb friction"},
     {"rolling_resistance", &Effects::rolling_resistance, "a material has `rolling_resistance`",
      "`rotation`, `friction`; not `impulse`", "a torque against relative spin, at most c·R·N"},
-    {"joints", &Effects::joints, "the scene has `joints`", "`rotation` where they turn bodies; not `impulse`",
-     "distances, springs, balls, hinges"},
+    {"joints", &Effects::joints, "the scene has `joints`", "`rotation` if they apply torques; not `impulse`",
+     "distance, spring, ball and hinge joints"},
     {"continuous_collision", &Effects::continuous_collision,
-     "a body starts so fast that it passes the smallest radius in a substep", "not `impulse`",
-     "no two bodies pass through each other"},
+     "a body initially moves more than the smallest radius per substep", "not `impulse`",
+     "prevents tunnelling: no two bodies pass through each other"},
     {"sleeping", &Effects::sleeping, "the scene has `sleep`", "not `impulse`",
      "islands at rest are neither solved nor moved"},
     {"guards", &Effects::guards, "the scene has `guards`", "",
@@ -80,7 +80,7 @@ std::string either_of(std::span<const std::string_view> names);
 /// the length of `word`, or of 1 for short words.
 std::string_view nearest_name(std::string_view word, std::span<const std::string_view> names);
 
-/// Message for an unknown name: `unknown solver "foo"; impulse is the only one`, or `unknown variant "papr";
+/// Message for an unknown name: `unknown solver "foo"; expected "impulse"`, or `unknown variant "papr";
 /// did you mean "paper"? (paper, scaled, settled or equal)`.
 std::string unknown_name(std::string_view what, std::string_view word,
                          std::span<const std::string_view> names);

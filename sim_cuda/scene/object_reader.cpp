@@ -41,7 +41,7 @@ bool read_whole(const JsonDocument& document, const JsonNode& node, Whole& value
 ObjectReader::ObjectReader(Reading& reading, const JsonNode& node, std::string_view what)
     : reading_(reading), node_(node), what_(what), is_object_(node.kind == JsonKind::object) {
   if (!is_object_)
-    reading_.fault(node, fmt::format("{} is an object, {{ ... }}, not {}", what, described(node.kind)));
+    reading_.fault(node, fmt::format("{} must be an object, {{ ... }}, not {}", what, described(node.kind)));
 }
 
 const JsonNode* ObjectReader::member(std::string_view key) {
@@ -52,9 +52,9 @@ const JsonNode* ObjectReader::member(std::string_view key) {
 const JsonNode* ObjectReader::member(std::string_view key, JsonKind kind, std::string_view message) {
   const JsonNode* node = member(key);
   if (node == nullptr || node->kind == kind) return node;
-  reading_.fault(*node, message.empty()
-                            ? fmt::format("\"{}\" is {}, not {}", key, described(kind), described(node->kind))
-                            : std::string(message));
+  reading_.fault(*node, message.empty() ? fmt::format("\"{}\" must be {}, not {}", key, described(kind),
+                                                      described(node->kind))
+                                        : std::string(message));
   return nullptr;
 }
 
@@ -63,7 +63,7 @@ bool ObjectReader::real(std::string_view key, double& value) {
   if (node == nullptr) return false;
   const std::optional<double> number = reading_.document.number(*node);
   if (!number) {
-    reading_.fault(*node, fmt::format("{} is too near to zero for a double; write 0",
+    reading_.fault(*node, fmt::format("{} is too small for a double; write 0",
                                       printable(reading_.document.token(*node))));
     return false;
   }
@@ -75,8 +75,8 @@ bool ObjectReader::whole(std::string_view key, std::int64_t& value) {
   const JsonNode* node = member(key, JsonKind::number);
   if (node == nullptr) return false;
   if (read_whole(reading_.document, *node, value)) return true;
-  reading_.fault(
-      *node, fmt::format("\"{}\" is a whole number, not {}", key, printable(reading_.document.token(*node))));
+  reading_.fault(*node, fmt::format("\"{}\" must be a whole number, not {}", key,
+                                    printable(reading_.document.token(*node))));
   return false;
 }
 
@@ -102,8 +102,8 @@ bool ObjectReader::whole(std::string_view key, std::uint64_t& value) {
     return true;
   }
   if (!is_digits && real && *real < 0x1p64 && read_whole(reading_.document, *node, value)) return true;
-  reading_.fault(*node, fmt::format("\"{}\" is a whole number from 0 to 18446744073709551615, not {}", key,
-                                    printable(digits)));
+  reading_.fault(*node, fmt::format("\"{}\" must be a whole number from 0 to 18446744073709551615, not {}",
+                                    key, printable(digits)));
   return false;
 }
 
@@ -121,11 +121,12 @@ bool ObjectReader::text(std::string_view key, std::string& value) {
 
 const JsonNode* ObjectReader::numbers(std::string_view key, double* values, std::size_t count,
                                       std::string_view wanted) {
-  const JsonNode* node = member(key, JsonKind::array, fmt::format("\"{}\" is a list of {}", key, wanted));
+  const JsonNode* node =
+      member(key, JsonKind::array, fmt::format("\"{}\" must be a list of {}", key, wanted));
   if (node == nullptr) return nullptr;
   if (node->child_count != count) {
-    reading_.fault(*node,
-                   fmt::format("\"{}\" is a list of {}, not of {} values", key, wanted, node->child_count));
+    reading_.fault(
+        *node, fmt::format("\"{}\" must be a list of {}, not of {} values", key, wanted, node->child_count));
     return nullptr;
   }
   bool good = true;
@@ -139,10 +140,10 @@ const JsonNode* ObjectReader::numbers(std::string_view key, double* values, std:
     }
     good = false;
     reading_.fault(
-        child, child.kind == JsonKind::number
-                   ? fmt::format("{} is too near to zero for a double; write 0",
-                                 printable(reading_.document.token(child)))
-                   : fmt::format("\"{}\" is a list of {}; this is {}", key, wanted, described(child.kind)));
+        child,
+        child.kind == JsonKind::number
+            ? fmt::format("{} is too small for a double; write 0", printable(reading_.document.token(child)))
+            : fmt::format("\"{}\" must be a list of {}; this is {}", key, wanted, described(child.kind)));
   }
   return good ? node : nullptr;
 }
@@ -159,12 +160,12 @@ void ObjectReader::header(std::string_view format, std::string_view whose) {
   const JsonNode* name = member("format");
   if (name == nullptr || name->kind != JsonKind::text || document.text(*name) != format)
     reading_.fault(name == nullptr ? node_ : *name,
-                   fmt::format("{} starts with \"format\": \"{}\"", whose, format));
+                   fmt::format("{} must start with \"format\": \"{}\"", whose, format));
   const JsonNode* version = member("version");
   if (version == nullptr || version->kind != JsonKind::number || document.number(*version) != 1.0)
-    reading_.fault(version == nullptr ? node_ : *version,
-                   version == nullptr ? "\"version\" is missing; it is 1"
-                                      : "this version of the format is not known; it is 1");
+    reading_.fault(version == nullptr ? node_ : *version, version == nullptr
+                                                              ? "\"version\" is missing; expected 1"
+                                                              : "unknown version of the format; expected 1");
 }
 
 /// Whether the node is the value of a known key, under its old key.
@@ -182,7 +183,7 @@ void ObjectReader::finish() {
     if (reading_.full()) return;
     const std::string_view nearest = nearest_name(key, known_);
     reading_.fault_at_key(child, fmt::format("unknown key \"{}\" in {}; {}", printable(key), what_,
-                                             nearest.empty() ? "it has " + either_of(known_)
+                                             nearest.empty() ? "expected " + either_of(known_)
                                                              : fmt::format("did you mean \"{}\"?", nearest)));
   }
 }

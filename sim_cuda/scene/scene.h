@@ -25,23 +25,24 @@ inline constexpr std::array<Named<Precision>, 2> precision_names{
 
 enum class Solver { impulse, soft_step, jacobi_split };
 inline constexpr std::array<Named<Solver>, 3> solver_names{
-    {{"impulse", Solver::impulse, "the paper's immediate impulses; piles sink"},
-     {"soft_step", Solver::soft_step, "soft constraints in substeps, colour by colour; piles come to rest"},
+    {{"impulse", Solver::impulse, "the paper's impulses; piles sink"},
+     {"soft_step", Solver::soft_step,
+      "soft constraints with substeps, solved colour by colour; piles come to rest"},
      // Tonge, Benevolenski, Voroshilov 2012.
-     {"jacobi_split", Solver::jacobi_split, "soft_step with mass splitting: all contacts at once"}}};
+     {"jacobi_split", Solver::jacobi_split, "soft_step with mass splitting: all contacts in parallel"}}};
 
 /// Integrator of free motion in a substep: dynamics/integrators.h.
 enum class Integrator { semi_implicit_euler, velocity_verlet, rk4 };
 inline constexpr std::array<Named<Integrator>, 3> integrator_names{
-    {{"semi_implicit_euler", Integrator::semi_implicit_euler, "the paper's, first order"},
+    {{"semi_implicit_euler", Integrator::semi_implicit_euler, "the paper's integrator, first order"},
      {"velocity_verlet", Integrator::velocity_verlet, "second order"},
      {"rk4", Integrator::rk4, "fourth order"}}};
 
 enum class RotationUpdate { first_order, lie_group };
 inline constexpr std::array<Named<RotationUpdate>, 2> rotation_update_names{
-    {{"first_order", RotationUpdate::first_order, "the paper's"},
+    {{"first_order", RotationUpdate::first_order, "the paper's update"},
      {"lie_group", RotationUpdate::lie_group,
-      "second order, with rk4 fourth; free rotation keeps its energy"}}};
+      "second order, fourth order with rk4; free rotation conserves energy"}}};
 
 /// Closed container. Its six inner faces are walls of the material "default".
 struct Box {
@@ -80,9 +81,9 @@ struct Body {
 enum class Variant { paper, scaled, settled, equal };
 inline constexpr std::array<Named<Variant>, 4> variant_names{
     {{"paper", Variant::paper, "fixed box; pairs grow as N^2"},
-     {"scaled", Variant::scaled, "the box grows with N, 30 % full; pairs grow as N"},
-     {"settled", Variant::settled, "as scaled, simulated to rest before state 0; needs gravity"},
-     {"equal", Variant::equal, "as scaled, with one radius"}}};
+     {"scaled", Variant::scaled, "the box grows with N at a fill of 30 %; pairs grow as N"},
+     {"settled", Variant::settled, "like scaled, simulated to rest before state 0; needs gravity"},
+     {"equal", Variant::equal, "like scaled, with one radius"}}};
 
 /// Distribution of the radii of generated spheres.
 enum class Radii { uniform, mostly_small };
@@ -96,7 +97,7 @@ enum class Spawn { inside, centres, apart };
 inline constexpr std::array<Named<Spawn>, 3> spawn_names{
     {{"inside", Spawn::inside, "whole spheres lie within the walls"},
      {"centres", Spawn::centres, "centres lie within the walls"},
-     {"apart", Spawn::apart, "as inside, and no two overlap"}}};
+     {"apart", Spawn::apart, "like inside, without overlap"}}};
 
 /// Generator of the paper's benchmark: `count` spheres with radii uniform in (0, radius_max], or all of one
 /// radius ("equal").

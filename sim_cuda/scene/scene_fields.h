@@ -50,34 +50,32 @@ inline constexpr auto drag_fields = std::tuple{
 };
 
 inline constexpr auto attractor_fields = std::tuple{
-    detail::place<&Attractor::position>("position", "of the point"),
+    detail::place<&Attractor::position>("position", "position of the attractor"),
     detail::number<&Attractor::strength>("strength", "G·M; negative values repel", "m^3/s^2",
                                          -limits::max_strength, limits::max_strength),
     detail::number<&Attractor::softening>(
         "softening",
-        "Plummer softening; the largest pull, 0.385·strength/softening², must not exceed 10⁶ m/s²", "m",
-        limits::min_softening, limits::max_softening),
+        "Plummer softening; the largest acceleration, 0.385·strength/softening², must not exceed 10⁶ m/s²",
+        "m", limits::min_softening, limits::max_softening),
 };
 
 inline constexpr auto sleep_fields = std::tuple{
     detail::number<&Sleep::speed>(
-        "speed", "a slower body is at rest; applies to the speed of the centre and of the turning surface",
+        "speed", "a slower body is at rest; applies to the speed of the centre and of the rotating surface",
         "m/s", 0, limits::max_speed),
-    detail::number<&Sleep::time>("time", "all bodies of the island were at rest for this long", "s", 0,
-                                 limits::max_sleep_time),
+    detail::number<&Sleep::time>("time", "an island sleeps after all its bodies were at rest for this time",
+                                 "s", 0, limits::max_sleep_time),
 };
 
 inline constexpr auto guards_fields = std::tuple{
     Field<&ValidationSettings::on_failure>{
-        .key = "on_failure", .help = "what a failure does", .choices = on_failure_names},
-    detail::number<&ValidationSettings::speed>("speed", "a larger speed is a failure", "m/s", 0,
-                                               limits::max_guarded),
+        .key = "on_failure", .help = "action on failure", .choices = on_failure_names},
+    detail::number<&ValidationSettings::speed>("speed", "largest valid speed", "m/s", 0, limits::max_guarded),
     detail::number<&ValidationSettings::distance>(
-        "distance",
-        "a centre farther from the origin is a failure, and a box that reaches farther along an axis", "m", 0,
-        limits::max_guarded),
-    detail::number<&ValidationSettings::angular_speed>("angular_speed", "a larger spin is a failure", "rad/s",
-                                                       0, limits::max_guarded),
+        "distance", "largest valid distance of a centre from the origin, and of a bounding box along an axis",
+        "m", 0, limits::max_guarded),
+    detail::number<&ValidationSettings::angular_speed>("angular_speed", "largest valid angular speed",
+                                                       "rad/s", 0, limits::max_guarded),
 };
 
 inline constexpr auto body_fields = std::tuple{
@@ -89,31 +87,31 @@ inline constexpr auto body_fields = std::tuple{
                        .help = "meshes only: path of an OBJ file from the scene file's folder; closed, faces "
                                "counter-clockwise from outside",
                        .fallback = "required for a mesh"},
-    detail::place<&Body::position>("position", "of the centre of mass"),
+    detail::place<&Body::position>("position", "position of the centre of mass"),
     detail::direction<&Body::orientation>("orientation", "quaternion [w, x, y, z], normalised on reading"),
-    detail::number<&Body::velocity>("velocity", "of the centre of mass", "m/s", -limits::max_speed,
+    detail::number<&Body::velocity>("velocity", "velocity of the centre of mass", "m/s", -limits::max_speed,
                                     limits::max_speed),
-    detail::number<&Body::angular_velocity>("angular_velocity", "in world axes", "rad/s", -limits::max_spin,
-                                            limits::max_spin),
+    detail::number<&Body::angular_velocity>("angular_velocity", "angular velocity in world axes", "rad/s",
+                                            -limits::max_spin, limits::max_spin),
     detail::number<&Body::mass>("mass", "", "kg", limits::min_mass, limits::max_mass, "density × volume"),
     detail::number<&Body::inertia>("inertia",
-                                   "three principal moments; none above the sum of the others; of a mesh "
-                                   "along its principal axes, smallest first",
+                                   "three principal moments, none larger than the sum of the others; for a "
+                                   "mesh about its principal axes, smallest first",
                                    "kg m^2", limits::min_inertia, limits::max_inertia,
-                                   "⅖·m·r², or the mesh's own"),
+                                   "⅖·m·r², or the moments of the mesh"),
 };
 
 inline constexpr auto plane_fields = std::tuple{
-    detail::direction<&Plane::normal>("normal", "of a plane; normalised on reading"),
-    detail::place<&Plane::offset>("offset", "of a plane: distance from the origin along the normal"),
+    detail::direction<&Plane::normal>("normal", "planes only: normal, normalised on reading"),
+    detail::place<&Plane::offset>("offset", "planes only: distance from the origin along the normal"),
 };
 
 inline constexpr auto box_obstacle_fields = std::tuple{
-    detail::place<&BoxObstacle::center>("center", "of a box"),
-    detail::number<&BoxObstacle::size>("size", "whole edges of a box", "m", limits::min_radius,
+    detail::place<&BoxObstacle::center>("center", "boxes only: centre"),
+    detail::number<&BoxObstacle::size>("size", "boxes only: edge lengths", "m", limits::min_radius,
                                        limits::max_coordinate),
-    detail::direction<&BoxObstacle::orientation>("orientation",
-                                                 "quaternion [w, x, y, z] of a box, normalised on reading"),
+    detail::direction<&BoxObstacle::orientation>(
+        "orientation", "boxes only: quaternion [w, x, y, z], normalised on reading"),
 };
 
 inline constexpr auto joint_fields = std::tuple{
@@ -121,38 +119,39 @@ inline constexpr auto joint_fields = std::tuple{
     Field<&Joint::a>{.key = "a", .help = "id of a body; generated bodies included", .fallback = "required"},
     Field<&Joint::b>{.key = "b", .help = "id of another body, or `\"world\"`", .fallback = "required"},
     detail::place<&Joint::anchor_a>(
-        "anchor_a", "from a's centre of mass, in a's own axes (of a mesh: those of its file)"),
-    detail::place<&Joint::anchor_b>("anchor_b", "the same for b; a point in space where b is the world",
-                                    "distance, spring: b's centre, required for the world; ball, hinge: the "
-                                    "place of `anchor_a` at the start"),
-    detail::number<&Joint::length>("length", "of a distance (a rod); rest length of a spring", "m",
-                                   limits::min_radius, limits::max_coordinate, "distance at the start"),
-    detail::number<&Joint::min_length>("min_length", "of a distance, instead of `length`: a strut", "m", 0,
+        "anchor_a",
+        "offset from the centre of mass of a, in the body axes of a (of a mesh: the axes of its file)"),
+    detail::place<&Joint::anchor_b>(
+        "anchor_b", "the same for b; a world position if b is the world",
+        "distance, spring: centre of b, required for the world; ball, hinge: initial position of `anchor_a`"),
+    detail::number<&Joint::length>("length", "distance: fixed length (a rod); spring: rest length", "m",
+                                   limits::min_radius, limits::max_coordinate, "initial distance"),
+    detail::number<&Joint::min_length>("min_length",
+                                       "distance, instead of `length`: smallest length (a strut)", "m", 0,
                                        limits::max_coordinate, "no limit"),
-    detail::number<&Joint::max_length>("max_length", "of a distance, instead of `length`: a rope", "m",
-                                       limits::min_radius, limits::max_coordinate, "no limit"),
+    detail::number<&Joint::max_length>("max_length", "distance, instead of `length`: largest length (a rope)",
+                                       "m", limits::min_radius, limits::max_coordinate, "no limit"),
     detail::number<&Joint::frequency>("frequency",
-                                      "of a spring, undamped, with the effective mass of its two anchors",
+                                      "spring: undamped frequency with the effective mass of its two anchors",
                                       "Hz", limits::min_frequency, limits::max_frequency),
-    detail::number<&Joint::damping_ratio>("damping_ratio", "of a spring; 1 is critical damping", "", 0,
-                                          limits::max_damping_ratio),
-    detail::direction<&Joint::axis>("axis", "of a hinge, in a's own axes; normalised on reading"),
-    Field<&Joint::limits>{
-        .key = "limits",
-        .help = "of a hinge: [min, max] of b against a, the smaller angle first, from the pose at the start, "
-                "counter-clockwise seen from the tip of the axis",
-        .unit = "degrees",
-        .low = -180,
-        .high = 180,
-        .fallback = "turns freely"},
+    detail::number<&Joint::damping_ratio>("damping_ratio", "spring: damping ratio; 1 is critical damping", "",
+                                          0, limits::max_damping_ratio),
+    detail::direction<&Joint::axis>("axis", "hinge: axis in the body axes of a, normalised on reading"),
+    Field<&Joint::limits>{.key = "limits",
+                          .help = "hinge: [min, max] angle of b relative to a, from the initial pose, "
+                                  "counter-clockwise seen from the tip of the axis",
+                          .unit = "degrees",
+                          .low = -180,
+                          .high = 180,
+                          .fallback = "no limits"},
     Field<&Joint::collide>{.key = "collide", .help = "whether a and b collide with each other"},
 };
 
 inline constexpr auto camera_fields = std::tuple{
     detail::place<&Camera::position>("position", "", "frames the scene"),
-    detail::place<&Camera::target>("target", "the point that the camera looks at", "frames the scene"),
-    detail::number<&Camera::up>("up", "not 0, not along the line of sight", "", -limits::max_coordinate,
-                                limits::max_coordinate),
+    detail::place<&Camera::target>("target", "point that the camera looks at", "frames the scene"),
+    detail::number<&Camera::up>("up", "up direction, not 0 and not along the line of sight", "",
+                                -limits::max_coordinate, limits::max_coordinate),
     detail::number<&Camera::vertical_field_of_view>("vertical_field_of_view", "", "degrees", 1, 150),
 };
 

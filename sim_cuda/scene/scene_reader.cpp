@@ -83,12 +83,12 @@ class SceneReader {
   void read_materials(const JsonNode& node) {
     if (node.kind != JsonKind::object) {
       return reading_.fault(
-          node, fmt::format("\"materials\" is an object of names, {{\"default\": {{ ... }}}}, not {}",
+          node, fmt::format("\"materials\" must be an object of names, {{\"default\": {{ ... }}}}, not {}",
                             described(node.kind)));
     }
     if (node.child_count > limits::max_materials)
-      return reading_.fault(node, fmt::format("{} materials, and {} at most are read", node.child_count,
-                                              limits::max_materials));
+      return reading_.fault(
+          node, fmt::format("{} materials; the maximum is {}", node.child_count, limits::max_materials));
     for (const JsonNode& child : document_.children(node)) {
       const std::string_view name = document_.key(child);
       Material& material =
@@ -105,10 +105,9 @@ class SceneReader {
     if (list == nullptr) return;
     // The limit bounds memory: an entry "{}" of two bytes becomes hundreds of bytes.
     if (list->child_count > limits::max_listed)
-      return reading_.fault(*list,
-                            fmt::format("\"{}\" lists {} of them, and {} at most are read; a generator "
-                                        "makes more bodies",
-                                        key, list->child_count, limits::max_listed));
+      return reading_.fault(
+          *list, fmt::format("\"{}\" has {} entries; the maximum is {}; use a generator for more bodies", key,
+                             list->child_count, limits::max_listed));
     for (const JsonNode& child : document_.children(*list)) read(child);
   }
 
@@ -123,8 +122,7 @@ class SceneReader {
     const JsonNode* kind = reader.member("kind");
     if (reader.is_object() &&
         (kind == nullptr || kind->kind != JsonKind::text || document_.text(*kind) != "box_collider")) {
-      reading_.fault(kind == nullptr ? node : *kind,
-                     "a generator has \"kind\": \"box_collider\", the only one");
+      reading_.fault(kind == nullptr ? node : *kind, "a generator must have \"kind\": \"box_collider\"");
     }
     read_fields(reading_, reader, generator_settings, generator);
     read_material_name(reading_, reader, materials_, generator.material);
@@ -135,7 +133,7 @@ class SceneReader {
         if (value && *value == std::floor(*value) && std::abs(*value) < 0x1p53)
           generator.excluded.push_back(static_cast<std::int64_t>(*value));
         else
-          reading_.fault(number, "\"excluded\" is a list of whole numbers");
+          reading_.fault(number, "\"excluded\" must be a list of whole numbers");
       }
     reader.finish();
   }
@@ -147,7 +145,7 @@ class SceneReader {
         shape != nullptr && shape->kind == JsonKind::text ? document_.text(*shape) : "";
     if (reader.is_object() && name != "plane" && name != "box")
       reading_.fault(shape == nullptr ? node : *shape,
-                     "an obstacle has \"shape\": \"plane\" or \"shape\": \"box\"");
+                     "an obstacle must have \"shape\": \"plane\" or \"shape\": \"box\"");
     if (name == "box") {
       BoxObstacle& box = scene_.boxes.emplace_back();
       box_places_.push_back(obstacle_count_++);
@@ -168,22 +166,22 @@ class SceneReader {
     ObjectReader reader(reading_, node, "a joint");
     if (!reader.choice("kind", joint_kind_names, joint.kind) && reader.is_object() &&
         document_.find(node, "kind") == nullptr)
-      reading_.fault(node, "a joint has a \"kind\": distance, spring, ball or hinge");
+      reading_.fault(node, "a joint must have a \"kind\": distance, spring, ball or hinge");
     if (!reader.whole("a", joint.a) && reader.is_object() && document_.find(node, "a") == nullptr)
-      reading_.fault(node, "a joint's \"a\" is the id of a body");
+      reading_.fault(node, "a joint's \"a\" must be the id of a body");
     const JsonNode* b = reader.member("b");
     if (std::int64_t id = 0; b != nullptr && b->kind == JsonKind::number && reader.whole("b", id))
       joint.b = id;
     else if (b == nullptr ||
              (b->kind != JsonKind::number && (b->kind != JsonKind::text || document_.text(*b) != "world")))
-      reading_.fault(b == nullptr ? node : *b, "a joint's \"b\" is the id of a body or \"world\"");
+      reading_.fault(b == nullptr ? node : *b, "a joint's \"b\" must be the id of a body or \"world\"");
     reader.vector("anchor_a", joint.anchor_a);
     Vector3d place(0, 0, 0);
     if (reader.vector("anchor_b", place)) joint.anchor_b = place;
     const auto number = [&](std::string_view key, bool has, std::string_view whose, auto& value) {
       if (double read = 0; has && reader.real(key, read)) value = read;
       if (const JsonNode* stray = has ? nullptr : reader.member(key))
-        reading_.fault_at_key(*stray, fmt::format("\"{}\" is of {} alone", key, whose));
+        reading_.fault_at_key(*stray, fmt::format("\"{}\" is valid only for {}", key, whose));
     };
     const bool spring = joint.kind == JointKind::spring, distance = joint.kind == JointKind::distance;
     number("length", distance || spring, "distances and springs", joint.length);
@@ -196,7 +194,7 @@ class SceneReader {
     else
       for (const char* key : {"axis", "limits"})
         if (const JsonNode* stray = reader.member(key))
-          reading_.fault_at_key(*stray, fmt::format("\"{}\" is of hinges alone", key));
+          reading_.fault_at_key(*stray, fmt::format("\"{}\" is valid only for hinges", key));
     reader.truth("collide", joint.collide);
     reader.finish();
   }
@@ -204,7 +202,7 @@ class SceneReader {
   void read_hinge(ObjectReader& reader, Joint& joint) {
     read_direction(reader, "axis", joint.axis);
     double ends[2];
-    if (reader.numbers("limits", ends, 2, "two angles in degrees, [least, most]") != nullptr)
+    if (reader.numbers("limits", ends, 2, "two angles in degrees, [min, max]") != nullptr)
       joint.limits = {ends[0], ends[1]};
   }
 

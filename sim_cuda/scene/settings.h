@@ -36,8 +36,7 @@ inline constexpr auto physics_settings = std::tuple{
                                .live = Live::new_world},
     Field<&Physics::substeps>{
         .key = "substeps",
-        .help =
-            "equal parts of a step; auto: 1 with impulse, else 4, or more (up to 64) where joints need it",
+        .help = "equal parts of a step; auto: 1 with impulse, else 4, or up to 64 if joints need more",
         .low = 1,
         .high = limits::max_substeps,
         .automatic = Auto::unset,
@@ -59,7 +58,7 @@ inline constexpr auto physics_settings = std::tuple{
                             .for_stability = true},
     Field<&Physics::integrator>{
         .key = "integrator",
-        .help = "integration of bodies without contacts; bodies with contacts use the first",
+        .help = "integrator of bodies without contacts; bodies with contacts use semi_implicit_euler",
         .choices = integrator_names,
         .placeholder = "NAME",
         .live = Live::new_world},
@@ -76,13 +75,13 @@ inline constexpr auto physics_settings = std::tuple{
                                .live = Live::new_world,
                                .for_stability = true},
     Field<&Physics::effects>{.key = "effects",
-                             .help = "effects that are on; auto: those that the scene needs",
+                             .help = "enabled effects; auto: those that the scene requires",
                              .automatic = Auto::unset,
                              .placeholder = "LIST",
                              .live = Live::new_world},
     Field<&Physics::restitution_threshold>{
         .key = "restitution_threshold",
-        .help = "slower approaches do not bounce; auto: 2 |gravity| time_step / substeps",
+        .help = "contacts with a lower approach speed do not bounce; auto: 2 |gravity| time_step / substeps",
         .unit = "m/s",
         .low = 0,
         .high = limits::max_speed,
@@ -108,18 +107,18 @@ inline constexpr auto material_settings = std::tuple{
                                   .live = Live::new_world},
     Field<&Material::friction>{
         .key = "friction",
-        .help = "Coulomb's coefficient; a pair uses the geometric mean; not with impulse",
+        .help = "Coulomb friction coefficient; a pair uses the geometric mean; not with impulse",
         .low = 0,
         .high = limits::max_friction,
         .placeholder = "MU",
         .live = Live::new_world},
-    Field<&Material::rolling_resistance>{
-        .key = "rolling_resistance",
-        .help = "lever arm of the normal force over the radius; a pair uses the larger one; not with impulse",
-        .low = 0,
-        .high = limits::max_rolling_resistance,
-        .placeholder = "C",
-        .live = Live::new_world},
+    Field<&Material::rolling_resistance>{.key = "rolling_resistance",
+                                         .help = "lever arm of the normal force divided by the radius; a "
+                                                 "pair uses the larger one; not with impulse",
+                                         .low = 0,
+                                         .high = limits::max_rolling_resistance,
+                                         .placeholder = "C",
+                                         .live = Live::new_world},
 };
 
 /// Settings of each generator. Flags and panels set a scene's only generator.
@@ -159,21 +158,20 @@ inline constexpr auto generator_settings = std::tuple{
                                .live = Live::restart},
     Field<&BoxCollider::seed>{
         .key = "seed", .help = "seed of the generator", .placeholder = "S", .live = Live::restart},
-    Field<&BoxCollider::speed_max>{
-        .key = "speed_max",
-        .help = "each component of a velocity is uniform in [-speed_max, speed_max)",
-        .unit = "m/s",
-        .low = 0,
-        .high = limits::max_speed,
-        .placeholder = "V",
-        .live = Live::restart},
+    Field<&BoxCollider::speed_max>{.key = "speed_max",
+                                   .help = "each velocity component is uniform in [-speed_max, speed_max)",
+                                   .unit = "m/s",
+                                   .low = 0,
+                                   .high = limits::max_speed,
+                                   .placeholder = "V",
+                                   .live = Live::restart},
 };
 
 /// Settings of a run. They do not affect the state.
 inline constexpr auto shape_settings = std::tuple{
     Field<&LaunchShape::blocks>{
         .key = "blocks",
-        .help = "blocks of a launch: exactly B*T threads (lanes of the CPU) share each stage",
+        .help = "blocks per launch: exactly B*T threads (lanes on the CPU) process each stage",
         .low = 1,
         .high = limits::max_blocks,
         .automatic = Auto::zero,
@@ -182,7 +180,7 @@ inline constexpr auto shape_settings = std::tuple{
         .live = Live::in_place,
         .slider_high = 65536},
     Field<&LaunchShape::threads>{.key = "threads",
-                                 .help = "threads of a block",
+                                 .help = "threads per block",
                                  .low = 1,
                                  .high = limits::max_threads,
                                  .automatic = Auto::zero,
@@ -193,49 +191,50 @@ inline constexpr auto shape_settings = std::tuple{
 };
 inline constexpr auto run_settings = std::tuple{
     Field<&RunOptions::broad_phase>{.key = "broad_phase",
-                                    .help = "how pairs are found",
+                                    .help = "method that finds pairs of overlapping boxes",
                                     .words = broad_phase_names,
                                     .label = "broad phase",
                                     .placeholder = "NAME",
                                     .live = Live::new_world},
-    Field<&RunOptions::initial_pair_capacity>{.key = "initial_pair_capacity",
-                                              .help = "pairs that fit at the start, or auto; the list grows",
-                                              .low = 1,
-                                              .high = 0x1p40,
-                                              .automatic = Auto::zero},
+    Field<&RunOptions::initial_pair_capacity>{
+        .key = "initial_pair_capacity",
+        .help = "initial capacity of the pair list in pairs, or auto; the list grows if needed",
+        .low = 1,
+        .high = 0x1p40,
+        .automatic = Auto::zero},
 };
 inline constexpr auto executor_settings = std::tuple{
     Field<&ExecutorOptions::executor>{.key = "executor",
-                                      .help = "where the stages run",
+                                      .help = "device that runs the stages",
                                       .choices = executor_names,
                                       .placeholder = "NAME",
                                       .for_stability = true},
     Field<&ExecutorOptions::gpu>{.key = "gpu",
-                                 .help = "CUDA's number of the device",
+                                 .help = "CUDA device number",
                                  .low = 0,
                                  .high = 1023,
                                  .placeholder = "I",
                                  .for_stability = true},
     Field<&ExecutorOptions::cpu_threads>{.key = "cpu_threads",
-                                         .help = "threads of the CPU that run the B*T lanes",
+                                         .help = "CPU threads that run the B*T lanes",
                                          .low = 1,
                                          .high = 1024,
                                          .automatic = Auto::zero},
     Field<&ExecutorOptions::lane_order>{.key = "lane_order",
-                                        .help = "which items a lane of the CPU takes",
+                                        .help = "assignment of items to the lanes of the CPU",
                                         .choices = lane_order_names,
                                         .placeholder = "NAME"},
     Field<&ExecutorOptions::key_bits>{.key = "key_bits",
-                                      .help = "bits of a Morton key; auto: more where bodies crowd",
+                                      .help = "bits of a Morton key; auto: more for crowded scenes",
                                       .automatic = Auto::zero,
                                       .choices = key_bits_names,
                                       .placeholder = "K"},
     Field<&ExecutorOptions::sort>{
-        .key = "sort", .help = "how keys are sorted", .choices = sort_names, .placeholder = "NAME"},
+        .key = "sort", .help = "sort method for keys", .choices = sort_names, .placeholder = "NAME"},
     Field<&ExecutorOptions::memory_limit>{
         .key = "memory_limit",
-        .help = "maximum memory of the device; auto: all that is available; a run that needs more ends with "
-                "the number of bytes, and nothing is lost",
+        .help = "maximum device memory; auto: all available memory; a run that needs more stops without loss "
+                "of data and reports the number of bytes",
         .unit = "bytes",
         .low = 1,
         .high = 0x1p50,

@@ -20,7 +20,7 @@ std::string read_bounded(const std::string& file, std::size_t limit, const std::
     return InputError(fmt::format("{}: {}; give the path of {}", file, what, wanted));
   };
   const auto too_large = [&] {
-    return refuse(fmt::format("holds more than {} MiB, the most that is read", limit >> 20));
+    return refuse(fmt::format("larger than {} MiB, the maximum size", limit >> 20));
   };
   std::error_code ignored;
   std::string text;

@@ -98,7 +98,7 @@ class Validator {
       return false;
     }
     if (value != 0 && std::abs(value) < limits::smallest_normal) {
-      fault(path, "must be 0 or at least 1.2e-38 in size, which a float holds");
+      fault(path, "must be 0 or at least 1.2e-38 in magnitude, the smallest normal float");
       return false;
     }
     return true;
@@ -175,15 +175,15 @@ class Validator {
     check_attractors(physics);
     if (physics.effects && physics.effects->friction) {
       if (physics.solver == Solver::impulse)
-        fault(root.at("effects"), "must not hold friction with the solver impulse (soft_step has it)");
+        fault(root.at("effects"), "must not contain friction with the solver impulse (use soft_step)");
       if (!physics.effects->rotation)
-        fault(root.at("effects"), "must hold rotation where they hold friction, which turns bodies");
+        fault(root.at("effects"), "must contain rotation if they contain friction, which applies torques");
     }
     if (physics.effects && physics.effects->continuous_collision && physics.solver == Solver::impulse)
       fault(root.at("effects"),
-            "must not hold continuous_collision with the solver impulse (soft_step has it)");
+            "must not contain continuous_collision with the solver impulse (use soft_step)");
     if (physics.effects && physics.effects->rolling_resistance && !physics.effects->friction)
-      fault(root.at("effects"), "must hold friction where they hold rolling_resistance");
+      fault(root.at("effects"), "must contain friction if they contain rolling_resistance");
     check_sleep(physics);
     if (physics.guards) check_all(Path{"guards"}, guards_fields, *physics.guards);
   }
@@ -191,14 +191,13 @@ class Validator {
   void check_sleep(const Physics& physics) {
     const Path root, path{"sleep"};
     if (physics.effects && physics.effects->sleeping && !physics.sleep)
-      fault(root.at("effects"), "must not hold sleeping without \"sleep\", which says when");
+      fault(root.at("effects"), "must not contain sleeping without \"sleep\", which sets its limits");
     if (!physics.sleep) return;
     check_all(path, sleep_fields, *physics.sleep);
     if (physics.solver == Solver::impulse && (!physics.effects || physics.effects->sleeping))
-      fault(
-          root.at("sleep"),
-          "must be left out with the solver impulse, unless a list of effects leaves sleeping out (soft_step "
-          "has it)");
+      fault(root.at("sleep"),
+            "must be removed with the solver impulse (use soft_step), unless the scene has a list of effects "
+            "without sleeping");
   }
 
   void check_attractors(const Physics& physics) {
@@ -206,7 +205,7 @@ class Validator {
     if (physics.solver == Solver::impulse &&
         (physics.effects ? physics.effects->attractor : !physics.attractors.empty())) {
       fault(physics.effects ? Path{}.at("effects") : list,
-            "must not hold attractors with the solver impulse (soft_step has them)");
+            "must not contain attractors with the solver impulse (use soft_step)");
     }
     if (physics.attractors.size() > limits::max_attractors)
       fault(list, fmt::format("must be at most {} attractors", limits::max_attractors));
@@ -215,8 +214,8 @@ class Validator {
       const Path path{"attractors", static_cast<std::int64_t>(i)};
       if (check_all(path, attractor_fields, a) && max_field(a) > limits::max_gravity)
         fault(path.at("softening"),
-              fmt::format("must be more: the pull would come to {:.3g} m/s^2, beyond {:g}", max_field(a),
-                          limits::max_gravity));
+              fmt::format("must be larger: the acceleration would reach {:.3g} m/s^2, above {:g}",
+                          max_field(a), limits::max_gravity));
     }
   }
 
@@ -237,17 +236,17 @@ class Validator {
                           "and control characters",
                           limits::max_name_length));
       }
-      if (!names.insert(m.name).second) fault(path, "two materials must not have one name");
+      if (!names.insert(m.name).second) fault(path, "two materials must not have the same name");
       const bool good = check_all(path, material_settings, m);
       if (good && m.friction != 0 && !scene_.physics.effects && scene_.physics.solver == Solver::impulse)
         fault(path.at("friction"),
-              "must be 0 with the solver impulse, unless a list of effects leaves friction out (soft_step "
-              "has it)");
+              "must be 0 with the solver impulse (use soft_step), unless the scene has a list of effects "
+              "without friction");
       if (good && m.rolling_resistance != 0 && !scene_.physics.effects &&
           scene_.physics.solver == Solver::impulse)
         fault(path.at("rolling_resistance"),
-              "must be 0 with the solver impulse, unless a list of effects leaves rolling_resistance out "
-              "(soft_step has it)");
+              "must be 0 with the solver impulse (use soft_step), unless the scene has a list of effects "
+              "without rolling_resistance");
     }
   }
 
@@ -279,7 +278,7 @@ class Validator {
     material(path, body.material);
     if (body.motion == Motion::fixed && !(body.velocity.isZero(0) && body.angular_velocity.isZero(0)))
       fault(path.at("motion"),
-            "must be kinematic or dynamic where a velocity is given; static bodies have none");
+            "must be kinematic or dynamic if a velocity is given; static bodies have no velocity");
   }
 
   /// Density of a material. Unset if the density or the index is invalid.
@@ -308,7 +307,7 @@ class Validator {
       // Equality is valid (a flat plate); the tolerance covers rounding.
       const double others = inertia[(axis + 1) % 3] + inertia[(axis + 2) % 3];
       if (inertia[axis] > others * (1 + 1e-12)) {
-        fault(path.at(axis), "must not exceed the sum of the other two moments; no body has such an inertia");
+        fault(path.at(axis), "must not exceed the sum of the other two moments, as for every rigid body");
       }
     }
   }
@@ -342,22 +341,23 @@ class Validator {
       const Physics& physics = scene_.physics;
       if (g.variant == Variant::settled &&
           (physics.gravity.isZero(0) || (physics.effects && !physics.effects->gravity)))
-        fault(path.at("variant"), "must not be settled without gravity: nothing would come to rest");
+        fault(path.at("variant"), "must not be settled without gravity: no body would come to rest");
       material(path, g.material);
       if (good_count) {
         total += g.count;
         if (total > limits::max_bodies) {
-          fault(path.at("count"), fmt::format("must leave at most {} bodies in all", limits::max_bodies));
+          fault(path.at("count"), fmt::format("must give at most {} bodies in total", limits::max_bodies));
           total = 0;
         }
       }
       if (good_count) check_without(g, path.at("excluded"));
       if (g.variant != Variant::paper && ++scaled > 1) {
-        fault(path.at("variant"),
-              "must be paper in all generators but one: \"scaled\", \"settled\" and \"equal\" set the box");
+        fault(
+            path.at("variant"),
+            "must be paper in all generators except one: \"scaled\", \"settled\" and \"equal\" set the box");
       }
       if (!scene_.box) {
-        fault(path, "needs a \"box\" to put its spheres in");
+        fault(path, "needs a \"box\" for its spheres");
       } else if (box_is_good_ && good_count && good_radius) {
         check_room(g, path);
       }
@@ -372,8 +372,7 @@ class Validator {
     for (std::size_t k = 0; k < g.excluded.size(); ++k)
       if (g.excluded[k] < 0 || g.excluded[k] >= g.count || (k > 0 && g.excluded[k] <= g.excluded[k - 1])) {
         fault(path.at(static_cast<int>(k)),
-              fmt::format("must be the number of one of its {} bodies, from 0, more than the one before it",
-                          g.count));
+              fmt::format("must be the index of one of its {} bodies, from 0, in ascending order", g.count));
         return;
       }
   }
@@ -381,7 +380,7 @@ class Validator {
   void check_room(const BoxCollider& g, const Path& path) {
     const Box box = box_in_effect(scene_).value();
     if (g.variant != Variant::paper && !(box.max.cwiseAbs().maxCoeff() <= limits::max_coordinate)) {
-      fault(path.at("count"), fmt::format("must be less: the box would reach to {:g} m, beyond {:g} m",
+      fault(path.at("count"), fmt::format("must be smaller: the box would extend to {:g} m, beyond {:g} m",
                                           box.max.maxCoeff(), limits::max_coordinate));
       return;
     }
@@ -407,12 +406,11 @@ class Validator {
     const bool on = !effects || effects->joints;
     if (on && scene_.physics.solver == Solver::impulse)
       fault(root,
-            "must be none with the solver impulse, unless a list of effects leaves joints out (soft_step "
-            "has them)");
+            "must be empty with the solver impulse (use soft_step), unless the scene has a list of effects "
+            "without joints");
     if (on && effects && !effects->rotation && joints_turn_bodies(scene_))
-      fault(
-          {"", -1, "effects"},
-          "must hold rotation where they hold joints that turn bodies: hinges, and anchors beside a centre");
+      fault({"", -1, "effects"},
+            "must contain rotation if joints apply torques: hinges, and anchors away from a centre");
     if (scene_.joints.size() > static_cast<std::size_t>(limits::max_joints))
       fault(root, fmt::format("must be at most {} joints", limits::max_joints));
     std::int64_t bodies = static_cast<std::int64_t>(scene_.bodies.size() + scene_.extra_bodies.size());
@@ -440,7 +438,7 @@ class Validator {
         });
     body("a", joint.a);
     if (joint.b) body("b", *joint.b);
-    if (joint.b && *joint.b == joint.a) fault(path.at("b"), "must be another body than a, or \"world\"");
+    if (joint.b && *joint.b == joint.a) fault(path.at("b"), "must be a body other than a, or \"world\"");
     if (joint.kind == JointKind::distance || joint.kind == JointKind::spring)
       check_lengths(joint, path, good);
     if (joint.kind != JointKind::hinge) return;
@@ -456,16 +454,16 @@ class Validator {
   }
 
   void check_lengths(const Joint& joint, const Path& path, bool good) {
-    if (!joint.b && !joint.anchor_b) fault(path.at("anchor_b"), "must say where in the world");
+    if (!joint.b && !joint.anchor_b) fault(path.at("anchor_b"), "must be given for a joint to the world");
     if (joint.length && (joint.min_length || joint.max_length))
-      fault(path.at("length"), "must not stand beside min_length or max_length");
+      fault(path.at("length"), "must not be given with min_length or max_length");
     if (good && joint.min_length && joint.max_length && *joint.min_length > *joint.max_length)
       fault(path.at("max_length"), "must be at least min_length");
   }
 
   void check_box_obstacle(const BoxObstacle& box, const Path& path) {
     if (scene_.physics.solver == Solver::impulse)
-      fault(path.at("shape"), "must be plane with the solver impulse (soft_step has boxes)");
+      fault(path.at("shape"), "must be plane with the solver impulse (boxes need soft_step)");
     check_all(path, box_obstacle_fields, box);
     if (!is_unit(box.orientation.squaredNorm()))
       fault(path.at("orientation"), "must be a quaternion of length 1 and of finite numbers");

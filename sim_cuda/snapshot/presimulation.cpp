@@ -97,7 +97,7 @@ std::optional<RunState> cached(const std::filesystem::path& file, const Scene& i
         kept.bodies_hash == hash_of_bodies(initial_bodies(inner)))
       return std::move(kept.state);
   } catch (const InputError& error) {
-    log_presimulation(std::string(error.what()) + "; it is made anew");
+    log_presimulation(std::string(error.what()) + "; the presimulation is computed again");
   }
   return std::nullopt;
 }
@@ -109,7 +109,7 @@ void keep(const std::filesystem::path& file, const Snapshot& snapshot) {
     write_snapshot(snapshot, [&](std::string_view more) { bytes += more; });
     write_file_atomically(file.string(), bytes);
   } catch (const std::exception& error) {
-    log_presimulation(fmt::format("what settled is not kept for the next start: {}", error.what()));
+    log_presimulation(fmt::format("the presimulation is not cached: {}", error.what()));
   }
 }
 
@@ -161,7 +161,7 @@ struct Presimulation::Impl {
     }
     if (!rests)
       log_presimulation(fmt::format(
-          "not at rest after {} steps: a kinetic energy of {:.3g} J is left, {:.3g} J counts as rest",
+          "not at rest after {} steps: the kinetic energy is {:.3g} J, the limit of rest is {:.3g} J",
           max_steps, energy, at_rest));
     if (presimulation_callbacks().progress) presimulation_callbacks().progress(max_steps, max_steps);
     Snapshot snapshot = snapshot_of(*world);

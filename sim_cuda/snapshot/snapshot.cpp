@@ -21,10 +21,11 @@
 namespace collidoscope {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "files are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "files contain values in little-endian byte order, as in memory");
 static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(StaticImpulse) == 40 &&
               sizeof(ContactImpulse) == 16 && sizeof(WarmStartJoint) == 72);
-static_assert(sizeof(WarmStart) == 8 * sizeof(std::vector<int>), "what is new belongs into visit(), too");
+static_assert(sizeof(WarmStart) == 8 * sizeof(std::vector<int>), "visit() must cover all members");
 
 constexpr std::size_t word = 8;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
@@ -130,8 +131,9 @@ class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {
     std::error_code failed;
-    if (std::filesystem::is_directory(file, failed)) refuse("is a folder; a snapshot is a file");
-    if (std::filesystem::is_fifo(file, failed)) refuse("is a pipe; a snapshot is a file, and is read twice");
+    if (std::filesystem::is_directory(file, failed)) refuse("is a folder; expected a snapshot file");
+    if (std::filesystem::is_fifo(file, failed))
+      refuse("is a pipe; expected a regular file, because a snapshot is read twice");
     errno = 0;
     stream_.reset(std::fopen(file.c_str(), "rb"));
     if (!stream_)
@@ -166,7 +168,7 @@ class Reader {
   }
   std::uint32_t version() const { return version_; }
   void end() {
-    if (left_ != 0) damaged(fmt::format("{} of its bytes belong to nothing", left_));
+    if (left_ != 0) damaged(fmt::format("{} bytes are unused", left_));
     std::uint64_t hash = 0;
     read(&hash, word);
     if (hash != fingerprint_.value()) refuse("was changed while it was read; try again");
@@ -180,13 +182,13 @@ class Reader {
     Header header;
     const std::size_t got = std::fread(&header, 1, sizeof header, stream_.get());
     if (got < sizeof header || std::memcmp(header.kind, expected.kind, sizeof header.kind) != 0)
-      refuse(std::string("is no snapshot; ") + what_writes_one);
+      refuse(std::string("is not a snapshot; ") + what_writes_one);
     if (header.byte_order != expected.byte_order)
-      refuse("was written by a machine of the other byte order, which this one cannot read");
+      refuse("has the byte order of another machine; expected little-endian");
     if (header.version < oldest_snapshot_version || header.version > expected.version)
       refuse(fmt::format("is a snapshot of version {}; this program reads versions {} to {}{}",
                          header.version, oldest_snapshot_version, expected.version,
-                         header.version > expected.version ? ": a newer one can" : ": save it anew"));
+                         header.version > expected.version ? ": use a newer version" : ": save it again"));
     version_ = header.version;
     std::error_code failed;
     const std::uintmax_t bytes = std::filesystem::file_size(file_, failed);
@@ -208,14 +210,14 @@ class Reader {
     }
     std::uint64_t hash = 0;
     read(&hash, word);
-    if (hash != fingerprint.value()) damaged("its contents are not those it was saved with");
+    if (hash != fingerprint.value()) damaged("the checksum does not match the contents");
   }
 
   /// Reads the length of a list with items of `item_bytes`. Fails if it exceeds the rest of the file.
   std::size_t length(std::size_t item_bytes) {
     std::uint64_t items = 0;
     number(items);
-    if (items > left_ / item_bytes) damaged("a list in it is longer than the file");
+    if (items > left_ / item_bytes) damaged("a list is longer than the file");
     return static_cast<std::size_t>(items);
   }
   void piece(void* data, std::size_t bytes) {
@@ -237,7 +239,7 @@ class Reader {
              (std::ferror(stream_.get()) ? " (" + std::generic_category().message(errno) + ")" : ""));
   }
   void seek(long to) {
-    if (std::fseek(stream_.get(), to, SEEK_SET) != 0) refuse("cannot be read twice; a snapshot is a file");
+    if (std::fseek(stream_.get(), to, SEEK_SET) != 0) refuse("cannot be read twice; expected a regular file");
   }
 
   std::string file_;
@@ -311,7 +313,7 @@ Snapshot read_snapshot(const std::string& file) {
     reader.end();
     if (reader.version() < 3 && snapshot.state.steps > 0)
       snapshot.state.time = std::numeric_limits<double>::quiet_NaN();
-    if (!fits(snapshot.state)) reader.damaged("its lists do not fit together");
+    if (!fits(snapshot.state)) reader.damaged("its lists have inconsistent lengths");
     snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
     // Recomputed, since another version may have formatted the scene's text differently.
     snapshot.state.settings = settings_hash(snapshot.scene);

@@ -18,8 +18,7 @@ World world_from(const Snapshot& snapshot, const Scene& scene, const RunOptions&
   if (write_scene(scene) == write_scene(snapshot.scene) &&
       hash_of_bodies(world.initial()) != snapshot.bodies_hash)
     throw InputError(scene.file +
-                     ": the bodies of its scene are not those that it was saved with: has the file of a mesh "
-                     "changed?");
+                     ": the bodies of its scene differ from those at saving; a mesh file may have changed");
   return world;
 }
 

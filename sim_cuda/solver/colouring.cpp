@@ -167,7 +167,7 @@ struct ProposeInRounds {
     }
   }
 };
-static_assert(Colouring::colours == 32, "one bit of a word per colour");
+static_assert(Colouring::colours == 32, "a 32-bit word has one bit per colour");
 
 /// Finds the start of each colour in the sorted keys, by lower bound.
 struct FindColours {
@@ -200,9 +200,9 @@ Colouring::Colouring(Executor& executor, bool enabled)
     : executor_(executor),
       enabled_(enabled),
       degrees_(executor),
-      proposals_(executor, "colouring bids"),
-      coloured_(executor, "colours of bodies"),
-      pending_(executor, "colouring rounds"),
+      proposals_(executor, "colouring proposals"),
+      coloured_(executor, "body colours"),
+      pending_(executor, "colouring state"),
       colour_(executor, "contact colours"),
       sorted_colour_(executor, "sorted contact colours"),
       contact_(executor, "contact numbers"),

@@ -10,11 +10,11 @@ template <class Real>
 ContactCache<Real>::ContactCache(Executor& executor, std::int64_t body_count, bool with_friction)
     : body_count_(body_count),
       with_friction_(with_friction),
-      previous_contacts_(executor, "contacts of the last step"),
-      previous_first_(executor, "first contacts of the last step"),
-      previous_impulse_(executor, "impulses of the last step"),
-      previous_friction_(executor, "friction of the last step"),
-      previous_count_(executor, "number of contacts of the last step") {
+      previous_contacts_(executor, "previous contacts"),
+      previous_first_(executor, "first previous contacts"),
+      previous_impulse_(executor, "previous impulses"),
+      previous_friction_(executor, "previous friction"),
+      previous_count_(executor, "previous contact count") {
   previous_count_.upload({0});
   previous_first_.upload(std::vector<std::uint32_t>(static_cast<std::size_t>(body_count), 0));
 }

@@ -44,9 +44,9 @@ struct PlaceEntries {
 
 ContactDegrees::ContactDegrees(Executor& executor)
     : executor_(executor),
-      items_(executor, "size of lists by body"),
-      count_(executor, "listed contacts per body"),
-      begin_(executor, "starts of lists by body") {}
+      items_(executor, "size of contact lists by body"),
+      count_(executor, "contact list sizes"),
+      begin_(executor, "contact list starts") {}
 
 void ContactDegrees::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   bodies_ = bodies;

@@ -28,9 +28,9 @@ template <class Real>
 ContactImpulses<Real>::ContactImpulses(Executor& executor)
     : executor_(executor),
       impulse_(executor, "contact impulses"),
-      kept_contacts_(executor, "contacts of the last step"),
-      kept_impulse_(executor, "impulses of the last step"),
-      kept_count_(executor, "number of contacts of the last step") {}
+      kept_contacts_(executor, "previous contacts"),
+      kept_impulse_(executor, "previous impulses"),
+      kept_count_(executor, "previous contact count") {}
 
 template <class Real>
 void ContactImpulses<Real>::enable(bool on) {

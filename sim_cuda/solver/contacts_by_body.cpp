@@ -57,7 +57,7 @@ struct SortLists {
 
 ContactsByBody::ContactsByBody(Executor& executor)
     : executor_(executor),
-      filled_(executor, "listed contacts filled"),
+      filled_(executor, "contact list fill counts"),
       entry_(executor, "contacts by body") {}
 
 void ContactsByBody::reserve(std::int64_t bodies, std::int64_t contact_capacity) {

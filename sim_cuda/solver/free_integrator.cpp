@@ -108,8 +108,8 @@ template <class Real>
 FreeIntegrator<Real>::FreeIntegrator(Executor& executor, const SolverScene<Real>& scene)
     : executor_(executor),
       scene_(scene),
-      before_(executor, "velocities at the start of a substep"),
-      drift_velocity_(executor, "velocities of ways") {
+      before_(executor, "velocities at substep start"),
+      drift_velocity_(executor, "drift velocities") {
   if (!uses_higher_order()) return;
   before_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   drift_velocity_.resize_discarding(static_cast<std::size_t>(scene.body_count));

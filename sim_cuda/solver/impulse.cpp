@@ -155,7 +155,7 @@ ImpulseSolver<Real>::ImpulseSolver(Executor& executor, const SolverScene<Real>& 
       uncoloured_degrees_(executor),
       uncoloured_(executor),
       uncoloured_impulse_(executor, "split impulses"),
-      uncoloured_correction_(executor, "split pushes"),
+      uncoloured_correction_(executor, "split position corrections"),
       kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
       free_integrator_(executor, scene),
       residuals_(executor) {}

@@ -191,10 +191,10 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
       h_(h),
       control_(control),
       rows_(executor, "joints"),
-      impulses_(executor, "impulses of joints"),
-      begin_(executor, "colours of joints"),
-      excluded_pairs_(executor, "pairs that joints hold apart"),
-      sums_(executor, "sums over joints") {
+      impulses_(executor, "joint impulses"),
+      begin_(executor, "joint colour starts"),
+      excluded_pairs_(executor, "pairs excluded by joints"),
+      sums_(executor, "joint sums") {
   if (joints.empty()) return;
   std::vector<bool> moves(initial.size(), true);
   for (std::size_t body = 0; body < initial.motion.size(); ++body)

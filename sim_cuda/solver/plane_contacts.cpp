@@ -10,14 +10,14 @@ namespace collidoscope {
 template <class Real>
 PlaneContacts<Real>::PlaneContacts(Executor& executor, const SolverScene<Real>& scene)
     : scene_(scene),
-      impulse_(executor, "impulses of walls"),
-      bounce_(executor, "bounces off walls"),
-      active_mask_(executor, "walls of bodies"),
-      friction_(executor, "friction at walls"),
-      friction_total_(executor, "friction at walls in a step"),
-      normal_impulse_sum_(executor, "impulses of walls in a step"),
-      box_planes_(executor, "faces of boxes"),
-      box_normals_(executor, "normals of boxes") {
+      impulse_(executor, "wall impulses"),
+      bounce_(executor, "wall restitution velocities"),
+      active_mask_(executor, "wall contact masks"),
+      friction_(executor, "wall friction"),
+      friction_total_(executor, "wall friction per step"),
+      normal_impulse_sum_(executor, "wall impulses per step"),
+      box_planes_(executor, "box faces"),
+      box_normals_(executor, "box normals") {
   const auto bodies = static_cast<std::size_t>(scene.body_count),
              entries = static_cast<std::size_t>(scene.surfaces()) * bodies,
              boxes = static_cast<std::size_t>(scene.boxes.count) * bodies;

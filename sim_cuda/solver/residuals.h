@@ -39,7 +39,7 @@ struct KeepResidual {
 class Residuals {
  public:
   explicit Residuals(Executor& executor)
-      : executor_(executor), scratch_(executor, "residuals"), kept_(executor, "residuals of a step") {}
+      : executor_(executor), scratch_(executor, "residuals"), kept_(executor, "residuals per step") {}
 
   /// Call outside of runs.
   void enable(bool on, int runs, int places) {

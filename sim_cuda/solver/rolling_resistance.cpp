@@ -165,10 +165,10 @@ void narrow(const std::vector<std::array<double, 3>>& wide, std::vector<Vector3<
 template <class Real>
 RollingResistance<Real>::RollingResistance(Executor& executor)
     : executor_(executor),
-      rolling_impulses_(executor, "rolling resistance of contacts"),
-      change_(executor, "changes of rolling resistance"),
-      wall_impulse_(executor, "rolling resistance at walls"),
-      previous_impulse_(executor, "rolling resistance of the last step") {}
+      rolling_impulses_(executor, "contact rolling resistance"),
+      change_(executor, "rolling resistance changes"),
+      wall_impulse_(executor, "wall rolling resistance"),
+      previous_impulse_(executor, "previous rolling resistance") {}
 
 template <class Real>
 void RollingResistance<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_count, int plane_count,

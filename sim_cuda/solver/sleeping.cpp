@@ -163,11 +163,11 @@ std::vector<std::uint32_t> no_islands(std::int64_t bodies) {
 template <class Real>
 Sleeping<Real>::Sleeping(Executor& executor)
     : executor_(executor),
-      sleep_timer_(executor, "slow steps of bodies"),
+      sleep_timer_(executor, "sleep timers"),
       parent_(executor, "islands"),
-      island_active_(executor, "restless islands"),
-      asleep_(executor, "bodies asleep"),
-      sums_(executor, "sums over islands") {}
+      island_active_(executor, "active islands"),
+      asleep_(executor, "sleeping bodies"),
+      sums_(executor, "island sums") {}
 
 template <class Real>
 void Sleeping<Real>::enable(const BodyView<Real>& bodies, std::int64_t body_count, const Sleep& sleep,

@@ -40,7 +40,7 @@ std::string_view parameters_of(Quantity quantity) {
     case Quantity::difference:
       return "`scene`, `offset`";
     case Quantity::other_hash:
-      return "`shapes` `[[B, T], ...]`, `broad_phases` (`[\"all\"]`: all of the executor)";
+      return "`shapes` `[[B, T], ...]`, `broad_phases` (`[\"all\"]`: all methods of the executor)";
     default:
       return "";
   }
@@ -56,7 +56,7 @@ std::string text_of(Quantity quantity, double value) {
 std::string text_of(const Assertion& assertion) {
   std::string text(name_of(quantity_names, assertion.quantity));
   if (assertion.quantity == Quantity::finite) return "all finite";
-  if (assertion.quantity == Quantity::expected_finding) return "guards find what they must";
+  if (assertion.quantity == Quantity::expected_finding) return "guards report the expected finding";
   const bool along = assertion.quantity == Quantity::position || assertion.quantity == Quantity::velocity;
   if (along) text += fmt::format(" {}", "xyz"[assertion.axis]);
   if (assertion.body) text += fmt::format(" of body {}", *assertion.body);

@@ -54,39 +54,38 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"penetration", Quantity::penetration, "deepest overlap of two bodies, or of a body and a wall"},
     {"penetration_over_radius", Quantity::penetration_over_radius,
      "largest overlap over the radius; of two bodies, over that of the smaller one"},
-    {"speed", Quantity::speed, "of the fastest body"},
-    {"angular_speed", Quantity::angular_speed, "of the fastest body"},
+    {"speed", Quantity::speed, "largest speed of a body"},
+    {"angular_speed", Quantity::angular_speed, "largest angular speed of a body"},
     {"energy_gain", Quantity::energy_gain,
      "(E − E₀ − W)/S: E kinetic and potential energy, W the work of the positional push, S the largest "
      "kinetic energy plus |change of potential energy| so far; 0 if both are 0"},
     {"energy_loss", Quantity::energy_loss, "−`energy_gain`"},
-    {"kinetic_energy", Quantity::kinetic_energy, "of the dynamic bodies"},
+    {"kinetic_energy", Quantity::kinetic_energy, "kinetic energy of the dynamic bodies"},
     {"escaped", Quantity::escaped, "number of bodies whose centres are outside the box"},
-    {"displacement", Quantity::displacement, "largest distance of a body from its place at state `since`"},
-    {"position", Quantity::position, "along the axis"},
-    {"velocity", Quantity::velocity, "along the axis"},
+    {"displacement", Quantity::displacement, "largest distance of a body from its position at state `since`"},
+    {"position", Quantity::position, "position along the axis"},
+    {"velocity", Quantity::velocity, "velocity along the axis"},
     {"momentum_change", Quantity::momentum_change,
-     "|p − p₀ − J − m·g·t|/S: the change that neither the walls' impulse J nor gravity explains; S the "
-     "largest "
-     "sum of m·|v| so far"},
+     "|p − p₀ − J − m·g·t|/S: the momentum change not caused by the walls' impulse J or by gravity; S the "
+     "largest sum of m·|v| so far"},
     {"angular_momentum_change", Quantity::angular_momentum_change,
-     "about the origin, where nothing acts from outside; over the largest |L| so far, or the sum of m·|v| "
-     "times the radius of the group"},
+     "change of the angular momentum L about the origin, without external forces; divided by the largest |L| "
+     "so far, or by the sum of m·|v| times the radius of the group"},
     {"quaternion_norm", Quantity::quaternion_norm, "largest | |q| − 1 |"},
-    {"joint_error", Quantity::joint_error, "largest: anchors too far apart, or too near"},
-    {"joint_angle", Quantity::joint_angle, "largest: between the axes of a hinge, or beyond its limits"},
+    {"joint_error", Quantity::joint_error, "largest position error of the anchors of a joint"},
+    {"joint_angle", Quantity::joint_angle, "largest angle between the axes of a hinge, or beyond its limits"},
     {"pairs", Quantity::pairs, "number of pairs of boxes that overlap"},
     {"touching", Quantity::touching, "number of pairs whose shapes touch"},
     {"speculative", Quantity::speculative, "number of contacts of the last step"},
-    {"asleep", Quantity::asleep, "number of bodies that sleep"},
+    {"asleep", Quantity::asleep, "number of sleeping bodies"},
     {"tree_depth", Quantity::tree_depth, "levels of the tree of the broad phase; 0 without a tree"},
     {"difference", Quantity::difference,
      "largest distance of a body, minus `offset`, from the same body of another scene with the same "
      "settings"},
     {"separation_speed", Quantity::separation_speed,
-     "of two bodies that overlapped at the start; along z where their centres coincide"},
-    {"other_hash", Quantity::other_hash, "number of other runs that reach another state"},
-    {"found", Quantity::expected_finding, "the guards find what they must"},
+     "separation speed of two bodies that overlapped at the start; along z if their centres coincide"},
+    {"other_hash", Quantity::other_hash, "number of other runs that end in a different state"},
+    {"found", Quantity::expected_finding, "1 if the guards report the expected finding"},
 });
 std::string_view unit_of(Quantity quantity);  ///< "m"; empty for a count or a share
 /// Further members of its term, as Markdown: "`axis`, `body`".

@@ -60,7 +60,7 @@ class CriterionReader {
  private:
   void read_what(ObjectReader& root) {
     if (!root.text("what", criterion_.what) && root.member("what") == nullptr)
-      reading_.fault(document_.root(), "\"what\" is missing: a line that says what must hold");
+      reading_.fault(document_.root(), "\"what\" is missing: expected one line that describes the criterion");
     if (root.text("group", criterion_.group)) {
       if (std::ranges::find(hard_case_groups, criterion_.group) == hard_case_groups.end())
         reading_.fault(*root.member("group"), unknown_name("group", criterion_.group, hard_case_groups));
@@ -74,15 +74,16 @@ class CriterionReader {
       if (child.kind == JsonKind::text)
         criterion_.refused.emplace_back(document_.text(child));
       else
-        reading_.fault(child,
-                       "\"refused\" is a list of texts: words of each line in which the scene is refused");
+        reading_.fault(
+            child,
+            "\"refused\" must be a list of strings: a part of each line with which the scene is refused");
     }
-    if (list.child_count == 0) reading_.fault(list, "\"refused\" names the words of at least one line");
+    if (list.child_count == 0) reading_.fault(list, "\"refused\" must contain at least one string");
     criterion_.executors.push_back(ExecutorKind::cpu);
     for (const char* key : {"steps", "assertions", "injected_faults", "limits"})
       if (const JsonNode* node = root.member(key))
-        reading_.fault_at_key(*node,
-                              fmt::format("a scene that is refused has no \"{}\"; remove one of both", key));
+        reading_.fault_at_key(
+            *node, fmt::format("\"refused\" and \"{}\" exclude each other; remove one of them", key));
   }
 
   void read_run(ObjectReader& root) {
@@ -97,15 +98,14 @@ class CriterionReader {
       criterion_.assertions.emplace_back().at_most = 0;  // finite
     if (plant != nullptr) read_injected_state(*plant);
     if (plant != nullptr && found == nullptr)
-      reading_.fault_at_key(*plant,
-                            "\"inject\" is of cases with \"expect_finding\", whose guards must find it");
+      reading_.fault_at_key(*plant, "\"inject\" is valid only with \"expect_finding\"");
     for_each(root, "executors", [&](const JsonNode& node) {
       const auto kind =
           node.kind == JsonKind::text ? value_of(executor_names, document_.text(node)) : std::nullopt;
       if (kind && *kind != ExecutorKind::automatic)
         criterion_.executors.push_back(*kind);
       else
-        reading_.fault(node, "\"executors\" is a list of \"cpu\" and \"cuda\"");
+        reading_.fault(node, "\"executors\" must be a list of \"cpu\" and \"cuda\"");
     });
     for_each(root, "assertions", [&](const JsonNode& node) { read_assertion(node); });
     for_each(root, "limits", [&](const JsonNode& node) { read_expected_failure(node); });
@@ -120,7 +120,7 @@ class CriterionReader {
 
   void read_steps(ObjectReader& root) {
     if (!root.whole("steps", criterion_.steps) && root.member("steps") == nullptr)
-      reading_.fault(document_.root(), "\"steps\" is missing: how many the case runs for");
+      reading_.fault(document_.root(), "\"steps\" is missing: expected the number of steps of the run");
     std::int64_t longer = 0;
     if (root.whole("long_steps", longer)) criterion_.long_steps = longer;
     root.whole("every", criterion_.every);
@@ -135,7 +135,7 @@ class CriterionReader {
   bool in_range(const JsonNode& node, std::string_view key, std::int64_t value, std::int64_t least,
                 std::int64_t most) {
     if (value >= least && value <= most) return true;
-    reading_.fault(node, fmt::format("\"{}\" is a whole number from {} to {}, not {}", key, least, most,
+    reading_.fault(node, fmt::format("\"{}\" must be a whole number from {} to {}, not {}", key, least, most,
                                      printable(document_.token(node))));
     return false;
   }
@@ -152,7 +152,7 @@ class CriterionReader {
   void check_file(const JsonNode& node) {
     const std::string_view name = document_.text(node);
     if (name.empty() || name.find('/') != std::string_view::npos || !name.ends_with(".json"))
-      reading_.fault(node, "the name of a file (.json) in the criterion's own folder");
+      reading_.fault(node, "must be the name of a file (.json) in the criterion's own folder");
   }
 
   /// Reads a body id. Returns false and adds a fault if neither the scene nor a change can provide that body.
@@ -178,24 +178,22 @@ class CriterionReader {
     if (!reader.is_object()) return;
     const bool named = reader.choice("quantity", quantity_names, assertion.quantity);
     if (!named && reader.member("quantity") == nullptr)
-      reading_.fault(node, "a term has a \"quantity\", the name of what is measured");
+      reading_.fault(node, "a term must have a \"quantity\", the name of the measured quantity");
     if (named && assertion.quantity == Quantity::finite)
-      reading_.fault(node, "\"finite\" always holds by itself; remove this term");
+      reading_.fault(node, "\"finite\" is always checked; remove this term");
     if (named && assertion.quantity == Quantity::expected_finding)
-      reading_.fault(
-          node,
-          "what guards must find is said by \"expect_finding\" beside \"assertions\"; remove this term");
+      reading_.fault(node, "\"found\" is set by \"expect_finding\" beside \"assertions\"; remove this term");
     if (double bound = 0; reader.real("at_most", bound)) assertion.at_most = bound;
     if (double bound = 0; reader.real("at_least", bound)) assertion.at_least = bound;
     if (!assertion.at_most && !assertion.at_least && reader.member("at_most") == nullptr &&
         reader.member("at_least") == nullptr)
-      reading_.fault(node, "a term has a bound, \"at_most\" or \"at_least\" or both");
+      reading_.fault(node, "a term must have a bound: \"at_most\", \"at_least\" or both");
     if (assertion.at_most && assertion.at_least && *assertion.at_least > *assertion.at_most)
-      reading_.fault(*reader.member("at_least"), "\"at_least\" is above \"at_most\": nothing can hold");
+      reading_.fault(*reader.member("at_least"), "\"at_least\" must not exceed \"at_most\"");
     read_state(reader, "from", assertion.from);
     read_state(reader, "to", assertion.to);
     if (assertion.from && assertion.to && *assertion.from > *assertion.to)
-      reading_.fault(*reader.member("to"), "\"to\" is a state before \"from\": nothing is measured");
+      reading_.fault(*reader.member("to"), "\"to\" must not be before \"from\"");
     if (named) read_parameters(reader, node, assertion);
     reader.finish();
     criterion_.assertions.push_back(std::move(assertion));
@@ -208,8 +206,8 @@ class CriterionReader {
       if (std::uint32_t id = 0; read_id(reader, id)) assertion.body = id;
     if (quantity == Quantity::position || quantity == Quantity::velocity) {
       if (!reader.choice("axis", axis_names, assertion.axis) && reader.member("axis") == nullptr)
-        reading_.fault(node,
-                       fmt::format("a {} has an \"axis\": x, y or z", name_of(quantity_names, quantity)));
+        reading_.fault(
+            node, fmt::format("a {} must have an \"axis\": x, y or z", name_of(quantity_names, quantity)));
     }
     if (quantity == Quantity::displacement) {
       std::optional<std::int64_t> since;
@@ -221,13 +219,14 @@ class CriterionReader {
       if (reader.text("scene", assertion.scene))
         check_file(*reader.member("scene"));
       else if (reader.member("scene") == nullptr)
-        reading_.fault(node, "a difference has a \"scene\", the file of the one to compare with");
+        reading_.fault(node, "a difference must have a \"scene\", the file of the scene to compare with");
     }
     if (quantity == Quantity::other_hash) {
       for_each(reader, "shapes", [&](const JsonNode& shape) { read_shape(shape, assertion); });
       for_each(reader, "broad_phases", [&](const JsonNode& name) { read_broad_phase(name, assertion); });
       if (reader.member("shapes") == nullptr && reader.member("broad_phases") == nullptr)
-        reading_.fault(node, "other_hash has \"shapes\" [[B, T], ...] or \"broad_phases\" to compare with");
+        reading_.fault(node,
+                       "other_hash must have \"shapes\" [[B, T], ...] or \"broad_phases\" to compare with");
     }
   }
 
@@ -242,7 +241,7 @@ class CriterionReader {
              *number == std::floor(*number);
       if (good) sides[k] = static_cast<int>(*number);
     }
-    if (!good) return reading_.fault(node, "a shape is [B, T]: blocks, and 1 to 1024 threads");
+    if (!good) return reading_.fault(node, "a shape must be [B, T]: 1 or more blocks, and 1 to 1024 threads");
     assertion.shapes.push_back({sides[0], sides[1]});
   }
 
@@ -269,14 +268,13 @@ class CriterionReader {
     read_id(reader, found.body);
     for (const char* key : {"step", "stage", "body"})
       if (reader.is_object() && reader.member(key) == nullptr)
-        reading_.fault(node, "\"expect_finding\" is a \"step\", a \"stage\" and a \"body\"");
+        reading_.fault(node, "\"expect_finding\" must have a \"step\", a \"stage\" and a \"body\"");
     reader.finish();
     Assertion& assertion = criterion_.assertions.emplace_back();
     assertion.quantity = Quantity::expected_finding;
     assertion.at_least = 1;
     if (const JsonNode* holds = root.member("assertions"))
-      reading_.fault_at_key(
-          *holds, "what guards must find is all that can hold; remove \"expect_finding\" or \"assertions\"");
+      reading_.fault_at_key(*holds, "a case cannot have both; remove \"expect_finding\" or \"assertions\"");
   }
 
   void read_injected_state(const JsonNode& node) {
@@ -298,10 +296,10 @@ class CriterionReader {
     choice("precision", precision_names, limit.precision);
     choice("executor", executor_names, limit.executor);
     if (!reader.text("why", limit.why) && reader.is_object() && reader.member("why") == nullptr)
-      reading_.fault(node, "a limit has a \"why\", the reason in a line");
+      reading_.fault(node, "a limit must have a \"why\", the reason in one line");
     if (reader.is_object() && reader.member("solver") == nullptr && reader.member("precision") == nullptr &&
         reader.member("executor") == nullptr)
-      reading_.fault(node, "a limit says where: a \"solver\", a \"precision\" or an \"executor\"");
+      reading_.fault(node, "a limit must have a \"solver\", a \"precision\" or an \"executor\"");
     reader.finish();
     criterion_.expected_failures.push_back(std::move(limit));
   }
@@ -329,7 +327,7 @@ class CriterionReader {
     const bool numbered = reader.whole("term", number);
     if (!reader.choice("fails", quantity_names, quantity)) {
       if (reader.member("fails") == nullptr)
-        reading_.fault(node, "a fault \"fails\" a quantity that must hold, by its name");
+        reading_.fault(node, "a fault must have \"fails\", the name of a quantity of the assertions");
       return;
     }
     int found = 0;
@@ -350,7 +348,7 @@ class CriterionReader {
     read_patch(reading_, reader, set, [](const auto& setting) { return is_physical(setting); });
     reader.finish();
     if (set.of_generator() && scene_ != nullptr && scene_->generators.size() != 1)
-      reading_.fault(node, "settings of a generator are of scenes with one generator");
+      reading_.fault(node, "settings of a generator need a scene with one generator");
   }
 
   void read_injected(ObjectReader& reader, const JsonNode& node, InjectedFault& fault) {
@@ -360,10 +358,9 @@ class CriterionReader {
     injected.step = step.value_or(0);
     if ((!read_id(reader, injected.body) && reader.member("body") == nullptr) ||
         reader.member("step") == nullptr)
-      reading_.fault(
-          node,
-          "a fault is a \"set\" of settings, another \"scene\", or at a \"step\" a \"body\" with a "
-          "\"position\", \"velocity\", \"angular_velocity\" or \"orientation\"");
+      reading_.fault(node,
+                     "a fault must have a \"set\" of settings, another \"scene\", or a \"step\" and a "
+                     "\"body\" with a \"position\", \"velocity\", \"angular_velocity\" or \"orientation\"");
     double q[4];
     const auto vector = [&](std::string_view key, std::optional<Vector3d>& value) {
       double parts[3];
@@ -395,8 +392,9 @@ class CriterionReader {
       if (good) parts[k] = *number;
     }
     if (!good)
-      reading_.fault(*node, fmt::format("\"{}\" is a list of {} numbers; null is none, \"inf\" is infinite",
-                                        key, count));
+      reading_.fault(
+          *node, fmt::format("\"{}\" must be a list of {} numbers; null means NaN, \"inf\" means infinity",
+                             key, count));
     return good;
   }
 

@@ -93,7 +93,7 @@ std::vector<std::string> hard_case_names(const std::string& folder) {
   }
   if (failed) throw InputError(fmt::format("{}: {}; give a folder of hard cases", folder, failed.message()));
   if (names.empty())
-    throw InputError(fmt::format("{}: holds no case, which is a NAME.json and a NAME{}", folder, ending));
+    throw InputError(fmt::format("{}: contains no case; expected NAME.json and NAME{}", folder, ending));
   std::ranges::sort(names);
   return names;
 }

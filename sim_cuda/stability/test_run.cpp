@@ -113,7 +113,7 @@ void TestRun::Impl::begin() {
       std::ranges::find(criterion.executors, configuration.executor) == criterion.executors.end()) {
     result.outcome = TestOutcome::not_applicable;
     result.why =
-        fmt::format("runs on {} alone", criterion.executors[0] == ExecutorKind::cpu ? "a CPU" : "CUDA");
+        fmt::format("runs only on {}", criterion.executors[0] == ExecutorKind::cpu ? "a CPU" : "CUDA");
     done = true;
     return;
   }
@@ -158,13 +158,14 @@ void TestRun::Impl::begin() {
 void TestRun::Impl::compare_refusal() {
   const std::vector<std::string>&wanted = hard_case.criterion.refused, &found = hard_case.refusal;
   done = true;
-  if (found.empty()) return fail("the scene is read, and must be refused");
+  if (found.empty()) return fail("the scene was accepted; it must be refused");
   if (found.size() != wanted.size())
-    return fail(
-        fmt::format("refused in {} lines, not in {}; the first: {}", found.size(), wanted.size(), found[0]));
+    return fail(fmt::format("refused with {} lines, expected {}; the first line: {}", found.size(),
+                            wanted.size(), found[0]));
   for (std::size_t k = 0; k < wanted.size(); ++k)
     if (found[k].find(wanted[k]) == std::string::npos)
-      return fail(fmt::format("line {} of the refusal lacks \"{}\": {}", k + 1, wanted[k], found[k]));
+      return fail(
+          fmt::format("line {} of the refusal does not contain \"{}\": {}", k + 1, wanted[k], found[k]));
 }
 
 bool TestRun::Impl::due(std::int64_t state) const {
@@ -219,7 +220,7 @@ void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   if (assertion.quantity == Quantity::expected_finding)
     return fail(text_of(assertion) + ": " +
                 (run->world().validation().finding() ? describe(*run->world().validation().finding())
-                                                     : "they find nothing"));
+                                                     : "no finding"));
   fail(fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value),
                    known.state, known.body ? fmt::format(", body {}", *known.body) : ""));
 }
@@ -302,7 +303,7 @@ void TestRun::Impl::finish() {
     result.why = result.failure;
   } else if (limit != nullptr) {
     result.outcome = TestOutcome::failed;
-    result.why = fmt::format("holds, where a limit is declared: remove it (\"{}\")", limit->why);
+    result.why = fmt::format("passes although a limit is declared; remove the limit (\"{}\")", limit->why);
   }
 }
 

@@ -131,7 +131,7 @@ TEST(FailingAllocations, OfWorlds) {
       const Scene scene = rain(solver);
       const Refusals refusals = refuse_each(refusal, [&] { World(scene, one_thread()).step(2); });
       EXPECT_GT(refusals.allocations, 50);
-      EXPECT_THAT(refusals.said, Contains("making a world"));
+      EXPECT_THAT(refusals.said, Contains("creating a world"));
     }
 }
 
@@ -169,13 +169,13 @@ TEST(FailingAllocations, OfSteps) {
           ASSERT_EQ(world.state_hash(), hash) << granted << " granted, then: " << words;
           ++went_on;
         } catch (const MachineError& error) {
-          ASSERT_THAT(error.what(), HasSubstr("no state to go on from"));
+          ASSERT_THAT(error.what(), HasSubstr("no valid state to continue from"));
           ++lost;
         }
         if (!refused) break;
       }
       EXPECT_GT(went_on, 20);
-      EXPECT_THAT(said, Contains("making a step"));
+      EXPECT_THAT(said, Contains("computing a step"));
       EXPECT_LT(lost, went_on) << "most refusals are not within a step";
     }
   }

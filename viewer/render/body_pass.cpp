@@ -65,7 +65,7 @@ void BodyPass::draw(const InstanceBuffers& instances, Output output, GLuint colo
   glBindTextureUnit(0, colors);
   for (const FrameScene::Run& run : runs_)
     if (run.mesh != 0 || !compute) draw_run(instances, static_cast<std::size_t>(output), run);
-  gl::check("to draw " + std::to_string(instances.counts.bodies) + " bodies");
+  gl::check("draw " + std::to_string(instances.counts.bodies) + " bodies");
 }
 
 void BodyPass::draw_run(const InstanceBuffers& instances, std::size_t output,

@@ -26,14 +26,14 @@ std::optional<Quality> parse_quality(const std::string& text, const std::string&
   if (text == "auto") return std::nullopt;
   if (text == "full") return Quality::full;
   if (text == "quick") return Quality::quick;
-  throw InputError(where + ": '" + text + "': unknown quality; one of auto, full, quick");
+  throw InputError(where + ": '" + text + "': unknown quality; expected one of auto, full, quick");
 }
 
 SphereMethod parse_sphere_method(const std::string& text, const std::string& where) {
   if (text == "auto") return SphereMethod::automatic;
   if (text == "quads") return SphereMethod::quads;
   if (text == "compute") return SphereMethod::compute;
-  throw InputError(where + ": '" + text + "': unknown sphere method; one of auto, quads, compute");
+  throw InputError(where + ": '" + text + "': unknown sphere method; expected one of auto, quads, compute");
 }
 
 }  // namespace collidoscope

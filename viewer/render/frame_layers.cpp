@@ -59,19 +59,18 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
     } else if (name == "errors" || name.starts_with("errors:")) {
       layers.errors = true;
       if (!parse_error_scale(name, layers.error_scale))
-        faults.push_back(
-            where + ": '" + name +
-            "': not a magnification; errors or errors:A with a whole 1 <= A <= 1000000000, such as "
-            "errors:100");
+        faults.push_back(where + ": '" + name +
+                         "': not a magnification; expected errors or errors:A with a whole number 1 <= A <= "
+                         "1000000000, such as errors:100");
     } else if (name == "overlay" || name == "no-overlay") {
       layers.overlay = name == "overlay";
     } else if (name == "bvh" || name.starts_with("bvh:")) {
       if (layers.boxes)
-        faults.push_back(where + ": '" + name + "': a second range of levels; give one, such as bvh:2-5");
+        faults.push_back(where + ": '" + name + "': second range of levels; give only one, such as bvh:2-5");
       else if (!parse_boxes(name, layers))
-        faults.push_back(
-            where + ": '" + name +
-            "': not a range of levels; bvh, bvh:A or bvh:A-B with 0 <= A <= B <= 63, such as bvh:2-5");
+        faults.push_back(where + ": '" + name +
+                         "': not a range of levels; expected bvh, bvh:A or bvh:A-B with 0 <= A <= B <= 63, "
+                         "such as bvh:2-5");
     } else if (name == "ui" || name == "ui:tree" || name == "ui:convergence") {
       layers.ui = true;
       layers.tree = name == "ui:tree";
@@ -79,7 +78,7 @@ FrameLayers parse_layers(const std::string& text, const std::string& where) {
     } else {
       faults.push_back(
           where + ": '" + name +
-          "': unknown layer; one of spheres, bvh, bvh:A-B, contacts, ghosts, errors, errors:A, ui, "
+          "': unknown layer; expected one of spheres, bvh, bvh:A-B, contacts, ghosts, errors, errors:A, ui, "
           "ui:tree, ui:convergence, grid, walls, joints, overlay, no-grid, no-walls, no-joints, no-overlay");
     }
   }
@@ -98,7 +97,7 @@ BodyColor parse_body_color(const std::string& text, const std::string& where) {
     if (text == known.name) return known.color;
   throw InputError(
       where + ": '" + text +
-      "': unknown colour; one of speed, radius, id, contacts, order, depth, visits, sleep, error");
+      "': unknown colour; expected one of speed, radius, id, contacts, order, depth, visits, sleep, error");
 }
 
 NodeMetric parse_box_color(const std::string& text, const std::string& where) {
@@ -113,7 +112,7 @@ NodeMetric parse_box_color(const std::string& text, const std::string& where) {
   for (const auto& known : names)
     if (text == known.name) return known.metric;
   throw InputError(where + ": '" + text +
-                   "': unknown colour of boxes; one of level, sah, overlap, empty, visits");
+                   "': unknown colour of boxes; expected one of level, sah, overlap, empty, visits");
 }
 
 void parse_box_range(const std::string& text, FrameLayers& layers, const std::string& where) {
@@ -125,7 +124,7 @@ void parse_box_range(const std::string& text, FrameLayers& layers, const std::st
   float low = 0, high = 0;
   if (comma == text.npos || !read(0, comma, low) || !read(comma + 1, text.size(), high) || low > high)
     throw InputError(where + ": '" + text +
-                     "': not a range of values; LOW,HIGH with 0 <= LOW <= HIGH, such as 100,inf");
+                     "': not a range of values; expected LOW,HIGH with 0 <= LOW <= HIGH, such as 100,inf");
   layers.box_low = low;
   layers.box_high = high;
 }

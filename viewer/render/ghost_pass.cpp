@@ -22,7 +22,7 @@ void GhostPass::set(std::span<const GhostInstance> ghosts) {
 void GhostPass::draw(const gl::Program& program, GLsizei vertices, float hidden) const {
   draw_see_through(program, nothing_, GL_TRIANGLES, vertices, {records_, sizeof(GhostInstance), 0, count_},
                    1.0f, hidden);
-  gl::check("to draw " + std::to_string(count_) + " ghosts");
+  gl::check("draw " + std::to_string(count_) + " ghosts");
 }
 
 void GhostPass::draw_ghosts() const {

@@ -22,7 +22,7 @@ GuiPass::GuiPass(float font_size) : font_size_(font_size) {
   io.LogFilename = nullptr;
   load_fonts();
   if (!ImGui_ImplOpenGL3_Init("#version 450 core"))
-    throw MachineError("Dear ImGui found no OpenGL (libGL.so.1 is needed)");
+    throw MachineError("Dear ImGui: no OpenGL library found; libGL.so.1 is required");
 }
 
 void GuiPass::load_fonts() {
@@ -37,7 +37,7 @@ void GuiPass::load_fonts() {
   // The default font and the title font.
   if (!io.Fonts->AddFontFromFileTTF(font.c_str(), font_size_, &config, ranges) ||
       !io.Fonts->AddFontFromFileTTF(font.c_str(), std::round(1.6f * font_size_), &config, ranges))
-    throw MachineError("font '" + font + "' cannot be used");
+    throw MachineError("font '" + font + "' cannot be loaded");
 }
 
 void GuiPass::set_font_size(float font_size) {
@@ -83,7 +83,7 @@ void GuiPass::rasterise(const gl::Target& picture) {
   picture.bind();
   glUseProgram(0);  // otherwise ImGui would restore a program that may have been deleted
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  gl::check("to draw text and panels");
+  gl::check("draw text and panels");
 }
 
 }  // namespace collidoscope

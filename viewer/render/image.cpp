@@ -59,11 +59,11 @@ void write_png(const Image& image, const std::string& file) {
 
 Image read_png(const std::string& file) {
   File in(std::fopen(file.c_str(), "rb"));
-  if (!in) throw InputError(file + ": " + std::strerror(errno) + "; a PNG picture is needed");
+  if (!in) throw InputError(file + ": " + std::strerror(errno) + "; expected a PNG image");
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   if (!png_image_begin_read_from_stdio(&png, in.get()))
-    throw InputError(file + ": " + png.message + "; a PNG picture is needed");
+    throw InputError(file + ": " + png.message + "; expected a PNG image");
   // Plausibility check: deflate expands at most 1032 times, and a byte holds at most 8 pixels. A larger
   // picture is corrupt.
   std::error_code failed;
@@ -71,8 +71,8 @@ Image read_png(const std::string& file) {
   if (!failed && static_cast<double>(png.width) * png.height > most_pixels) {
     const std::string size = std::to_string(png.width) + "x" + std::to_string(png.height);
     png_image_free(&png);
-    throw InputError(file + ": is damaged: it is too short for " + size +
-                     " pixels; a whole PNG picture is needed");
+    throw InputError(file + ": is damaged: the file is too short for " + size +
+                     " pixels; expected a complete PNG image");
   }
   png.format = PNG_FORMAT_RGBA;
   Image image{static_cast<int>(png.width), static_cast<int>(png.height), {}};
@@ -80,7 +80,7 @@ Image read_png(const std::string& file) {
   if (!png_image_finish_read(&png, nullptr, image.rgba.data(), 0, nullptr)) {
     const std::string why = png.message;
     png_image_free(&png);
-    throw InputError(file + ": " + why + "; a whole PNG picture is needed");
+    throw InputError(file + ": " + why + "; expected a complete PNG image");
   }
   return image;
 }

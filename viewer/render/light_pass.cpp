@@ -35,7 +35,7 @@ const gl::Target& LightPass::begin_shadows() const {
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
-  gl::check("to clear the shadow map");
+  gl::check("clear the shadow map");
   return shadow_;
 }
 
@@ -76,7 +76,7 @@ void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
   glBindTextureUnit(3, smooth_->color());
   glBindTextureUnit(4, shadow_.depth());
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  gl::check("to light the picture");
+  gl::check("draw the lighting");
 }
 
 }  // namespace collidoscope

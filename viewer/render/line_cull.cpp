@@ -15,15 +15,14 @@ LineCull::LineCull()
       mark_contacts_(gl::Program::compute("line_cull.comp", "#define MARK\n#define CONTACTS\n")),
       sum_(gl::Program::compute("line_cull.comp", "#define SUM\n")),
       list_(gl::Program::compute("line_cull.comp", "#define LIST\n")),
-      ranks_("ranks of lines"),
-      starts_("lines by group"),
-      listed_("lines that may be seen") {}
+      ranks_("line ranks"),
+      starts_("lines per group"),
+      listed_("visible lines") {}
 
 void LineCull::look_at(const gl::Target& surfaces, bool cull) {
   culling_ = cull;
   const int width = groups_of(surfaces.width(), tile), height = groups_of(surfaces.height(), tile);
-  if (width != width_ || height != height_)
-    depths_ = gl::make_texture("depth of tiles", width, height, GL_R32F);
+  if (width != width_ || height != height_) depths_ = gl::make_texture("tile depth", width, height, GL_R32F);
   width_ = width;
   height_ = height;
   tiles_.use();
@@ -31,7 +30,7 @@ void LineCull::look_at(const gl::Target& surfaces, bool cull) {
   glBindImageTexture(0, depths_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glDispatchCompute(static_cast<GLuint>(width), static_cast<GLuint>(height), 1);
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-  gl::check("to take the depth of tiles");
+  gl::check("compute the tile depth");
 }
 
 void LineCull::list(Kind kind, int first, int count, int vertices_each, float low, float high) {
@@ -63,7 +62,7 @@ void LineCull::list(Kind kind, int first, int count, int vertices_each, float lo
   glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, listed_.get());
-  gl::check("to list " + std::to_string(count) + " lines");
+  gl::check("list " + std::to_string(count) + " lines");
 }
 
 }  // namespace collidoscope

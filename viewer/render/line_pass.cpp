@@ -72,7 +72,7 @@ void LinePass::draw_boxes(const gl::Buffer& boxes, std::span<const std::int64_t>
                 {boxes, sizeof(BoxInstance), broad, count - broad}, 0.95f, static_cast<float>(colors.low),
                 static_cast<float>(colors.high));
   draw_broad(boxes, broad, 0.95f, hidden);
-  gl::check("to draw " + std::to_string(count) + " boxes");
+  gl::check("draw " + std::to_string(count) + " boxes");
 }
 
 void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
@@ -82,7 +82,7 @@ void LinePass::draw_marks(const gl::Buffer& boxes, std::int64_t count) const {
   // Contacts are drawn through surfaces, unless there are many.
   const float hidden = std::min(0.45f, 20.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
   draw_broad(boxes, count, 0.95f, hidden);
-  gl::check("to draw " + std::to_string(count) + " marks");
+  gl::check("draw " + std::to_string(count) + " marks");
 }
 
 void LinePass::draw_walls(const gl::Buffer& boxes) const {
@@ -90,7 +90,7 @@ void LinePass::draw_walls(const gl::Buffer& boxes) const {
   box_.set("range", -1, 1, 0, 0);
   box_.set("coloring", 0, 0, 4, 0);
   draw_broad(boxes, 1, 0.30f, 0.06f);
-  gl::check("to draw the walls");
+  gl::check("draw the walls");
 }
 
 void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) {
@@ -100,14 +100,14 @@ void LinePass::draw_contacts(const gl::Buffer& contacts, std::int64_t count) {
     draw_listed(listed_contact_, LineCull::Kind::contacts, GL_TRIANGLES, 12, records, 1.0f);
   else
     draw_see_through(contact_, nothing_, GL_TRIANGLES, 12, records, 1.0f, hidden);
-  gl::check("to draw " + std::to_string(count) + " contacts");
+  gl::check("draw " + std::to_string(count) + " contacts");
 }
 
 void LinePass::draw_joints(const gl::Buffer& joints, std::int64_t count) const {
   const float hidden = std::min(0.25f, 100.0f / static_cast<float>(std::max<std::int64_t>(count, 1)));
   draw_see_through(joint_, nothing_, GL_TRIANGLES, 132, {joints, sizeof(JointInstance), 0, count}, 1.0f,
                    hidden);
-  gl::check("to draw " + std::to_string(count) + " joints");
+  gl::check("draw " + std::to_string(count) + " joints");
 }
 
 void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool edges, double low,
@@ -118,7 +118,7 @@ void LinePass::draw_box_ids(const gl::Buffer& boxes, std::int64_t count, bool ed
   box_layout_.bind(boxes.get(), sizeof(BoxInstance));
   program.use();
   glDrawArraysInstanced(edges ? GL_LINES : GL_TRIANGLES, 0, edges ? 24 : 36, static_cast<GLsizei>(count));
-  gl::check("to draw the ids of " + std::to_string(count) + " boxes");
+  gl::check("draw the ids of " + std::to_string(count) + " boxes");
 }
 
 }  // namespace collidoscope

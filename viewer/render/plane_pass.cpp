@@ -86,7 +86,7 @@ void PlanePass::draw(const gl::Program& program) const {
   nothing_.bind(0, 0);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, planes_.get());
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count_);
-  gl::check("to draw " + std::to_string(count_) + " planes");
+  gl::check("draw " + std::to_string(count_) + " planes");
 }
 
 void PlanePass::draw_surfaces() const {
@@ -96,7 +96,7 @@ void PlanePass::draw_surfaces() const {
   nothing_.bind(0, 0);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, boxes_.get());
   glDrawArraysInstanced(GL_TRIANGLES, 0, 36, box_count_);
-  gl::check("to draw " + std::to_string(box_count_) + " boxes");
+  gl::check("draw " + std::to_string(box_count_) + " boxes");
 }
 
 void PlanePass::draw_veils() const {

@@ -17,7 +17,7 @@ gl::TextureHandle color_map_texture(const std::array<Rgb, 256>& map) {
   glTextureSubImage2D(texture.get(), 0, 0, 0, 256, 1, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
   glTextureParameteri(texture.get(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTextureParameteri(texture.get(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl::check("the colour map");
+  gl::check("create the colour map");
   return texture;
 }
 
@@ -59,7 +59,7 @@ void Renderer::resize(int width, int height) {
   const int w = width * options_.supersampling, h = height * options_.supersampling;
   surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
   // Lighting and lines test the depth of the surfaces and never write it.
-  lit_.emplace("lit picture", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
+  lit_.emplace("lit image", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
   picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
   ids_.reset();
@@ -148,7 +148,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::surface, colors_.get(), *surface_, compute);
   mark("bodies");
   if (layers.grid) planes_.draw_surfaces();
-  gl::check("to draw the surfaces");
+  gl::check("draw the surfaces");
   mark("planes");
 
   light_->draw(*surface_, *lit_);
@@ -173,7 +173,7 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (mark_count_ > 0) lines_.draw_marks(marks_, mark_count_);
 
   resolve();
-  gl::check("to draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
+  gl::check("draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
   mark("resolve");
 }
 
@@ -198,14 +198,14 @@ Image Renderer::read_picture() const {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureImage(picture_->color(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
                     image.rgba.data());
-  gl::check("to read the picture back");
+  gl::check("read the pixels of the frame");
   flip_rows(image.rgba, static_cast<std::size_t>(width()) * 4, height());
   return image;
 }
 
 void Renderer::finish() {
   glFinish();
-  gl::check("to finish drawing");
+  gl::check("complete the frame");
 }
 
 void Renderer::draw_id_target(const OrbitCamera& camera, const IdLayers& layers) {
@@ -242,7 +242,7 @@ std::optional<std::uint32_t> Renderer::pick_box(const OrbitCamera& camera, IdLay
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glGetTextureSubImage(ids_->color(), 0, left, height() - 1 - bottom, 0, columns, rows, 1, GL_RED_INTEGER,
                        GL_UNSIGNED_INT, static_cast<GLsizei>(ids.size() * sizeof ids[0]), ids.data());
-  gl::check("to read ids back");
+  gl::check("read the ids near a pixel");
   std::optional<std::uint32_t> nearest;
   int least = reach * reach + 1;
   for (int row = 0; row < rows; ++row)
@@ -263,7 +263,7 @@ std::uint32_t Renderer::pick(const OrbitCamera& camera, const IdLayers& layers, 
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glGetTextureSubImage(ids_->color(), 0, x, height() - 1 - y, 0, 1, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
                        sizeof id, &id);
-  gl::check("to read an id back");
+  gl::check("read an id");
   return id;
 }
 
@@ -273,7 +273,7 @@ std::vector<std::uint32_t> Renderer::draw_ids(const OrbitCamera& camera, const I
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glGetTextureImage(ids_->color(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT,
                     static_cast<GLsizei>(ids.size() * sizeof ids[0]), ids.data());
-  gl::check("to read the ids back");
+  gl::check("read the ids");
   flip_rows(ids, static_cast<std::size_t>(width()), height());
   return ids;
 }

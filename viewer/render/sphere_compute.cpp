@@ -44,8 +44,7 @@ void SphereCompute::draw(const InstanceBuffers& instances, bool shadow, GLuint c
   Images& images = shadow ? shadow_ : surface_;
   if (images.width != target.width() || images.height != target.height()) {
     images.nearest = gl::make_texture("nearest depth", target.width(), target.height(), GL_R32UI);
-    if (!shadow)
-      images.owners = gl::make_texture("bodies of pixels", target.width(), target.height(), GL_R32UI);
+    if (!shadow) images.owners = gl::make_texture("pixel bodies", target.width(), target.height(), GL_R32UI);
     images.width = target.width();
     images.height = target.height();
   }

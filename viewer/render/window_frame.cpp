@@ -20,7 +20,7 @@ void WindowFrame::place(const Renderer& renderer, int x, int y, int width, int h
   glBlitNamedFramebuffer(renderer.picture().framebuffer(), target_.framebuffer(), 0, 0, renderer.width(),
                          renderer.height(), x, bottom, x + width, bottom + height, GL_COLOR_BUFFER_BIT,
                          same ? GL_NEAREST : GL_LINEAR);
-  gl::check("to put the 3D view in its place");
+  gl::check("copy the 3D view to the window");
 }
 
 Image WindowFrame::read() const {
@@ -30,7 +30,7 @@ Image WindowFrame::read() const {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureImage(target_.color(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.rgba.size()),
                     image.rgba.data());
-  gl::check("to read the window back");
+  gl::check("read the pixels of the window");
   const auto begin = image.rgba.begin();
   for (int y = 0; y < height() / 2; ++y)  // OpenGL returns rows from the bottom
     std::swap_ranges(begin + static_cast<std::ptrdiff_t>(row) * y,
@@ -49,7 +49,7 @@ void WindowFrame::present(int width, int height) const {
   // Rows start at the bottom: align the top left corners if the sizes differ.
   glBlitNamedFramebuffer(target_.framebuffer(), 0, 0, 0, this->width(), this->height(), 0,
                          height - this->height(), this->width(), height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  gl::check("to show the window");
+  gl::check("present the window");
 }
 
 }  // namespace collidoscope

@@ -218,7 +218,8 @@ std::vector<GhostInstance> LiveReference::ghosts(World& world, int generation) {
   view_.rms = count ? std::sqrt(sum / static_cast<double>(count)) : 0;
   view_.error_estimate = count ? std::sqrt(error_estimate_sum / static_cast<double>(count)) : 0;
   if (quantile(error_estimate_in_radii, 0.5) > 1) {
-    view_.unavailable_reason = "Reference ended: motion is chaotic, its own error exceeds a body radius";
+    view_.unavailable_reason =
+        "Reference ended: motion is chaotic, the error of the reference exceeds a body radius";
     world.publisher().set_errors({});
     return {};
   }

@@ -16,7 +16,7 @@ void Buffer::reserve(std::size_t bytes) {
   glCreateBuffers(1, &name);
   handle_ = BufferHandle(name);
   glNamedBufferStorage(name, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
-  check(std::to_string(bytes) + " bytes for the buffer '" + name_ + "'");
+  check("allocate " + std::to_string(bytes) + " bytes for the buffer '" + name_ + "'");
   capacity_ = bytes;
   ++generation_;
 }
@@ -24,7 +24,7 @@ void Buffer::reserve(std::size_t bytes) {
 void Buffer::upload(const void* data, std::size_t bytes) {
   reserve(bytes);
   if (bytes) glNamedBufferSubData(get(), 0, static_cast<GLsizeiptr>(bytes), data);
-  check("an upload of " + std::to_string(bytes) + " bytes to the buffer '" + name_ + "'");
+  check("upload " + std::to_string(bytes) + " bytes to the buffer '" + name_ + "'");
 }
 
 void Buffer::read(void* data, std::size_t bytes) const {
@@ -32,7 +32,7 @@ void Buffer::read(void* data, std::size_t bytes) const {
     throw MachineError("the buffer '" + name_ + "' holds " + std::to_string(capacity_) + " bytes, not " +
                        std::to_string(bytes));
   if (bytes) glGetNamedBufferSubData(get(), 0, static_cast<GLsizeiptr>(bytes), data);
-  check("to read " + std::to_string(bytes) + " bytes of the buffer '" + name_ + "'");
+  check("read " + std::to_string(bytes) + " bytes of the buffer '" + name_ + "'");
 }
 
 }  // namespace collidoscope::gl

@@ -32,7 +32,7 @@ const char* error_name(GLenum error) {
     case GL_OUT_OF_MEMORY:
       return "GL_OUT_OF_MEMORY";
     default:
-      return "an error without a name";
+      return "unknown error";
   }
 }
 
@@ -45,7 +45,7 @@ std::string get_string(GLenum name) {
 
 void watch_errors() {
   if (epoxy_gl_version() < 45)
-    throw MachineError("OpenGL 4.5 is needed to draw; this machine offers " + version_name() + " (" +
+    throw MachineError("OpenGL 4.5 is required; this machine provides " + version_name() + " (" +
                        renderer_name() + ")");
   first_error.clear();
   glEnable(GL_DEBUG_OUTPUT);
@@ -53,7 +53,7 @@ void watch_errors() {
   glDebugMessageCallback(on_message, nullptr);
   glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_FALSE);
   glDebugMessageControl(GL_DONT_CARE, GL_DEBUG_TYPE_ERROR, GL_DONT_CARE, 0, nullptr, GL_TRUE);
-  check("to report its errors");
+  check("enable error reports");
 }
 
 void check(const std::string& what) {
@@ -63,7 +63,7 @@ void check(const std::string& what) {
     if (error.empty()) error = error_name(code);
     if (code == GL_CONTEXT_LOST) break;
   }
-  if (!error.empty()) throw MachineError("OpenGL refused " + what + ": " + error);
+  if (!error.empty()) throw MachineError("OpenGL: cannot " + what + ": " + error);
 }
 
 void forget_errors() {

@@ -10,7 +10,7 @@ namespace collidoscope::gl {
 /// MachineError if the context is older than OpenGL 4.5 core.
 void watch_errors();
 
-/// Throws MachineError "OpenGL refused <what>: <driver message>" if a call failed since the last check.
+/// Throws MachineError "OpenGL: cannot <what>: <driver message>" if a call failed since the last check.
 void check(const std::string& what);
 
 /// Discards pending errors, for callers that report the error themselves.

@@ -37,7 +37,7 @@ std::vector<std::pair<const char*, double>> PassClock::read() {
     times.emplace_back(names_[i], now > before ? static_cast<double>(now - before) * 1e-6 : 0.0);
     before = now;
   }
-  check("to read the times of a frame's passes");
+  check("read the times of the passes of a frame");
   return times;
 }
 

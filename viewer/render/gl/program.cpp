@@ -70,7 +70,7 @@ Program::Program(const std::vector<Stage>& stages, const std::string& definition
     throw MachineError("shaders " + name_ + " do not link: " + log);
   }
   for (const ShaderHandle& shader : shaders) glDetachShader(program_.get(), shader.get());
-  check("the program " + name_);
+  check("create the program " + name_);
 }
 
 GLint Program::location(const char* name) const {

@@ -16,7 +16,8 @@ TextureHandle make_texture(const std::string& name, int width, int height, GLenu
   glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  check("a texture of " + std::to_string(width) + "x" + std::to_string(height) + " for '" + name + "'");
+  check("create a texture of " + std::to_string(width) + "x" + std::to_string(height) + " for '" + name +
+        "'");
   return handle;
 }
 
@@ -45,10 +46,10 @@ Target::Target(const std::string& name, int width, int height, const std::vector
     glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, depth_.get(), 0);
   }
   const GLenum status = glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER);
-  check("the framebuffer '" + name + "'");
+  check("create the framebuffer '" + name + "'");
   if (status != GL_FRAMEBUFFER_COMPLETE)
-    throw MachineError("OpenGL refused the framebuffer '" + name + "' of " + std::to_string(width) + "x" +
-                       std::to_string(height) + ": status " + std::to_string(status));
+    throw MachineError("OpenGL: cannot create the framebuffer '" + name + "' of " + std::to_string(width) +
+                       "x" + std::to_string(height) + ": status " + std::to_string(status));
 }
 
 void Target::bind() const {

@@ -17,7 +17,7 @@ VertexLayout::VertexLayout(std::initializer_list<Input> inputs) {
     glVertexArrayAttribBinding(array, input.location, input.per_vertex ? 1 : 0);
   }
   glVertexArrayBindingDivisor(array, 0, 1);
-  check("a vertex layout");
+  check("create a vertex layout");
 }
 
 void VertexLayout::bind(GLuint instances, GLsizei instance_size, GLuint vertices, GLsizei vertex_size) const {

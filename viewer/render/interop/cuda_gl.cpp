@@ -19,7 +19,7 @@ namespace {
 void check(cudaError_t code, const std::string& what) {
   if (code == cudaSuccess) return;
   cudaGetLastError();  // clears the reported error, so that the simulator does not see it
-  throw MachineError("CUDA refused " + what + ": " + cudaGetErrorString(code));
+  throw MachineError("CUDA: cannot " + what + ": " + cudaGetErrorString(code));
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ CudaGlBuffers::~CudaGlBuffers() {
 
 CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers& buffers) {
   Impl& m = *impl_;
-  check(cudaSetDevice(m.gpu), "device " + std::to_string(m.gpu));
+  check(cudaSetDevice(m.gpu), "use device " + std::to_string(m.gpu));
   const std::array<const gl::Buffer*, 4> sources{&buffers.bodies, &buffers.boxes, &buffers.contacts,
                                                  &buffers.joints};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -67,18 +67,18 @@ CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers& buffers) {
     m.unregister(i);
     check(cudaGraphicsGLRegisterBuffer(&m.resources[i], sources[i]->get(),
                                        cudaGraphicsRegisterFlagsWriteDiscard),
-          "to register a GL buffer of " + std::to_string(sources[i]->capacity()) + " bytes");
+          "register a GL buffer of " + std::to_string(sources[i]->capacity()) + " bytes");
     m.generations[i] = sources[i]->generation();
   }
-  check(cudaGraphicsMapResources(4, m.resources.data(), nullptr), "to map four GL buffers");
+  check(cudaGraphicsMapResources(4, m.resources.data(), nullptr), "map four GL buffers");
   m.mapped = true;
   // Mapping synchronises only the default stream, but the simulator uses streams of its own.
-  check(cudaStreamSynchronize(nullptr), "to wait for OpenGL");
+  check(cudaStreamSynchronize(nullptr), "wait for OpenGL");
   Addresses addresses{};
   for (std::size_t i = 0; i < 4; ++i) {
     std::size_t bytes = 0;
     check(cudaGraphicsResourceGetMappedPointer(&addresses[i], &bytes, m.resources[i]),
-          "the address of a mapped GL buffer");
+          "query the address of a mapped GL buffer");
     if (bytes < sources[i]->capacity())
       throw MachineError("CUDA mapped " + std::to_string(bytes) + " bytes of a GL buffer of " +
                          std::to_string(sources[i]->capacity()));
@@ -88,7 +88,7 @@ CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers& buffers) {
 
 void CudaGlBuffers::unmap() {
   impl_->mapped = false;
-  check(cudaGraphicsUnmapResources(4, impl_->resources.data(), nullptr), "to unmap four GL buffers");
+  check(cudaGraphicsUnmapResources(4, impl_->resources.data(), nullptr), "unmap four GL buffers");
 }
 
 }  // namespace collidoscope
@@ -99,7 +99,7 @@ namespace collidoscope {
 
 struct CudaGlBuffers::Impl {};
 
-CudaGlBuffers::CudaGlBuffers(int) { throw MachineError("this build has no CUDA"); }
+CudaGlBuffers::CudaGlBuffers(int) { throw MachineError("this build has no CUDA support"); }
 CudaGlBuffers::~CudaGlBuffers() = default;
 CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers&) {
   throw MachineError("this build has no CUDA");

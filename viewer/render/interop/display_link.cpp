@@ -33,7 +33,7 @@ DisplayLink::DisplayLink(const World& world, DisplayPath request, LogCallback lo
 void DisplayLink::step_down(const std::string& why, DisplayPath to) {
   shared_.reset();
   path_ = to;
-  log_("display path: " + why + "; " + display_path_name(to) + " instead");
+  log_("display path: " + why + "; using " + display_path_name(to) + " instead");
 }
 
 void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers) {

@@ -23,7 +23,8 @@ DisplayPath parse_display_path(const std::string& text, const std::string& where
   if (text == "interop") return DisplayPath::interop;
   if (text == "copy") return DisplayPath::copy;
   if (text == "upload") return DisplayPath::upload;
-  throw InputError(where + ": '" + text + "': unknown display path; one of auto, interop, copy, upload");
+  throw InputError(where + ": '" + text +
+                   "': unknown display path; expected one of auto, interop, copy, upload");
 }
 
 }  // namespace collidoscope
