@@ -11,12 +11,13 @@
 namespace collidoscope {
 namespace {
 
+/// Last value, median and 95th percentile in ms, one cell each. Not `shown` or not measured: dashes.
 void time_cells(const TimeSummary& times, bool shown) {
   for (double ms : {times.now, times.median, times.p95})
     number_cell(shown && times.samples > 0 ? short_time(ms) : "–");
 }
 
-/// The standard term for the stage, and its launch.
+/// Tooltip of a stage: its standard term and its launch shape.
 std::string stage_text(const History::Stage& stage) {
   const std::string launch = launch_text(stage);
   return std::string(stage_term(stage.name)) + (launch.empty() ? "" : "\n" + launch);
@@ -28,7 +29,7 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "timing", "Timing", workspace.visible_panels.timing)) return end_panel();
   const History& history = *view.history;
   const auto window = static_cast<std::size_t>(std::max(workspace.window, 1));
-  const TimeSummary sum = history.summarize_sum(window), plain = history.summarize_plain(window);
+  const TimeSummary sum = history.summarize_sum(window), whole = history.summarize_plain(window);
   const bool light = workspace.theme == Theme::light;
   const int highlighted = workspace.hovered_stage >= 0 ? workspace.hovered_stage : workspace.chosen_stage;
   int hovered = -1;
@@ -49,7 +50,8 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     for (std::size_t k = 0; k < history.stages().size(); ++k) {
       const History::Stage& stage = history.stages()[k];
       const TimeSummary times = history.summarize_stage(k, window);
-      if (times.samples == 0) continue;  // stage of another broad phase or executor
+      if (times.samples == 0)
+        continue;  // not measured in this window, for example a stage of another broad phase
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -71,28 +73,28 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted("sum of stages");
-    explain("Sum of the stage times. Every other step is timed stage by stage");
+    explain("Sum of the stage times, in ms. Stages are timed in every second step");
     time_cells(sum, view.with_times);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextUnformatted("whole step");
-    explain("Time of whole steps, without stage timers. These are the steps between those timed by stage");
-    time_cells(plain, view.with_times);
+    explain("Time of a whole step, in ms, measured in the steps without stage timers");
+    time_cells(whole, view.with_times);
     ImGui::EndTable();
   }
   if (hovered >= 0) workspace.hovered_stage = hovered;
-  const bool any_own = std::ranges::any_of(history.stages(), &History::Stage::library_launch);
-  faint_text(
-      fmt::format("last {} steps{}", std::min(window, history.size()), any_own ? " · * library launch" : ""));
+  const bool any_library_launch = std::ranges::any_of(history.stages(), &History::Stage::library_launch);
+  faint_text(fmt::format("last {} steps{}", std::min(window, history.size()),
+                         any_library_launch ? " · * library launch" : ""));
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   ImGui::SameLine(ImGui::GetContentRegionAvail().x - 2 * ImGui::CalcTextSize("JSON").x - 3 * gap - gap);
   if (ImGui::SmallButton("CSV")) workspace.csv_requested = true;
   track(workspace, "timing.csv");
-  explain("Writes these steps to captures/, one row per step");
+  explain("Writes the times of these steps to captures/ as CSV, one row per step");
   ImGui::SameLine();
   if (ImGui::SmallButton("JSON")) workspace.json_requested = true;
   track(workspace, "timing.json");
-  explain("Writes these steps to captures/ as JSON");
+  explain("Writes the times of these steps to captures/ as JSON");
   end_panel();
 }
 

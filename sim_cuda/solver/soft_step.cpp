@@ -132,7 +132,8 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   end_step(contacts, impulses);
 }
 
-/// Finds islands and colours, prepares contacts, and starts continuous collision.
+/// Finds the islands of sleeping, colours and prepares contacts, and stores the displacement limits of
+/// continuous collision.
 template <class Real>
 void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
   kinematic_.begin();
@@ -143,7 +144,7 @@ void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
   if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.acceleration_margin);
 }
 
-/// Applies forces and warm starting.
+/// Applies gravity, attractors, drag and warm starting. Solves the planes once.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::begin_substep(int substep) {
@@ -155,7 +156,7 @@ void SoftStepSolver<Real>::begin_substep(int substep) {
   if (scene_.effects.joints) scene_.joints->warm_start();
 }
 
-/// Iterations over joints, contacts and planes with soft constraints.
+/// Iterations before the move: joints, then contacts with soft constraints, then planes.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::solve(int substep) {
@@ -170,7 +171,8 @@ void SoftStepSolver<Real>::solve(int substep) {
   }
 }
 
-/// Moves bodies, then updates normals and gaps of contacts.
+/// Integrates free motion, clamps it by continuous collision, moves bodies by h_ seconds, then updates the
+/// normals and gaps of contacts.
 template <class Real>
 void SoftStepSolver<Real>::move() {
   free_integrator_.integrate(h_, true);
@@ -184,7 +186,8 @@ void SoftStepSolver<Real>::move() {
       PlaceContacts<Real>{ordered_contacts_.data(), bodies_of_.data(), scene_.bodies.position, soft_.data()});
 }
 
-/// Iterations with rigid constraints and friction.
+/// Iterations after the move, with rigid constraints and friction: joints, planes, contacts, rolling
+/// resistance. Removes the velocity that the correction of overlap has added.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::relax(int substep) {
@@ -201,6 +204,7 @@ void SoftStepSolver<Real>::relax(int substep) {
   }
 }
 
+/// Applies restitution once per step: at planes, then at contacts.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::bounce() {
@@ -211,6 +215,7 @@ void SoftStepSolver<Real>::bounce() {
   iterate("bounce", Bounce<Real>{scene_.restitution, bounces_.data()});
 }
 
+/// Solves friction again where restitution has increased the normal impulse.
 template <class Real>
 void SoftStepSolver<Real>::friction_of_bounces() {
   on_walls<true>([&]<bool with_box_obstacles>(const SoftWalls<Real, true, with_box_obstacles>& walls) {
@@ -219,7 +224,7 @@ void SoftStepSolver<Real>::friction_of_bounces() {
   iterate("friction", FrictionAfterBounce<Real>{bounces_.data()});
 }
 
-/// Fills the contact cache.
+/// Stores the impulses of contacts for warm starting of the next step. Updates the sleep timers.
 template <class Real>
 void SoftStepSolver<Real>::end_step(const ContactView<Real>& contacts, Real* impulses) {
   kinematic_.restore();
@@ -238,6 +243,8 @@ void SoftStepSolver<Real>::run_bodies(const char* name, const Stage& stage) {
   run_awake_bodies(executor_, name, scene_.body_count, sleeping_.asleep(), stage);
 }
 
+/// Colours the contacts and copies them into solve order, with their warm-start impulses. Lists contacts by
+/// body: all of them, and the mass-split set.
 template <class Real>
 void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   StepControl* control = scene_.control;
@@ -267,6 +274,7 @@ RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
           contact_count(),          planes_.impulse(), sleeping_.asleep()};
 }
 
+/// The forces and the warm starting of begin_substep().
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::apply_forces() {
@@ -305,6 +313,7 @@ OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts() co
           uncoloured_change_.data()};
 }
 
+/// One iteration of `act` over all contacts, timed as `stage`.
 template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
@@ -314,7 +323,7 @@ void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
                        Iteration<Real, Act>{ordered_contacts<Act::has_friction>(), scene_.bodies, act});
 }
 
-/// Records residuals of a substep: before and after each iteration of solve, then of relax.
+/// Records the residual after an iteration of solve (`soft`) or relax. `iteration` 0: before the first one.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::record_iteration(int substep, bool soft, int iteration) {
@@ -348,6 +357,7 @@ std::vector<Residual> SoftStepSolver<Real>::residuals() const {
   return residuals;
 }
 
+/// Calls `with` with the view of planes and box obstacles, if the scene has any.
 template <class Real>
 template <bool with_friction, class With>
 void SoftStepSolver<Real>::on_walls(const With& with) {
@@ -357,6 +367,7 @@ void SoftStepSolver<Real>::on_walls(const With& with) {
     with(planes_.template view<with_friction, false>(softness_.inverse_h));
 }
 
+/// One iteration over planes and box obstacles, timed as `stage`. `last`: last iteration of relax.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing, bool last) {
