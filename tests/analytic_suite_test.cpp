@@ -72,9 +72,8 @@ TEST(AnalyticSuite, SaysWhatFailedAndWhy) {
   const std::string text = analytic_text(results(), "a machine");
   EXPECT_THAT(text, testing::HasSubstr("a machine: 3 cases, 4 runs at 4 step sizes each, 1 failed"));
   EXPECT_THAT(
-      text,
-      testing::HasSubstr(
-          "\nfail, semi_implicit_euler, f64: at h = 0.03333 s the error is 0.2; the limit is 0.122\n"));
+      text, testing::HasSubstr(
+                "\nfail, semi_implicit_euler, f64: at h = 0.03333 s the error is 0.2; the limit is 0.122\n"));
   EXPECT_THAT(text, testing::HasSubstr("FAILED"));
   EXPECT_THAT(text, testing::HasSubstr("1/30 - 1/240"));
   const std::string markdown = analytic_markdown(results(), "a machine");
