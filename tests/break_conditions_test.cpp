@@ -50,7 +50,7 @@ TEST(BreakConditions, SayWhatWouldBeRight) {
       "--break: 'sped=3' is not a condition; expected a list of non-finite, energy-rise=%, penetration=m, "
       "speed=m/s, stage-ms=ms, escaped");
   EXPECT_THAT(fault_of(""), HasSubstr("'' is not a condition"));
-  EXPECT_THAT(fault_of("speed"), HasSubstr("'speed': speed=m/s, a number from 0 to 1e+18"));
+  EXPECT_THAT(fault_of("speed"), HasSubstr("'speed': expected speed=m/s, a number from 0 to 1e+18"));
   for (const char* bad : {"speed=", "speed=nan", "speed=-1", "speed=1e30", "speed=3x", "speed=inf"})
     EXPECT_THAT(fault_of(bad), HasSubstr("speed=m/s, a number from 0")) << bad;
   EXPECT_EQ(fault_of("escaped=1"), "--break: 'escaped=1': escaped takes no number");

@@ -323,13 +323,15 @@ TEST(Change, FaultsSayWhereAndWhat) {
             "f:2:24: body 122 does not exist; ids must be below 122");
   EXPECT_EQ(fault_of(R"({"step": 1, "bodies": 20, "remove": [22]})"),
             "f:2:38: body 22 does not exist; ids must be below 22");
-  EXPECT_EQ(fault_of(R"({"step": 1, "remove": [3, 3]})"), "f:2:27: body 3 appears twice in this list");
+  EXPECT_EQ(fault_of(R"({"step": 1, "remove": [3, 3]})"),
+            "f:2:27: body 3 appears twice in this list; list it once");
   EXPECT_THAT(fault_of(R"({"step": 1, "remove": [1.5]})"),
               HasSubstr("f:2:24: \"remove\" must be a list of ids"));
   EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [5, 121]})"), "");
   EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [122]})"),
             "f:2:24: body 122 does not exist; ids must be below 122");
-  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [3, 3]})"), "f:2:27: body 3 appears twice in this list");
+  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [3, 3]})"),
+            "f:2:27: body 3 appears twice in this list; list it once");
   EXPECT_THAT(fault_of(R"({"step": 1, "freeze": ["3"]})"),
               HasSubstr("f:2:24: \"freeze\" must be a list of ids"));
   EXPECT_EQ(fault_of(R"({"step": 1, "add": [{"motion": "static"}]}, {"step": 2, "freeze": [122]})"),

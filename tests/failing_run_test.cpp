@@ -182,7 +182,8 @@ TEST_F(FailingRun, IsToldWhatTheFlagsTake) {
   EXPECT_THAT(outcome.err, HasSubstr("--guards: on is not pause, freeze or off\n"));
   EXPECT_THAT(outcome.err,
               HasSubstr("--break: 'sped' is not a condition; expected a list of non-finite, energy-rise=%"));
-  EXPECT_THAT(outcome.err, HasSubstr("--break: 'energy-rise=-1': energy-rise=%, a number from 0 to 1e+09\n"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("--break: 'energy-rise=-1': expected energy-rise=%, a number from 0 to 1e+09\n"));
 }
 
 TEST_F(FailingRun, EndsACaptureToo) {

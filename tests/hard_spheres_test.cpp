@@ -313,7 +313,7 @@ TEST(HardSpheres, RefuseWhatTheyDoNotKnowInALineEach) {
   scene = box_collider(10, Variant::settled);
   scene.materials[0].restitution = 1;
   EXPECT_THAT(refusal(scene),
-              testing::HasSubstr("no piles at rest (variant settled): infinitely many collisions"));
+              testing::HasSubstr("not piles at rest (variant settled): infinitely many collisions"));
 }
 
 TEST(HardSpheres, OfWhichThereAreNoneJustLetTimePass) {

@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{CORNERS "f 1 2 99999999999999999999\n",
             "m.obj:5:7: \"99999999999999999999\" is not a vertex index"},
         Bad{CORNERS "f 1 2 9\n", "m.obj:5:1: the face uses vertex 9, but the number of vertices is 4"},
-        Bad{CORNERS "f 1 2 2\n", "m.obj:5:7: vertex 2 twice in one face"},
+        Bad{CORNERS "f 1 2 2\n", "m.obj:5:7: vertex 2 appears twice in one face"},
         Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\n",
             "m.obj:5:1: the edge from vertex 3 to 2 belongs only to this face, so the surface is open"},
         Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n",
