@@ -154,7 +154,8 @@ std::string one_large_body() {
 
 // Broad phases: one row per method, one column per size.
 
-std::string microseconds(double us) { return us < 1000 ? fixed(us, 1) : grouped(std::llround(us)); }
+/// One decimal, none from 1,000.
+std::string rounded(double value) { return value < 1000 ? fixed(value, 1) : grouped(std::llround(value)); }
 
 std::string broad_phases(const char* file, const Cells& variants) {
   constexpr double bytes_per_us = 4.3e6;  // memory bandwidth of the H200
@@ -190,7 +191,7 @@ std::string broad_phases(const char* file, const Cells& variants) {
   };
   for (const std::string& method : methods)
     add_row(method.starts_with("cuBQL") ? "cuBQL 1.1 (list unordered)" : code(method), method,
-            [](const Json& row) { return microseconds(row["median_us"].get<double>()); });
+            [](const Json& row) { return rounded(row["median_us"].get<double>()); });
   add_row("pairs", "lbvh_ropes", [](const Json& row) { return count(row["pairs"]); });
   add_row("floor", "lbvh_ropes",
           [](const Json& row) { return fixed(row["floor_bytes"].get<double>() / bytes_per_us, 2); });
@@ -231,6 +232,21 @@ std::string predictors() {
                fixed(row["own_query_within_scenes"], 2), fixed(row["own_query_all"], 2)});
   return table.text();
 }
+
+std::string tree_quality(const char* file) {
+  const Json run = result(file);
+  MarkdownTable table(
+      {"method", "SAH cost", "EPO", "sibling overlap", "own visits, mean", "root visits, mean"});
+  for (const Json& tree : run["trees"])
+    table.row({code(tree["method"].get<std::string>()), rounded(tree["sah"].get<double>()),
+               rounded(tree["epo"].get<double>()), fixed(tree["sibling_overlap"], 2),
+               rounded(tree["own_visits"]["mean"].get<double>()),
+               rounded(tree["root_visits"]["mean"].get<double>())});
+  return table.text();
+}
+
+std::string tree_quality_scaled() { return tree_quality("epyc-2-cores/bvh-50000-scaled.json"); }
+std::string tree_quality_paper() { return tree_quality("epyc-2-cores/bvh-20000-paper.json"); }
 
 std::string solvers() {
   MarkdownTable table({"solver", "settings", "step, ms (p5 to p95)", "ratio to `soft_step` (p5 to p95)",
@@ -307,6 +323,8 @@ const std::map<std::string_view, std::string (*)()> tables{
     {"broad-phases-variants", broad_phases_variants},
     {"growth", growth},
     {"predictors", predictors},
+    {"tree-quality-scaled", tree_quality_scaled},
+    {"tree-quality-paper", tree_quality_paper},
     {"solvers", solvers},
     {"frames-impulse", frames_of_impulse},
     {"frames-soft_step", frames_of_soft_step},
