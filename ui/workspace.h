@@ -54,7 +54,7 @@ inline constexpr std::array<SpeedChoice, 6> speed_choices{{{0.1, "0.1 ×", "0.1 
                                                            {0.5, "0.5 ×", "0.5 × real time"},
                                                            {1, "1 × real time", "1 × real time"},
                                                            {2, "2 ×", "2 × real time"},
-                                                           {0, "a step a frame", "one step per frame"}}};
+                                                           {0, "1 step per frame", "one step per frame"}}};
 
 /// Open panels.
 struct PanelVisibility {
