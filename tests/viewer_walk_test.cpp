@@ -66,7 +66,7 @@ std::vector<std::string> named_widgets() {
   const auto list = [&](const std::string& name, const std::vector<std::string>& choices) {
     for (const std::string& choice : choices) names.push_back(name + "." + choice);
   };
-  list("run.speed", {"0.1 ×", "0.25 ×", "0.5 ×", "1 × real time", "2 ×", "a step a frame"});
+  list("run.speed", {"0.1 ×", "0.25 ×", "0.5 ×", "1 × real time", "2 ×", "1 step per frame"});
   list("settings.executor", {"auto", "cpu", "cuda"});
   list("settings.precision", {"f32", "f64"});
   list("settings.solver", {"impulse", "soft_step"});
