@@ -75,6 +75,7 @@ StepStats World::measure() {
   stats.touching = now.contacts;
   stats.speculative = stepped ? now.contacts_committed : now.contacts;
   stats.uncoloured_contacts = stepped ? now.uncoloured_committed : 0;
+  stats.bounce_cap = stepped ? now.bounce_caps_committed : 0;
   run_->pipeline().measure(stats);
   return stats;
 }

@@ -137,6 +137,18 @@ SIM_HD inline void atomic_max(std::uint64_t* target, std::uint64_t value) {
   atomic_max_unchecked(target, value);
 }
 
+SIM_HD inline void atomic_max(std::uint32_t* target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  if (*reinterpret_cast<volatile std::uint32_t*>(target) >= value) return;
+  atomicMax(target, value);
+#else
+  std::atomic_ref<std::uint32_t> cell(*target);
+  std::uint32_t seen = cell.load(std::memory_order_relaxed);
+  while (seen < value && !cell.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
 SIM_HD inline void atomic_or(std::uint32_t* target, std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   atomicOr(target, bits);

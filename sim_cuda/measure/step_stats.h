@@ -14,10 +14,11 @@ struct StepStats {
   /// Contacts of the last step, including speculative ones. Before the first step: equal to touching. With
   /// the solver impulse: contacts of the last substep, without speculative ones.
   std::int64_t speculative = 0;
+  std::int64_t bounce_cap = 0;  ///< substeps of the last step with impacts left after the last impact sweep
   std::int64_t uncoloured_contacts = 0;  ///< contacts without a colour, solved by mass splitting
   double kinetic_energy = 0;             ///< translation and rotation, J
   double potential_energy = 0;           ///< J; zero at z = box.min.z, or at z = 0 without a box
-  double push_work = 0;                  ///< potential energy added by the positional push since state 0, J
+  double push_work = 0;                  ///< potential energy added by overlap recovery since state 0, J
   double momentum[3] = {};               ///< kg m/s
   double angular_momentum[3] = {};       ///< about the origin, kg m^2/s
   double wall_impulse = 0;               ///< sum of normal impulses on walls and obstacles since state 0, N s

@@ -26,6 +26,8 @@ struct Commit {
     control->pairs_committed = control->pairs;
     control->contacts_committed = control->contacts;
     control->uncoloured_committed = control->uncoloured_contacts;
+    control->bounce_caps_committed = control->bounce_caps;
+    control->bounce_caps = 0;
   }
 };
 
@@ -41,8 +43,7 @@ class TypedPipeline final : public Pipeline {
     const auto stages = [&] {
       detect(speculative_margin());
       if (before_writing_ && !executor_.on_device()) before_writing_(*control_.data());
-      // colour, prepare, forces, solve, move, relax, bounce, friction, keep; other solvers have other
-      // stages
+      // colour, prepare, bounce, forces, solve, move, relax, keep; other solvers have other stages
       solver_->advance(contacts_.view(), impulses_.data());
     };
     validator_ ? validator_->run_validated(guarded(), stages) : stages();
@@ -147,6 +148,7 @@ class TypedPipeline final : public Pipeline {
     now.pairs_committed = from.pairs_committed;
     now.contacts_committed = from.contacts_committed;
     now.uncoloured_committed = from.uncoloured_committed;
+    now.bounce_caps_committed = from.bounce_caps_committed;
     executor_.copy_to_executor(control_.data(), &now, sizeof now);
   }
   void visit_persistent_arrays(const ArrayVisitor& visit) override {

@@ -186,7 +186,7 @@ void SimulationState<Real>::upload_surfaces(const Scene& scene) {
     rolling_of_plane_.upload(by_plane);
   }
   box_surfaces_.upload(box_surfaces<Real>(scene));
-  if (plane_count() > 0 || !scene.boxes.empty())
+  if (plane_count() > 0 || !scene.boxes.empty() || effects_.gravity || effects_.attractor)
     bodies_.static_impulses.upload(std::vector<StaticImpulse>(static_cast<std::size_t>(body_count_)));
 }
 

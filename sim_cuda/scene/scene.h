@@ -184,7 +184,7 @@ struct Physics {
   std::optional<int> substeps;  ///< K, 1 to 1000, each of time_step / K; unset: "auto"
   int iterations = 1;           ///< solver iterations over all contacts, 1 to 1000
   Solver solver = Solver::soft_step;
-  Integrator integrator = Integrator::semi_implicit_euler;
+  Integrator integrator = Integrator::velocity_verlet;
   RotationUpdate rotation_update = RotationUpdate::first_order;
   Precision precision = Precision::f32;
   std::optional<Effects> effects;               ///< unset: "auto", the effects that the scene requires

@@ -109,7 +109,6 @@ template <class Real>
 struct BoxContacts {
   BoxView<Real> view;
   ContactPlane<Real>* plane;  ///< contact plane in this substep
-  Vector3<Real>* normal;      ///< contact normal of the last touch in this step, unit
 };
 
 }  // namespace collidoscope

@@ -45,10 +45,9 @@ struct KeepContacts {
 
 struct EndStep {
   const StepControl* control;
-  std::uint32_t *count, *bounces;
+  std::uint32_t* count;
   SIM_HD void operator()(int) const {
     if (!control->overflow) *count = control->contacts;
-    *bounces = 0;
   }
 };
 

@@ -34,15 +34,15 @@ struct alignas(4 * sizeof(Real)) PackedContact {
 };
 static_assert(sizeof(PackedContact<float>) == 32 && sizeof(PackedContact<double>) == 64);
 
-/// Sums over the substeps of a step.
+/// Sums of impulses, for reports and for friction of impacts.
 template <class Real>
 struct alignas(2 * sizeof(Real)) ContactSums {
-  Real total, approach;  ///< see SoftContact
+  Real total, impact;  ///< see SoftContact
 };
 
 template <class Real>
 struct alignas(4 * sizeof(Real)) FrictionSums {
-  Vector3<Real> total;  ///< see FrictionImpulse
+  Vector3<Real> impact;  ///< see FrictionImpulse
   Real coefficient;
 };
 

@@ -48,6 +48,7 @@ struct IntegrateFree {
   BodyView<Real> bodies;
   const PackedVector3<Real>* before;
   PackedVector3<Real>* drift_velocity;
+  PackedVector3<Real>* moved;  ///< the final velocity, too; or null
   const WallPlane<Real>* planes;
   int plane_count;
   Real h;  ///< s
@@ -67,6 +68,7 @@ struct IntegrateFree {
     }
     drift_velocity[body] = step.drift_velocity;
     bodies.velocity[body] = step.velocity;
+    if (moved != nullptr) moved[body] = step.velocity;
   }
 
   template <class Forces>
@@ -130,8 +132,12 @@ BodyView<Real> FreeIntegrator<Real>::bodies_with_drift_velocity() const {
 }
 
 template <class Real>
-void FreeIntegrator<Real>::integrate(Real h, bool forces_applied) {
-  if (!uses_higher_order()) return;
+void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<Real>* moved) {
+  if (!uses_higher_order()) {
+    if (moved != nullptr)
+      executor_.run("integrate", scene_.body_count, SaveVelocities<Real>{scene_.bodies.velocity, moved});
+    return;
+  }
   const auto with = [&]<Integrator integrator>() {
     const Effects& effects = scene_.effects;
     const SmoothField<Real> field{effects.attractor ? scene_.attractors : AttractorView<Real>{},
@@ -139,7 +145,7 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied) {
                                   scene_.gravity};
     executor_.run("integrate", scene_.body_count,
                   IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
-                                                  drift_velocity_.data(), scene_.planes, scene_.plane_count,
+                                                  drift_velocity_.data(), moved, scene_.planes, scene_.plane_count,
                                                   h, forces_applied, scene_.control});
   };
   scene_.integrator == Integrator::rk4 ? with.template operator()<Integrator::rk4>()

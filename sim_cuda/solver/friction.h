@@ -70,6 +70,19 @@ struct AngularState {
     const Real least = inertia.x() < inertia.y() ? inertia.x() : inertia.y();
     return 1 / (least < inertia.z() ? least : inertia.z());
   }
+  /// What a torque-free rotation conserves: the angular velocity of an isotropic body, rad/s; otherwise the
+  /// angular momentum, kg m^2/s. In world axes.
+  SIM_HD Vector3<Real> spin() const {
+    if (is_isotropic()) return velocity;
+    const Vector3<Real> body = axes.conjugate() * velocity;
+    return axes * Vector3<Real>(body.x() * inertia.x(), body.y() * inertia.y(), body.z() * inertia.z());
+  }
+  /// The angular velocity of a body with this spin(), rad/s.
+  SIM_HD Vector3<Real> velocity_of(const Vector3<Real>& spin) const {
+    if (is_isotropic()) return spin;
+    const Vector3<Real> body = axes.conjugate() * spin;
+    return axes * Vector3<Real>(body.x() / inertia.x(), body.y() / inertia.y(), body.z() / inertia.z());
+  }
   /// `impulse` in N m s, in world axes.
   SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {
     if (is_isotropic()) {

@@ -1,8 +1,7 @@
 #pragma once
 // Friction constraint of one contact of `soft_step`. It is solved after each relaxed normal impulse,
-// limited by mu times that impulse. After restitution it is solved once more for contacts that bounced,
-// limited by mu times the normal impulse of the whole step. Reason: a bounce has a larger normal impulse
-// than the substep in which it began.
+// limited by mu times that impulse. In an impact it is solved after each impulse of the impact, limited by
+// mu times the sum of these impulses.
 
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/solver/contact_storage.h"
@@ -16,7 +15,7 @@ template <class Real>
 struct FrictionImpulse {
   Vector3<Real>
       impulse;  ///< accumulated in the substep, N s, perpendicular to the normal; applied to b, negative to a
-  Vector3<Real> total;  ///< sum over the step so far, N s
+  Vector3<Real> impact;  ///< friction impulse of impacts in this substep, N s
   Real coefficient;     ///< friction coefficient of the pair
 };
 

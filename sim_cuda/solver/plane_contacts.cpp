@@ -11,25 +11,19 @@ template <class Real>
 PlaneContacts<Real>::PlaneContacts(Executor& executor, const SolverScene<Real>& scene)
     : scene_(scene),
       impulse_(executor, "wall impulses"),
-      bounce_(executor, "wall restitution velocities"),
+      bounced_mask_(executor, "wall impact masks"),
       active_mask_(executor, "wall contact masks"),
       friction_(executor, "wall friction"),
-      friction_total_(executor, "wall friction per step"),
-      normal_impulse_sum_(executor, "wall impulses per step"),
-      box_planes_(executor, "box faces"),
-      box_normals_(executor, "box normals") {
+      box_planes_(executor, "box faces") {
   const auto bodies = static_cast<std::size_t>(scene.body_count),
              entries = static_cast<std::size_t>(scene.surfaces()) * bodies,
              boxes = static_cast<std::size_t>(scene.boxes.count) * bodies;
   impulse_.upload(std::vector<Real>(entries, 0));
-  bounce_.upload(std::vector<Real>(entries, -1));
+  bounced_mask_.upload(std::vector<std::uint32_t>(scene.surfaces() > 0 ? bodies : 0, 0));
   activate_all();
   box_planes_.resize_discarding(boxes);
-  box_normals_.resize_discarding(boxes);
   if (!scene.effects.friction) return;
   friction_.upload(std::vector<Vector3<Real>>(entries, Vector3<Real>::Zero()));
-  friction_total_.upload(std::vector<Vector3<Real>>(entries, Vector3<Real>::Zero()));
-  normal_impulse_sum_.upload(std::vector<Real>(entries, 0));
 }
 
 /// Marks all surfaces of all bodies as active. Used before the first step and after load().

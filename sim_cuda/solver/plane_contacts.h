@@ -24,18 +24,17 @@ class PlaneContacts {
             scene_.body_count,
             scene_.planes,
             scene_.plane_count,
-            scene_.restitution,
             scene_.gravity,
             inverse_h,
             impulse_.data(),
-            bounce_.data(),
+            bounced_mask_.data(),
             active_mask_.data(),
-            WallFriction<Real>{scene_.friction, friction_.data(), friction_total_.data(),
-                               normal_impulse_sum_.data()},
-            BoxContacts<Real>{scene_.boxes, box_planes_.data(), box_normals_.data()},
+            WallFriction<Real>{scene_.friction, friction_.data()},
+            BoxContacts<Real>{scene_.boxes, box_planes_.data()},
             scene_.static_impulses};
   }
-  const Real* impulse() const { return impulse_.data(); }  ///< N s, see SoftWalls::impulse
+  Real* impulse() const { return impulse_.data(); }  ///< N s, see SoftWalls::impulse
+  Vector3<Real>* friction() const { return friction_.size() > 0 ? friction_.data() : nullptr; }  ///< N s
 
   void save(WarmStart& warm_start) const;
   /// Loads nothing if the number of surfaces differs.
@@ -46,12 +45,10 @@ class PlaneContacts {
   void activate_all();
 
   const SolverScene<Real> scene_;
-  Buffer<Real> impulse_, bounce_;                    ///< surfaces x bodies; empty without surfaces
-  Buffer<std::uint32_t> active_mask_;                ///< by body, one bit per surface; empty without surfaces
-  Buffer<Vector3<Real>> friction_, friction_total_;  ///< surfaces x bodies; empty without friction
-  Buffer<Real> normal_impulse_sum_;                  ///< surfaces x bodies; empty without friction
-  Buffer<ContactPlane<Real>> box_planes_;            ///< boxes x bodies; empty without boxes
-  Buffer<Vector3<Real>> box_normals_;
+  Buffer<Real> impulse_;                           ///< surfaces x bodies; empty without surfaces
+  Buffer<std::uint32_t> bounced_mask_, active_mask_;  ///< by body, one bit per surface; empty without surfaces
+  Buffer<Vector3<Real>> friction_;                 ///< surfaces x bodies; empty without friction
+  Buffer<ContactPlane<Real>> box_planes_;          ///< boxes x bodies; empty without boxes
 };
 
 }  // namespace collidoscope

@@ -5,6 +5,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/disjoint_sets.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/scene/effects.h"
@@ -22,19 +23,6 @@ struct BeginIslands {
     island_active[body] = asleep[body] = 0;
   }
 };
-
-/// Current root of a body's component. Other threads may join components concurrently.
-SIM_HD inline std::uint32_t root_of(std::uint32_t* parent, std::uint32_t body) {
-  std::uint32_t at = atomic_load(&parent[body]);
-  for (std::uint32_t before = body; at != before;) {
-    const std::uint32_t above = atomic_load(&parent[at]);
-    if (above == at) break;
-    atomic_store(&parent[before], above);  // benign race: every thread stores an ancestor
-    before = at;
-    at = above;
-  }
-  return at;
-}
 
 /// Joins the islands of two bodies.
 template <class Real>
@@ -59,14 +47,7 @@ struct Islands {
       if (b_stays && moves(b)) atomic_store(&disturbed[a], std::uint8_t{1});
       return;
     }
-    a = root_of(parent, a);
-    b = root_of(parent, b);
-    while (a != b) {
-      const std::uint32_t low = min_of(a, b), high = max_of(a, b);
-      a = low;
-      b = atomic_compare_exchange(&parent[high], high, low);
-      if (b == high) return;  // `high` was a root and is linked now
-    }
+    join_sets(parent, a, b);
   }
 };
 

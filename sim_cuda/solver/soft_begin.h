@@ -25,6 +25,7 @@ struct BeginSubstep {
   const Vector3<Real>* field;  ///< acceleration by attractors, m/s^2, by body; null if the effect is off
   bool with_field;             ///< true if gravity or attractors are on
   Real h;                      ///< s
+  PackedVector3<Real>*start_velocity, *start_spin;  ///< see EnergyGuard; start_spin may be null
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
@@ -60,7 +61,8 @@ struct BeginSubstep {
 
   SIM_HD void begin(int id, const ImpulseSums& impulses) const {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
-    const Vector3<Real> before = body.v;
+    start_velocity[id] = body.v;
+    if (start_spin != nullptr) start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
     SoftWalls<Real, with_friction, with_box_obstacles> own = walls;
     if (field != nullptr) own.gravity = gravity + field[id];
     if (with_field) body.v += h * own.gravity;
@@ -70,7 +72,7 @@ struct BeginSubstep {
       body.v += body.inverse_mass * impulses.sum[0];
       if constexpr (with_friction) body.angular.apply_angular_impulse(impulses.sum[1]);
     }
-    own.solve(id, body, false, &before);
+    own.solve(id, body, false);
     body.velocity_changed = true;
     walls.store(id, body);
   }

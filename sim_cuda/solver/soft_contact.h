@@ -1,8 +1,8 @@
 #pragma once
 // One contact of `soft_step`. In solve it is a soft constraint: a spring and damper, stiff on the scale of
 // the substep, that removes overlap at a bounded speed. In relax it has no spring, which removes the
-// velocity added by overlap. Restitution is applied once per step. Equations: Catto, "Solver2D" (2024),
-// Soft Step.
+// velocity added by overlap. Impacts are resolved before, at the start of the substep (impact.h). Equations:
+// Catto, "Solver2D" (2024), Soft Step.
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
@@ -27,6 +27,9 @@ struct Softness {
   static constexpr double damping_ratio = 5;
   /// Values below about 5 cannot carry that mass.
   static constexpr double correction_limit = 10;
+  /// Contacts without a load recover overlap at this share of the speed. Bodies that overlap after an impact
+  /// separate by themselves; a push, and its removal in relax, would change their energy.
+  static constexpr double unloaded_share = 0.1;
 
   static Softness of(Real h) {
     const Real full_circle = Real(6.283185307179586), zeta = Real(damping_ratio);
@@ -42,23 +45,23 @@ struct SoftContact {
   Vector3<Real> normal;  ///< unit, from a to b
   Real gap;              ///< m, < 0 if the bodies overlap
   Real impulse;          ///< accumulated in the substep, N s, >= 0
-  Real total;            ///< sum over the step so far, N s
-  Real approach;         ///< approach speed, m/s; undefined before total > 0; < 0: has bounced
+  Real total;            ///< sum over the step so far, impacts included, N s
+  Real impact;           ///< impulse of impacts in this substep, N s, >= 0
   Real radius;           ///< m, of the smaller sphere
 
   /// Solves the normal constraint. Updates the accumulated impulse and returns its change, N s. `speed`:
   /// separation speed along the normal, m/s. `mass`: effective mass, kg. `soft`: solve with the spring.
   ///
-  /// Without `soft`, a speculative contact without impulse stays inactive, so restitution applies where the
-  /// bodies touch.
+  /// Without `soft`, a speculative contact without impulse stays inactive.
   template <bool soft>
   SIM_HD Real solve(Real speed, Real mass, const Softness<Real>& softness) {
     Real bias = 0, scale = 1, impulse_scale = 0;
+    if (!soft && !(impulse > 0)) return 0;
     if (gap > 0) {
-      if (!soft && !(impulse > 0)) return 0;
       bias = gap * softness.inverse_h;  // the gap may close, but not become negative
     } else if (soft) {
       bias = max_of(softness.mass_scale * softness.bias_rate * gap, -softness.correction_per_radius * radius);
+      if (!(impulse > 0)) bias *= Real(softness.unloaded_share);
       scale = softness.mass_scale;
       impulse_scale = softness.impulse_scale;
     }
@@ -68,24 +71,10 @@ struct SoftContact {
     return change;
   }
 
-  /// Ends a substep after which b moves at `velocity` relative to a, m/s. Adds the impulse to `total`, and
-  /// updates `approach` while total is 0. `reach()`: sum of the radii, m; called only if needed.
-  template <class Reach>
-  SIM_HD void end_substep(const Vector3<Real>& velocity, const Reach& reach) {
+  /// Call at the end of a substep.
+  SIM_HD void end_substep() {
     total += impulse;
-    if (!(total > 0)) approach = impact_speed(velocity, reach());
-  }
-
-  /// Normal speed at impact, m/s, if both bodies move on in straight lines; 0 if they separate or miss. For
-  /// a glancing impact it is below the speed along the current normal, so restitution adds no energy.
-  SIM_HD Real impact_speed(const Vector3<Real>& velocity, Real reach) const {
-    const Real speed = -velocity.dot(normal);
-    if (!(speed > 0) || !(gap > 0)) return max_of(speed, Real(0));
-    const Real distance = reach + gap;
-    const Real squared =
-        distance * speed * distance * speed - velocity.dot(velocity) * gap * (distance + reach);
-    using std::sqrt;
-    return squared > 0 ? sqrt(squared) / reach : Real(0);
+    impact = 0;
   }
 
   /// True if b, moving at `velocity` relative to a, misses a or does not reach it in `time` s.
@@ -97,20 +86,6 @@ struct SoftContact {
     const Real squared = distance * speed * distance * speed - velocity.dot(velocity) * closed;
     using std::sqrt;
     return !(squared > 0) || closed > time * (distance * speed + sqrt(squared));
-  }
-
-  SIM_HD bool bounced() const { return approach < 0; }
-
-  /// Restitution impulse, N s, >= 0. `e`: coefficient of the pair, 0 if it does not bounce. A contact that
-  /// bounced separates, so its impulse is reset and not used for warm starting.
-  SIM_HD Real bounce(Real speed, Real mass, Real e) {
-    const Real bounce_speed = e * approach;
-    if (!(total > 0 && bounce_speed > 0 && bounce_speed > speed)) return 0;
-    const Real change = mass * (bounce_speed - speed);
-    total += change;
-    impulse = 0;
-    approach = -1;
-    return change;
   }
 };
 

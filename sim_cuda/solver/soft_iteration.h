@@ -21,34 +21,36 @@
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/friction_constraint.h"
-#include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/soft_contact.h"
 
 namespace collidoscope {
 
-// ---- acts: functions return the change of the impulse, N s. `velocity`: of b relative to a, m/s; `mass`:
-// effective mass, kg; `sums`: the act updates ContactSums ----
+/// Input of an act: the two bodies of a contact.
+template <class Real>
+struct Motions {
+  Pair ids;
+  const ContactBodies<Real>& bodies;
+  Vector3<Real> v_a, v_b;  ///< m/s
+  Real mass;               ///< effective mass, kg
+  SIM_HD Vector3<Real> velocity() const { return v_b - v_a; }  ///< of b relative to a
+  SIM_HD Real reach() const { return bodies.radius_a + bodies.radius_b; }
+};
 
-/// Soft solve of the normal constraint. A speculative contact limits the approach along the current normal,
-/// even if the bodies will miss each other. `with_ccd`: contacts that miss are skipped; continuous
-/// collision creates many of them and prevents penetration by itself.
-///
-/// `with_ccd` is a template parameter: as a run-time branch it costs 3 % of a step in double (50,000
-/// bodies, H200).
-template <class Real, bool with_ccd>
+// ---- acts: functions return the change of the impulse, N s. `sums`: the act updates ContactSums ----
+
+/// Soft solve of the normal constraint. Contacts that the bodies miss, or do not reach in the substep, are
+/// skipped.
+template <class Real>
 struct Solve {
   static constexpr bool has_friction = false, sums = false;
-  const Real* radius;  ///< m, by body; read only if `with_ccd`
   Softness<Real> softness;
-  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
-                           Real mass) const {
-    if (with_ccd && contact.gap > 0 &&
-        contact.passes(velocity, radius[bodies.a] + radius[bodies.b], 1 / softness.inverse_h)) {
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
+    if (contact.gap > 0 && contact.passes(motions.velocity(), motions.reach(), 1 / softness.inverse_h)) {
       const Real change = -contact.impulse;
       contact.impulse = 0;
       return change;
     }
-    return contact.template solve<true>(velocity.dot(contact.normal), mass, softness);
+    return contact.template solve<true>(motions.velocity().dot(contact.normal), motions.mass, softness);
   }
 };
 
@@ -56,52 +58,19 @@ template <class Real, bool with_friction>
 struct Relax {
   static constexpr bool has_friction = with_friction, sums = true;
   Softness<Real> softness;
-  const Real* radius;
   bool last;  ///< last iteration of this substep
-  Restitution<Real> restitution;
-  std::uint32_t* bounces;  ///< one element, set to 1 if a contact will bounce; null except in the last
-                           ///< iteration of a step
-  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
-                           Real mass) const {
-    const Real change = contact.template solve<false>(velocity.dot(contact.normal), mass, softness);
-    if (!last) return change;
-    contact.end_substep(velocity, [&] { return radius[bodies.a] + radius[bodies.b]; });
-    if (bounces != nullptr && contact.total > 0 && restitution.of_pair(bodies, contact.approach) > 0)
-      atomic_store(bounces, std::uint32_t{1});
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
+    const Real change = contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
+    if (last) contact.end_substep();
     return change;
   }
   SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
                                      const Vector3<Real>& slip, Real mass) const {
-    const Vector3<Real> change =
-        solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
-    if (last) friction.total += friction.impulse;
-    return change;
+    if (last) friction.impact = Vector3<Real>::Zero();
+    return solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
   }
-};
-
-template <class Real>
-struct Bounce {
-  static constexpr bool has_friction = false, sums = true;
-  Restitution<Real> restitution;
-  const std::uint32_t* bounces;  ///< one element; 0: no contact bounces
-  SIM_HD bool is_needed() const { return read_only(bounces) != 0; }
-  SIM_HD Real solve_normal(SoftContact<Real>& contact, Pair bodies, const Vector3<Real>& velocity,
-                           Real mass) const {
-    return contact.bounce(velocity.dot(contact.normal), mass, restitution.of_pair(bodies, contact.approach));
-  }
-};
-
-/// Friction after restitution, for contacts that bounced. Limited by the normal impulse of the whole step.
-template <class Real>
-struct FrictionAfterBounce {
-  static constexpr bool has_friction = true, sums = false;
-  const std::uint32_t* bounces;
-  SIM_HD bool is_needed() const { return read_only(bounces) != 0; }
-  SIM_HD Real solve_normal(SoftContact<Real>&, Pair, const Vector3<Real>&, Real) const { return 0; }
-  SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
-                                     const Vector3<Real>& slip, Real mass) const {
-    if (!contact.bounced()) return Vector3<Real>::Zero();
-    return solve_friction<Real>(slip, mass, friction.coefficient * contact.total, friction.total);
+  SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>& friction) {
+    return contact.total > 0 || friction.impulse.dot(friction.impulse) != 0;
   }
 };
 
@@ -158,11 +127,11 @@ struct OrderedContacts {
     k.bodies = load_readonly(&bodies[place]);
     const PackedContact<Real> stored = load_cached(&soft[place]);
     const ContactSums<Real> sum = sums[place];
-    k.contact = {stored.normal, stored.gap,   stored.impulse,
-                 sum.total,     sum.approach, min_of(k.bodies.radius_a, k.bodies.radius_b)};
+    k.contact = {stored.normal, stored.gap, stored.impulse,
+                 sum.total,     sum.impact, min_of(k.bodies.radius_a, k.bodies.radius_b)};
     if constexpr (with_friction) {
       const FrictionSums<Real> friction_sum = load_cached(&friction_sums[place]);
-      k.friction = {stored.friction_impulse, friction_sum.total, friction_sum.coefficient};
+      k.friction = {stored.friction_impulse, friction_sum.impact, friction_sum.coefficient};
       k.inertia = inertia[place];
     }
     return k;
@@ -170,11 +139,11 @@ struct OrderedContacts {
   /// `acted`: an impulse has changed.
   template <bool with_sums>
   SIM_HD void store(const LoadedContact& k, bool acted) const {
-    if constexpr (with_sums) sums[k.place] = {k.contact.total, k.contact.approach};
+    if constexpr (with_sums) sums[k.place] = {k.contact.total, k.contact.impact};
     if (!acted) return;
     if constexpr (with_friction) {
       PackedContact<Real>::store_impulses(&soft[k.place], k.contact.impulse, k.friction.impulse);
-      store_vectorized(&friction_sums[k.place], FrictionSums<Real>{k.friction.total, k.friction.coefficient});
+      store_vectorized(&friction_sums[k.place], FrictionSums<Real>{k.friction.impact, k.friction.coefficient});
     } else {
       soft[k.place].impulse = k.contact.impulse;
     }
@@ -211,6 +180,8 @@ struct Iteration {
   SIM_HD void operator()(Operands k) const {
     Motion a = load(k.ids.a), b = load(k.ids.b);
     const bool acted = resolve(k, a, b);
+    if constexpr (requires { Act::mostly_idle; })
+      if (!acted) return;
     store(k.ids.a, a);
     store(k.ids.b, b);
     contacts.template store<Act::sums>(k, acted);
@@ -234,13 +205,14 @@ struct Iteration {
   /// Solves a contact. Returns true if an impulse has changed.
   SIM_HD bool resolve(Operands& k, Motion& a, Motion& b) const {
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
-    const Real change = act.solve_normal(k.contact, k.ids, b.v - a.v, 1 / (w_a + w_b));
+    const Real change =
+        act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, a.v, b.v, 1 / (w_a + w_b)});
     if (change != 0) {
       a.v -= change * w_a * k.contact.normal;
       b.v += change * w_b * k.contact.normal;
     }
     if constexpr (Act::has_friction) {
-      if (!(k.contact.total > 0) && k.friction.impulse.dot(k.friction.impulse) == 0) return change != 0;
+      if (!act.has_tangent(k.contact, k.friction)) return change != 0;
       FrictionConstraint<Real> pair(a.angular_velocity, b.angular_velocity, k.contact, k.bodies, k.inertia);
       const Real mass = 1 / (w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b());
       const Vector3<Real> friction_impulse =
@@ -300,9 +272,9 @@ struct Iteration {
     const Real n_a = static_cast<Real>(contacts.uncoloured.count[k.ids.a]),
                n_b = static_cast<Real>(contacts.uncoloured.count[k.ids.b]);
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
-    const Vector3<Real> velocity = bodies.velocity[k.ids.b].load() - bodies.velocity[k.ids.a].load();
-    contacts.uncoloured_change[place] =
-        act.solve_normal(k.contact, k.ids, velocity, 1 / (w_a * n_a + w_b * n_b));
+    const Vector3<Real> v_a = bodies.velocity[k.ids.a], v_b = bodies.velocity[k.ids.b], velocity = v_b - v_a;
+    contacts.uncoloured_change[place] = act.solve_normal(
+        k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
     if constexpr (Act::has_friction) {
       const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
                                           k.contact, k.bodies, k.inertia);

@@ -62,11 +62,7 @@ struct PrepareContacts {
     const std::uint32_t before = previous.find(a, b);
     const bool found = before != no_pair;
     const Separation<Real> now = of.at(body_a.position, body_b.position);
-    SoftContact<Real> k;
-    k.normal = now.normal;
-    k.gap = now.gap;
-    const Real approach = k.impact_speed(body_b.velocity - body_a.velocity, of.radius_a + of.radius_b);
-    sums[place] = {0, approach};
+    sums[place] = {0, 0};
     PackedContact<Real> stored{now.normal, now.gap, found ? previous_impulse[before] : Real(0),
                                Vector3<Real>::Zero()};
     if (friction_sums != nullptr) {
@@ -92,6 +88,17 @@ struct PlaceContacts {
     const auto [a, b] = ids[place];
     PackedContact<Real>::store_geometry(&soft[place],
                                         load_readonly(&bodies_of[place]).at(position[a], position[b]));
+  }
+};
+
+/// `jacobi_split`: puts all awake contacts into the mass-split set.
+struct SplitAll {
+  ColourView colours;
+  std::uint32_t* count;
+  StepControl* control;
+  SIM_HD void operator()(int) const {
+    *count = colours.begin[Colouring::colours] + colours.count[Colouring::colours];
+    control->uncoloured_contacts = *count;
   }
 };
 

@@ -18,7 +18,6 @@ struct SoftResidual {
   Softness<Real> softness;
   bool soft;                   ///< true: solve with softness; false: relax, with friction
   const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
-  bool with_ccd;               ///< continuous collision is on; see Solve
   const StepControl* control;
 
   SIM_HD ResidualSum operator()(std::int64_t item) const {
@@ -41,7 +40,7 @@ struct SoftResidual {
     const Real w_a = loaded.bodies.inverse_mass_a, w_b = loaded.bodies.inverse_mass_b;
     const Vector3<Real> velocity = walls.bodies.velocity[ids.b].load() - walls.bodies.velocity[ids.a].load();
     const bool passes =
-        soft && with_ccd && k.gap > 0 &&
+        soft && k.gap > 0 &&
         k.passes(velocity, loaded.bodies.radius_a + loaded.bodies.radius_b, 1 / walls.inverse_h);
     const Real change = passes ? -k.impulse
                         : soft ? k.template solve<true>(velocity.dot(k.normal), 1 / (w_a + w_b), softness)

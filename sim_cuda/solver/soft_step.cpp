@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim_cuda/dynamics/awake.h"
+#include "sim_cuda/solver/impact.h"
 #include "sim_cuda/solver/soft_begin.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_prepare.h"
@@ -17,10 +18,15 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
       softness_(Softness<Real>::of(h_)),
-      colouring_(executor, coloured),
+      colouring_(executor),
+      coloured_(coloured),
       uncoloured_degrees_(executor),
+      split_degrees_(executor),
       all_(executor),
       uncoloured_(executor),
+      split_(executor),
+      split_begin_(executor, "split contact starts"),
+      split_count_(executor, "split contact counts"),
       ordered_contacts_(executor, "contacts in sweep order"),
       place_of_(executor, "contact sweep positions"),
       bodies_of_(executor, "contact bodies"),
@@ -33,16 +39,21 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       contact_inertia_(executor, "contact inertias"),
       uncoloured_change_(executor, "split impulses"),
       uncoloured_friction_(executor, "split friction"),
-      bounces_(executor, "restitution flag"),
+      impact_sweeps_(executor, "impact sweep flags"),
       planes_(executor, scene),
       rolling_(executor),
       kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
       free_integrator_(executor, scene),
+      energy_guard_(executor, scene),
       continuous_(executor),
       sleeping_(executor),
       residuals_(executor),
       cache_(executor, scene.body_count, scene.effects.friction) {
-  bounces_.upload({0});
+  impact_sweeps_.upload(std::vector<std::uint32_t>(max_impact_sweeps + 1, 0));
+  if (!coloured) {
+    split_begin_.upload(std::vector<std::uint32_t>(Colouring::colours + 1, 0));
+    split_count_.upload(std::vector<std::uint32_t>(Colouring::colours + 1, 0));
+  }
   if (scene.effects.sleeping) {
     sleeping_.enable(scene.bodies, scene.body_count, scene.sleep, static_cast<double>(scene.time_step),
                      scene.control);
@@ -63,6 +74,10 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   all_.reserve(scene_.body_count, contact_capacity);
   uncoloured_degrees_.reserve(scene_.body_count, contact_capacity);
   uncoloured_.reserve(scene_.body_count, contact_capacity);
+  if (!coloured_) {
+    split_degrees_.reserve(scene_.body_count, contact_capacity);
+    split_.reserve(scene_.body_count, contact_capacity);
+  }
   residuals_.reserve(scene_.body_count + contact_capacity);
   ordered_contacts_.resize_discarding(m);
   place_of_.resize_discarding(m);
@@ -122,13 +137,21 @@ template <bool with_friction>
 void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impulses) {
   begin_step(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
-    begin_substep<with_friction>(substep);
+    executor_.begin_substep(substep);
+    resolve_impacts<with_friction>();
+    begin_substep<with_friction>();
     solve<with_friction>(substep);
     move();
     relax<with_friction>(substep);
+    energy_guard_.apply(h_,
+                        {ordered_contacts_.data(), soft_.data(), sums_.data(), planes_.impulse(),
+                         planes_.friction(), sleeping_.asleep()},
+                        contact_capacity_);
   }
-  bounce<with_friction>();
-  if constexpr (with_friction) friction_of_bounces();
+  on_walls<with_friction>(
+      [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
+        run_bodies("keep", EndWalls<Real, with_friction, with_box_obstacles>{walls, scene_.control});
+      });
   end_step(contacts, impulses);
 }
 
@@ -144,11 +167,28 @@ void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
   if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.acceleration_margin);
 }
 
+/// Resolves impacts that happen in the substep, with friction.
+template <class Real>
+template <bool with_friction>
+void SoftStepSolver<Real>::resolve_impacts() {
+  const Real acceleration = scene_.acceleration_margin / (scene_.time_step * scene_.time_step);
+  const ImpactLaw<Real> law{scene_.restitution, scene_.gravity, h_, 2 * h_ * acceleration};
+  const auto with = [&]<bool with_box_obstacles>() {
+    using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles>;
+    executor_.run_rounds(
+        "bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
+        Sweeps{typename Sweeps::Contacts{ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr}},
+               planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+               impact_sweeps_.data(), sleeping_.asleep(), scene_.control});
+  };
+  scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
+  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), scene_.control});
+}
+
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.
 template <class Real>
 template <bool with_friction>
-void SoftStepSolver<Real>::begin_substep(int substep) {
-  executor_.begin_substep(substep);
+void SoftStepSolver<Real>::begin_substep() {
   free_integrator_.begin();
   if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
   apply_forces<with_friction>();
@@ -163,10 +203,8 @@ void SoftStepSolver<Real>::solve(int substep) {
   record_iteration<with_friction>(substep, true, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->solve();
-    with_effect<&Effects::continuous_collision>(scene_.effects, [&]<bool with_ccd>() {
-      iterate("solve", Solve<Real, with_ccd>{scene_.bodies.radius, softness_});
-    });
-    iterate_walls<with_friction>("solve", false, false);
+    iterate("solve", Solve<Real>{softness_});
+    iterate_walls<with_friction>("solve", false);
     record_iteration<with_friction>(substep, true, iteration);
   }
 }
@@ -175,7 +213,7 @@ void SoftStepSolver<Real>::solve(int substep) {
 /// normals and gaps of contacts.
 template <class Real>
 void SoftStepSolver<Real>::move() {
-  free_integrator_.integrate(h_, true);
+  free_integrator_.integrate(h_, true, energy_guard_.moved_velocity());
   if (scene_.effects.continuous_collision)
     continuous_.clamp_motion(free_integrator_.bodies_with_drift_velocity(), ordered_contacts_.data(),
                              contact_capacity_, h_);
@@ -195,33 +233,11 @@ void SoftStepSolver<Real>::relax(int substep) {
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     const bool last = iteration == scene_.iterations;
     if (scene_.effects.joints) scene_.joints->relax();
-    iterate_walls<with_friction>("relax", true, last);
-    iterate("relax",
-            Relax<Real, with_friction>{softness_, scene_.bodies.radius, last, scene_.restitution,
-                                       last && substep + 1 == scene_.substeps ? bounces_.data() : nullptr});
+    iterate_walls<with_friction>("relax", true);
+    iterate("relax", Relax<Real, with_friction>{softness_, last});
     if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
     record_iteration<with_friction>(substep, false, iteration);
   }
-}
-
-/// Applies restitution once per step: at planes, then at contacts.
-template <class Real>
-template <bool with_friction>
-void SoftStepSolver<Real>::bounce() {
-  on_walls<with_friction>(
-      [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
-        run_bodies("bounce", BounceOffWalls<Real, with_friction, with_box_obstacles>{walls, scene_.control});
-      });
-  iterate("bounce", Bounce<Real>{scene_.restitution, bounces_.data()});
-}
-
-/// Solves friction again where restitution has increased the normal impulse.
-template <class Real>
-void SoftStepSolver<Real>::friction_of_bounces() {
-  on_walls<true>([&]<bool with_box_obstacles>(const SoftWalls<Real, true, with_box_obstacles>& walls) {
-    run_bodies("friction", WallFrictionAfterBounce<Real, with_box_obstacles>{walls, scene_.control});
-  });
-  iterate("friction", FrictionAfterBounce<Real>{bounces_.data()});
 }
 
 /// Stores the impulses of contacts for warm starting of the next step. Updates the sleep timers.
@@ -231,7 +247,7 @@ void SoftStepSolver<Real>::end_step(const ContactView<Real>& contacts, Real* imp
   executor_.run("keep", contact_count(),
                 cache_.keeping(contacts.bodies, place_of_.data(), soft_.data(), sums_.data(), impulses));
   if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
-  executor_.run("keep", 1, EndStep{scene_.control, cache_.count(), bounces_.data()});
+  executor_.run("keep", 1, EndStep{scene_.control, cache_.count()});
   if (scene_.effects.sleeping) sleeping_.update_timers();
 }
 
@@ -262,9 +278,16 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet uncoloured{contacts.bodies, colours.order, colours.begin + Colouring::colours,
-                              &control->uncoloured_contacts};
+                              colours.count + Colouring::colours};
   uncoloured_degrees_.count("prepare", uncoloured);
   uncoloured_.list("prepare", uncoloured, uncoloured_degrees_, place_of_.data());
+  if (!coloured_) {
+    executor_.run("prepare", 1, SplitAll{colours, split_count_.data() + Colouring::colours, control});
+    const ContactSet split{contacts.bodies, colours.order, split_begin_.data() + Colouring::colours,
+                           split_count_.data() + Colouring::colours};
+    split_degrees_.count("prepare", split);
+    split_.list("prepare", split, split_degrees_, place_of_.data());
+  }
   if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), previous);
 }
 
@@ -289,14 +312,15 @@ void SoftStepSolver<Real>::apply_forces() {
                              scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
                              planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
                              scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
-                             scene_.effects.gravity || scene_.effects.attractor, h_, scene_.control});
+                             scene_.effects.gravity || scene_.effects.attractor, h_,
+                             energy_guard_.start_velocity(), energy_guard_.start_spin(), scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
 }
 
 template <class Real>
 template <bool with_friction>
-OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts() const {
+OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts(bool coloured) const {
   const ColourView colours = colouring_.view();
   return {ordered_contacts_.data(),
           bodies_of_.data(),
@@ -305,10 +329,10 @@ OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts() co
           friction_sums_.data(),
           contact_inertia_.data(),
           dependency_counters_.data(),
-          colours.begin,
-          colours.count,
-          uncoloured_.view(uncoloured_degrees_),
-          uncoloured_degrees_.body_items(),
+          coloured ? colours.begin : split_begin_.data(),
+          coloured ? colours.count : split_count_.data(),
+          coloured ? uncoloured_.view(uncoloured_degrees_) : split_.view(split_degrees_),
+          (coloured ? uncoloured_degrees_ : split_degrees_).body_items(),
           uncoloured_friction_.data(),
           uncoloured_change_.data()};
 }
@@ -320,7 +344,7 @@ void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
   // Contacts of one colour share no body, so a colour has at most body_count / 2 contacts.
   executor_.run_rounds(stage, Iteration<Real, Act>::rounds,
                        std::min(contact_capacity_, scene_.body_count / 2),
-                       Iteration<Real, Act>{ordered_contacts<Act::has_friction>(), scene_.bodies, act});
+                       Iteration<Real, Act>{ordered_contacts<Act::has_friction>(coloured_), scene_.bodies, act});
 }
 
 /// Records the residual after an iteration of solve (`soft`) or relax. `iteration` 0: before the first one.
@@ -333,8 +357,8 @@ void SoftStepSolver<Real>::record_iteration(int substep, bool soft, int iteratio
     residuals_.record(place, scene_.body_count + contact_capacity_,
                       SoftResidual<Real, with_friction, with_box_obstacles>{
                           planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                          ordered_contacts<with_friction>(), softness_, soft, sleeping_.asleep(),
-                          scene_.effects.continuous_collision, scene_.control},
+                          ordered_contacts<with_friction>(coloured_), softness_, soft, sleeping_.asleep(),
+                          scene_.control},
                       scene_.control);
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
@@ -367,13 +391,13 @@ void SoftStepSolver<Real>::on_walls(const With& with) {
     with(planes_.template view<with_friction, false>(softness_.inverse_h));
 }
 
-/// One iteration over planes and box obstacles, timed as `stage`. `last`: last iteration of relax.
+/// One iteration over planes and box obstacles, timed as `stage`.
 template <class Real>
 template <bool with_friction>
-void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing, bool last) {
+void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing) {
   on_walls<with_friction>(
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
-        run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing, last,
+        run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing,
                                                                               scene_.control});
       });
 }

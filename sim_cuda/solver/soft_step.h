@@ -2,9 +2,9 @@
 // The solver `soft_step` (Macklin et al. 2019: substeps beat iterations; Catto, "Solver2D", 2024). Contacts
 // are found once per step, including all that its motion may bring together. Then K substeps follow,
 //
-//   begin (forces, warm starting) -> solve -> move -> relax
+//   impacts (impact.h) -> begin (forces, warm starting) -> solve -> move -> relax
 //
-// and finally restitution and its friction. Impulses are warm-started: within a step per contact, from step
+// Impulses are warm-started: within a step per contact, from step
 // to step by body ids. Iterations process contacts colour by colour, then the mass-split set. Planes come
 // first, and once more before bodies move, so no body enters a plane.
 //
@@ -21,6 +21,7 @@
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/energy_guard.h"
 #include "sim_cuda/solver/free_integrator.h"
 #include "sim_cuda/solver/friction_constraint.h"
 #include "sim_cuda/solver/plane_contacts.h"
@@ -35,13 +36,13 @@ namespace collidoscope {
 template <class Real>
 class SoftStepSolver final : public ContactSolver<Real> {
  public:
-  /// `coloured` false: the solver `jacobi_split`, with all contacts in the mass-split set.
+  /// `coloured` false: the solver `jacobi_split`. Its iterations have all contacts in the mass-split set.
   SoftStepSolver(Executor& executor, const SolverScene<Real>& scene, bool coloured);
   int runs_per_step() const override { return 1; }
   Real prediction_time() const override { return scene_.time_step; }
   void reserve(std::int64_t contact_capacity) override;
-  /// Runs `iterations` iterations in each solve and each relax. `impulses`: sum over all substeps and
-  /// restitution.
+  /// Runs `iterations` iterations in each solve and each relax. `impulses`: sum over all substeps, impacts
+  /// included.
   void advance(const ContactView<Real>& contacts, Real* impulses) override;
   void record_residuals(bool on) override;
   std::vector<Residual> residuals() const override;
@@ -56,15 +57,14 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void advance(const ContactView<Real>& contacts, Real* impulses);
   void begin_step(const ContactView<Real>& contacts);
   template <bool with_friction>
-  void begin_substep(int substep);
+  void resolve_impacts();
+  template <bool with_friction>
+  void begin_substep();
   template <bool with_friction>
   void solve(int substep);
   void move();
   template <bool with_friction>
   void relax(int substep);
-  template <bool with_friction>
-  void bounce();
-  void friction_of_bounces();
   void end_step(const ContactView<Real>& contacts, Real* impulses);
 
   // Parts of the phases.
@@ -76,14 +76,15 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <bool with_friction, class With>
   void on_walls(const With& with);
   template <bool with_friction>
-  void iterate_walls(const char* stage, bool relaxing, bool last);
+  void iterate_walls(const char* stage, bool relaxing);
   template <bool with_friction>
   void record_iteration(int substep, bool soft, int iteration);
   /// Runs a stage over awake bodies.
   template <class Stage>
   void run_bodies(const char* name, const Stage& stage);
+  /// `coloured` false: all contacts are in the mass-split set.
   template <bool with_friction>
-  OrderedContacts<Real, with_friction> ordered_contacts() const;
+  OrderedContacts<Real, with_friction> ordered_contacts(bool coloured) const;
   RollingSource<Real> rolling_source() const;
   ItemCount contact_count() const { return ItemCount(&scene_.control->contacts, contact_capacity_); }
 
@@ -93,8 +94,12 @@ class SoftStepSolver final : public ContactSolver<Real> {
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
-  ContactDegrees uncoloured_degrees_;
-  ContactsByBody all_, uncoloured_;  ///< all contacts; the mass-split set
+  const bool coloured_;
+  ContactDegrees uncoloured_degrees_, split_degrees_;
+  ContactsByBody all_;         ///< all contacts
+  ContactsByBody uncoloured_;  ///< contacts without a colour
+  ContactsByBody split_;       ///< `jacobi_split`: the mass-split set of the iterations, all awake contacts
+  Buffer<std::uint32_t> split_begin_, split_count_;  ///< as ColourView::begin and count, without colours
   Buffer<Pair> ordered_contacts_;    ///< contacts in solve order; so are all buffers by place
   Buffer<std::uint32_t> place_of_;   ///< by contact number
   Buffer<ContactBodies<Real>> bodies_of_;
@@ -107,11 +112,12 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<ContactInertia<Real>> contact_inertia_;
   Buffer<Real> uncoloured_change_;             ///< N s
   Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
-  Buffer<std::uint32_t> bounces_;              ///< one element; nonzero if a contact will bounce
+  Buffer<std::uint32_t> impact_sweeps_;        ///< see ImpactSweeps::needed
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;
   FreeIntegrator<Real> free_integrator_;
+  EnergyGuard<Real> energy_guard_;
   ContinuousCollision<Real> continuous_;
   Sleeping<Real> sleeping_;
   Residuals residuals_;

@@ -4,10 +4,7 @@
 // Planes are rigid: overlap is removed at once, and no substep ends with a body inside a plane. A view;
 // does not own memory.
 //
-// Restitution uses the speed sqrt(v^2 + 2 g s) at which the body reaches the plane after a fall through the
-// remaining gap s. So the rebound height does not depend on the phase of the time steps, and no bounce
-// gains energy. Restitution uses only the velocity before the solver iterations. Using intermediate solver
-// velocities kept piles from settling.
+// Impacts are resolved at the start of a substep, before all forces (impact.h). The iterations are inelastic.
 //
 // Most bodies touch no plane. Plane data are read only if a bit of `active_mask` is set, and the remaining
 // body data only if a plane may act.
@@ -29,10 +26,11 @@ namespace collidoscope {
 template <class Real>
 struct WallFriction {
   Friction<Real> coefficients;
-  Vector3<Real>* impulse;    ///< accumulated in the substep, N s
-  Vector3<Real>* total;      ///< sum over the step so far, N s
-  Real* normal_impulse_sum;  ///< sum of normal impulses over the step so far, N s
+  Vector3<Real>* impulse;  ///< accumulated in the substep, N s
 };
+
+template <class Real>
+struct ImpactLaw;
 
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct SoftWalls {
@@ -40,11 +38,10 @@ struct SoftWalls {
   std::int64_t body_count;
   const WallPlane<Real>* planes;
   int plane_count;
-  Restitution<Real> restitution;
   Vector3<Real> gravity;  ///< m/s^2
   Real inverse_h;         ///< 1/s
   Real* impulse;          ///< accumulated in the substep, N s; index plane * body count + body
-  Real* bounce;           ///< separation speed after restitution, m/s; < 0: not touched in this step
+  std::uint32_t* bounced_mask;  ///< by body: bit p is set if the body bounced off plane p in this substep
   std::uint32_t*
       active_mask;  ///< by body: bit p is set if plane p has impulses or had some in this step; may be null
   WallFriction<Real> friction;  ///< used only with friction
@@ -124,12 +121,6 @@ struct SoftWalls {
     }
     return planes[p];
   }
-  /// Normal of plane p at its last contact in this step.
-  SIM_HD Vector3<Real> contact_normal(int p, int body) const {
-    if constexpr (with_box_obstacles)
-      if (p >= plane_count) return boxes.normal[index(p - plane_count, body)];
-    return planes[p].normal;
-  }
   /// Call at the start of a substep. Sets the contact planes of the boxes that the body touches.
   SIM_HD void update_box_planes(int id, const Body& body) const {
     for (int b = 0; b < boxes.view.count; ++b) {
@@ -163,7 +154,6 @@ struct SoftWalls {
         clear = false;
         impulse[index(plane_count + b, id)] -= body.mass * over;
         activate(id, body, plane_count + b);
-        boxes.normal[index(b, id)] = box_plane.normal;
         apply_normal_impulse(id, body, box_plane.normal, -body.mass * over);
       }
       if (clear) return;
@@ -200,8 +190,6 @@ struct SoftWalls {
       const Real start = impulse[index(p, id)];
       if (!(start > 0)) continue;
       const Vector3<Real> normal = plane(p, id).normal;
-      if constexpr (with_box_obstacles)  // snapshots do not store normals of the last step
-        if (p >= plane_count && bounce[index(p, id)] < 0) boxes.normal[index(p - plane_count, id)] = normal;
       apply_normal_impulse(id, body, normal, start);
       if constexpr (with_friction) apply_friction_impulse(id, body, normal, friction.impulse[index(p, id)]);
     }
@@ -210,6 +198,12 @@ struct SoftWalls {
   /// Solves friction at one plane, limited by mu times `normal_impulse` (N s). Updates `accumulated`.
   SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
                                    Real normal_impulse, Vector3<Real>& accumulated) const {
+    if constexpr (with_friction)
+      apply_plane_friction(id, body, p, normal, normal_impulse, accumulated, plane(p, id).friction);
+  }
+  SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
+                                   Real normal_impulse, Vector3<Real>& accumulated,
+                                   Real surface_friction) const {
     if constexpr (with_friction) {
       if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) return;
       const Vector3<Real> slip =
@@ -217,29 +211,88 @@ struct SoftWalls {
       const Real mass =
           1 / (body.inverse_mass + body.radius * body.radius * body.angular.inverse_inertia_max());
       const Real mu = Friction<Real>::between(friction.coefficients.of_body(static_cast<std::uint32_t>(id)),
-                                              plane(p, id).friction);
+                                              surface_friction);
       apply_friction_impulse(id, body, normal,
                              solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated));
     }
   }
-  /// Call after the normal impulses of relax. `last`: last iteration of the substep; adds to the sums of
-  /// the step.
-  SIM_HD void apply_friction(int id, Body& body, bool last) const {
+  /// Call after the normal impulses of relax.
+  SIM_HD void apply_friction(int id, Body& body) const {
     if constexpr (with_friction) {
       for (int p = 0; p < count(); ++p) {
         if (!is_active(body, p)) continue;
         const std::int64_t here = index(p, id);
         apply_plane_friction(id, body, p, plane(p, id).normal, impulse[here], friction.impulse[here]);
-        if (!last || !(impulse[here] > 0)) continue;
-        friction.normal_impulse_sum[here] += impulse[here];
-        friction.total[here] += friction.impulse[here];
       }
     }
   }
 
-  /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive. `before`:
-  /// velocity before the forces of this substep, m/s, in the first iteration; otherwise null.
-  SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>* before) const {
+  // ---- impacts ----
+
+  /// Call for each body at the start of a substep, before resolve_impacts().
+  SIM_HD void clear_bounced(int id) const {
+    if (bounced_mask[id] != 0) bounced_mask[id] = 0;
+  }
+  /// True if the body bounced off plane p and is so fast that it may cross its container in a substep. It
+  /// keeps its speed; its way ends at the plane.
+  SIM_HD bool is_held(int id, const Body& body, int p) const {
+    if (p >= mask_bits || (bounced_mask[id] >> p & 1) == 0) return false;
+    return body.v.dot(body.v) > body.radius * inverse_h * body.radius * inverse_h;
+  }
+  /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way.
+  SIM_HD WallPlane<Real> impact_plane(int p, int id, const Body& body) const {
+    if constexpr (with_box_obstacles) {
+      if (p >= plane_count) {
+        const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
+        const ContactPlane<Real> met =
+            box.gap(body.x, body.radius) > 0
+                ? box.first_plane_on_path(body.x, (1 / inverse_h) * body.v, body.radius)
+                : box.contact_plane_at(body.x);
+        return {met.normal, met.offset, box.restitution, box.friction};
+      }
+    }
+    return planes[p];
+  }
+  /// One sweep over the planes of a body. Returns true if the body got an impulse.
+  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law) const {
+    bool any = false;
+    for (int p = 0; p < count(); ++p) {
+      const WallPlane<Real> surface = impact_plane(p, id, body);
+      const Vector3<Real> normal = surface.normal;
+      const Real approach = -normal.dot(body.v);
+      if (!(approach > law.rest_speed)) continue;
+      const Real gap = max_of(normal.dot(body.x) - surface.offset - body.radius, Real(0));
+      const Real acceleration = -normal.dot(gravity);
+      if (!(gap < law.reach_time() * (approach + law.h / 2 * acceleration))) continue;
+      using std::sqrt;
+      const Real speed = sqrt(body.v.dot(body.v));
+      const std::int64_t here = index(p, id);
+      const Real load = is_active(body, p) ? impulse[here] : Real(0);
+      if (!(approach > law.threshold(speed, load, body.inverse_mass))) continue;
+      if (p < mask_bits && (bounced_mask[id] >> p & 1) != 0 && is_held(id, body, p)) continue;
+      const Real e = law.restitution.between(
+          law.restitution.of_body(static_cast<std::uint32_t>(id)), surface.restitution,
+          sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0))));
+      const Real separation = law.separation(approach, gap, acceleration, e);
+      if (separation <= 0 && !(approach + separation > law.rest_speed + law.rounding * speed)) continue;
+      const Real change = body.mass * (approach + separation);
+      apply_normal_impulse(id, body, normal, change);
+      if (separation > 0) {
+        if (p < mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
+        if (is_active(body, p)) impulse[here] = 0;
+      }
+      if constexpr (with_friction) {
+        if (separation > 0 && is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();
+        Vector3<Real> sum = Vector3<Real>::Zero();
+        apply_plane_friction(id, body, p, normal, change, sum, surface.friction);
+      }
+      any = true;
+    }
+    return any;
+  }
+
+  /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive.
+  SIM_HD void solve(int id, Body& body, bool relaxing) const {
     for (int p = 0; p < count(); ++p) {
       if constexpr (with_box_obstacles)
         if (p >= plane_count && (relaxing ? plane(p, id).normal.dot(plane(p, id).normal) == 0
@@ -256,23 +309,13 @@ struct SoftWalls {
         gap = 0;
       }
       const Real speed = normal.dot(body.v);
+      if (speed < 0 && is_held(id, body, p)) continue;
       const Real accumulated = is_active(body, p) ? impulse[index(p, id)] : Real(0);
-      if (relaxing && gap > 0 && !(accumulated > 0)) continue;
+      if (relaxing && !(accumulated > 0)) continue;
       const Real next = max_of(accumulated - body.mass * (speed + gap * inverse_h), Real(0));
       if (next == accumulated) continue;
       impulse[index(p, id)] = next;
       activate(id, body, p);
-      if constexpr (with_box_obstacles)
-        if (p >= plane_count && next > 0) boxes.normal[index(p - plane_count, id)] = normal;
-      if (before != nullptr && next > 0 && bounce[index(p, id)] < 0) {
-        const Real start = -normal.dot(*before);
-        using std::sqrt;
-        const Real approach =
-            start > 0 ? sqrt(max_of(start * start - 2 * gap * normal.dot(gravity), Real(0))) : Real(0);
-        const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(id)),
-                                           surface.restitution, approach);
-        bounce[index(p, id)] = e * max_of(approach, Real(0));
-      }
       apply_normal_impulse(id, body, normal, next - accumulated);
     }
     if constexpr (with_box_obstacles)

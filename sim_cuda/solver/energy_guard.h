@@ -1,0 +1,72 @@
+#pragma once
+// Limits the energy that the contact solver may add. Few iterations do not solve a contact problem exactly:
+// warm starting and overlap recovery can add kinetic energy, most of all under heavy loads and with deep
+// overlap at the start.
+//
+// In a substep, contacts change the velocity w + h g of a body (w: after drag; g: gravity and attractors) by d,
+// with angular velocities included below. The total energy of bodies that move by h times their new velocity
+// rises by
+//
+//   sum of m (w . d + d . d / 2) - m h^2 g . g / 2  =  B + A - C
+//
+// An exact inelastic solution never has a positive sum. If the sum over an island is positive, all contact
+// impulses of the island are multiplied by the factor in (0, 1) for which A f^2 + B f - C = 0. Momentum is
+// conserved, since both bodies of a contact are scaled. Bodies without contacts do not count in C: free flight
+// is exact.
+//
+// An island is a set of dynamic bodies that are connected by contacts with impulses, or by joints. Islands are
+// found only if the sum of at least one body is positive, within a tolerance. Islands with springs, or with
+// contacts to moving kinematic bodies, are exempt, because these do work on bodies.
+//
+// Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
+// depend on the order. All stages are rounds of one launch.
+//
+// Also adds StaticImpulse::push_work, the potential energy that overlap recovery adds: -m g . (h v_moved -
+// h v), where v_moved is the velocity of the move and v the velocity at the end of the substep.
+
+#include <cstdint>
+
+#include "sim_cuda/core/buffer.h"
+#include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/contact_storage.h"
+
+namespace collidoscope {
+
+/// Data of a substep that the guard reads and scales.
+template <class Real>
+struct GuardedContacts {
+  const Pair* ids;              ///< by place
+  PackedContact<Real>* soft;    ///< by place
+  const ContactSums<Real>* sums;  ///< by place
+  Real* plane_impulse;          ///< N s; index surface * body count + body
+  Vector3<Real>* plane_friction;  ///< N s; null without friction
+  const std::uint8_t* asleep;   ///< by body, or null
+};
+
+template <class Real>
+class EnergyGuard {
+ public:
+  EnergyGuard(Executor& executor, const SolverScene<Real>& scene);
+
+  /// By body, written by the first stage of the substep: velocity after drag and before gravity, m/s, and
+  /// AngularState::spin(); the latter is null if contacts and joints do not change it.
+  PackedVector3<Real>* start_velocity() { return start_velocity_.data(); }
+  PackedVector3<Real>* start_spin() { return start_spin_.size() > 0 ? start_spin_.data() : nullptr; }
+  /// Velocities of the move, m/s, by body; written by the integrator.
+  PackedVector3<Real>* moved_velocity() { return moved_velocity_.data(); }
+
+  /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
+  void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);
+
+ private:
+  Executor& executor_;
+  const SolverScene<Real> scene_;
+  Buffer<PackedVector3<Real>> start_velocity_, start_spin_, moved_velocity_;
+  Buffer<std::uint32_t> flag_;    ///< one element: 1 if a body gains energy
+  Buffer<std::uint32_t> parent_;  ///< by body
+  Buffer<std::uint32_t> scale_;   ///< by root: bits of the largest term, J (float)
+  Buffer<std::uint64_t> sums_;    ///< three per root: A, B, C
+  Buffer<std::uint8_t> exempt_;   ///< by body: it has a spring, or touches a moving kinematic body
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,165 @@
+#pragma once
+// Impacts of `soft_step` and `jacobi_split`. At the start of each substep, bodies that will touch within the
+// substep get impulses, pair by pair. The contact solver that follows is purely inelastic, and then meets
+// only slow approaches.
+//
+// A pair that approaches at speed u gets the impulse (1 + e) u m, where m is the reduced mass. Kinetic
+// energy changes by -(1 - e^2) m u^2 / 2 <= 0. So no sequence of such impulses gains energy. Sweeps over all
+// contacts, colour by colour, are repeated until no contact approaches faster than its threshold, at most
+// `max_sweeps` times. The remaining approach is inelastic, and is counted as `bounce_cap`.
+//
+// Against a static surface at distance s, with acceleration a towards it, the rebound speed at the current
+// position is sqrt(e^2 (u^2 + 2 a s) - 2 a s). The body is then on the parabola that it would follow after an
+// impact at the surface. So the energy is exact if free flight is exact (integrators.h). If the square is
+// negative, the rebound does not reach this height: the impulse leaves the speed s/h, at which the body
+// touches at the end of the substep.
+//
+// The threshold grows with the load: 2 g h, plus a quarter of the speed that the contact's impulse of the
+// last substep gives. A resting contact approaches by g h per substep. Without the load, tall columns never
+// rest. Without gravity the threshold is a fraction of the speeds, for rounding.
+//
+// Smith et al., "Reflections on simultaneous impact" (2012), compare this with simultaneous reflections,
+// which keep symmetries and need an inner solve.
+
+#include <cstdint>
+
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/soft_iteration.h"
+#include "sim_cuda/solver/soft_walls.h"
+
+namespace collidoscope {
+
+/// Largest number of sweeps over all contacts in a substep.
+inline constexpr int max_impact_sweeps = 16;
+
+template <class Real>
+struct ImpactLaw {
+  Restitution<Real> restitution;
+  Vector3<Real> gravity;  ///< m/s^2
+  Real h;                 ///< substep, s
+  Real rest_speed;        ///< m/s, 2 g h
+
+  static constexpr double load_share = 0.25;
+  /// Approach speeds below this fraction of the bodies' speeds are rounding.
+  static constexpr Real rounding = sizeof(Real) == 4 ? Real(1e-5) : Real(1e-7);
+
+  /// Contacts that touch within this time have an impact, s. More than h, so that rounding leaves no contact to
+  /// the inelastic solver.
+  SIM_HD Real reach_time() const { return h * Real(1.0625); }
+  /// `load`: impulse of the last substep, N s. `speed`: sum of the speeds, m/s.
+  SIM_HD Real threshold(Real speed, Real load, Real inverse_mass) const {
+    return max_of(rest_speed, rounding * speed) + Real(load_share) * load * inverse_mass;
+  }
+  /// Separation speed after the impact, m/s; negative: the contact closes in this substep. `approach`, m/s,
+  /// at distance `gap` >= 0, m. `acceleration`: towards the surface, m/s^2. `e`: of the pair.
+  SIM_HD Real separation(Real approach, Real gap, Real acceleration, Real e) const {
+    if (e == 1 || (e > 0 && !(gap * acceleration != 0))) return e * approach;
+    const Real lift = 2 * acceleration * gap;
+    const Real squared = e * e * (approach * approach + lift) - lift;
+    using std::sqrt;
+    return e > 0 && squared > 0 ? sqrt(squared) : -gap / h;
+  }
+};
+
+/// The act of an impact sweep.
+template <class Real, bool with_friction>
+struct Impact {
+  static constexpr bool has_friction = with_friction, sums = true, mostly_idle = true;
+  ImpactLaw<Real> law;
+  std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
+
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
+    const Vector3<Real> velocity = motions.velocity();
+    const Real approach = -velocity.dot(contact.normal);
+    if (!(approach > law.rest_speed)) return 0;
+    using std::sqrt;
+    const ContactBodies<Real>& bodies = motions.bodies;
+    const Real speed = sqrt(motions.v_a.dot(motions.v_a)) + sqrt(motions.v_b.dot(motions.v_b));
+    if (!(approach > law.threshold(speed, contact.impulse, bodies.inverse_mass_a + bodies.inverse_mass_b)))
+      return 0;
+    // Gravity accelerates the pair relative to each other only if one of them is static.
+    const bool free_a = bodies.inverse_mass_a > 0, free_b = bodies.inverse_mass_b > 0;
+    const Vector3<Real> pull = free_a == free_b ? Vector3<Real>(Vector3<Real>::Zero())
+                               : free_b         ? law.gravity
+                                                : Vector3<Real>(-law.gravity);
+    if (contact.gap > 0 && contact.passes(velocity + (law.h / 2) * pull, motions.reach(), law.reach_time())) return 0;
+    const Real gap = max_of(contact.gap, Real(0)), acceleration = -pull.dot(contact.normal);
+    const Real e = law.restitution.of_pair(motions.ids, approach);
+    const Real separation = law.separation(approach, gap, acceleration, e);
+    if (separation <= 0 && !(approach + separation > law.rest_speed + law.rounding * speed)) return 0;
+    const Real change = motions.mass * (approach + separation);
+    contact.impact += change;
+    contact.total += change;
+    if (separation > 0) contact.impulse = 0;
+    atomic_store(again, std::uint32_t{1});
+    return change;
+  }
+  SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
+                                     const Vector3<Real>& slip, Real mass) const {
+    if (!(contact.impulse > 0)) friction.impulse = Vector3<Real>::Zero();
+    return solve_friction<Real>(slip, mass, friction.coefficient * contact.impact, friction.impact);
+  }
+  SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>&) {
+    return contact.impact > 0;
+  }
+};
+
+/// All impact sweeps of a substep, for Executor::run_rounds. Each sweep: planes and boxes of all bodies, then
+/// contacts as in an Iteration. Sweep 0 tests all bodies at their planes, and contacts only if a body is
+/// faster than half of the threshold.
+template <class Real, bool with_friction, bool with_box_obstacles>
+struct ImpactSweeps {
+  using Contacts = Iteration<Real, Impact<Real, with_friction>>;
+  static constexpr int rounds_per_sweep = Contacts::rounds + 1;
+  static constexpr int rounds = max_impact_sweeps * rounds_per_sweep;
+
+  Contacts contacts;
+  SoftWalls<Real, with_friction, with_box_obstacles> walls;
+  std::uint32_t* needed;       ///< by sweep, max_impact_sweeps + 1 flags, 0 before the substep
+  const std::uint8_t* asleep;  ///< by body, or null
+  StepControl* control;
+
+  SIM_HD std::int64_t items(int round) const {
+    const int sweep = round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
+    if (sweep == 0 && part < 0) return control->overflow ? 0 : walls.body_count;
+    if (atomic_load(needed + sweep) == 0) return 0;
+    return part < 0 ? (walls.count() > 0 ? walls.body_count : 0) : contacts.items(part);
+  }
+  SIM_HD void operator()(int round, int item) const {
+    const int sweep = round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
+    if (part < 0) return bounce_off_walls(sweep, item);
+    Contacts now = contacts;
+    now.act.again = needed + sweep + 1;
+    run_item(now, part, item);
+  }
+
+ private:
+  SIM_HD void bounce_off_walls(int sweep, int id) const {
+    if (asleep != nullptr && asleep[id] != 0) return;
+    const Vector3<Real> v = walls.bodies.velocity[id];
+    const Real limit = contacts.act.law.rest_speed / 2;
+    if (sweep == 0 && v.dot(v) > limit * limit) atomic_store(needed, std::uint32_t{1});
+    if (walls.count() == 0 || !(walls.bodies.inverse_mass[id] > 0)) return;
+    if (sweep == 0) walls.clear_bounced(id);
+    if (!(v.dot(v) > limit * limit)) return;
+    typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
+    if (!walls.resolve_impacts(id, body, contacts.act.law)) return;
+    walls.store(id, body);
+    atomic_store(needed + sweep + 1, std::uint32_t{1});
+    if (sweep == 0) atomic_store(needed, std::uint32_t{1});
+  }
+};
+
+/// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags.
+struct EndImpacts {
+  std::uint32_t* needed;
+  StepControl* control;
+  SIM_HD void operator()(int) const {
+    if (needed[max_impact_sweeps] != 0) ++control->bounce_caps;
+    for (int sweep = 0; sweep <= max_impact_sweeps; ++sweep) needed[sweep] = 0;
+  }
+};
+
+}  // namespace collidoscope
