@@ -1,6 +1,6 @@
 #pragma once
 // Distances between two states of the same bodies, and between two distributions.
-// The distance is the mass-weighted r.m.s. displacement of a body's matter, in metres. A rotation counts by
+// The distance is the mass-weighted r.m.s. displacement of a body's points, in metres. A rotation counts by
 // the displacement it causes. Only dynamic bodies are compared.
 
 #include <vector>

@@ -76,7 +76,7 @@ struct AccuracyPoint {
   std::string series_name;  ///< "soft_step f32": name of the point's series
   std::string name;         ///< "1/60 s, 4 substeps, 1 iteration": name within the series
   AccuracySetting setting;
-  /// m, r.m.s. displacement of the bodies' matter over all bodies and samples, rotations included. `low` and
+  /// m, r.m.s. displacement of the bodies' points over all bodies and samples, rotations included. `low` and
   /// `high`: one standard error below and above, from the spread between groups of bodies.
   double error = not_known, error_low = not_known, error_high = not_known;
   double error_worst = not_known;  ///< m, maximum over bodies and samples

@@ -242,15 +242,14 @@ class ChangesReader {
 
 std::string text_of(const Change& change, const Scene& scene) {
   ObjectText object;
-  const auto list = [](const auto& values) { return fmt::format("[{}]", fmt::join(values, ", ")); };
   object("step", scalar_text(change.step));
   change.settings.for_each_set(
       [&](const auto& setting, const auto& value) { put(object, setting.name, setting, value); });
-  if (!change.remove.empty()) object("remove", list(change.remove));
+  if (!change.remove.empty()) object("remove", list_text(change.remove));
   std::vector<std::string> bodies;
   for (const Body& body : change.add) bodies.push_back(write_body(body, scene));
-  if (!bodies.empty()) object("add", list(bodies));
-  if (!change.freeze.empty()) object("freeze", list(change.freeze));
+  if (!bodies.empty()) object("add", list_text(bodies));
+  if (!change.freeze.empty()) object("freeze", list_text(change.freeze));
   return object.text();
 }
 

@@ -4,7 +4,7 @@
 // failing allocation there ends the program. Include this header in source files only: it includes nlohmann's
 // library.
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <bit>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +22,12 @@ inline std::string array_text(std::initializer_list<double> numbers) {
   std::string text;
   for (const double number : numbers) text += (text.empty() ? "[" : ", ") + scalar_text(number);
   return text + "]";
+}
+
+/// A JSON array in one line. Strings among the values must be JSON.
+template <class Values>
+std::string list_text(const Values& values) {
+  return fmt::format("[{}]", fmt::join(values, ", "));
 }
 
 /// "auto" if unset, otherwise the names of the enabled effects.

@@ -2,7 +2,7 @@
 // Unset optional values and default members of bodies and joints are omitted. Numbers are the shortest
 // decimals that read back to the same bits. Each body, joint, generator and obstacle has its own line.
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
@@ -87,8 +87,7 @@ class SceneWriter {
     object("kind", scalar_text("box_collider"));
     put_fields(object, generator_settings, generator);
     put_material(object, generator.material);
-    if (!generator.excluded.empty())
-      object("excluded", fmt::format("[{}]", fmt::join(generator.excluded, ", ")));
+    if (!generator.excluded.empty()) object("excluded", list_text(generator.excluded));
     return object.text();
   }
 

@@ -29,9 +29,9 @@ void ContactCache<Real>::reserve(std::int64_t contact_capacity) {
 }
 
 template <class Real>
-KeepContacts<Real> ContactCache<Real>::keeping(const Pair* contacts, const std::uint32_t* place_of,
-                                               const PackedContact<Real>* soft, const ContactSums<Real>* sums,
-                                               Real* total) const {
+StoreImpulses<Real> ContactCache<Real>::store_stage(const Pair* contacts, const std::uint32_t* place_of,
+                                                    const PackedContact<Real>* soft,
+                                                    const ContactSums<Real>* sums, Real* total) const {
   return {contacts,
           place_of,
           soft,

@@ -16,9 +16,9 @@
 
 namespace collidoscope {
 
-/// Copies contacts and impulses into the cache at the end of a step.
+/// Stores the contacts and impulses of a step in the cache, for warm starting. Timed as the stage `keep`.
 template <class Real>
-struct KeepContacts {
+struct StoreImpulses {
   const Pair* contacts;
   const std::uint32_t* place_of;
   const PackedContact<Real>* soft;
@@ -70,10 +70,10 @@ class ContactCache {
   const Vector3<Real>* friction() const {
     return previous_friction_.data();
   }  ///< N s, by cached contact; null without friction
-  /// The stage that fills the cache. `total`: see KeepContacts::total.
-  KeepContacts<Real> keeping(const Pair* contacts, const std::uint32_t* place_of,
-                             const PackedContact<Real>* soft, const ContactSums<Real>* sums,
-                             Real* total) const;
+  /// The stage that fills the cache. `total`: see StoreImpulses::total.
+  StoreImpulses<Real> store_stage(const Pair* contacts, const std::uint32_t* place_of,
+                                  const PackedContact<Real>* soft, const ContactSums<Real>* sums,
+                                  Real* total) const;
   std::uint32_t* count() const { return previous_count_.data(); }
 
   std::size_t size() const {

@@ -133,7 +133,7 @@ struct SolveRollingBodies {
 };
 
 template <class Real>
-struct KeepRolling {
+struct StoreRollingImpulses {
   const std::uint32_t* place_of;
   const PackedContact<Real>* soft;
   const RollingImpulse<Real>* rolling;
@@ -213,10 +213,10 @@ void RollingResistance<Real>::solve(const RollingSource<Real>& source) {
 }
 
 template <class Real>
-void RollingResistance<Real>::keep(const RollingSource<Real>& source) {
-  executor_.run(
-      "keep", source.count,
-      KeepRolling<Real>{source.place_of, source.soft, rolling_impulses_.data(), previous_impulse_.data()});
+void RollingResistance<Real>::store_impulses(const RollingSource<Real>& source) {
+  executor_.run("keep", source.count,
+                StoreRollingImpulses<Real>{source.place_of, source.soft, rolling_impulses_.data(),
+                                           previous_impulse_.data()});
 }
 
 template <class Real>

@@ -73,7 +73,7 @@ class RollingResistance {
   /// Call after each friction solve.
   void solve(const RollingSource<Real>& source);
   /// Call at the end of a run; stores the impulses for the next run.
-  void keep(const RollingSource<Real>& source);
+  void store_impulses(const RollingSource<Real>& source);
 
   /// See ContactSolver. `contacts`: number of cached contacts.
   void save_warm_start(std::size_t contacts, WarmStart& warm_start) const;

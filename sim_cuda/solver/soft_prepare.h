@@ -78,8 +78,9 @@ struct PrepareContacts {
   }
 };
 
+/// Updates the normal and the gap of a contact after a move.
 template <class Real>
-struct PlaceContacts {
+struct UpdateContactGeometry {
   const Pair* ids;
   const ContactBodies<Real>* bodies_of;
   const Vector3<Real>* position;

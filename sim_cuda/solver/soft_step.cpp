@@ -148,7 +148,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
                          planes_.friction(), sleeping_.asleep()},
                         contact_capacity_);
   }
-  on_walls<with_friction>(
+  dispatch_walls<with_friction>(
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
         run_bodies("keep", EndWalls<Real, with_friction, with_box_obstacles>{walls, scene_.control});
       });
@@ -219,9 +219,9 @@ void SoftStepSolver<Real>::move() {
                              contact_capacity_, h_);
   free_integrator_.move(h_, true, sleeping_.asleep(), continuous_.motion());
   kinematic_.restore(h_);
-  run_awake_contacts(
-      executor_, "relax", contact_count(), ordered_contacts_.data(), sleeping_.asleep(),
-      PlaceContacts<Real>{ordered_contacts_.data(), bodies_of_.data(), scene_.bodies.position, soft_.data()});
+  run_awake_contacts(executor_, "relax", contact_count(), ordered_contacts_.data(), sleeping_.asleep(),
+                     UpdateContactGeometry<Real>{ordered_contacts_.data(), bodies_of_.data(),
+                                                 scene_.bodies.position, soft_.data()});
 }
 
 /// Iterations after the move, with rigid constraints and friction: joints, planes, contacts, rolling
@@ -245,8 +245,8 @@ template <class Real>
 void SoftStepSolver<Real>::end_step(const ContactView<Real>& contacts, Real* impulses) {
   kinematic_.restore();
   executor_.run("keep", contact_count(),
-                cache_.keeping(contacts.bodies, place_of_.data(), soft_.data(), sums_.data(), impulses));
-  if (scene_.effects.rolling_resistance) rolling_.keep(rolling_source());
+                cache_.store_stage(contacts.bodies, place_of_.data(), soft_.data(), sums_.data(), impulses));
+  if (scene_.effects.rolling_resistance) rolling_.store_impulses(rolling_source());
   executor_.run("keep", 1, EndStep{scene_.control, cache_.count()});
   if (scene_.effects.sleeping) sleeping_.update_timers();
 }
@@ -381,21 +381,21 @@ std::vector<Residual> SoftStepSolver<Real>::residuals() const {
   return residuals;
 }
 
-/// Calls `with` with the view of planes and box obstacles, if the scene has any.
+/// Passes the view of planes and box obstacles to `launch`, if the scene has any.
 template <class Real>
-template <bool with_friction, class With>
-void SoftStepSolver<Real>::on_walls(const With& with) {
+template <bool with_friction, class Launch>
+void SoftStepSolver<Real>::dispatch_walls(const Launch& launch) {
   if (scene_.boxes.count > 0)
-    with(planes_.template view<with_friction, true>(softness_.inverse_h));
+    launch(planes_.template view<with_friction, true>(softness_.inverse_h));
   else if (scene_.plane_count > 0)
-    with(planes_.template view<with_friction, false>(softness_.inverse_h));
+    launch(planes_.template view<with_friction, false>(softness_.inverse_h));
 }
 
 /// One iteration over planes and box obstacles, timed as `stage`.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing) {
-  on_walls<with_friction>(
+  dispatch_walls<with_friction>(
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
         run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing,
                                                                               scene_.control});

@@ -73,8 +73,8 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void apply_forces();
   template <class Act>
   void iterate(const char* stage, const Act& act);
-  template <bool with_friction, class With>
-  void on_walls(const With& with);
+  template <bool with_friction, class Launch>
+  void dispatch_walls(const Launch& launch);
   template <bool with_friction>
   void iterate_walls(const char* stage, bool relaxing);
   template <bool with_friction>

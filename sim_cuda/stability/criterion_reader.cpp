@@ -1,19 +1,17 @@
 // Converts criterion files to structs. Checks types, keys, names, and references to the scene.
-// More than 400 lines: one reader per key of the format.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <limits>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
-#include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/patch_reader.h"
 #include "sim_cuda/scene/text_file.h"
 #include "sim_cuda/stability/criterion.h"
+#include "sim_cuda/stability/criterion_context.h"
+#include "sim_cuda/stability/injected_fault_reader.h"
 
 namespace collidoscope {
 namespace {
@@ -35,14 +33,13 @@ constexpr bool is_of_a_body(Quantity quantity) {
 
 class CriterionReader {
  public:
-  CriterionReader(const JsonDocument& document, const Scene* scene)
-      : document_(document),
-        reading_{document, document.faults()},
-        scene_(scene),
-        bodies_(scene != nullptr ? bodies_of(*scene) : 0) {}
+  explicit CriterionReader(CriterionContext& context)
+      : context_(context),
+        document_(context.document),
+        reading_(context.reading),
+        criterion_(context.criterion) {}
 
-  /// Reads the criterion and returns all faults.
-  std::vector<JsonFault> read(Criterion& criterion) {
+  void read() {
     ObjectReader root(reading_, document_.root(), "a criterion");
     if (root.is_object()) {
       root.header("collidoscope-criterion", "a criterion");
@@ -53,8 +50,6 @@ class CriterionReader {
         read_run(root);
     }
     root.finish();
-    criterion = std::move(criterion_);
-    return std::move(reading_.faults);
   }
 
  private:
@@ -88,7 +83,7 @@ class CriterionReader {
 
   void read_run(ObjectReader& root) {
     read_steps(root);
-    if (root.text("changes", criterion_.changes)) check_file(*root.member("changes"));
+    if (root.text("changes", criterion_.changes)) context_.check_file(*root.member("changes"));
     if (const JsonNode* run = root.member("run")) read_run_settings(*run);
     const JsonNode* found = root.member("expect_finding");
     const JsonNode* plant = root.member("inject");
@@ -96,7 +91,7 @@ class CriterionReader {
       read_expected_finding(*found, root);
     else
       criterion_.assertions.emplace_back().at_most = 0;  // finite
-    if (plant != nullptr) read_injected_state(*plant);
+    if (plant != nullptr) read_injected_state(context_, *plant);
     if (plant != nullptr && found == nullptr)
       reading_.fault_at_key(*plant, "\"inject\" is valid only with \"expect_finding\"");
     for_each(root, "executors", [&](const JsonNode& node) {
@@ -109,7 +104,7 @@ class CriterionReader {
     });
     for_each(root, "assertions", [&](const JsonNode& node) { read_assertion(node); });
     for_each(root, "limits", [&](const JsonNode& node) { read_expected_failure(node); });
-    for_each(root, "injected_faults", [&](const JsonNode& node) { read_injected_fault(node); });
+    for_each(root, "injected_faults", [&](const JsonNode& node) { read_injected_fault(context_, node); });
   }
 
   template <class Read>
@@ -125,19 +120,11 @@ class CriterionReader {
     if (root.whole("long_steps", longer)) criterion_.long_steps = longer;
     root.whole("every", criterion_.every);
     if (const JsonNode* node = root.member("steps"))
-      in_range(*node, "steps", criterion_.steps, 0, most_steps);
+      context_.in_range(*node, "steps", criterion_.steps, 0, most_steps);
     if (criterion_.long_steps)
-      in_range(*root.member("long_steps"), "long_steps", longer, criterion_.steps, most_steps);
+      context_.in_range(*root.member("long_steps"), "long_steps", longer, criterion_.steps, most_steps);
     if (const JsonNode* node = root.member("every"))
-      in_range(*node, "every", criterion_.every, 1, most_steps);
-  }
-
-  bool in_range(const JsonNode& node, std::string_view key, std::int64_t value, std::int64_t least,
-                std::int64_t most) {
-    if (value >= least && value <= most) return true;
-    reading_.fault(node, fmt::format("\"{}\" must be a whole number from {} to {}, not {}", key, least, most,
-                                     printable(document_.token(node))));
-    return false;
+      context_.in_range(*node, "every", criterion_.every, 1, most_steps);
   }
 
   void read_run_settings(const JsonNode& node) {
@@ -146,30 +133,6 @@ class CriterionReader {
       return !is_physical(setting) && setting.name != "executor" && setting.name != "gpu";
     });
     reader.finish();
-  }
-
-  /// Checks the name of a file in the criterion's folder.
-  void check_file(const JsonNode& node) {
-    const std::string_view name = document_.text(node);
-    if (name.empty() || name.find('/') != std::string_view::npos || !name.ends_with(".json"))
-      reading_.fault(node, "must be the name of a file (.json) in the criterion's own folder");
-  }
-
-  /// Reads a body id. Returns false and adds a fault if neither the scene nor a change can provide that body.
-  bool read_id(ObjectReader& reader, std::uint32_t& id) {
-    std::int64_t number = 0;
-    if (!reader.whole("body", number)) return false;
-    const std::int64_t count = scene_ != nullptr && criterion_.changes.empty() ? bodies_ : limits::max_bodies;
-    if (!in_range(*reader.member("body"), "body", number, 0, std::max<std::int64_t>(count, 1) - 1))
-      return false;
-    id = static_cast<std::uint32_t>(number);
-    return true;
-  }
-
-  void read_state(ObjectReader& reader, std::string_view key, std::optional<std::int64_t>& state) {
-    std::int64_t number = 0;
-    const std::int64_t most = criterion_.long_steps.value_or(criterion_.steps);
-    if (reader.whole(key, number) && in_range(*reader.member(key), key, number, 0, most)) state = number;
   }
 
   void read_assertion(const JsonNode& node) {
@@ -190,8 +153,8 @@ class CriterionReader {
       reading_.fault(node, "a term must have a bound: \"at_most\", \"at_least\" or both");
     if (assertion.at_most && assertion.at_least && *assertion.at_least > *assertion.at_most)
       reading_.fault(*reader.member("at_least"), "\"at_least\" must not exceed \"at_most\"");
-    read_state(reader, "from", assertion.from);
-    read_state(reader, "to", assertion.to);
+    context_.read_state(reader, "from", assertion.from);
+    context_.read_state(reader, "to", assertion.to);
     if (assertion.from && assertion.to && *assertion.from > *assertion.to)
       reading_.fault(*reader.member("to"), "\"to\" must not be before \"from\"");
     if (named) read_parameters(reader, node, assertion);
@@ -203,7 +166,7 @@ class CriterionReader {
   void read_parameters(ObjectReader& reader, const JsonNode& node, Assertion& assertion) {
     const Quantity quantity = assertion.quantity;
     if (is_of_a_body(quantity))
-      if (std::uint32_t id = 0; read_id(reader, id)) assertion.body = id;
+      if (std::uint32_t id = 0; context_.read_id(reader, id)) assertion.body = id;
     if (quantity == Quantity::position || quantity == Quantity::velocity) {
       if (!reader.choice("axis", axis_names, assertion.axis) && reader.member("axis") == nullptr)
         reading_.fault(
@@ -211,13 +174,13 @@ class CriterionReader {
     }
     if (quantity == Quantity::displacement) {
       std::optional<std::int64_t> since;
-      read_state(reader, "since", since);
+      context_.read_state(reader, "since", since);
       assertion.since = since.value_or(0);
     }
     if (quantity == Quantity::difference) {
       reader.vector("offset", assertion.offset);
       if (reader.text("scene", assertion.scene))
-        check_file(*reader.member("scene"));
+        context_.check_file(*reader.member("scene"));
       else if (reader.member("scene") == nullptr)
         reading_.fault(node, "a difference must have a \"scene\", the file of the scene to compare with");
     }
@@ -262,10 +225,10 @@ class CriterionReader {
     ObjectReader reader(reading_, node, "\"expect_finding\"");
     ExpectedFinding& found = criterion_.expected_finding.emplace();
     std::optional<std::int64_t> step;
-    read_state(reader, "step", step);
+    context_.read_state(reader, "step", step);
     found.step = step.value_or(0);
     reader.text("stage", found.stage);
-    read_id(reader, found.body);
+    context_.read_id(reader, found.body);
     for (const char* key : {"step", "stage", "body"})
       if (reader.is_object() && reader.member(key) == nullptr)
         reading_.fault(node, "\"expect_finding\" must have a \"step\", a \"stage\" and a \"body\"");
@@ -275,14 +238,6 @@ class CriterionReader {
     assertion.at_least = 1;
     if (const JsonNode* holds = root.member("assertions"))
       reading_.fault_at_key(*holds, "a case cannot have both; remove \"expect_finding\" or \"assertions\"");
-  }
-
-  void read_injected_state(const JsonNode& node) {
-    ObjectReader reader(reading_, node, "\"inject\"");
-    InjectedFault injected;
-    if (reader.is_object()) read_injected(reader, node, injected);
-    reader.finish();
-    criterion_.injected_state = injected.state;
   }
 
   void read_expected_failure(const JsonNode& node) {
@@ -304,105 +259,10 @@ class CriterionReader {
     criterion_.expected_failures.push_back(std::move(limit));
   }
 
-  void read_injected_fault(const JsonNode& node) {
-    InjectedFault fault;
-    ObjectReader reader(reading_, node, "a fault");
-    if (!reader.is_object()) return;
-    read_failing_assertion(reader, node, fault);
-    const JsonNode* set = reader.member("set");
-    if (set != nullptr) {
-      read_set(*set, fault);
-    } else if (reader.text("scene", fault.scene)) {
-      check_file(*reader.member("scene"));
-    } else if (reader.member("scene") == nullptr) {
-      read_injected(reader, node, fault);
-    }
-    reader.finish();
-    criterion_.injected_faults.push_back(std::move(fault));
-  }
-
-  void read_failing_assertion(ObjectReader& reader, const JsonNode& node, InjectedFault& fault) {
-    Quantity quantity{};
-    int number = 1;
-    const bool numbered = reader.whole("term", number);
-    if (!reader.choice("fails", quantity_names, quantity)) {
-      if (reader.member("fails") == nullptr)
-        reading_.fault(node, "a fault must have \"fails\", the name of a quantity of the assertions");
-      return;
-    }
-    int found = 0;
-    for (std::size_t k = 0; k < criterion_.assertions.size(); ++k)
-      if (criterion_.assertions[k].quantity == quantity && ++found == number) {
-        fault.assertion = k;
-        return;
-      }
-    reading_.fault(
-        numbered ? *reader.member("term") : *reader.member("fails"),
-        fmt::format("\"assertions\" has {} of the quantity \"{}\"",
-                    found == 0 ? "none" : fmt::to_string(found), name_of(quantity_names, quantity)));
-  }
-
-  void read_set(const JsonNode& node, InjectedFault& fault) {
-    ObjectReader reader(reading_, node, "\"set\"");
-    SettingsPatch& set = fault.set.emplace();
-    read_patch(reading_, reader, set, [](const auto& setting) { return is_physical(setting); });
-    reader.finish();
-    if (set.of_generator() && scene_ != nullptr && scene_->generators.size() != 1)
-      reading_.fault(node, "settings of a generator need a scene with one generator");
-  }
-
-  void read_injected(ObjectReader& reader, const JsonNode& node, InjectedFault& fault) {
-    InjectedState& injected = fault.state.emplace();
-    std::optional<std::int64_t> step;
-    read_state(reader, "step", step);
-    injected.step = step.value_or(0);
-    if ((!read_id(reader, injected.body) && reader.member("body") == nullptr) ||
-        reader.member("step") == nullptr)
-      reading_.fault(node,
-                     "a fault must have a \"set\" of settings, another \"scene\", or a \"step\" and a "
-                     "\"body\" with a \"position\", \"velocity\", \"angular_velocity\" or \"orientation\"");
-    double q[4];
-    const auto vector = [&](std::string_view key, std::optional<Vector3d>& value) {
-      double parts[3];
-      if (read_parts(reader, key, parts, 3)) value = Vector3d(parts[0], parts[1], parts[2]);
-    };
-    vector("position", injected.position);
-    vector("velocity", injected.velocity);
-    vector("angular_velocity", injected.angular_velocity);
-    if (read_parts(reader, "orientation", q, 4)) injected.orientation = Quaterniond(q[0], q[1], q[2], q[3]);
-  }
-
-  /// Reads numbers; null stands for NaN, "inf" and "-inf" for infinities.
-  bool read_parts(ObjectReader& reader, std::string_view key, double* parts, std::size_t count) {
-    const JsonNode* node = reader.member(key);
-    if (node == nullptr) return false;
-    const auto children = document_.children(*node);
-    bool good = node->kind == JsonKind::array && children.size() == count;
-    for (std::size_t k = 0; good && k < count; ++k) {
-      const JsonNode& child = children[k];
-      if (child.kind == JsonKind::invalid) return false;  // already has a fault
-      const std::string_view word = child.kind == JsonKind::text ? document_.text(child) : "";
-      const std::optional<double> number =
-          child.kind == JsonKind::number ? document_.number(child)
-          : child.kind == JsonKind::null ? std::optional(std::numeric_limits<double>::quiet_NaN())
-          : word == "inf"                ? std::optional(std::numeric_limits<double>::infinity())
-          : word == "-inf"               ? std::optional(-std::numeric_limits<double>::infinity())
-                                         : std::nullopt;
-      good = number.has_value();
-      if (good) parts[k] = *number;
-    }
-    if (!good)
-      reading_.fault(
-          *node, fmt::format("\"{}\" must be a list of {} numbers; null means NaN, \"inf\" means infinity",
-                             key, count));
-    return good;
-  }
-
+  CriterionContext& context_;
   const JsonDocument& document_;
-  Reading reading_;
-  const Scene* scene_;
-  std::int64_t bodies_;
-  Criterion criterion_;
+  Reading& reading_;
+  Criterion& criterion_;
 };
 
 }  // namespace
@@ -411,8 +271,10 @@ Criterion parse_criterion(const std::string& text, const std::string& name, cons
   JsonDocument document(text, name, criterion_aliases);
   Criterion criterion;
   document.read_all([&](bool first) {
-    Criterion other;
-    return CriterionReader(document, scene).read(first ? criterion : other);
+    CriterionContext context(document, scene);
+    CriterionReader(context).read();
+    if (first) criterion = std::move(context.criterion);
+    return std::move(context.reading.faults);
   });
   criterion.file = name;
   criterion.warnings = document.warnings();
