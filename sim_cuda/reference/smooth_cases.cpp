@@ -288,7 +288,7 @@ AnalyticCase middle_axis() {
   };
   const SmoothProblem problem{euler_equations,
                               [=](double t) { return SmoothState(middle_axis_spin(inertia, spin, t)); },
-                              spin.norm()};
+                              euler_equations(spin).norm() / spin.norm()};
   one.methods =
       all_turns(smooth_theory(problem, step(cayley_turn), 1, one.horizon, whole), [=, &one](int order) {
         const FreeTurn turns = with_energy_of_start(order == 4 ? composed_turn : split_turn);
