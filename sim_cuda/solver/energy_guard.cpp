@@ -26,13 +26,15 @@ struct GuardRounds {
   bool with_gravity;
   Real h;  ///< s
   GuardedContacts<Real> contacts;
-  int surfaces;
+  const WallPlane<Real>* planes;
+  int plane_count, surfaces;
   JointView<Real> joints;
   StaticImpulse* static_impulses;
   const StepControl* control;
   std::uint32_t *flag, *parent, *scale;
   std::uint64_t* sums;
   std::uint8_t* exempt;
+  const std::uint8_t* is_free;  ///< see EnergyGuard; null: the integrator is Euler's
 
   static constexpr int rounds = 9;
   SIM_HD std::int64_t items(int round) const {
@@ -40,7 +42,8 @@ struct GuardRounds {
     if (round == 0) return body_count;
     if (atomic_load(flag) == 0) return 0;
     if (round == 8) return 1;
-    return round == 2 || round == 7 ? static_cast<std::int64_t>(control->contacts) : round == 3 ? joints.count : body_count;
+    if (round == 2 || round == 7) return static_cast<std::int64_t>(control->contacts);
+    return round == 3 ? joints.count : body_count;
   }
   SIM_HD void operator()(int round, int item) const {
     switch (round) {
@@ -65,7 +68,9 @@ struct GuardRounds {
   SIM_HD Vector3<Real> pull(int body) const {
     return field != nullptr ? Vector3<Real>(gravity + field[body]) : gravity;
   }
+  /// Without the contacts of the substep.
   SIM_HD Vector3<Real> free_velocity(int body) const {
+    if (is_free != nullptr && is_free[body] != 0) return moved[body];
     const Vector3<Real> v = start[body];
     return with_gravity ? Vector3<Real>(v + h * pull(body)) : v;
   }
@@ -145,7 +150,8 @@ struct GuardRounds {
   SIM_HD void join_joint(int joint) const {
     const JointRow<Real>& row = joints.rows[joint];
     if (row.b != JointRow<Real>::world) join(row.a, row.b);
-    if (row.spring > 0) atomic_store(&exempt[is_guarded(row.a) ? row.a : row.b], std::uint8_t{1});
+    atomic_store(&exempt[row.a], std::uint8_t{1});
+    if (row.b != JointRow<Real>::world) atomic_store(&exempt[row.b], std::uint8_t{1});
   }
   SIM_HD static float magnitude(const EnergyTerms& sum) {
     const double linear = sum.linear < 0 ? -sum.linear : sum.linear;
@@ -182,10 +188,10 @@ struct GuardRounds {
     const EnergyTerms all{sum(0), sum(1), sum(2)};
     if (!gains(all) || !(all.square > 0)) return 1;
     using std::sqrt;
-    const double discriminant = sqrt(all.linear * all.linear + 4 * all.square * all.allowed);
+    const double root_term = sqrt(all.linear * all.linear + 4 * all.square * all.allowed);
     // The form without cancellation for each sign of B.
-    const double f = all.linear > 0 ? 2 * all.allowed / (all.linear + discriminant)
-                                    : (discriminant - all.linear) / (2 * all.square);
+    const double f = all.linear > 0 ? 2 * all.allowed / (all.linear + root_term)
+                                    : (root_term - all.linear) / (2 * all.square);
     return static_cast<Real>(clamp_to(f, 0.0, 1.0));
   }
   SIM_HD void scale_body(int body) const {
@@ -201,8 +207,18 @@ struct GuardRounds {
     }
     for (int p = 0; p < surfaces; ++p) {
       const std::int64_t here = p * body_count + body;
-      contacts.plane_impulse[here] *= f;
-      if (contacts.plane_friction != nullptr) contacts.plane_friction[here] *= f;
+      Real& impulse = contacts.plane_impulse[here];
+      if (!(impulse > 0)) continue;
+      const Vector3<Real> normal =
+          p < plane_count ? planes[p].normal : contacts.box_planes[here - plane_count * body_count].normal;
+      Vector3<Real> change = (f - 1) * impulse * normal;
+      static_impulses[body].impulse += static_cast<double>((f - 1) * impulse);
+      impulse *= f;
+      if (contacts.plane_friction != nullptr) {
+        change += (f - 1) * contacts.plane_friction[here];
+        contacts.plane_friction[here] *= f;
+      }
+      for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] += static_cast<double>(change[k]);
     }
   }
   SIM_HD void scale_contact(int place) const {
@@ -229,7 +245,8 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       parent_(executor, "energy guard islands"),
       scale_(executor, "energy guard scales"),
       sums_(executor, "energy guard sums"),
-      exempt_(executor, "energy guard exemptions") {
+      exempt_(executor, "energy guard exemptions"),
+      is_free_(executor, "freely moving bodies") {
   const auto n = static_cast<std::size_t>(scene.body_count);
   start_velocity_.resize_discarding(n);
   if (scene.effects.rotation && (scene.effects.friction || scene.effects.joints)) start_spin_.resize_discarding(n);
@@ -239,6 +256,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   scale_.resize_discarding(n);
   sums_.resize_discarding(3 * n);
   exempt_.resize_discarding(n);
+  if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
 }
 
 template <class Real>
@@ -249,10 +267,11 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                         start_spin(),
                         moved_velocity_.data(), scene_.gravity,
                         scene_.effects.attractor ? scene_.field : nullptr,
-                        scene_.effects.gravity || scene_.effects.attractor, h, contacts, scene_.surfaces(),
+                        scene_.effects.gravity || scene_.effects.attractor, h, contacts, scene_.planes, scene_.plane_count,
+                        scene_.surfaces(),
                         scene_.joints != nullptr ? scene_.joints->view() : JointView<Real>{},
                         scene_.static_impulses, scene_.control, flag_.data(), parent_.data(), scale_.data(),
-                        sums_.data(), exempt_.data()});
+                        sums_.data(), exempt_.data(), is_free()});
 }
 
 template class EnergyGuard<float>;

@@ -15,8 +15,9 @@
 // is exact.
 //
 // An island is a set of dynamic bodies that are connected by contacts with impulses, or by joints. Islands are
-// found only if the sum of at least one body is positive, within a tolerance. Islands with springs, or with
-// contacts to moving kinematic bodies, are exempt, because these do work on bodies.
+// found only if the sum of at least one body is positive, within a tolerance. Islands with joints are exempt:
+// the energy of an oscillating joint varies within a period, and a limit from one side would damp it. Islands
+// with contacts to moving kinematic bodies are exempt, because these do work on bodies.
 //
 // Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
 // depend on the order. All stages are rounds of one launch.
@@ -40,6 +41,7 @@ struct GuardedContacts {
   const ContactSums<Real>* sums;  ///< by place
   Real* plane_impulse;          ///< N s; index surface * body count + body
   Vector3<Real>* plane_friction;  ///< N s; null without friction
+  const ContactPlane<Real>* box_planes;  ///< contact planes of boxes; index box * body count + body
   const std::uint8_t* asleep;   ///< by body, or null
 };
 
@@ -54,6 +56,8 @@ class EnergyGuard {
   PackedVector3<Real>* start_spin() { return start_spin_.size() > 0 ? start_spin_.data() : nullptr; }
   /// Velocities of the move, m/s, by body; written by the integrator.
   PackedVector3<Real>* moved_velocity() { return moved_velocity_.data(); }
+  /// By body, written by the integrator: 1 if the body moved freely. Null with semi-implicit Euler.
+  std::uint8_t* is_free() { return is_free_.size() > 0 ? is_free_.data() : nullptr; }
 
   /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
   void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);
@@ -66,7 +70,8 @@ class EnergyGuard {
   Buffer<std::uint32_t> parent_;  ///< by body
   Buffer<std::uint32_t> scale_;   ///< by root: bits of the largest term, J (float)
   Buffer<std::uint64_t> sums_;    ///< three per root: A, B, C
-  Buffer<std::uint8_t> exempt_;   ///< by body: it has a spring, or touches a moving kinematic body
+  Buffer<std::uint8_t> exempt_;   ///< by body: it has a joint, or touches a moving kinematic body
+  Buffer<std::uint8_t> is_free_;  ///< by body; empty with Euler's integrator
 };
 
 }  // namespace collidoscope

@@ -49,6 +49,7 @@ struct IntegrateFree {
   const PackedVector3<Real>* before;
   PackedVector3<Real>* drift_velocity;
   PackedVector3<Real>* moved;  ///< the final velocity, too; or null
+  std::uint8_t* is_free;       ///< 1 for each free body; or null
   const WallPlane<Real>* planes;
   int plane_count;
   Real h;  ///< s
@@ -61,11 +62,16 @@ struct IntegrateFree {
     const Vector3<Real> start = before[body];
     if (!forces_applied) v += h * field.gravity;
     FreeStep<Real> step{v, v};
+    bool free = false;
     if (v == field.predicted_velocity(bodies, body, start, h)) {
       const Vector3<Real> x = bodies.position[body];
       const FreeStep<Real> smooth = free_step(field.on(bodies, body), x, start, field.acceleration(body));
-      if (!penetrates_plane(x, smooth.drift_velocity, v, bodies.radius[body])) step = smooth;
+      if (!penetrates_plane(x, smooth.drift_velocity, v, bodies.radius[body])) {
+        step = smooth;
+        free = true;
+      }
     }
+    if (is_free != nullptr) is_free[body] = free ? 1 : 0;
     drift_velocity[body] = step.drift_velocity;
     bodies.velocity[body] = step.velocity;
     if (moved != nullptr) moved[body] = step.velocity;
@@ -139,7 +145,8 @@ BodyView<Real> FreeIntegrator<Real>::bodies_with_drift_velocity() const {
 }
 
 template <class Real>
-void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<Real>* moved) {
+void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<Real>* moved,
+                                     std::uint8_t* is_free) {
   if (!uses_higher_order()) {
     if (moved != nullptr)
       executor_.run("integrate", scene_.body_count, SaveVelocities<Real>{scene_.bodies.velocity, moved});
@@ -152,7 +159,7 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
                                   scene_.gravity};
     executor_.run("integrate", scene_.body_count,
                   IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
-                                                  drift_velocity_.data(), moved, scene_.planes, scene_.plane_count,
+                                                  drift_velocity_.data(), moved, is_free, scene_.planes, scene_.plane_count,
                                                   h, forces_applied, scene_.control});
   };
   scene_.integrator == Integrator::rk4 ? with.template operator()<Integrator::rk4>()

@@ -39,8 +39,9 @@ class FreeIntegrator {
   void begin();
   /// Computes drift velocities and final velocities. Call after all velocity changes, before move(). `h`:
   /// substep, s. `forces_applied`: velocities already include gravity. `moved`: the final velocities are also
-  /// written there; may be null.
-  void integrate(Real h, bool forces_applied, PackedVector3<Real>* moved = nullptr);
+  /// written there. `is_free`: 1 for each free body is written there. Both may be null.
+  void integrate(Real h, bool forces_applied, PackedVector3<Real>* moved = nullptr,
+                 std::uint8_t* is_free = nullptr);
   /// Bodies whose velocity is the drift velocity of this substep.
   BodyView<Real> bodies_with_drift_velocity() const;
   /// Moves and rotates awake bodies for `h` s along the drift velocity, limited by `clamped`.

@@ -34,6 +34,7 @@ class PlaneContacts {
             scene_.static_impulses};
   }
   Real* impulse() const { return impulse_.data(); }  ///< N s, see SoftWalls::impulse
+  const ContactPlane<Real>* box_planes() const { return box_planes_.data(); }
   Vector3<Real>* friction() const { return friction_.size() > 0 ? friction_.data() : nullptr; }  ///< N s
 
   void save(WarmStart& warm_start) const;

@@ -21,7 +21,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       colouring_(executor),
       coloured_(coloured),
       uncoloured_degrees_(executor),
-      split_degrees_(executor),
+      mass_split_degrees_(executor),
       all_(executor),
       uncoloured_(executor),
       split_(executor),
@@ -75,7 +75,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   uncoloured_degrees_.reserve(scene_.body_count, contact_capacity);
   uncoloured_.reserve(scene_.body_count, contact_capacity);
   if (!coloured_) {
-    split_degrees_.reserve(scene_.body_count, contact_capacity);
+    mass_split_degrees_.reserve(scene_.body_count, contact_capacity);
     split_.reserve(scene_.body_count, contact_capacity);
   }
   residuals_.reserve(scene_.body_count + contact_capacity);
@@ -145,7 +145,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     relax<with_friction>(substep);
     energy_guard_.apply(h_,
                         {ordered_contacts_.data(), soft_.data(), sums_.data(), planes_.impulse(),
-                         planes_.friction(), sleeping_.asleep()},
+                         planes_.friction(), planes_.box_planes(), sleeping_.asleep()},
                         contact_capacity_);
   }
   dispatch_walls<with_friction>(
@@ -213,7 +213,7 @@ void SoftStepSolver<Real>::solve(int substep) {
 /// normals and gaps of contacts.
 template <class Real>
 void SoftStepSolver<Real>::move() {
-  free_integrator_.integrate(h_, true, energy_guard_.moved_velocity());
+  free_integrator_.integrate(h_, true, energy_guard_.moved_velocity(), energy_guard_.is_free());
   if (scene_.effects.continuous_collision)
     continuous_.clamp_motion(free_integrator_.bodies_with_drift_velocity(), ordered_contacts_.data(),
                              contact_capacity_, h_);
@@ -285,8 +285,8 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
     executor_.run("prepare", 1, SplitAll{colours, split_count_.data() + Colouring::colours, control});
     const ContactSet split{contacts.bodies, colours.order, split_begin_.data() + Colouring::colours,
                            split_count_.data() + Colouring::colours};
-    split_degrees_.count("prepare", split);
-    split_.list("prepare", split, split_degrees_, place_of_.data());
+    mass_split_degrees_.count("prepare", split);
+    split_.list("prepare", split, mass_split_degrees_, place_of_.data());
   }
   if (scene_.effects.rolling_resistance) rolling_.prepare(rolling_source(), previous);
 }
@@ -331,8 +331,8 @@ OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts(bool
           dependency_counters_.data(),
           coloured ? colours.begin : split_begin_.data(),
           coloured ? colours.count : split_count_.data(),
-          coloured ? uncoloured_.view(uncoloured_degrees_) : split_.view(split_degrees_),
-          (coloured ? uncoloured_degrees_ : split_degrees_).body_items(),
+          coloured ? uncoloured_.view(uncoloured_degrees_) : split_.view(mass_split_degrees_),
+          (coloured ? uncoloured_degrees_ : mass_split_degrees_).body_items(),
           uncoloured_friction_.data(),
           uncoloured_change_.data()};
 }

@@ -95,7 +95,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
   const bool coloured_;
-  ContactDegrees uncoloured_degrees_, split_degrees_;
+  ContactDegrees uncoloured_degrees_, mass_split_degrees_;
   ContactsByBody all_;         ///< all contacts
   ContactsByBody uncoloured_;  ///< contacts without a colour
   ContactsByBody split_;       ///< `jacobi_split`: the mass-split set of the iterations, all awake contacts

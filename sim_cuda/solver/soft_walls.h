@@ -199,11 +199,10 @@ struct SoftWalls {
   SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
                                    Real normal_impulse, Vector3<Real>& accumulated) const {
     if constexpr (with_friction)
-      apply_plane_friction(id, body, p, normal, normal_impulse, accumulated, plane(p, id).friction);
+      apply_plane_friction(id, body, normal, normal_impulse, accumulated, plane(p, id).friction);
   }
-  SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
-                                   Real normal_impulse, Vector3<Real>& accumulated,
-                                   Real surface_friction) const {
+  SIM_HD void apply_plane_friction(int id, Body& body, const Vector3<Real>& normal, Real normal_impulse,
+                                   Vector3<Real>& accumulated, Real surface_friction) const {
     if constexpr (with_friction) {
       if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) return;
       const Vector3<Real> slip =
@@ -235,12 +234,12 @@ struct SoftWalls {
   }
   /// True if the body bounced off plane p and is so fast that it may cross its container in a substep. It
   /// keeps its speed; its way ends at the plane.
-  SIM_HD bool is_held(int id, const Body& body, int p) const {
+  SIM_HD bool ends_at_plane(int id, const Body& body, int p) const {
     if (p >= mask_bits || (bounced_mask[id] >> p & 1) == 0) return false;
     return body.v.dot(body.v) > body.radius * inverse_h * body.radius * inverse_h;
   }
   /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way.
-  SIM_HD WallPlane<Real> impact_plane(int p, int id, const Body& body) const {
+  SIM_HD WallPlane<Real> impact_plane(int p, const Body& body) const {
     if constexpr (with_box_obstacles) {
       if (p >= plane_count) {
         const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
@@ -257,7 +256,7 @@ struct SoftWalls {
   SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law) const {
     bool any = false;
     for (int p = 0; p < count(); ++p) {
-      const WallPlane<Real> surface = impact_plane(p, id, body);
+      const WallPlane<Real> surface = impact_plane(p, body);
       const Vector3<Real> normal = surface.normal;
       const Real approach = -normal.dot(body.v);
       if (!(approach > law.rest_speed)) continue;
@@ -269,7 +268,7 @@ struct SoftWalls {
       const std::int64_t here = index(p, id);
       const Real load = is_active(body, p) ? impulse[here] : Real(0);
       if (!(approach > law.threshold(speed, load, body.inverse_mass))) continue;
-      if (p < mask_bits && (bounced_mask[id] >> p & 1) != 0 && is_held(id, body, p)) continue;
+      if (ends_at_plane(id, body, p)) continue;
       const Real e = law.restitution.between(
           law.restitution.of_body(static_cast<std::uint32_t>(id)), surface.restitution,
           sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0))));
@@ -284,7 +283,7 @@ struct SoftWalls {
       if constexpr (with_friction) {
         if (separation > 0 && is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();
         Vector3<Real> sum = Vector3<Real>::Zero();
-        apply_plane_friction(id, body, p, normal, change, sum, surface.friction);
+        apply_plane_friction(id, body, normal, change, sum, surface.friction);
       }
       any = true;
     }
@@ -309,7 +308,7 @@ struct SoftWalls {
         gap = 0;
       }
       const Real speed = normal.dot(body.v);
-      if (speed < 0 && is_held(id, body, p)) continue;
+      if (speed < 0 && ends_at_plane(id, body, p)) continue;
       const Real accumulated = is_active(body, p) ? impulse[index(p, id)] : Real(0);
       if (relaxing && !(accumulated > 0)) continue;
       const Real next = max_of(accumulated - body.mass * (speed + gap * inverse_h), Real(0));
