@@ -7,11 +7,11 @@
 // Bruls 2013).
 //
 // Free bodies: the velocity after the iterations equals, bit for bit, the velocity by smooth forces alone.
-// They are integrated by dynamics/integrators.h from the state after the impacts of the substep (impact.h). So
-// a body is free in the substep in which it bounces, too. All other bodies move as with semi_implicit_euler,
-// bit for bit. So joints and resting bodies are the same under every integrator, and a ball between bounces
-// moves with the order of its integrator. With `impulse`, contacts between bodies come before begin(), and
-// walls after it.
+// They are integrated by dynamics/integrators.h from the state after the impacts of the substep (impact.h).
+// So a body is free in the substep in which it bounces, too. All other bodies move as with
+// semi_implicit_euler, bit for bit. So joints and resting bodies are the same under every integrator, and a
+// ball between bounces moves with the order of its integrator. With `impulse`, contacts between bodies come
+// before begin(), and walls after it.
 //
 // A higher-order step must not create a contact. If it would penetrate a plane deeper than the Euler step,
 // the Euler step is used. Into other bodies and boxes, a step may penetrate deeper by |a| h^2 / 2 until the
