@@ -25,7 +25,7 @@ void draw_numbers_panel(Workspace& workspace, const WorkspaceView& view) {
   row("E potential", with_prefix(s.potential_energy, "J"), "Potential energy; 0 at the floor of the box");
   row("E total", with_prefix(s.energy(), "J"), "Kinetic plus potential energy");
   row("E correction", with_prefix(s.push_work, "J"),
-      "Correction work: energy that position correction has added since the start");
+      "Correction work: potential energy that overlap recovery has added since the start");
   row("penetration", with_prefix(s.max_penetration, "m"),
       "Max penetration of two bodies, or of a body and a wall");
   if (s.joints > 0) {

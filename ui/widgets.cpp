@@ -155,7 +155,7 @@ std::uint32_t stage_color(std::size_t stage, bool light) {
 }
 
 std::string_view stage_term(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 26> terms{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 25> terms{
       {{"bounds", "AABBs: axis-aligned bounding boxes of all bodies"},
        {"keys", "Morton codes, or keys of grid cells or planes"},
        {"sort", "sort by key"},
@@ -175,9 +175,8 @@ std::string_view stage_term(std::string_view name) {
        {"move", "integration of positions and orientations"},
        {"turn", "rotation of bodies with unequal moments of inertia"},
        {"prescribe", "motion of kinematic bodies"},
-       {"relax", "relaxation: iterations without position correction"},
-       {"bounce", "restitution"},
-       {"friction", "friction of bouncing contacts"},
+       {"relax", "relaxation: iterations without position correction; limit of the energy"},
+       {"bounce", "impacts with restitution and friction"},
        {"keep", "warm-start store"},
        {"islands", "islands and sleeping"},
        {"residual", "residuals of the solver"},

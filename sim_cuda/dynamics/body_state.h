@@ -27,12 +27,12 @@ struct BodyView {
                                  ///< and static bodies
 };
 
-/// Accumulated effect of walls and obstacles on a body since the start. Always double, because it is a long
-/// sum.
+/// Accumulated effect of walls, obstacles and overlap recovery on a body since the start. Always double,
+/// because it is a long sum.
 struct StaticImpulse {
   double impulse = 0;     ///< N s, sum of magnitudes
   double vector[3] = {};  ///< N s, applied to the body
-  double push_work = 0;   ///< J, potential energy added by position correction at walls
+  double push_work = 0;   ///< J, potential energy added by overlap recovery; with `impulse`: at walls only
 };
 
 template <class Real>

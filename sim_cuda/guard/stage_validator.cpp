@@ -23,7 +23,7 @@ constexpr Writes known_stages[] = {
     {"pairs", nothing}, {"contacts", normals},   {"colour", nothing},   {"prepare", nothing},
     {"keep", nothing},  {"continuous", nothing}, {"residual", nothing}, {"attractor", field},
     {"forces", motion}, {"drag", motion},        {"joints", motion},    {"relax", motion},
-    {"bounce", motion}, {"friction", motion},
+    {"bounce", motion},
 };
 
 unsigned parts_of(std::string_view stage) {

@@ -12,7 +12,7 @@
 //   bounds               boxes; the box of a non-finite body is empty
 //   contacts             normals
 //   attractor            accelerations
-//   forces, drag, joints, relax, bounce, friction: velocities and angular velocities
+//   forces, drag, joints, relax, bounce: velocities and angular velocities
 //   keys, sort, build, pairs, colour, prepare, continuous, residual, keep: nothing (ids, order and copies)
 //   all others           velocities, angular velocities, positions and orientations
 //

@@ -59,7 +59,7 @@ std::vector<WallPlane<Real>> wall_planes(const Scene& scene, const std::optional
 }
 
 /// Restitution threshold, m/s. "auto": twice the velocity change by gravity per substep, so that resting
-/// contacts settle.
+/// contacts settle. `soft_step` and `jacobi_split` have a threshold that is at least as large (impact.h).
 double bounce_threshold(const Physics& physics, int substeps, bool gravity) {
   if (physics.restitution_threshold) return *physics.restitution_threshold;
   return gravity ? 2 * std::sqrt(physics.gravity.dot(physics.gravity)) * physics.time_step / substeps : 0;

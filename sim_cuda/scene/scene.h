@@ -35,8 +35,8 @@ inline constexpr std::array<Named<Solver>, 3> solver_names{
 enum class Integrator { semi_implicit_euler, velocity_verlet, rk4 };
 inline constexpr std::array<Named<Integrator>, 3> integrator_names{
     {{"semi_implicit_euler", Integrator::semi_implicit_euler, "the paper's integrator, first order"},
-     {"velocity_verlet", Integrator::velocity_verlet, "second order"},
-     {"rk4", Integrator::rk4, "fourth order"}}};
+     {"velocity_verlet", Integrator::velocity_verlet, "second order; free flight under gravity is exact"},
+     {"rk4", Integrator::rk4, "fourth order; free flight under gravity is exact"}}};
 
 /// Rotation of bodies with unequal moments of inertia: dynamics/rotation_updates.h.
 enum class RotationUpdate { first_order, lie_group };

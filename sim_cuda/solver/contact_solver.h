@@ -38,7 +38,7 @@ struct SolverScene {
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
-  StaticImpulse* static_impulses;  ///< by body; null without planes and boxes
+  StaticImpulse* static_impulses;  ///< by body; null without planes, boxes, gravity and attractors
   Vector3<Real> gravity;           ///< m/s^2, zero if the effect is off
   DragLaw<Real> drag;              ///< unused if the effect is off
   AttractorView<Real> attractors;

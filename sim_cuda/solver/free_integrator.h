@@ -7,9 +7,11 @@
 // Bruls 2013).
 //
 // Free bodies: the velocity after the iterations equals, bit for bit, the velocity by smooth forces alone.
-// They are integrated by dynamics/integrators.h from the state at the start of the substep. All other
-// bodies move as with semi_implicit_euler, bit for bit. So piles, joints and resting bodies are the same
-// under every integrator, and a ball between bounces moves with the order of its integrator.
+// They are integrated by dynamics/integrators.h from the state after the impacts of the substep (impact.h).
+// So a body is free in the substep in which it bounces, too. All other bodies move as with
+// semi_implicit_euler, bit for bit. So joints and resting bodies are the same under every integrator, and a
+// ball between bounces moves with the order of its integrator. With `impulse`, contacts between bodies come
+// before begin(), and walls after it.
 //
 // A higher-order step must not create a contact. If it would penetrate a plane deeper than the Euler step,
 // the Euler step is used. Into other bodies and boxes, a step may penetrate deeper by |a| h^2 / 2 until the
@@ -21,7 +23,7 @@
 // (dynamics/rotation_updates.h).
 //
 // Owned by a solver. With semi_implicit_euler it uses no memory, and launches only the stages of
-// dynamics/move.h and "turn".
+// dynamics/move.h and "turn", and "integrate" if the energy guard needs the velocities of the move.
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
@@ -34,8 +36,8 @@ class FreeIntegrator {
  public:
   FreeIntegrator(Executor& executor, const SolverScene<Real>& scene);
 
-  /// Saves velocities at the start of a substep. Call before any stage changes velocities. The solver
-  /// `impulse` calls it after its contact iterations.
+  /// Saves velocities at the start of a substep. Call after impacts, and before any other stage changes
+  /// velocities. The solver `impulse` calls it after its contact iterations.
   void begin();
   /// Computes drift velocities and final velocities. Call after all velocity changes, before move(). `h`:
   /// substep, s. `forces_applied`: velocities already include gravity. `moved`: the final velocities are also

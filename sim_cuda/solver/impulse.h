@@ -4,10 +4,10 @@
 // colour by colour, the mass-split set, walls.
 //
 // Energy: at fixed positions, no stage raises the kinetic energy if restitution <= 1. Each impulse
-// separates with at most the approach speed, and a split body is an average of such results. Semi-implicit
-// Euler then removes 1/2 m g^2 h^2 from each free body (its drift in the ballistic energy). Only the
-// positional push against walls can add energy, which is measured as `push_work`. Pushes between bodies
-// keep the centre of mass, and with it the potential energy.
+// separates with at most the approach speed, and a split body is an average of such results. Free motion
+// under gravity then keeps the energy with velocity_verlet and rk4. semi_implicit_euler removes
+// 1/2 m g^2 h^2 from each body. Only the positional push against walls can add energy, which is measured as
+// `push_work`. Pushes between bodies keep the centre of mass, and with it the potential energy.
 
 #include <cstdint>
 

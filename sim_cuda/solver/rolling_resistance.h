@@ -9,8 +9,8 @@
 //
 // Solved after each friction solve in relax, implicitly, limited by c R times the normal impulse, with warm
 // starting. Body pairs use mass splitting (Tonge et al. 2012), all in parallel, since no load depends on
-// them. Each body solves its own planes. The impulse of restitution is not part of N. Owned by the solver;
-// without the effect it uses no memory.
+// them. Each body solves its own planes. Impulses of impacts (impact.h) are not part of N. Owned by the
+// solver; without the effect it uses no memory.
 
 #include <cstdint>
 

@@ -52,7 +52,7 @@ struct SoftContact {
   /// Solves the normal constraint. Updates the accumulated impulse and returns its change, N s. `speed`:
   /// separation speed along the normal, m/s. `mass`: effective mass, kg. `soft`: solve with the spring.
   ///
-  /// Without `soft`, a speculative contact without impulse stays inactive.
+  /// Without `soft`, a contact without impulse stays inactive.
   template <bool soft>
   SIM_HD Real solve(Real speed, Real mass, const Softness<Real>& softness) {
     Real bias = 0, scale = 1, impulse_scale = 0;

@@ -38,8 +38,8 @@ struct Motions {
 
 // ---- acts: functions return the change of the impulse, N s. `sums`: the act updates ContactSums ----
 
-/// Soft solve of the normal constraint. Contacts that the bodies miss, or do not reach in the substep, are
-/// skipped.
+/// Soft solve of the normal constraint. Contacts that the bodies miss, or do not reach in the substep, get no
+/// impulse.
 template <class Real>
 struct Solve {
   static constexpr bool has_friction = false, sums = false;
@@ -54,6 +54,7 @@ struct Solve {
   }
 };
 
+/// Rigid solve after the move, with friction. Contacts without an impulse stay inactive.
 template <class Real, bool with_friction>
 struct Relax {
   static constexpr bool has_friction = with_friction, sums = true;

@@ -2,11 +2,12 @@
 // The solver `soft_step` (Macklin et al. 2019: substeps beat iterations; Catto, "Solver2D", 2024). Contacts
 // are found once per step, including all that its motion may bring together. Then K substeps follow,
 //
-//   impacts (impact.h) -> begin (forces, warm starting) -> solve -> move -> relax
+//   impacts (impact.h) -> begin (forces, warm starting) -> solve -> move -> relax -> energy guard
 //
-// Impulses are warm-started: within a step per contact, from step
-// to step by body ids. Iterations process contacts colour by colour, then the mass-split set. Planes come
-// first, and once more before bodies move, so no body enters a plane.
+// Only impacts have restitution; all later stages are inelastic. Impulses are warm-started: within a step per
+// contact, from step to step by body ids. Impulses of impacts are not. Iterations process contacts colour by
+// colour, then the mass-split set. Planes come first, and once more before bodies move, so no body enters a
+// plane.
 //
 // Warm-start data change only in a committed run. After an overflow there are no contacts, and every stage
 // over bodies checks control->overflow.
@@ -52,7 +53,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void visit_warm_start(const ArrayVisitor& visit) override;
 
  private:
-  // Phases of a step, in order.
+  // Phases of a step, in order. The energy guard (energy_guard.h) follows each relax.
   template <bool with_friction>
   void advance(const ContactView<Real>& contacts, Real* impulses);
   void begin_step(const ContactView<Real>& contacts);

@@ -57,8 +57,8 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"speed", Quantity::speed, "largest speed of a body"},
     {"angular_speed", Quantity::angular_speed, "largest angular speed of a body"},
     {"energy_gain", Quantity::energy_gain,
-     "(E − E₀ − W)/S: E kinetic and potential energy, W the work of the positional push, S the largest "
-     "kinetic energy plus |change of potential energy| so far; 0 if both are 0"},
+     "(E − E₀ − W)/S: E kinetic and potential energy, W the potential energy added by overlap "
+     "recovery, S the largest kinetic energy plus |change of potential energy| so far; 0 if both are 0"},
     {"energy_loss", Quantity::energy_loss, "−`energy_gain`"},
     {"kinetic_energy", Quantity::kinetic_energy, "kinetic energy of the dynamic bodies"},
     {"escaped", Quantity::escaped, "number of bodies whose centres are outside the box"},
