@@ -4,6 +4,8 @@
 #include "sim_cuda/solver/free_integrator.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "sim_cuda/reference/free_rotation.h"
 #include "sim_cuda/reference/kepler.h"
@@ -178,6 +180,33 @@ TEST_P(FreeMotions, TurnBodiesToTheOrderOfTheirRotationUpdate) {
       EXPECT_NEAR(order_of_error(of_tumbler, update == RotationUpdate::lie_group ? 4 : 12), order, 0.15)
           << what;
     }
+}
+
+TEST_P(SoftFreeMotions, AGyroscopePrecesses) {
+  for (const Precision precision : {Precision::f32, Precision::f64}) {
+    Scene scene = hard_space(Vector3d(0, 0, -g));
+    scene.physics.solver = solver();
+    scene.physics.precision = precision;
+    const double arm = 0.1, spin = 200, time = 4;
+    scene.bodies = {sphere(0.02, Vector3d(arm, 0, 0))};
+    Body& disc = scene.bodies[0];
+    disc.mass = 1;
+    disc.inertia = Vector3d(0.006, 0.006, 0.01);
+    disc.orientation = Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitY()));
+    disc.angular_velocity = Vector3d(spin, 0, 0);
+    scene.joints.emplace_back();
+    scene.joints[0].kind = JointKind::ball;
+    scene.joints[0].anchor_a = Vector3d(0, 0, -arm);
+    scene.joints[0].anchor_b = Vector3d(0, 0, 0);
+    World world(scene, options());
+    world.step(120);
+    const BodyStates s = world.bodies();
+    const Vector3d axis = s.orientation[0] * Vector3d::UnitZ(), w = s.angular_velocity[0];
+    // Torque m g arm over I3 w3. A fast top oscillates slightly about that.
+    EXPECT_NEAR(std::atan2(axis.y(), axis.x()), g * arm / (0.01 * spin) * time, 0.01);
+    EXPECT_NEAR(axis.dot(w), spin, 0.01);
+    EXPECT_NEAR(axis.z(), 0, 0.02);
+  }
 }
 
 // ---- unaffected behaviour ----
