@@ -347,34 +347,6 @@ TEST_P(FreeMotions, TheDefaultsCostNothing) {
   EXPECT_EQ(turning.info().allocated_bytes, paper_turning.info().allocated_bytes);
 }
 
-TEST_P(FreeMotions, BallsRotateAlikeUnderBothRotationUpdates) {
-  Scene scene = space(euler);
-  scene.physics.effects = Effects{.rotation = true};
-  for (int k = 0; k < 5; ++k) {
-    scene.bodies.push_back(sphere(1, Vector3d(3 * k, 0, 0)));
-    scene.bodies.back().angular_velocity = Vector3d(k, 1, 2);
-  }
-  const auto orientations = [&](RotationUpdate update, bool with_disc) {
-    Scene changed = scene;
-    changed.physics.rotation_update = update;
-    if (with_disc) {
-      changed.bodies.push_back(sphere(1, Vector3d(0, 9, 0)));
-      changed.bodies.back().inertia = Vector3d(1, 1, 2);
-    }
-    World world(changed, options());
-    world.step(50);
-    std::vector<Quaterniond> q = world.bodies().orientation;
-    q.resize(5);
-    return q;
-  };
-  const auto expected = orientations(RotationUpdate::first_order, false);
-  for (const RotationUpdate update : {RotationUpdate::first_order, RotationUpdate::lie_group})
-    for (const bool with_disc : {false, true}) {
-      const auto q = orientations(update, with_disc);
-      for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(q[k].coeffs(), expected[k].coeffs());
-    }
-}
-
 // ---- invariants ----
 
 TEST_P(SoftFreeMotions, VerletKeepsTheEnergyOfAnOrbitBounded) {

@@ -5,24 +5,23 @@
 // lie_group. The angular momentum L and the kinetic energy E are conserved to rounding, for every inertia and
 // every h. All arithmetic is in double.
 //
-// 1. Splitting. The two axes i, j with the closest inverse moments are found. With equal moments I_i, the
-// body
-//    would be a symmetric top about the third axis, s. The rest of the energy is (1/I_j - 1/I_i) L_j^2 / 2.
-//    Both parts have exact flows. The top rotates about its own axis s, and with it about L, both at constant
-//    rates (Landau, Lifshitz, Mechanics, 33 and 35). The rest is a rotation about axis j. Half of the rest,
-//    the top, half of the rest (Strang 1968) is a method of second order (splitting of rigid bodies: Touma,
-//    Wisdom 1994; Dullweber, Leimkuhler, McLachlan 1997; about a symmetric top: Fasso 2003). With rk4, five
-//    of these over 0.41 h, 0.41 h, -0.66 h, 0.41 h, 0.41 h make the fourth order (Suzuki 1990).
+// 1. Splitting. The axes i, j are those with the closest inverse moments. If both had the moment I_i, the
+//    body would be a symmetric top about the third axis, s. The rest of the energy is
+//    (1/I_j - 1/I_i) L_j^2 / 2. Both parts have exact flows. The top rotates about its own axis s, and with
+//    it about L, both at constant rates (Landau, Lifshitz, Mechanics, 33 and 35). The rest is a rotation
+//    about axis j. Half of the rest, the top, half of the rest (Strang 1968) is a method of second order
+//    (splitting of rigid bodies: Touma, Wisdom 1994; Dullweber, Leimkuhler, McLachlan 1997; about a symmetric
+//    top: Fasso 2003). With rk4, five of these over 0.41 h, 0.41 h, -0.66 h, 0.41 h, 0.41 h make the fourth
+//    order (Suzuki 1990).
 // 2. Projection. The splitting conserves |L|, and the error of E has the order of the method. At the end of
-// the
-//    step the body is rotated so that L, constant in world axes, has the energy of the start in body axes
+//    the step the body is rotated so that L, constant in world axes, has the energy of the start in body axes
 //    (projection onto an invariant: Hairer, Lubich, Wanner 2006, IV.4). Both have closed forms; there is no
 //    iteration. L then moves along the exact curve of Euler's equations, and only its place on the curve and
 //    the angle about L have an error.
 //
 // A symmetric top has no rest, and its rotation is exact for every h.
 //
-// first_order. The paper's update (move.h). It conserves L, not E: a body with unequal moments drifts to
+// first_order. The paper's update. It conserves L, not E: a body with unequal moments drifts to
 // rotation about the axis of least inertia, and gains energy up to L^2 / 2 I of that axis.
 
 #include "sim_cuda/core/arithmetic.h"
