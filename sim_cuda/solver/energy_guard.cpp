@@ -144,7 +144,7 @@ struct GuardRounds {
     if (guarded_b && bodies.inverse_mass[a] == 0 && is_moving(a)) atomic_store(&exempt[b], std::uint8_t{1});
   }
   SIM_HD void join_contact(std::uint32_t place) const {
-    if (contacts.sums[place].total > 0 || contacts.soft[place].impulse > 0)
+    if (contacts.sums[place].total > 0 || contacts.sums[place].impact < 0)  // has pressed in this step
       join(contacts.ids[place].a, contacts.ids[place].b);
   }
   SIM_HD void join_joint(int joint) const {

@@ -90,7 +90,7 @@ struct Impact {
     const Real separation = law.separation(approach, gap, acceleration, e);
     if (separation <= 0 && !(approach + separation > law.rest_speed + law.rounding * speed)) return 0;
     const Real change = motions.mass * (approach + separation);
-    contact.impact += change;
+    contact.impact = max_of(contact.impact, Real(0)) + change;
     contact.total += change;
     if (separation > 0) contact.impulse = 0;
     atomic_store(again, std::uint32_t{1});

@@ -46,7 +46,7 @@ struct SoftContact {
   Real gap;              ///< m, < 0 if the bodies overlap
   Real impulse;          ///< accumulated in the substep, N s, >= 0
   Real total;            ///< sum over the step so far, impacts included, N s
-  Real impact;           ///< impulse of impacts in this substep, N s, >= 0
+  Real impact;           ///< impulse of impacts in this substep, N s; negative: has pressed in this step
   Real radius;           ///< m, of the smaller sphere
 
   /// Solves the normal constraint. Updates the accumulated impulse and returns its change, N s. `speed`:
@@ -71,10 +71,14 @@ struct SoftContact {
     return change;
   }
 
+  /// Call before each solve without the spring.
+  SIM_HD void mark_pressing() {
+    if (impulse > 0) impact = -1;
+  }
   /// Call at the end of a substep.
   SIM_HD void end_substep() {
     total += impulse;
-    impact = 0;
+    impact = min_of(impact, Real(0));
   }
 
   /// True if b, moving at `velocity` relative to a, misses a or does not reach it in `time` s.

@@ -61,6 +61,7 @@ struct Relax {
   Softness<Real> softness;
   bool last;  ///< last iteration of this substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
+    contact.mark_pressing();
     const Real change = contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
     if (last) contact.end_substep();
     return change;

@@ -62,9 +62,9 @@ struct PrepareContacts {
     const std::uint32_t before = previous.find(a, b);
     const bool found = before != no_pair;
     const Separation<Real> now = of.at(body_a.position, body_b.position);
-    sums[place] = {0, 0};
     PackedContact<Real> stored{now.normal, now.gap, found ? previous_impulse[before] : Real(0),
                                Vector3<Real>::Zero()};
+    sums[place] = {0, stored.impulse > 0 ? Real(-1) : Real(0)};
     if (friction_sums != nullptr) {
       if (found) stored.friction_impulse = previous_friction[before];
       const BodyFriction<Real> friction_a = body_friction[a], friction_b = body_friction[b];
