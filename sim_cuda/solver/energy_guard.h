@@ -7,12 +7,17 @@
 // with angular velocities included below. The total energy of bodies that move by h times their new velocity
 // rises by
 //
-//   sum of m (w . d + d . d / 2) - m h^2 g . g / 2  =  B + A - C
+//   G = sum of m (w . d + d . d / 2) - m h^2 g . g / 2
 //
-// An exact inelastic solution never has a positive sum. If the sum over an island is positive, all contact
-// impulses of the island are multiplied by the factor in (0, 1) for which A f^2 + B f - C = 0. Momentum is
-// conserved, since both bodies of a contact are scaled. Bodies without contacts do not count in C: free flight
-// is exact.
+// An exact inelastic solution has G <= 0. If G > 0 in an island, the share s of all contact impulses P at the
+// end of the substep is removed from the velocities, so that the energy does not rise:
+//
+//   G - s S + s^2 D / 2 = 0,  S = sum of (w + d) . P,  D = sum of P . P / m
+//
+// Impulses act along the normals at the current positions, so momentum and angular momentum are conserved.
+// The impulses for warm starting are not changed: a load that was reduced here would be missing in the next
+// substep, and a column would never come to rest. Bodies that moved freely have no term m h^2 g . g / 2, because
+// free flight is exact.
 //
 // An island is a set of dynamic bodies that are connected by contacts with impulses, or by joints. Islands are
 // found only if the sum of at least one body is positive, within a tolerance. Islands with joints are exempt:
@@ -30,19 +35,21 @@
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contact_storage.h"
+#include "sim_cuda/solver/contacts_by_body.h"
 
 namespace collidoscope {
 
-/// Data of a substep that the guard reads and scales.
+/// Contacts at the end of a substep.
 template <class Real>
 struct GuardedContacts {
-  const Pair* ids;              ///< by place
-  PackedContact<Real>* soft;    ///< by place
-  const ContactSums<Real>* sums;  ///< by place
-  Real* plane_impulse;          ///< N s; index surface * body count + body
-  Vector3<Real>* plane_friction;  ///< N s; null without friction
+  const Pair* ids;                       ///< by place, as the next two
+  const PackedContact<Real>* soft;
+  const ContactSums<Real>* sums;
+  ContactsByBodyView by_body;            ///< places of all contacts
+  const Real* plane_impulse;             ///< N s; index surface * body count + body
+  const Vector3<Real>* plane_friction;   ///< N s; null without friction
   const ContactPlane<Real>* box_planes;  ///< contact planes of boxes; index box * body count + body
-  const std::uint8_t* asleep;   ///< by body, or null
+  const std::uint8_t* asleep;            ///< by body, or null
 };
 
 template <class Real>
@@ -69,7 +76,7 @@ class EnergyGuard {
   Buffer<std::uint32_t> flag_;    ///< one element: 1 if a body gains energy
   Buffer<std::uint32_t> parent_;  ///< by body
   Buffer<std::uint32_t> scale_;   ///< by root: bits of the largest term, J (float)
-  Buffer<std::uint64_t> sums_;    ///< three per root: A, B, C
+  Buffer<std::uint64_t> sums_;    ///< three per root: G, S, D
   Buffer<std::uint8_t> exempt_;   ///< by body: it has a joint, or touches a moving kinematic body
   Buffer<std::uint8_t> is_free_;  ///< by body; empty with Euler's integrator
 };

@@ -144,7 +144,8 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     move();
     relax<with_friction>(substep);
     energy_guard_.apply(h_,
-                        {ordered_contacts_.data(), soft_.data(), sums_.data(), planes_.impulse(),
+                        {ordered_contacts_.data(), soft_.data(), sums_.data(),
+                         all_.view(colouring_.degrees()), planes_.impulse(),
                          planes_.friction(), planes_.box_planes(), sleeping_.asleep()},
                         contact_capacity_);
   }
