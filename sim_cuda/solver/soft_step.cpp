@@ -94,36 +94,6 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   uncoloured_friction_.resize_discarding(m);
 }
 
-template <class Real>
-WarmStart SoftStepSolver<Real>::save_warm_start() const {
-  WarmStart warm_start;
-  if (scene_.joints) warm_start.joints = scene_.joints->save_warm_start();
-  cache_.save(warm_start);
-  planes_.save(warm_start);
-  rolling_.save_warm_start(warm_start.contacts.size(), warm_start);
-  warm_start.sleep_timer = sleeping_.save_warm_start();
-  return warm_start;
-}
-
-template <class Real>
-void SoftStepSolver<Real>::visit_warm_start(const ArrayVisitor& visit) {
-  cache_.visit(visit);
-  planes_.visit(visit);
-  rolling_.visit_warm_start(*cache_.count(), visit);
-  sleeping_.visit_warm_start(visit);
-  if (scene_.joints) scene_.joints->visit_warm_start(visit);
-}
-
-template <class Real>
-void SoftStepSolver<Real>::load_warm_start(const WarmStart& warm_start) {
-  cache_.load(warm_start);
-  rolling_.load_warm_start(warm_start,
-                           std::max(static_cast<std::size_t>(contact_capacity_), warm_start.contacts.size()));
-  if (scene_.joints) scene_.joints->load_warm_start(warm_start.joints);
-  if (scene_.effects.sleeping) sleeping_.load_warm_start(warm_start.sleep_timer);
-  planes_.load(warm_start);
-}
-
 // ---- a step ----
 
 template <class Real>
@@ -143,11 +113,11 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     solve<with_friction>(substep);
     move();
     relax<with_friction>(substep);
-    energy_guard_.apply(h_,
-                        {ordered_contacts_.data(), soft_.data(), sums_.data(),
-                         all_.view(colouring_.degrees()), planes_.impulse(),
-                         planes_.friction(), planes_.box_planes(), sleeping_.asleep()},
-                        contact_capacity_);
+    energy_guard_.apply(
+        h_,
+        {ordered_contacts_.data(), soft_.data(), sums_.data(), all_.view(colouring_.degrees()),
+         planes_.impulse(), planes_.friction(), planes_.box_planes(), sleeping_.asleep()},
+        contact_capacity_);
   }
   dispatch_walls<with_friction>(
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
@@ -176,11 +146,11 @@ void SoftStepSolver<Real>::resolve_impacts() {
   const ImpactLaw<Real> law{scene_.restitution, scene_.gravity, h_, 2 * h_ * acceleration};
   const auto with = [&]<bool with_box_obstacles>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles>;
-    executor_.run_rounds(
-        "bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
-        Sweeps{typename Sweeps::Contacts{ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr}},
-               planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-               impact_sweeps_.data(), sleeping_.asleep(), scene_.control});
+    executor_.run_rounds("bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
+                         Sweeps{typename Sweeps::Contacts{
+                                    ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr}},
+                                planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+                                impact_sweeps_.data(), sleeping_.asleep(), scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
   executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), scene_.control});
@@ -343,9 +313,9 @@ template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
   // Contacts of one colour share no body, so a colour has at most body_count / 2 contacts.
-  executor_.run_rounds(stage, Iteration<Real, Act>::rounds,
-                       std::min(contact_capacity_, scene_.body_count / 2),
-                       Iteration<Real, Act>{ordered_contacts<Act::has_friction>(coloured_), scene_.bodies, act});
+  executor_.run_rounds(
+      stage, Iteration<Real, Act>::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+      Iteration<Real, Act>{ordered_contacts<Act::has_friction>(coloured_), scene_.bodies, act});
 }
 
 /// Records the residual after an iteration of solve (`soft`) or relax. `iteration` 0: before the first one.
@@ -355,31 +325,14 @@ void SoftStepSolver<Real>::record_iteration(int substep, bool soft, int iteratio
   if (!residuals_.on()) return;
   const int sums = scene_.iterations + 1, place = (2 * substep + (soft ? 0 : 1)) * sums + iteration;
   const auto with = [&]<bool with_box_obstacles>() {
-    residuals_.record(place, scene_.body_count + contact_capacity_,
-                      SoftResidual<Real, with_friction, with_box_obstacles>{
-                          planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                          ordered_contacts<with_friction>(coloured_), softness_, soft, sleeping_.asleep(),
-                          scene_.control},
-                      scene_.control);
+    residuals_.record(
+        place, scene_.body_count + contact_capacity_,
+        SoftResidual<Real, with_friction, with_box_obstacles>{
+            planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+            ordered_contacts<with_friction>(coloured_), softness_, soft, sleeping_.asleep(), scene_.control},
+        scene_.control);
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
-}
-
-template <class Real>
-void SoftStepSolver<Real>::record_residuals(bool on) {
-  residuals_.enable(on, 1, scene_.substeps * 2 * (scene_.iterations + 1));
-}
-
-template <class Real>
-std::vector<Residual> SoftStepSolver<Real>::residuals() const {
-  std::vector<Residual> residuals;
-  const int sums = scene_.iterations + 1;
-  for (const ResidualSum& sum : residuals_.kept()) {
-    const int k = static_cast<int>(residuals.size());
-    residuals.push_back(
-        Residuals::residual(k / sums % 2 == 0 ? "solve" : "relax", k / sums / 2, k % sums, sum));
-  }
-  return residuals;
 }
 
 /// Passes the view of planes and box obstacles to `launch`, if the scene has any.
@@ -396,11 +349,10 @@ void SoftStepSolver<Real>::dispatch_walls(const Launch& launch) {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing) {
-  dispatch_walls<with_friction>(
-      [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
-        run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing,
-                                                                              scene_.control});
-      });
+  dispatch_walls<with_friction>([&]<bool with_box_obstacles>(
+                                    const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
+    run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing, scene_.control});
+  });
 }
 
 template class SoftStepSolver<float>;
