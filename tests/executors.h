@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,17 @@ class OnEachExecutor : public testing::TestWithParam<ExecutorKind> {
     return o;
   }
 };
+
+/// Launches per step, by stage, after `steps` steps. On the CPU, stages of many rounds are left out, since
+/// only rounds with items count, which depends on the contacts.
+inline std::map<std::string, int> launches_by_stage(World& world, int steps = 10) {
+  world.step(steps);
+  std::map<std::string, int> launches;
+  for (const StageTime& stage : world.times().stages) launches[stage.name] = stage.launches;
+  if (!world.info().on_gpu)
+    for (const char* name : {"bounce", "colour", "solve", "relax"}) launches.erase(name);
+  return launches;
+}
 
 #define ON_EACH_EXECUTOR(Fixture) \
   INSTANTIATE_TEST_SUITE_P(Executors, Fixture, testing::ValuesIn(executors()), executor_name)

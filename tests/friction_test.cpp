@@ -116,8 +116,11 @@ TEST_P(Rubbing, ASpinningBounceTakesWhatTheWholeImpulseAllows) {
       const BodyStates s = after(world, 1);
       const double met = std::sqrt(speed * speed + 2 * g * 0.0123);
       const double expected = std::min(2 * r * spin / 7, mu * (1 + e) * met);
-      EXPECT_NEAR(s.velocity[0].z(), e * met, 1e-4) << "but for the drift of Euler's fall";
-      // The body stays on the floor until the end of the step, with friction.
+      // The body is on the parabola of an impact at the floor.
+      const double v = s.velocity[0].z();
+      EXPECT_NEAR(std::sqrt(v * v + 2 * g * (s.position[0].z() - r)), e * met, 1e-9) << mu << ' ' << e;
+      EXPECT_GT(v, -1e-12);
+      // Without restitution it stays on the floor until the end of the step, with friction.
       EXPECT_NEAR(s.velocity[0].x(), expected, mu * g * dt) << mu << ' ' << e;
       EXPECT_NEAR(s.angular_velocity[0].y(), spin - 5 * s.velocity[0].x() / (2 * r), 1e-9)
           << "about the point that touches";
@@ -232,7 +235,7 @@ TEST_P(Rubbing, OfAPileBringsItToRest) {
 
 TEST_P(Rubbing, IsOneAnswer) {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
-    Scene scene = box_collider(700);
+    Scene scene = box_collider(800);
     scene.generators[0].radius_max = 7;
     scene.physics.solver = Solver::soft_step;
     scene.physics.precision = precision;
@@ -281,16 +284,9 @@ TEST_P(Rubbing, WhatIsNotCalledForCostsNothing) {
   World a(smooth, options()), b(rough, options()), c(left_out, options());
   EXPECT_EQ(a.effects(), (Effects{.gravity = true}));
   EXPECT_EQ(b.effects(), (Effects{.gravity = true, .rotation = true, .friction = true}));
-  const auto launches = [](World& world) {
-    world.step(10);
-    std::map<std::string, int> of_stage;
-    for (const StageTime& stage : world.times().stages) of_stage[stage.name] = stage.launches;
-    return of_stage;
-  };
-  const auto without = launches(a);
-  EXPECT_EQ(launches(c), without);
-  EXPECT_EQ(without.count("friction"), 0u);
-  EXPECT_EQ(launches(b).count("friction"), 1u);
+  const auto without = launches_by_stage(a);
+  EXPECT_EQ(launches_by_stage(c), without);
+  EXPECT_EQ(launches_by_stage(b), without) << "friction is part of the stages forces, bounce and relax";
   EXPECT_EQ(a.info().allocated_bytes, c.info().allocated_bytes);
   EXPECT_GT(b.info().allocated_bytes, a.info().allocated_bytes);
   EXPECT_EQ(a.state_hash(), c.state_hash());
