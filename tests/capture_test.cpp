@@ -58,6 +58,7 @@ TEST(Capture, SaysHowFarTheBodiesAreFromTheirGhosts) {
   Scene scene;
   scene.name = "two";
   scene.physics.solver = Solver::impulse;
+  scene.physics.integrator = Integrator::semi_implicit_euler;
   scene.physics.gravity = Vector3d(0, 0, -10);
   scene.physics.time_step = 1.0 / 64;
   scene.bodies.resize(2);

@@ -16,6 +16,7 @@ ON_EACH_EXECUTOR(Dynamics);
 TEST_P(Dynamics, FlightFollowsSemiImplicitEuler) {
   Scene scene = empty_space();
   scene.physics.precision = Precision::f64;
+  scene.physics.integrator = Integrator::semi_implicit_euler;
   scene.physics.gravity = Vector3d(0.5, 0, -9.81);
   scene.physics.substeps = 3;
   scene.bodies = {sphere(1, Vector3d(1, 2, 300), Vector3d(3, -1, 4))};

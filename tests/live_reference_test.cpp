@@ -45,10 +45,11 @@ struct Beside {
   int waits = 0;
 };
 
-/// Free flight under gravity, in double.
+/// Free flight under gravity, in double, by Euler's method.
 Scene flight() {
   Scene scene = hard_space(Vector3d(0, 0, -10));
   scene.physics.solver = Solver::impulse;
+  scene.physics.integrator = Integrator::semi_implicit_euler;
   scene.physics.time_step = 1.0 / 64;
   scene.bodies = {sphere(1, {0, 0, 0}, {3, 0, 20}), sphere(2, {0, 50, 0})};
   return scene;

@@ -29,7 +29,9 @@ struct Shown {
 
 Shown draw(const FrameLayers& layers, std::int64_t bodies = 120) {
   test_context();
-  World world(box_collider(bodies), on_cpu());
+  Scene scene = box_collider(bodies);
+  scene.physics.integrator = Integrator::semi_implicit_euler;  // of the goldens
+  World world(scene, on_cpu());
   world.step(10);
   const StepStats stats = world.measure();
   Renderer renderer(360, 270);
