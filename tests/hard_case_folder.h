@@ -12,10 +12,10 @@ namespace collidoscope {
 class HardCaseFolder {
  public:
   HardCaseFolder() {
-    // Body 1 falls freely from 10 m. After 3 steps of 0.1 s it is above 9.3 m, after 4 below 9.2 m.
+    // Body 1 falls freely from 10 m. After 3 steps of 0.1 s it is at 9.55 m, after 4 at 9.2 m.
     scene("falls");
     criterion("falls", "rest", R"("steps": 20, "holds": [{"quantity": "speed", "at_most": 100},
-      {"quantity": "position", "body": 1, "axis": "z", "at_least": 9.2}])");
+      {"quantity": "position", "body": 1, "axis": "z", "at_least": 9.4}])");
     scene("flies");
     criterion("flies", "speed", R"("steps": 20, "holds": [{"quantity": "escaped", "at_most": 0}])");
     scene("limited");
