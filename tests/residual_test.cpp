@@ -44,9 +44,18 @@ Scene stack(Solver solver, int count, int iterations) {
   return scene;
 }
 
-TEST_P(Residuals, ATwoBodyImpactIsSolvedByOneSweep) {
+TEST_P(Residuals, ATwoBodyContactIsSolvedByOneSweep) {
   for (const Solver solver : all_solvers) {
-    World world(head_on(solver), options());
+    Scene scene = head_on(solver);
+    double approach = 10;
+    if (solver != Solver::impulse) {
+      // Slower than the threshold of impacts, 2 g h = 0.65 m/s, so that the iterations solve the contact.
+      approach = 0.5;
+      scene.physics.gravity = Vector3d(0, 0, -9.81);
+      scene.bodies[0].velocity.x() = approach / 2;
+      scene.bodies[1].velocity.x() = -approach / 2;
+    }
+    World world(scene, options());
     world.records().record_residuals(true);
     world.step();
     const std::vector<Residual> residuals = world.records().residuals();
@@ -56,13 +65,26 @@ TEST_P(Residuals, ATwoBodyImpactIsSolvedByOneSweep) {
     EXPECT_EQ(residuals[0].contacts, 1);
     // `impulse` applies the bounce within the iteration: 10 m/s of approach and 10 m/s of separation. A soft
     // contact yields slightly.
-    const double all = solver == Solver::impulse ? 20 : 10 * Softness<double>::of(1.0 / 30).mass_scale;
+    const double all =
+        solver == Solver::impulse ? 2 * approach : approach * Softness<double>::of(1.0 / 30).mass_scale;
     EXPECT_NEAR(residuals[0].rms, all, 1e-12);
     EXPECT_EQ(residuals[0].max, residuals[0].rms);
     for (std::size_t k = 1; k < 4; ++k) {
       EXPECT_EQ(residuals[k].iteration, static_cast<int>(k));
       EXPECT_LT(residuals[k].max, 1e-12) << static_cast<int>(solver);
     }
+  }
+}
+
+TEST_P(Residuals, AnImpactLeavesNothingToTheIterations) {
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split}) {
+    World world(head_on(solver), options());
+    world.records().record_residuals(true);
+    world.step();
+    const std::vector<Residual> residuals = world.records().residuals();
+    ASSERT_EQ(residuals.size(), 8u);
+    for (const Residual& residual : residuals) EXPECT_EQ(residual.max, 0);
+    EXPECT_NEAR(world.bodies().velocity[1].x(), 5, 1e-12);
   }
 }
 
