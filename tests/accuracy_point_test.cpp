@@ -95,6 +95,13 @@ TEST(AccuracyPoint, NothingIsRecommendedBelowTheReferencesOwnError) {
   EXPECT_FALSE(all_below_reference({}, 1));
 }
 
+TEST(AccuracyPoint, DefaultsAreThoseOfAScene) {
+  const AccuracySetting own = accuracy_setting(Physics{}, 4, {});
+  EXPECT_EQ(AccuracySetting().integrator, own.integrator);
+  EXPECT_EQ(AccuracySetting().rotation_update, own.rotation_update);
+  EXPECT_EQ(AccuracySetting().solver, own.solver);
+}
+
 TEST(AccuracyPoint, SettingsAreOfTheSceneThatTheyMake) {
   Scene scene = hard_space(Vector3d(0, 0, -9.81));
   const AccuracySetting setting{.time_step = 1.0 / 240,

@@ -35,12 +35,14 @@ AccuracyPoint setting(const std::string& name, AccuracySetting values) {
   return point;
 }
 
-std::vector<AccuracyPoint> steps(const Scene& scene, std::initializer_list<int> parts) {
+std::vector<AccuracyPoint> steps(const Scene& scene, std::initializer_list<int> parts,
+                                 Integrator integrator = Integrator::velocity_verlet) {
   std::vector<AccuracyPoint> points;
   for (const int part : parts)
-    points.push_back(
-        setting(std::to_string(part),
-                {.time_step = scene.physics.time_step / part, .substeps = 1, .precision = Precision::f64}));
+    points.push_back(setting(std::to_string(part), {.time_step = scene.physics.time_step / part,
+                                                    .substeps = 1,
+                                                    .integrator = integrator,
+                                                    .precision = Precision::f64}));
   return points;
 }
 
@@ -59,7 +61,9 @@ const AccuracyPoint* find(const AccuracyStudy& study, const std::string& series_
 TEST_P(AccuracyStudyOn, FindsTheBiasOfEulerInFreeFlight) {
   const Scene scene = thrown();
   AccuracyStudy study(scene, options(),
-                      {.seconds = 1, .rounds = 2, .settings = steps(scene, {1, 2, 4, 8, 16})});
+                      {.seconds = 1,
+                       .rounds = 2,
+                       .settings = steps(scene, {1, 2, 4, 8, 16}, Integrator::semi_implicit_euler)});
   finish(study);
   ASSERT_NE(study.reference(), nullptr);
   EXPECT_EQ(study.reference()->kind, AccuracyReference::Kind::hard_spheres);
@@ -86,6 +90,17 @@ TEST_P(AccuracyStudyOn, FindsTheBiasOfEulerInFreeFlight) {
   EXPECT_NEAR(fitted_order(h, errors), 1, 1e-6);
   EXPECT_TRUE(study.warnings().empty());
   EXPECT_TRUE(study.points().back().on_front);  // the smallest step has the smallest error
+}
+
+TEST_P(AccuracyStudyOn, FindsOnlyRoundingOfVelocityVerletInFreeFlight) {
+  const Scene scene = thrown();
+  AccuracyStudy study(scene, options(), {.seconds = 1, .rounds = 1, .settings = steps(scene, {1, 4, 16})});
+  finish(study);
+  for (const AccuracyPoint& p : study.points()) {
+    EXPECT_GT(p.error, 0) << p.name;
+    EXPECT_LT(p.error, 1e-12) << p.name;
+    EXPECT_LT(p.invariants.energy_error, 1e-13) << p.name;
+  }
 }
 
 TEST(AccuracyStudy, NoticesAWrongReference) {
@@ -217,7 +232,8 @@ TEST(AccuracyStudy, TriesEveryFamilyThatTheSceneCanTake) {
   scene.generators[0].spawn = Spawn::apart;
   AccuracyStudy study(scene, {}, {.seconds = 0.2, .rounds = 1});
   finish(study);
-  for (const char* series_name : {"soft_step f32", "soft_step f64", "impulse f32", "jacobi_split f64"})
+  for (const char* series_name : {"soft_step f32", "soft_step f64", "soft_step rk4 f64", "impulse f32",
+                                  "soft_step semi_implicit_euler f32", "jacobi_split f64"})
     EXPECT_TRUE(std::ranges::any_of(study.points(), [&](const auto& p) {
       return p.series_name == series_name;
     })) << series_name;

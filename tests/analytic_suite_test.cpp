@@ -64,8 +64,11 @@ TEST(AnalyticSuite, WritesEveryResultAsJson) {
 }
 
 TEST(AnalyticSuite, WritesARowOfCsvForEachStep) {
-  const std::string csv = analytic_csv(results());
+  std::vector<AnalyticResult> all = results();
+  all[3].method.rotation_update = RotationUpdate::first_order;
+  const std::string csv = analytic_csv(all);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4 * 4);
+  EXPECT_THAT(csv, testing::HasSubstr("\nfail,\"semi_implicit_euler, first_order\",f64,leading,1,"));
   EXPECT_THAT(csv, testing::HasSubstr("\nmeet,semi_implicit_euler,f64,exact,,,"));
   EXPECT_THAT(csv, testing::HasSubstr("\nthrow,semi_implicit_euler,f32,leading,1,,"));
 }

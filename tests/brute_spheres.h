@@ -2,6 +2,8 @@
 // Brute-force elastic hard spheres in a box, the expected values for the event-driven reference. The code is
 // independent of the reference: textbook formulas in long double. Every event moves all spheres, and the next
 // event is the minimum over all pairs.
+// Also the expected values for the time-stepped gas: with `step`, a collision changes the velocities early,
+// at the start of the first step of `step` s in which the spheres would touch within 17/16 of it.
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +20,9 @@ class BruteSpheres {
   using Vector = Vector3<Real>;
   static constexpr Real infinite = std::numeric_limits<Real>::infinity();
 
-  BruteSpheres(const Scene& scene, const InitialBodies& bodies)
-      : gravity_(scene.physics.gravity.cast<Real>()),
+  BruteSpheres(const Scene& scene, const InitialBodies& bodies, Real step = 0)
+      : step_(step),
+        gravity_(scene.physics.gravity.cast<Real>()),
         box_(*bodies.box),
         mass_(bodies.mass),
         radius_(bodies.radius) {
@@ -36,12 +39,7 @@ class BruteSpheres {
   CollisionEvent next() {
     const std::size_t first = static_cast<std::size_t>(std::ranges::min_element(times_) - times_.begin());
     const std::size_t row = x_.size() + faces, a = first / row, b = first % row;
-    const Real dt = times_[first] - time_;
-    for (std::size_t i = 0; i < x_.size(); ++i) {
-      x_[i] += dt * v_[i] + dt * dt / 2 * gravity_;
-      v_[i] += dt * gravity_;
-    }
-    time_ += dt;
+    fly_to(impact_time(times_[first]));
     CollisionEvent done{static_cast<double>(time_), static_cast<std::uint32_t>(a), no_body, 0, {}, 0};
     if (b < x_.size()) {
       done.other = static_cast<std::uint32_t>(b);
@@ -59,10 +57,27 @@ class BruteSpheres {
     renew(a);
     return done;
   }
+  /// Advances to `time`, without the collisions at this time.
+  void advance_to(Real time) {
+    while (impact_time(*std::ranges::min_element(times_)) < time) next();
+    fly_to(time);
+  }
   const std::vector<Vector>& positions() const { return x_; }
 
  private:
   static constexpr std::size_t faces = 6;
+
+  Real impact_time(Real contact) const {
+    return step_ > 0 ? std::max(time_, step_ * std::floor(contact / step_ - Real(1) / 16)) : contact;
+  }
+  void fly_to(Real time) {
+    const Real dt = time - time_;
+    for (std::size_t i = 0; i < x_.size(); ++i) {
+      x_[i] += dt * v_[i] + dt * dt / 2 * gravity_;
+      v_[i] += dt * gravity_;
+    }
+    time_ = time;
+  }
 
   Real pair_time(std::size_t a, std::size_t b) const {
     const Vector d = x_[b] - x_[a], v = v_[b] - v_[a];
@@ -74,7 +89,7 @@ class BruteSpheres {
     const int axis = static_cast<int>(face / 2);
     const Real sign = face % 2 ? -1 : 1, wall = face % 2 ? box_.max[axis] : box_.min[axis];
     const Real v = sign * v_[i][axis], g = sign * gravity_[axis];
-    const Real gap = on_face_[i] == face ? 0 : sign * (x_[i][axis] - wall) - Real(radius_[i]);
+    const Real gap = on_face_[i] == face && step_ == 0 ? 0 : sign * (x_[i][axis] - wall) - Real(radius_[i]);
     if (g == 0) return v < 0 ? time_ - gap / v : Real(infinite);
     const Real root = v * v - 2 * g * gap;
     if (root < 0) return infinite;
@@ -90,6 +105,7 @@ class BruteSpheres {
     for (std::size_t face = 0; face < faces; ++face) times_[i * row + x_.size() + face] = face_time(i, face);
   }
 
+  Real step_;
   Vector gravity_;
   Box box_;
   std::vector<double> mass_, radius_;

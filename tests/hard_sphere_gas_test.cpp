@@ -158,10 +158,16 @@ TEST(HardSphereGas, EndsAPileOfWhichAllEnergyIsAccountedFor) {
 
 // ---- time-stepped gas ----
 
-/// The largest position error in m after half a second of eight spheres in a box, for each number of steps.
-/// Geometric mean of 20 scenes, since the error depends on how impacts fall into steps.
-std::vector<double> errors_of_steps(const Vector3d& gravity, const std::vector<int>& steps_per_second) {
-  std::vector<double> errors(steps_per_second.size(), 0);
+/// Distances in m from the exact motion, and from that of spheres that collide at the starts of steps.
+struct GasErrors {
+  std::vector<double> exact, early;
+};
+
+/// The largest distance after half a second of eight spheres in a box, for each number of steps. Geometric
+/// mean of 20 scenes, since the error depends on how impacts fall into steps.
+GasErrors errors_of_steps(const Vector3d& gravity, const std::vector<int>& steps_per_second) {
+  const std::vector<double> none(steps_per_second.size(), 0);
+  GasErrors errors{none, none};
   const int scenes = 20;
   for (std::uint32_t seed = 1; seed <= scenes; ++seed) {
     Uniform uniform{Random(seed)};
@@ -184,25 +190,34 @@ std::vector<double> errors_of_steps(const Vector3d& gravity, const std::vector<i
       options.cpu_threads = 1;
       World world(scene, options);
       world.step(steps_per_second[k] / 2);
+      BruteSpheres early(scene, exact.initial(), 1.0L / steps_per_second[k]);
+      early.advance_to(0.5);
       const std::vector<Vector3d> reached = world.bodies().position;
-      double error = 0;
-      for (std::size_t i = 0; i < reached.size(); ++i)
+      double error = 0, other = 0;
+      for (std::size_t i = 0; i < reached.size(); ++i) {
         error = std::max(error, (reached[i] - expected[i]).norm());
-      errors[k] += std::log(error) / scenes;
+        other = std::max(other, (reached[i] - early.positions()[i].cast<double>()).norm());
+      }
+      errors.exact[k] += std::log(error) / scenes;
+      errors.early[k] += std::log(other) / scenes;
     }
   }
-  for (double& error : errors) error = std::exp(error);
+  for (std::vector<double>* each : {&errors.exact, &errors.early})
+    for (double& error : *each) error = std::exp(error);
   return errors;
 }
 
 TEST(HardSphereGas, IsWhatTheTimeSteppedGasConvergesToWithItsStep) {
   for (const Vector3d& gravity : {Vector3d(0, 0, 0), Vector3d(0, 0, -9.81)}) {
-    const std::vector<double> errors = errors_of_steps(gravity, {64, 128, 256, 512, 1024});
+    const auto [errors, early] = errors_of_steps(gravity, {64, 128, 256, 512, 1024});
     for (std::size_t k = 1; k < errors.size(); ++k)
       EXPECT_LT(errors[k], errors[k - 1] / 1.5) << k;  // halved, up to the scatter of 20 scenes
     const double order = std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
-    EXPECT_NEAR(order, 1, 0.15);  // an impact is up to a step early or late
-    EXPECT_LT(errors.back(), 0.01);
+    EXPECT_NEAR(order, 1, 0.15);  // an impact is about up to a step early
+    // The times of impacts are the whole error. In most scenes only rounding remains; in the others, impacts
+    // of one sphere in the same step are in another order, or a pair that touches a little more than a step
+    // later is not yet in the list of contacts.
+    for (std::size_t k = 0; k < errors.size(); ++k) EXPECT_LT(early[k], 1e-6 * errors[k]) << k;
   }
 }
 

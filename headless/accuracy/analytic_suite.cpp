@@ -170,9 +170,12 @@ std::string analytic_csv(const std::vector<AnalyticResult>& results) {
   std::string text =
       "case,integrator,precision,claim,order,fitted_order,h,steps,error,theory,tolerance,passed\n";
   const auto number = [](double x) { return std::isfinite(x) ? fmt::format("{}", x) : std::string(); };
+  const auto field = [](const std::string& name) {
+    return name.find(',') == name.npos ? name : fmt::format("\"{}\"", name);
+  };
   for (const AnalyticResult& r : results)
     for (const AnalyticLevel& level : r.levels)
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", r.name, name_of(r.method),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", r.name, field(name_of(r.method)),
                           name_of(precision_names, r.precision), name_of_claim(r.method.theory.claim),
                           r.method.theory.claim == Claim::exact ? "" : number(r.method.theory.order),
                           number(r.fitted_order), level.h, level.steps, level.error,
@@ -201,7 +204,7 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
 }
 
 std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device) {
-  constexpr const char* columns = "{:<21}{:<27}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
+  constexpr const char* columns = "{:<21}{:<33}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
   std::string text = fmt::format(columns, "case", "integrator", "h, s", "f64 error", "order", "/ theory",
                                  "f32 error", "f32 limit", "", "quantity");
   std::string last;

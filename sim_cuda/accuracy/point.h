@@ -16,13 +16,13 @@ namespace collidoscope {
 
 inline constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
-/// The settings that a study varies. All others are the scene's.
+/// The settings that a study varies. All others are the scene's. Defaults: those of a scene.
 struct AccuracySetting {
   double time_step = 1.0 / 30;  ///< s
   int substeps = 4;
   int iterations = 1;
   Solver solver = Solver::soft_step;
-  Integrator integrator = Integrator::semi_implicit_euler;
+  Integrator integrator = Integrator::velocity_verlet;
   RotationUpdate rotation_update = RotationUpdate::lie_group;
   Precision precision = Precision::f32;
   bool continuous_collision = false;

@@ -13,11 +13,12 @@
 namespace collidoscope {
 namespace {
 
+/// The default integrator and rotation update are not named.
 std::string series_name_of(const AccuracySetting& s) {
+  const AccuracySetting usual;
   std::string name(name_of(solver_names, s.solver));
-  if (s.integrator != Integrator::semi_implicit_euler)
-    name += fmt::format(" {}", name_of(integrator_names, s.integrator));
-  if (s.rotation_update != RotationUpdate::lie_group)
+  if (s.integrator != usual.integrator) name += fmt::format(" {}", name_of(integrator_names, s.integrator));
+  if (s.rotation_update != usual.rotation_update)
     name += fmt::format(" {}", name_of(rotation_update_names, s.rotation_update));
   name += fmt::format(" {}", name_of(precision_names, s.precision));
   if (s.continuous_collision) name += " continuous";

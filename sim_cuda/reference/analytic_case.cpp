@@ -32,8 +32,10 @@ Theory leading_theory(double order, double constant) {
   return {Claim::leading, order, [=](double h) { return constant * std::pow(h, order); }};
 }
 
-std::vector<AnalyticMethod> by_euler(Theory theory) {
-  return {{Integrator::semi_implicit_euler, std::move(theory)}};
+std::vector<AnalyticMethod> by_any_integrator(Theory theory) {
+  AnalyticMethod method;
+  method.theory = std::move(theory);
+  return {method};
 }
 
 double rounding(Precision precision, int steps, double scale) {

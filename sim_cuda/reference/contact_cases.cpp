@@ -1,13 +1,15 @@
-// Cases with lasting or repeated contact: rebounds, friction, a stack. All are of first order in h, like
-// Moreau's scheme, except for the penetration of soft contacts. The error constants follow from the solver
-// and are derived at each case.
+// Cases with lasting or repeated contact: rebounds, friction, a stack. Paths and times are of first order in
+// h, like those of Moreau's scheme, except for the penetration of soft contacts. The error constants follow
+// from the solver and are derived at each case.
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/reference/impacts.h"
+#include "sim_cuda/solver/impact.h"
 #include "sim_cuda/solver/soft_contact.h"
 
 namespace collidoscope {
@@ -20,73 +22,147 @@ Rebounds rebounds(const Scene& scene) {
   return {gravity(scene), ball.position.z() - ball.radius, scene.materials[0].restitution};
 }
 
-/// Semi-implicit Euler follows a parabola whose initial speed is lower by g h/2. An impact at the true speed
-/// p therefore bounces like one at p - g h/2 (from v^2 + 2 g s with the true v and the parabola's s).
-/// A speed u after a bounce becomes e (u - g h) after the next one. The deficit is eps_1 = e g h/2, eps_(n+1)
-/// = e (eps_n + g h).
-/// A flight is shorter by 2 (eps + g h/2) / g. A bounce is late by up to h, because it happens at the end of
-/// a step.
-struct EulerRebounds {
-  double h, slow, early;  ///< s; m/s, deficit after the n-th bounce; s, bound of the timing error
+/// Time in s by which an impact is early at most: it is resolved at the start of the first step in which the
+/// bodies would touch within this time (solver/impact.h). At least, it is early by h less.
+double earliest(double h) {
+  return ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .h = h, .rest_speed = 0}
+      .reach_time();
+}
 
-  EulerRebounds(const Rebounds& ball, int n, double step)
-      : h(step), slow(ball.e * ball.gravity * h / 2), early(h / 2) {
-    for (int k = 1; k < n; ++k) {
-      early += 2 * slow / ball.gravity + h;
-      slow = ball.e * (slow + ball.gravity * h);
+/// Time in s that a ball skips at an impact at p m/s that is resolved `early` s before. It is at the height
+/// s = p early - g early^2/2 then, and moves on upwards on the parabola that starts at the surface at e p. So
+/// it skips the time to the surface and the time back to s, in total about (1 + 1/e) early.
+double skipped(const Rebounds& ball, double p, double early) {
+  const double g = ball.gravity, s = (p - g * early / 2) * early, rebound = ball.e * p;
+  return early + (rebound - std::sqrt(std::max(rebound * rebound - 2 * g * s, 0.0))) / g;
+}
+
+/// Errors after the n-th impact, if each is resolved `early` s before. The energy is exact if flight is.
+/// Positions of semi-implicit Euler are on a parabola whose start is slower by b = g h/2, and velocities are
+/// faster by b than on it. An impact on the parabola at p therefore bounces like one at p - b (from v^2 + 2 g
+/// s with Euler's v). A flight whose parabola starts slower by d_n is followed by d_(n+1) = e (d_n + b) + b.
+/// It is shorter by 2 d_n / g. The drop is shorter by h/2, at the same speed of impact.
+struct ReboundErrors {
+  double b, slow = 0, skip;  ///< m/s; m/s, d_n; s, sum of the skipped times
+
+  ReboundErrors(const Rebounds& ball, int n, double h, double early, bool euler)
+      : b(euler ? ball.gravity * h / 2 : 0), skip(b / ball.gravity) {
+    for (int k = 1; k <= n; ++k) {
+      if (k > 1) skip += 2 * slow / ball.gravity;
+      skip += skipped(ball, ball.impact_speed(k) - slow - b, early);
+      slow = ball.e * (slow + b) + b;
     }
   }
 };
+
+/// Height in m of a ball after `steps` steps of h s, from the closed form of each flight. An impact comes at
+/// the first step that starts with height < earliest() times the mean approach speed of a step. The flight of
+/// semi-implicit Euler is lower by g h t/2 after t s.
+double height_in_steps(const Rebounds& ball, int steps, double h, bool euler) {
+  const double g = ball.gravity;
+  double start = ball.fall, speed = 0;  // of the flight; speed upwards
+  for (int k = 0, flown = 0;; ++k, ++flown) {
+    const double t = flown * h, approach = g * t - speed;
+    const double height = start + (speed - g * (euler ? t + h : t) / 2) * t;
+    if (k == steps) return height;
+    if (!(approach > 0 && height < earliest(h) * (approach + g * h / 2))) continue;
+    const double lift = 2 * g * height;
+    start = height;
+    speed = std::sqrt(ball.e * ball.e * (approach * approach + lift) - lift);
+    flown = 0;
+  }
+}
+
+std::vector<AnalyticMethod> all_integrators(const std::function<Theory(bool euler)>& theory) {
+  return {{Integrator::semi_implicit_euler, theory(true)},
+          {Integrator::velocity_verlet, theory(false)},
+          {Integrator::rk4, theory(false)}};
+}
 
 void add_bouncing(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "bouncing";
   one.scene = analytic_scene("bouncing");
   one.compared = "height after three bounces, m";
-  one.rationale = "Euler: speed error of g h per flight; each bounce is up to h late, at the end of its step";
-  one.horizon = 2.3;
+  one.rationale =
+      "each bounce is at most 17/16 h early, and skips 1 + 1/e times that; Euler: also a speed error of g h "
+      "per "
+      "flight";
+  one.horizon = 2;
   one.scale = 5;
   const Rebounds ball = rebounds(one.scene);
-  const double t = one.horizon, r = one.scene.bodies[0].radius;
+  const double t = one.horizon, r = one.scene.bodies[0].radius, g = ball.gravity;
   const int n = ball.impacts(t);
-  const Theory of_euler{Claim::bound, 1, [=](double h) {
-                          const EulerRebounds off(ball, n, h);
-                          return (off.slow + ball.gravity * h / 2) * (t - ball.time(n)) +
-                                 ball.speed(n) * off.early;
-                        }};
-  // The other integrators follow the exact parabola; their bounces are equally late.
-  const Theory of_others{Claim::bound, 1, [=](double h) { return ball.speed(n) * n * h; }};
-  one.methods = {{Integrator::semi_implicit_euler, of_euler},
-                 {Integrator::velocity_verlet, of_others},
-                 {Integrator::rk4, of_others}};
+  // Height in the flight after the n-th impact, which began too early and too slow, but at most at its top.
+  const auto height = [=](double h, double early, bool euler) {
+    const ReboundErrors off(ball, n, h, early, euler);
+    const double rise = ball.speed(n) - off.slow, flown = std::min(t - ball.time(n) + off.skip, rise / g);
+    return (rise - g * flown / 2) * flown;
+  };
+  one.methods = all_integrators([=](bool euler) {
+    return Theory{Claim::bound, 1, [=](double h) {
+                    return std::max(std::abs(height(h, earliest(h) - h, euler) - ball.height(t)),
+                                    std::abs(height(h, earliest(h), euler) - ball.height(t)));
+                  }};
+  });
   one.error = [=](World& world, int steps) {
     world.step(steps);
     return std::abs(world.bodies().position[0].z() - r - ball.height(t));
   };
   cases.push_back(one);
+
+  one.name = "bouncing_bias";
+  one.compared = "height minus that of bounces at the starts of steps, m";
+  one.rationale = "the error is exactly that of the times of the bounces, and Euler's bias";
+  one.methods = all_integrators([](bool) { return Theory{}; });
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    const bool euler = world.scene().physics.integrator == Integrator::semi_implicit_euler;
+    return std::abs(world.bodies().position[0].z() - r - height_in_steps(ball, steps, t / steps, euler));
+  };
+  cases.push_back(one);
+
+  one.name = "bouncing_energy";
+  one.compared = "energy per mass after three bounces, m^2/s^2";
+  one.rationale =
+      "a rebound is on the parabola of an impact at the surface: its energy is exact if flight is";
+  one.scale = g * ball.fall;
+  one.methods = {{Integrator::velocity_verlet, {}}, {Integrator::rk4, {}}};
+  one.error = [=](World& world, int steps) {
+    world.step(steps);
+    const BodyStates s = world.bodies();
+    const double expected = ball.speed(n) * ball.speed(n) / 2;
+    return std::abs(s.velocity[0].squaredNorm() / 2 + g * (s.position[0].z() - r) - expected);
+  };
+  cases.push_back(one);
 }
 
-/// Approaches slower than 2 g h do not bounce. At most log(v_1 / 2 g h) / log(1/e) + 1 bounces remain. Each
-/// is off as in EulerRebounds, where eps stays below e g h / (1 - e).
-/// The missing infinite sequence takes 2 u e / (g (1 - e)), where u is the last rebound speed, below 3 g h.
-/// The last contact takes two steps.
+/// Errors are those of ReboundErrors, down to the first impact at p whose rebound e p may not reach the
+/// height at which it is resolved: e^2 p^2 < 2 g s for the earliest time T, p < g T (1 + sqrt(1 - e^2)) /
+/// e^2. Of the remaining time 2 p e / (g (1 - e)), any part may be missing; approaches below 2 g h do not
+/// bounce at all. The last contact takes two steps.
 void add_zeno(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "zeno";
   one.scene = analytic_scene("zeno");
   one.compared = "time of rest, s";
-  one.rationale = "no bounce below 2 g h; each earlier bounce is up to h late";
+  one.rationale = "each bounce skips time, as in bouncing; no bounce below 2 g h";
   one.horizon = 2;
   one.scale = 2;
   const Rebounds ball = rebounds(one.scene);
   const double r = one.scene.bodies[0].radius;
-  one.methods = by_euler({Claim::bound, 1, [=](double h) {
-                            const double ratio = ball.e / (1 - ball.e);
-                            const double slowest = 2 * ball.gravity * h;
-                            const double bounces =
-                                1 + std::ceil(std::log(ball.first_speed() / slowest) / -std::log(ball.e));
-                            return h * (0.5 + (bounces - 1) * (1 + 2 * ratio) + 6 * ratio + 2);
-                          }});
+  one.methods = all_integrators([=](bool euler) {
+    return Theory{Claim::bound, 1, [=](double h) {
+                    const double g = ball.gravity, e = ball.e;
+                    const double slowest = g * earliest(h) * (1 + std::sqrt(1 - e * e)) / (e * e);
+                    int n = 0;
+                    ReboundErrors off(ball, n, h, earliest(h), euler);
+                    while (ball.impact_speed(n + 1) - off.slow - off.b > slowest)
+                      off = ReboundErrors(ball, ++n, h, earliest(h), euler);
+                    return off.skip + 2 * off.slow / g + earliest(h) +
+                           2 * ball.impact_speed(n + 1) * e / (g * (1 - e)) + 2 * h;
+                  }};
+  });
   one.error = [=](World& world, int steps) {
     int moving = 0;
     for (int k = 1; k <= steps; ++k) {
@@ -110,7 +186,7 @@ void add_slide_to_roll(std::vector<AnalyticCase>& cases) {
   one.scale = 7;
   const Body ball = one.scene.bodies[0];
   const SlideToRoll slide{ball.velocity.x(), one.scene.materials[0].friction * gravity(one.scene)};
-  one.methods = by_euler(leading_theory(1, slide.deceleration * slide.rolling_at() / 2));
+  one.methods = by_any_integrator(leading_theory(1, slide.deceleration * slide.rolling_at() / 2));
   one.error = [=, t = one.horizon](World& world, int steps) {
     world.step(steps);
     return (world.bodies().position[0] - ball.position - Vector3d(slide.distance(t), 0, 0)).norm();
@@ -130,7 +206,7 @@ void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
                  down(normal.z(), 0, -normal.x());
   const double a = down_slope(gravity(one.scene), normal.x(), normal.z(), one.scene.materials[0].friction);
   const double t = one.horizon;
-  one.methods = by_euler(leading_theory(1, a * t / 2));
+  one.methods = by_any_integrator(leading_theory(1, a * t / 2));
   one.error = [=](World& world, int steps) {
     world.step(steps);
     return (world.bodies().position[0] - start - a * t * t / 2 * down).norm();
@@ -140,6 +216,7 @@ void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
 
 /// At rest, the spring of a soft contact carries the load: load = mass omega^2 depth. The effective mass of
 /// two equal spheres is m/2, and omega = 2 pi/4 per substep. Below k spheres: depth = k m g / (m/2 omega^2).
+/// The stack is at rest, except for rounding, after some 300 steps of any h.
 void add_stack(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "stack_forces";
@@ -147,10 +224,10 @@ void add_stack(std::vector<AnalyticCase>& cases) {
   one.compared = "largest error of a force, relative to the weight above";
   one.rationale = "at rest the impulses equal the load for every step size";
   one.horizon = 10;
-  one.scale = 5;
+  one.scale = 1;
   const auto n = static_cast<int>(one.scene.bodies.size());
   const double g = gravity(one.scene);
-  one.methods = by_euler({});
+  one.methods = by_any_integrator({});
   one.error = [=](World& world, int steps) {
     world.records().record_impulses(true);
     world.step(steps);
@@ -168,9 +245,10 @@ void add_stack(std::vector<AnalyticCase>& cases) {
 
   one.name = "stack_sinking";
   one.compared = "height of the top, m";
+  one.scale = 5;
   one.rationale = "contacts compress by load / (mass omega^2), omega h = pi/2: 4 n (n - 1) g h^2 / pi^2";
   const double turn = 2 * std::numbers::pi * Softness<double>::cycles_per_substep;
-  one.methods = by_euler(leading_theory(2, g * n * (n - 1) / (turn * turn)));
+  one.methods = by_any_integrator(leading_theory(2, g * n * (n - 1) / (turn * turn)));
   const double height = one.scene.bodies.back().position.z();
   one.error = [=](World& world, int steps) {
     world.step(steps);

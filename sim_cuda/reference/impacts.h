@@ -47,7 +47,8 @@ struct Rebounds {
 
   double first_speed() const { return std::sqrt(2 * gravity * fall); }  ///< m/s, at the first impact
   double first_time() const { return std::sqrt(2 * fall / gravity); }   ///< s, of the first impact
-  /// Speed in m/s after the n-th impact, n >= 1.
+  /// Speeds in m/s before and after the n-th impact, n >= 1.
+  double impact_speed(int n) const { return std::pow(e, n - 1) * first_speed(); }
   double speed(int n) const { return std::pow(e, n) * first_speed(); }
   /// Time in s of the n-th impact.
   double time(int n) const {

@@ -62,7 +62,7 @@ AnalyticCase swing(const char* name, const char* rationale, double horizon) {
   const Rod rod(one.scene);
   one.scale = std::abs(rod.amplitude) * rod.w * horizon;
   const ComparedPart angle = [](const SmoothState& y) { return SmoothState(y.head(1)); };
-  one.methods = by_euler(smooth_theory(rod.problem(), rod.kick_in_front(), 1, horizon, angle));
+  one.methods = by_any_integrator(smooth_theory(rod.problem(), rod.kick_in_front(), 1, horizon, angle));
   one.error = [=, end = pendulum(rod.w, rod.amplitude, horizon).at](World& world, int steps) {
     world.step(steps);
     return std::abs(std::remainder(Rod::angle(world.bodies().position[0]) - end, 2 * std::numbers::pi));
@@ -89,7 +89,7 @@ AnalyticCase period() {
   const double wider = 1e-4, longer = (pendulum_period(rod.w, rod.amplitude + wider) -
                                        pendulum_period(rod.w, rod.amplitude - wider)) /
                                       (2 * wider);
-  one.methods = by_euler(leading_theory(2, std::abs(late + longer * std::abs(start) / 8)));
+  one.methods = by_any_integrator(leading_theory(2, std::abs(late + longer * std::abs(start) / 8)));
   one.error = [=](World& world, int steps) {
     double before = rod.amplitude, first = 0, last = 0;
     int seen = 0;  // downward passes through the lowest point
@@ -123,8 +123,8 @@ AnalyticCase spring_joint() {
   const double w = 2 * std::numbers::pi * joint.frequency, z = joint.damping_ratio,
                r = w * std::sqrt(1 - z * z);
   const double first = one.scene.bodies[0].position.x() - *joint.length, t = one.horizon;
-  one.methods =
-      by_euler(leading_theory(1, first * w * w / (2 * r) * std::exp(-z * w * t) * std::abs(std::sin(r * t))));
+  one.methods = by_any_integrator(
+      leading_theory(1, first * w * w / (2 * r) * std::exp(-z * w * t) * std::abs(std::sin(r * t))));
   one.error = [=](World& world, int steps) {
     world.step(steps);
     const double stretch = world.bodies().position[0].norm() - *joint.length;
