@@ -1,0 +1,328 @@
+// Property tests of the energy on random scenes with default settings, without exemptions:
+//
+//   E = kinetic + potential energy (with springs) - push_work - work of kinematic bodies
+//
+// is checked at every step. T is the largest kinetic energy so far. Above its earlier minimum, E may rise by
+// a small part of T; each feature has its test and its bound. COLLIDOSCOPE_ENERGY_SCENES multiplies the
+// number of scenes (1). A failing scene is printed as a scene file.
+//
+// The program does not measure the work of kinematic bodies. Here all moving kinematic bodies of a scene have
+// one constant velocity V. Their work is V . (change of momentum - impulse of gravity and of walls).
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <sstream>
+
+#include "tests/energy_scenes.h"
+#include "tests/executors.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr double contact_bound = 1e-3, joint_bound = 5e-3;  ///< of T
+constexpr double push_work_bound = 0.01;                    ///< of T, without initial overlap
+
+int energy_scenes(int count) {
+  const char* const asked = std::getenv("COLLIDOSCOPE_ENERGY_SCENES");
+  return asked != nullptr ? count * std::atoi(asked) : count;
+}
+
+struct EnergyCourse {
+  double rise = 0;        ///< largest rise of E above its earlier minimum, relative to T
+  std::int64_t step = 0;  ///< the state of that rise
+  double push_work = 0;   ///< largest magnitude, relative to the final T
+  StepStats end;
+};
+
+Vector3d vector_of(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
+
+EnergyCourse energy_course(const Scene& scene, int steps, const RunOptions& options) {
+  World world(scene, options);
+  Vector3d kinematic_velocity(0, 0, 0);
+  double mass = 0;  // kg, of dynamic bodies
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies[i].motion == Motion::dynamic)
+      mass += world.initial().mass[i];
+    else if (scene.bodies[i].motion == Motion::kinematic)
+      kinematic_velocity = scene.bodies[i].velocity;
+  const Vector3d start = vector_of(world.measure().momentum);
+  EnergyCourse course;
+  double lowest = 0, largest_kinetic = 0;
+  for (int k = 0; k <= steps; ++k) {
+    if (k > 0) world.step();
+    const StepStats now = world.measure();
+    course.end = now;
+    const Vector3d impulse = vector_of(now.momentum) - start - vector_of(now.wall_impulse_vector) -
+                             mass * world.time() * scene.physics.gravity;
+    const double energy = now.energy() - now.push_work - kinematic_velocity.dot(impulse);
+    largest_kinetic = std::max(largest_kinetic, now.kinetic_energy);
+    course.push_work = std::max(course.push_work, std::abs(now.push_work));
+    if (k == 0) lowest = energy;
+    if (energy - lowest > course.rise * largest_kinetic) {
+      course.rise = (energy - lowest) / largest_kinetic;
+      course.step = k;
+    }
+    lowest = std::min(lowest, energy);
+  }
+  course.push_work /= largest_kinetic;
+  return course;
+}
+
+class EnergyBounds : public OnEachExecutor {
+ protected:
+  using Maker = std::function<Scene(Uniform&)>;
+
+  /// Runs `count` scenes of `make` for `seconds`, at most 400 steps, with every solver that supports them.
+  /// `value` of each run must be at most `bound`.
+  void check(int count, double seconds, double bound, const Maker& make,
+             double EnergyCourse::*value = &EnergyCourse::rise,
+             std::initializer_list<Solver> solvers = {Solver::soft_step, Solver::jacobi_split,
+                                                      Solver::impulse}) {
+    int runs = 0, failures = 0;
+    double worst = bound;
+    std::string report;
+    for (int seed = 0; seed < energy_scenes(count); ++seed) {
+      Uniform uniform{Random(static_cast<std::uint32_t>(seed))};
+      const int rate = one_of(uniform, {30, 60, 120, 240, 1000});
+      Scene scene = make(uniform);
+      scene.physics.time_step = TimeStep::per_second(rate);
+      scene.physics.precision = seed % 2 == 0 ? Precision::f32 : Precision::f64;
+      for (const Solver solver : solvers) {
+        scene.physics.solver = solver;
+        if (!validate(scene).empty()) {
+          ASSERT_EQ(solver, Solver::impulse) << line_of(validate(scene)[0]);
+          continue;
+        }
+        const int steps = std::min(static_cast<int>(seconds * rate), 400);
+        const EnergyCourse course = energy_course(scene, steps, options());
+        ASSERT_EQ(course.end.non_finite, 0) << write_scene(scene);
+        ASSERT_EQ(course.end.escaped, 0) << write_scene(scene);
+        ++runs;
+        if (!(course.*value > bound)) continue;
+        ++failures;
+        std::ostringstream line;
+        line << course.*value << ", seed " << seed << ", " << name_of(solver_names, solver) << ", "
+             << name_of(precision_names, scene.physics.precision) << ", " << rate << "/s, state "
+             << course.step << '\n';
+        if (!(course.*value > worst)) continue;
+        worst = course.*value;
+        report = line.str() + write_scene(scene);
+      }
+    }
+    EXPECT_EQ(failures, 0) << "of " << runs << " runs; allowed " << bound << ", worst " << report;
+  }
+  void check_contacts(int count, double seconds, const Maker& make) {
+    check(count, seconds, contact_bound, make);
+  }
+  void check_joints(int count, double seconds, const Maker& make) {
+    check(count, seconds, joint_bound, make);
+  }
+};
+ON_EACH_EXECUTOR(EnergyBounds);
+
+// ---- impacts ----
+
+TEST_P(EnergyBounds, ClustersHitByABall) {
+  check_contacts(20, 3,
+                 [](Uniform& uniform) { return ball_cluster(uniform, any_restitution(uniform), 100); });
+}
+
+TEST_P(EnergyBounds, ClustersOfUnequalMasses) {
+  check_contacts(20, 3,
+                 [](Uniform& uniform) { return ball_cluster(uniform, any_restitution(uniform), 1e4); });
+}
+
+TEST_P(EnergyBounds, Racks) {
+  check_contacts(10, 0.4, [](Uniform& uniform) {
+    return billiard_rack(one_of(uniform, {0.0, 1e-4, 1e-3}), any_restitution(uniform));
+  });
+}
+
+TEST_P(EnergyBounds, Gases) { check_contacts(6, 2, any_gas); }
+
+TEST_P(EnergyBounds, MixedRestitution) {
+  check_contacts(6, 2, [](Uniform& uniform) {
+    Scene scene = any_gas(uniform);
+    scene.physics.gravity = Vector3d(0, 0, -g);
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials[1].name = "other";
+    scene.materials[1].restitution = any_restitution(uniform);
+    for (Body& body : scene.bodies) body.material = static_cast<int>(uniform.random() % 2);
+    return scene;
+  });
+}
+
+// ---- piles ----
+
+TEST_P(EnergyBounds, Piles) { check_contacts(8, 3, any_pile); }
+TEST_P(EnergyBounds, HeavyBallsOnPiles) { check_contacts(10, 3, heavy_on_pile); }
+TEST_P(EnergyBounds, Friction) { check_contacts(8, 3, rough_pile); }
+TEST_P(EnergyBounds, RollingResistance) { check_contacts(8, 3, rolling_pile); }
+
+TEST_P(EnergyBounds, TumblingBodiesWithFriction) {
+  check_contacts(8, 3, [](Uniform& uniform) {
+    Scene scene = rough_pile(uniform);
+    set_inertias(scene, uniform);
+    return scene;
+  });
+}
+
+TEST_P(EnergyBounds, InitialOverlap) {
+  check_contacts(12, 2, [](Uniform& uniform) {
+    return enlarged(uniform.random() % 2 == 0 ? heavy_on_pile(uniform) : any_gas(uniform), uniform);
+  });
+}
+TEST_P(EnergyBounds, InitialOverlapWithFriction) {
+  check_contacts(8, 2, [](Uniform& uniform) { return enlarged(rough_pile(uniform), uniform); });
+}
+TEST_P(EnergyBounds, InitialOverlapWithRollingResistance) {
+  check_contacts(8, 2, [](Uniform& uniform) { return enlarged(rolling_pile(uniform), uniform); });
+}
+TEST_P(EnergyBounds, InitialOverlapOfTumblingBodies) {
+  check_contacts(8, 2, [](Uniform& uniform) {
+    Scene scene = enlarged(rough_pile(uniform), uniform);
+    set_inertias(scene, uniform);
+    return scene;
+  });
+}
+
+Scene without_overlap(Uniform& uniform) {
+  return one_of(uniform, {any_pile, heavy_on_pile, rough_pile})(uniform);
+}
+TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
+  check(10, 4, push_work_bound, without_overlap, &EnergyCourse::push_work,
+        {Solver::soft_step, Solver::jacobi_split});
+}
+TEST_P(EnergyBounds, PushWorkOfImpulseWithoutInitialOverlap) {
+  check(10, 4, push_work_bound, without_overlap, &EnergyCourse::push_work, {Solver::impulse});
+}
+
+// ---- kinematic bodies ----
+
+TEST_P(EnergyBounds, KinematicBodiesInAGas) {
+  check_contacts(10, 2, [](Uniform& uniform) {
+    Scene scene = gas_lattice(uniform, 64, uniform(0.02, 0.3), 3, any_restitution(uniform));
+    scene.box.reset();
+    const Vector3d velocity = uniform.vector(4);
+    for (const std::size_t k : {5u, 21u, 47u}) {
+      scene.bodies[k].motion = Motion::kinematic;
+      scene.bodies[k].velocity = velocity;
+    }
+    return scene;
+  });
+}
+
+/// A kinematic ball moves along the floor through resting balls.
+TEST_P(EnergyBounds, KinematicBodiesOnTheFloor) {
+  check_contacts(10, 3, [](Uniform& uniform) {
+    Scene scene = impact_space(any_restitution(uniform), g);
+    scene.materials[0].friction = one_of(uniform, {0.0, 0.4});
+    for (int k = 0; k < 30; ++k)
+      scene.bodies.push_back(
+          ball(1, 0.3, Vector3d(k % 6 + uniform(-0.1, 0.1), k / 6, uniform(0.3, 2)), uniform.vector(1)));
+    Body moving = ball(1, 0.6, Vector3d(-1, 2.2, 0.6), Vector3d(uniform(1, 4), 0, 0));
+    moving.motion = Motion::kinematic;
+    scene.bodies.push_back(moving);
+    scene.obstacles = {Plane{}};
+    return scene;
+  });
+}
+
+// ---- free rotation ----
+
+TEST_P(EnergyBounds, FreeRotation) {
+  // Each body on its own: its energy after each of 1000 steps against its earlier minimum.
+  for (const Precision precision : {Precision::f32, Precision::f64})
+    for (int seed = 0; seed < energy_scenes(6); ++seed) {
+      Uniform uniform{Random(static_cast<std::uint32_t>(seed))};
+      Scene scene = impact_space(0);
+      for (int k = 0; k < 20; ++k) {
+        scene.bodies.push_back(ball(random_ratio(uniform, 100), 0.5, Vector3d(10 * k, 0, 0)));
+        scene.bodies.back().angular_velocity = random_ratio(uniform, 300) * random_direction(uniform);
+      }
+      set_inertias(scene, uniform);
+      scene.physics.precision = precision;
+      scene.physics.solver = one_of(uniform, {Solver::soft_step, Solver::jacobi_split, Solver::impulse});
+      scene.physics.time_step = TimeStep::per_second(one_of(uniform, {30, 60, 240, 1000}));
+      World world(scene, options());
+      std::vector<double> lowest(scene.bodies.size(), 1e300), rise(scene.bodies.size(), 0);
+      for (int step = 0; step <= 1000; ++step) {
+        if (step > 0) world.step();
+        const BodyStates states = world.bodies();
+        for (std::size_t i = 0; i < lowest.size(); ++i) {
+          const Vector3d w = states.orientation[i].normalized().conjugate() * states.angular_velocity[i];
+          const double energy = w.dot(scene.bodies[i].inertia->cwiseProduct(w)) / 2;
+          lowest[i] = std::min(lowest[i], energy);
+          rise[i] = std::max(rise[i], energy / lowest[i] - 1);
+        }
+      }
+      for (std::size_t i = 0; i < rise.size(); ++i)
+        EXPECT_LE(rise[i], precision == Precision::f32 ? 1e-5 : 1e-9) << "body " << i << '\n'
+                                                                      << write_scene(scene);
+    }
+}
+
+// ---- joints ----
+
+TEST_P(EnergyBounds, Chains) {
+  check_joints(20, 3, [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), false, 2); });
+}
+TEST_P(EnergyBounds, ChainsWithHeavyEnds) {
+  check_joints(20, 3,
+               [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), false, 1e4); });
+}
+TEST_P(EnergyBounds, LoopsOfJoints) {
+  check_joints(20, 3, [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), true, 10); });
+}
+TEST_P(EnergyBounds, HingesWithLimits) {
+  check_joints(20, 3, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, JointKind::hinge, false, 10);
+    for (Joint& joint : scene.joints) joint.limits = {-uniform(5, 60), uniform(5, 60)};
+    return scene;
+  });
+}
+TEST_P(EnergyBounds, Ropes) {
+  check_joints(20, 3, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, JointKind::distance, false, 10);
+    for (Joint& joint : scene.joints) joint.max_length = uniform(1.1, 2);
+    return scene;
+  });
+}
+TEST_P(EnergyBounds, Springs) {
+  check_joints(20, 3, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, JointKind::spring, false, 10);
+    for (Joint& joint : scene.joints) {
+      joint.frequency = uniform(0.5, 3);
+      joint.damping_ratio = one_of(uniform, {0.0, 0.2, 1.0});
+    }
+    return scene;
+  });
+}
+TEST_P(EnergyBounds, JointsDoNoPushWork) {
+  // One body on a joint has no contact, so there is no overlap to recover.
+  const auto pendulum = [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, any_rigid_kind(uniform), false, 2);
+    scene.bodies.resize(1);
+    scene.joints.resize(1);
+    return scene;
+  };
+  check(20, 3, 1e-9, pendulum, &EnergyCourse::push_work);
+}
+TEST_P(EnergyBounds, ChainsThatHitTheFloor) {
+  check_joints(20, 3, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, any_rigid_kind(uniform), false, 10);
+    scene.materials[0].restitution = any_restitution(uniform);
+    scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
+    scene.joints.erase(scene.joints.begin());  // free of the world
+    double low = 0;
+    for (const Body& body : scene.bodies) low = std::min(low, body.position.z());
+    scene.obstacles = {Plane{Vector3d(0, 0, 1), low - 0.5, 0}};
+    return scene;
+  });
+}
+
+}  // namespace
+}  // namespace collidoscope

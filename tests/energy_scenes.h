@@ -1,0 +1,141 @@
+#pragma once
+// Random scenes for property tests of the energy. The settings are the defaults.
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "tests/impact_scenes.h"
+
+namespace collidoscope {
+
+inline double any_restitution(Uniform& uniform) {
+  return one_of(uniform, {1.0, 0.9, 0.5, 0.0, uniform(0, 1)});
+}
+
+inline Scene any_gas(Uniform& uniform) {
+  Scene scene =
+      gas_lattice(uniform, 64, uniform(0.02, 0.4), random_ratio(uniform, 100), any_restitution(uniform));
+  const double ratio = one_of(uniform, {1.0, 100.0});
+  for (Body& body : scene.bodies) body.mass = random_ratio(uniform, ratio);
+  return scene;
+}
+
+inline Scene any_pile(Uniform& uniform) { return falling_pile(uniform, 40, 3, any_restitution(uniform)); }
+
+/// A heavy ball falls on balls in a shaft.
+inline Scene heavy_on_pile(Uniform& uniform) {
+  Scene scene = impact_space(any_restitution(uniform), g);
+  const int count = 5 + static_cast<int>(uniform.random() % 36);
+  for (int c = 0; c < count; ++c)
+    scene.bodies.push_back(
+        ball(1, 0.5,
+             Vector3d(1.05 * (c % 4 + 0.5) + uniform(-0.02, 0.02),
+                      1.05 * (c / 4 % 4 + 0.5) + uniform(-0.02, 0.02), 0.5 + 1.01 * (c / 16))));
+  scene.bodies.push_back(ball(random_ratio(uniform, 1e4), 1,
+                              Vector3d(2.1 + uniform(-0.5, 0.5), 2.1 + uniform(-0.5, 0.5), uniform(5, 8)),
+                              Vector3d(0, 0, uniform(-5, -1))));
+  scene.box = Box{Vector3d(0, 0, 0), Vector3d(4.2, 4.2, 1000)};
+  return scene;
+}
+
+/// Spinning balls with friction fall on a slope and a fixed ball.
+inline Scene rough_pile(Uniform& uniform) {
+  Scene scene = any_pile(uniform);
+  scene.materials[0].friction = random_ratio(uniform, 100) / 100;
+  for (Body& body : scene.bodies) {
+    body.position.z() += 1.5;
+    body.angular_velocity = uniform.vector(20);
+  }
+  scene.obstacles = {Plane{Vector3d(0.6, 0, 0.8), 0.5, 0}};
+  Body fixed = sphere(0.7, Vector3d(2.5, 2.5, 0.7));
+  fixed.motion = Motion::fixed;
+  scene.bodies.push_back(fixed);
+  return scene;
+}
+
+inline Scene rolling_pile(Uniform& uniform) {
+  Scene scene = rough_pile(uniform);
+  scene.materials[0].rolling_resistance = uniform(0, 0.3);
+  return scene;
+}
+
+/// Oblate, flat, prolate, asymmetric, slender and nearly spherical bodies in any orientation.
+inline void set_inertias(Scene& scene, Uniform& uniform) {
+  for (Body& body : scene.bodies) {
+    const double squared = body.radius * body.radius;
+    if (!body.mass) body.mass = 4190 * squared * body.radius;
+    const Vector3d shape =
+        one_of(uniform, {Vector3d(1, 1, 1.9), Vector3d(1, 1, 2), Vector3d(1, 1, 0.3), Vector3d(1, 1.7, 2.5),
+                         Vector3d(1, 1, 1e-3), Vector3d(1, 1.001, 1.002)});
+    body.inertia = *body.mass * squared * uniform(0.05, 0.2) * shape;
+    const Vector3d axis = random_direction(uniform);
+    const double angle = uniform(0, std::numbers::pi);
+    body.orientation = Quaterniond(std::cos(angle / 2), std::sin(angle / 2) * axis.x(),
+                                   std::sin(angle / 2) * axis.y(), std::sin(angle / 2) * axis.z());
+    body.orientation.coeffs() /= std::sqrt(body.orientation.squaredNorm());
+  }
+}
+
+/// The spheres of `scene` are up to 1.4 times as large.
+inline Scene enlarged(Scene scene, Uniform& uniform) {
+  for (Body& body : scene.bodies) body.radius *= uniform(1, 1.4);
+  if (scene.physics.gravity.z() == 0) scene.box.reset();
+  return scene;
+}
+
+/// Makes all bodies a rigid one that rotates about the origin.
+inline void rotate_all(Scene& scene, const Vector3d& angular_velocity) {
+  for (Body& body : scene.bodies) {
+    body.angular_velocity = angular_velocity;
+    body.velocity = angular_velocity.cross(body.position);
+  }
+}
+/// Joins body `a` at the world position `place` to body `b`, or to the world.
+inline Joint joint_at(const Scene& scene, JointKind kind, std::int64_t a, std::optional<std::int64_t> b,
+                      const Vector3d& place) {
+  const Body& body = scene.bodies[static_cast<std::size_t>(a)];
+  Joint joint;
+  joint.kind = kind;
+  joint.a = a;
+  joint.b = b;
+  const bool line = kind == JointKind::distance || kind == JointKind::spring;
+  if (line && !b) joint.anchor_b = place;
+  if (!line) joint.anchor_a = body.orientation.conjugate() * Vector3d(place - body.position);
+  joint.axis = body.orientation.conjugate() * Vector3d(0, 1, 0);
+  joint.axis /= std::sqrt(joint.axis.squaredNorm());
+  return joint;
+}
+
+/// A chain from the origin, or a ring through it, in the plane y = 0 that swings about it.
+inline Scene any_chain(Uniform& uniform, JointKind kind, bool ring, double most_ratio) {
+  Scene scene = impact_space(0, g);
+  const int count =
+      ring ? 3 + static_cast<int>(uniform.random() % 8) : 1 + static_cast<int>(uniform.random() % 10);
+  const double start = uniform(0, 2 * std::numbers::pi);
+  Vector3d place(0, 0, 0);
+  std::vector<Vector3d> ends{place};
+  for (int k = 0; k < count; ++k) {
+    const double angle = ring ? start + 2 * std::numbers::pi * k / count : start + uniform(-0.5, 0.5);
+    const Vector3d link = (ring ? 0.8 : uniform(0.6, 1)) * Vector3d(std::cos(angle), 0, std::sin(angle));
+    scene.bodies.push_back(ball(random_ratio(uniform, 2), 0.2, place + link / 2));
+    place += link;
+    ends.push_back(place);
+  }
+  scene.bodies.back().mass = random_ratio(uniform, most_ratio);
+  if (kind != JointKind::distance && uniform.random() % 2 == 0) set_inertias(scene, uniform);
+  for (int k = 0; k < count; ++k)
+    scene.joints.push_back(joint_at(scene, kind, k, k > 0 ? std::optional<std::int64_t>(k - 1) : std::nullopt,
+                                    ends[static_cast<std::size_t>(k)]));
+  if (ring) scene.joints.push_back(joint_at(scene, kind, count - 1, 0, place));
+  rotate_all(scene, Vector3d(0, uniform(0.5, 4), 0));
+  return scene;
+}
+
+inline JointKind any_rigid_kind(Uniform& uniform) {
+  return one_of(uniform, {JointKind::distance, JointKind::ball, JointKind::hinge});
+}
+
+}  // namespace collidoscope
