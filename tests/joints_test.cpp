@@ -387,17 +387,28 @@ TEST_P(Jointed, ATumblingPairKeepsItsMomentaAndItsAnchors) {
     }
     const Kept kept = kept_by(scene, 300, options());
     EXPECT_LT(kept.momentum, 1e-12) << "to rounding";
-    EXPECT_LT(kept.error, 1e-5);
+    // The joint is solved for the spin at the start of a substep, which gyroscopic torques then change: an
+    // error of second order.
+    EXPECT_LT(kept.error, 6e-5);
     EXPECT_LT(kept.angle, 1e-3);
+    if (kind != JointKind::distance) {  // a taut rope is inelastic
+      EXPECT_LT(kept.energy, 1e-3);
+    }
     scene.physics.substeps = 16;
     const Kept finer = kept_by(scene, 300, options());
-    EXPECT_LT(finer.error, 1e-6);
+    EXPECT_LT(finer.error, 4e-6);
     EXPECT_LT(finer.angle, 1e-4);
+    if (kind != JointKind::distance) {
+      EXPECT_LT(finer.energy, 1e-4);
+    }
     EXPECT_LT(finer.momentum, 1e-12);
     scene.physics.precision = Precision::f32;
     const Kept rough = kept_by(scene, 300, options());
     EXPECT_LT(rough.momentum, 3e-3) << "of some 10, over 4,800 substeps";
     EXPECT_LT(rough.error, 1e-5);
+    scene.physics = tumbling(kind).physics;
+    scene.physics.rotation_update = RotationUpdate::first_order;
+    EXPECT_LT(kept_by(scene, 300, options()).error, 1e-5) << "first_order rotates about that spin";
   }
 }
 

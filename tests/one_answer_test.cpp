@@ -81,8 +81,6 @@ TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;
       scene.physics.integrator = integrator;
-      if (integrator != Integrator::semi_implicit_euler)
-        scene.physics.rotation_update = RotationUpdate::lie_group;
       const std::string expected = hash_after(scene, options(), 40);
       for (const LaunchShape shape : launch_shapes)
         for (const LaneOrder order : lane_orders) {
@@ -251,7 +249,7 @@ struct GoldenRun {
   std::string scene, key;
   Precision precision;
   Solver solver;
-  std::optional<Integrator> integrator;  ///< with the rotation update lie_group; empty: the scene's own
+  std::optional<Integrator> integrator;  ///< empty: the scene's own
 };
 
 std::vector<GoldenRun> golden_runs() {
@@ -305,10 +303,7 @@ TEST_P(OneAnswer, OfTheGoldenScenes) {
     Scene scene = project_scene(run.scene);
     scene.physics.precision = run.precision;
     scene.physics.solver = run.solver;
-    if (run.integrator) {
-      scene.physics.integrator = *run.integrator;
-      scene.physics.rotation_update = RotationUpdate::lie_group;
-    }
+    if (run.integrator) scene.physics.integrator = *run.integrator;
     const std::string hash = hash_after(scene, options(), golden_steps);
     if (update)
       golden[run.scene][run.key] = hash;

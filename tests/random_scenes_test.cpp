@@ -61,8 +61,8 @@ Outcome run(const Scene& scene, const RunOptions& options, const std::string& fi
   return result;
 }
 
-/// The first-order update of the paper conserves angular momentum and slowly increases the kinetic energy of
-/// a tumbling body. The increase is visible in twelve steps if the rotation per step is large.
+/// The rotation update first_order conserves angular momentum and slowly increases the kinetic energy of a
+/// tumbling body. The increase is visible in twelve steps if the rotation per step is large.
 bool tumbles_far(const Body& body, const Physics& physics) {
   const double turn = std::sqrt(body.angular_velocity.dot(body.angular_velocity)) * physics.time_step;
   return physics.rotation_update == RotationUpdate::first_order && body.inertia && turn > 0.3;

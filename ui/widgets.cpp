@@ -173,7 +173,7 @@ std::string_view stage_term(std::string_view name) {
        {"integrate", "higher-order integration of bodies without contacts"},
        {"continuous", "continuous collision: limit of each displacement"},
        {"move", "integration of positions and orientations"},
-       {"turn", "integration of orientations"},
+       {"turn", "rotation of bodies with unequal moments of inertia"},
        {"prescribe", "motion of kinematic bodies"},
        {"relax", "relaxation: iterations without position correction"},
        {"bounce", "restitution"},

@@ -23,7 +23,7 @@ struct AccuracySetting {
   int iterations = 1;
   Solver solver = Solver::soft_step;
   Integrator integrator = Integrator::semi_implicit_euler;
-  RotationUpdate rotation_update = RotationUpdate::first_order;
+  RotationUpdate rotation_update = RotationUpdate::lie_group;
   Precision precision = Precision::f32;
   bool continuous_collision = false;
 

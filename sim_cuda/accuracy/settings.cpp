@@ -17,7 +17,7 @@ std::string series_name_of(const AccuracySetting& s) {
   std::string name(name_of(solver_names, s.solver));
   if (s.integrator != Integrator::semi_implicit_euler)
     name += fmt::format(" {}", name_of(integrator_names, s.integrator));
-  if (s.rotation_update != RotationUpdate::first_order)
+  if (s.rotation_update != RotationUpdate::lie_group)
     name += fmt::format(" {}", name_of(rotation_update_names, s.rotation_update));
   name += fmt::format(" {}", name_of(precision_names, s.precision));
   if (s.continuous_collision) name += " continuous";
@@ -37,22 +37,30 @@ std::string point_name(const AccuracySetting& s) {
   return name;
 }
 
-/// True if integrators differ: forces change velocities, or bodies rotate.
+/// True if rotation updates differ: bodies with unequal moments of inertia rotate.
+bool rotates_unequally(const AccuracyProblem& problem) {
+  return problem.effects.rotation &&
+         std::ranges::any_of(problem.initial.inertia, [](const Vector3d& moments) {
+           return moments.x() != moments.y() || moments.y() != moments.z();
+         });
+}
+
+/// True if integrators differ: forces change velocities, or rotation updates differ.
 bool accelerates(const AccuracyProblem& problem) {
   const Effects& e = problem.effects;
-  return e.gravity || e.attractor || e.drag || (e.rotation && !problem.initial.inertia.empty());
+  return e.gravity || e.attractor || e.drag || rotates_unequally(problem);
 }
 
 /// The series, each in float and in double:
-/// - the scene's own solver with every integrator; higher-order integrators use the better rotation update
+/// - the scene's own solver with every integrator; the others use lie_group
 /// - the other solvers with the scene's own integrator
-/// - the other rotation update, and continuous collision off and on, if they make a difference
+/// - lie_group, and continuous collision off and on, if they make a difference
 std::vector<AccuracySetting> series_settings(const AccuracyProblem& problem, double fastest) {
   const AccuracySetting own = problem.own_setting();
   double smallest = std::numeric_limits<double>::infinity();
   for (const double r : problem.initial.radius) smallest = std::min(smallest, r);
   const bool leaps = problem.initial.size() > 1 && fastest * problem.coarsest / problem.substeps > smallest;
-  const bool turns = problem.effects.rotation;
+  const bool turns = rotates_unequally(problem);
   std::vector<AccuracySetting> kinds;
   const auto add = [&](auto... changes) {
     AccuracySetting kind = own;

@@ -1,42 +1,22 @@
 #pragma once
-// Rotations by Cayley maps. The quaternion (1, t u), normalised, rotates about the unit axis u by 2 atan t.
-// With t = half the angle the map is second order in the angle, as in the paper's update. With half_tangent()
-// it is fourth order. No libm. Pure functions of SI units.
+// Rotation by the Cayley map: the quaternion (1, h w / 2), normalised, rotates by 2 atan(h |w| / 2) about w.
+// It is second order in the angle. Also normalisation of quaternions. Pure functions of SI units.
 
-#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/host_device.h"
 #include "sim_cuda/core/linear_algebra.h"
 
 namespace collidoscope {
 
-/// The tangent of half an angle, to fourth order in the half angle. Linear for half angles beyond 1 rad,
-/// where accuracy is irrelevant.
 template <class Real>
-SIM_HD Real half_tangent(Real half) {
-  return half * (1 + min_of(half * half, Real(1)) / 3);
+SIM_HD bool is_isotropic(const Vector3<Real>& inertia) {
+  return inertia.x() == inertia.y() && inertia.y() == inertia.z();
 }
 
-/// Rotation by the rotation vector 2 `half`, rad, in world axes. Not normalised.
+/// The Cayley map of the rotation vector h w, not normalised.
 template <class Real>
-SIM_HD Quaternion<Real> cayley_rotation(const Vector3<Real>& half) {
-  const Vector3<Real> tangent = (1 + min_of(half.dot(half), Real(1)) / 3) * half;
-  return {Real(1), tangent.x(), tangent.y(), tangent.z()};
-}
-
-/// Rotates a body about its principal axis `k` by 2 `half`, rad. `momentum` is the angular momentum in body
-/// axes, which rotate.
-template <class Real>
-SIM_HD void rotate_about_axis(int k, Real half, Quaternion<Real>& q, Vector3<Real>& momentum) {
-  using std::sqrt;
-  const Real t = half_tangent(half), c = 1 / sqrt(1 + t * t), s = c * t;
-  Quaternion<Real> rotation(c, 0, 0, 0);
-  rotation.coeffs()[k] = s;  // Eigen stores x y z w
-  q = q * rotation;
-  const Real cosine = c * c - s * s, sine = 2 * s * c;
-  const int i = (k + 1) % 3, j = (k + 2) % 3;
-  const Real m_i = momentum[i], m_j = momentum[j];
-  momentum[i] = cosine * m_i + sine * m_j;
-  momentum[j] = cosine * m_j - sine * m_i;
+SIM_HD Quaternion<Real> cayley_rotation(const Vector3<Real>& w, Real h) {
+  const Vector3<Real> half = (h / 2) * w;
+  return {Real(1), half.x(), half.y(), half.z()};
 }
 
 template <class Real>
@@ -53,6 +33,14 @@ template <class Real>
 SIM_HD void normalise_evenly(Quaternion<Real>& q) {
   normalise(q);
   q.coeffs() += (1 - q.coeffs().dot(q.coeffs())) / 2 * q.coeffs();
+}
+
+/// Rotates a body with three equal moments of inertia for h s, under every rotation update. w (rad/s, world
+/// axes) is constant, and the axis of the rotation is exact.
+template <class Real>
+SIM_HD void rotate_isotropic(Quaternion<Real>& q, const Vector3<Real>& w, Real h) {
+  q = cayley_rotation(w, h) * q;
+  normalise(q);
 }
 
 }  // namespace collidoscope

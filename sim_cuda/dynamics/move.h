@@ -1,6 +1,7 @@
 #pragma once
 // Position update: the paper's FORWARDDYNAMICS (section 3.1) by semi-implicit Euler. Updates velocity, then
-// position with the new velocity, then orientation.
+// position with the new velocity, then the orientation of bodies with equal moments of inertia. Bodies with
+// unequal moments rotate in a stage of their own (solver/free_integrator.h).
 
 #include <optional>
 
@@ -9,38 +10,11 @@
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
+#include "sim_cuda/dynamics/cayley.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
-#include "sim_cuda/dynamics/slender_body.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
-
-/// One step of torque-free rotation. The angular momentum L = R I R^T w is conserved. The body rotates by the
-/// Cayley map q' = normalised (1, h w / 2) q, second order in the angle: by 2 atan(h|w|/2) about w. w'
-/// follows from L in the new axes. First order in h overall. For a sphere the axis is exact and w is
-/// constant. Slender bodies use slender_body.h. Returns whether w changed.
-template <class Real>
-SIM_HD bool rotate_first_order(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
-  const Vector3<Real> half = (h / 2) * w;
-  const Quaternion<Real> rotation(Real(1), half.x(), half.y(), half.z());
-  if (inertia.x() == inertia.y() && inertia.y() == inertia.z()) {
-    q = rotation * q;
-    normalise(q);
-    return false;
-  }
-  if (const int axis = slender_axis(inertia); axis >= 0) {
-    rotate_slender(axis, q, w, inertia, h);
-    return true;
-  }
-  const Vector3<Real> w_body = q.conjugate() * w;
-  const Vector3<Real> momentum =
-      q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
-  q = rotation * q;
-  normalise_evenly(q);
-  const Vector3<Real> l_body = q.conjugate() * momentum;
-  w = q * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
-  return true;
-}
 
 template <class Real>
 struct MoveBodies {
@@ -51,7 +25,7 @@ struct MoveBodies {
   ClampedMotion<Real> motion;  ///< no limit without continuous collision
   bool with_acceleration;      ///< add the acceleration to the velocity
   bool with_container;         ///< the container has walls
-  bool with_rotation;          ///< integrate rotation in this stage
+  bool with_rotation;          ///< rotate bodies with equal moments of inertia
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
@@ -75,11 +49,8 @@ struct MoveBodies {
           next[k] = clamp_to(next[k], low[k], high[k]);
     }
     bodies.position[body] = next;
-    if (with_rotation) {
-      Vector3<Real> w = bodies.angular_velocity[body];
-      if (rotate_first_order<Real>(bodies.orientation[body], w, bodies.inertia[body], h))
-        bodies.angular_velocity[body] = w;
-    }
+    if (with_rotation && is_isotropic(bodies.inertia[body]))
+      rotate_isotropic<Real>(bodies.orientation[body], bodies.angular_velocity[body], h);
   }
 };
 

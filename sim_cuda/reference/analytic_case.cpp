@@ -24,7 +24,7 @@ Scene refined(Scene scene, int parts) {
 
 std::string name_of(const AnalyticMethod& method) {
   std::string text(name_of(integrator_names, method.integrator));
-  if (method.rotation_update == RotationUpdate::lie_group) text += ", lie_group";
+  if (method.rotation_update == RotationUpdate::first_order) text += ", first_order";
   return text;
 }
 

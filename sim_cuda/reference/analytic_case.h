@@ -32,10 +32,9 @@ Theory leading_theory(double order, double constant);
 struct AnalyticMethod {
   Integrator integrator = Integrator::semi_implicit_euler;
   Theory theory;
-  RotationUpdate rotation_update = RotationUpdate::first_order;  ///< part of the name only for rotating
-                                                                 ///< bodies
+  RotationUpdate rotation_update = RotationUpdate::lie_group;
 };
-/// "rk4", or "rk4, lie_group".
+/// "rk4", or "semi_implicit_euler, first_order".
 std::string name_of(const AnalyticMethod& method);
 
 /// The list with semi-implicit Euler only. Bodies with contacts or joints are advanced by Euler's method for

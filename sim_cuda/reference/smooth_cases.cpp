@@ -178,15 +178,22 @@ Quaterniond cayley_turn(const Vector3d& inertia, const Vector3d& momentum, doubl
   return Quaterniond(1, half.x(), half.y(), half.z()).normalized();
 }
 
-/// Rotations about the principal axes 1 2 3 2 1 (dynamics/rotation_updates.h), each by the angle of that axis
-/// alone. The half angle has the tangent t + t^3/3, which is exact up to the fifth order.
+/// Half of the rest, symmetric top, half of the rest (dynamics/rotation_updates.h), with exact angles.
 Quaterniond split_turn(const Vector3d& inertia, const Vector3d& momentum, double h) {
+  const Vector3d a = inertia.cwiseInverse();
+  int s = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::abs(a[(k + 1) % 3] - a[(k + 2) % 3]) < std::abs(a[(s + 1) % 3] - a[(s + 2) % 3])) s = k;
+  const int i = (s + 1) % 3, j = (s + 2) % 3;
   Quaterniond whole(1, 0, 0, 0);
-  for (const auto& [axis, share] : {std::pair(0, 0.5), {1, 0.5}, {2, 1.0}, {1, 0.5}, {0, 0.5}}) {
-    const double half = share * h / 2 * (whole.conjugate() * momentum)[axis] / inertia[axis];
-    const double angle = 2 * std::atan(half + half * half * half / 3);
-    whole = whole * Quaterniond(Eigen::AngleAxisd(angle, Vector3d::Unit(axis)));
-  }
+  const auto rotate = [&](double angle, const Vector3d& axis) {
+    whole = whole * Quaterniond(Eigen::AngleAxisd(angle, axis));
+  };
+  const auto now = [&] { return Vector3d(whole.conjugate() * momentum); };
+  rotate(h / 2 * (a[j] - a[i]) * now()[j], Vector3d::Unit(j));
+  rotate(h * momentum.norm() * a[i], now().normalized());
+  rotate(h * now()[s] * (a[s] - a[i]), Vector3d::Unit(s));
+  rotate(h / 2 * (a[j] - a[i]) * now()[j], Vector3d::Unit(j));
   return whole;
 }
 
@@ -199,15 +206,27 @@ Quaterniond composed_turn(const Vector3d& inertia, const Vector3d& momentum, dou
   return whole;
 }
 
-/// Each integrator with the rotation update of matching order.
-std::vector<AnalyticMethod> all_turns(const SmoothProblem& problem,
-                                      const std::function<OneStep(const FreeTurn&)>& step, double time,
-                                      const ComparedPart& part) {
-  return {{Integrator::semi_implicit_euler, smooth_theory(problem, step(cayley_turn), 1, time, part)},
-          {Integrator::velocity_verlet, smooth_theory(problem, step(split_turn), 2, time, part),
-           RotationUpdate::lie_group},
-          {Integrator::rk4, smooth_theory(problem, step(composed_turn), 4, time, part),
-           RotationUpdate::lie_group}};
+/// `turns`, and then a rotation that restores the energy: along its gradient, by Newton's method.
+FreeTurn with_energy_of_start(const FreeTurn& turns) {
+  return [=](const Vector3d& inertia, const Vector3d& momentum, double h) {
+    const auto twice_energy = [&](const Vector3d& l) { return l.dot(l.cwiseQuotient(inertia)); };
+    Quaterniond whole = turns(inertia, momentum, h);
+    for (int k = 0; k < 4; ++k) {
+      const Vector3d l = whole.conjugate() * momentum, axis = l.cross(l.cwiseQuotient(inertia));
+      const double angle = (twice_energy(momentum) - twice_energy(l)) / (2 * axis.norm());
+      whole = whole * Quaterniond(Eigen::AngleAxisd(-angle, axis.normalized()));
+    }
+    return whole;
+  };
+}
+
+/// Both rotation updates, and lie_group with every integrator. `lie_group(p)` is its theory of order p.
+std::vector<AnalyticMethod> all_turns(const Theory& first_order,
+                                      const std::function<Theory(int)>& lie_group) {
+  return {{Integrator::semi_implicit_euler, first_order, RotationUpdate::first_order},
+          {Integrator::semi_implicit_euler, lie_group(2)},
+          {Integrator::velocity_verlet, lie_group(2)},
+          {Integrator::rk4, lie_group(4)}};
 }
 
 AnalyticCase free_top() {
@@ -215,7 +234,7 @@ AnalyticCase free_top() {
   one.name = "symmetric_top";
   one.scene = analytic_scene(one.name);
   one.compared = "orientation, rad";
-  one.rationale = "Euler rotates about w at the start of the step, but w precesses about L";
+  one.rationale = "first_order rotates about w at the start of the step, but w precesses about L";
   one.horizon = 1.5;
   const Body& top = one.scene.bodies[0];
   const Vector3d inertia = *top.inertia, spin = top.angular_velocity, momentum = inertia.cwiseProduct(spin);
@@ -235,7 +254,8 @@ AnalyticCase free_top() {
                               spin.norm()};
   // q contains half angles
   const ComparedPart part = [](const SmoothState& y) { return SmoothState(2 * y); };
-  one.methods = all_turns(problem, step, one.horizon, part);
+  one.methods = all_turns(smooth_theory(problem, step(cayley_turn), 1, one.horizon, part),
+                          [](int) { return Theory{}; });
   one.error = [=, end = problem.exact(one.horizon)](World& world, int steps) {
     world.step(steps);
     const SmoothState q = parts(world.bodies().orientation[0]);
@@ -268,8 +288,12 @@ AnalyticCase middle_axis() {
   };
   const SmoothProblem problem{euler_equations,
                               [=](double t) { return SmoothState(middle_axis_spin(inertia, spin, t)); },
-                              spin.norm()};
-  one.methods = all_turns(problem, step, one.horizon, whole);
+                              euler_equations(spin).norm() / spin.norm()};
+  one.methods =
+      all_turns(smooth_theory(problem, step(cayley_turn), 1, one.horizon, whole), [=, &one](int order) {
+        const FreeTurn turns = with_energy_of_start(order == 4 ? composed_turn : split_turn);
+        return smooth_theory(problem, step(turns), order, one.horizon, whole);
+      });
   one.error = [=, end = Vector3d(problem.exact(one.horizon))](World& world, int steps) {
     world.step(steps);
     const BodyStates s = world.bodies();

@@ -1,8 +1,10 @@
 #include "sim_cuda/run/simulation_state.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "sim_cuda/dynamics/cayley.h"
 #include "sim_cuda/scene/mass_properties.h"
 
 namespace collidoscope {
@@ -137,6 +139,7 @@ void SimulationState<Real>::upload_rotation(const InitialBodies& initial) {
   for (std::size_t i = 0; i < initial.motion.size(); ++i)
     if (initial.motion[i] != Motion::dynamic)
       inertia[i] = Vector3<Real>::Constant(std::numeric_limits<Real>::infinity());
+  unequal_moments_ = !std::ranges::all_of(inertia, is_isotropic<Real>);
   bodies_.orientation.upload(orientation);
   bodies_.angular_velocity.upload(spin);
   bodies_.inertia.upload(inertia);
@@ -224,6 +227,7 @@ SolverScene<Real> SimulationState<Real>::solver_scene(const Scene& scene, int su
           .iterations = physics.iterations,
           .integrator = physics.integrator,
           .rotation_update = physics.rotation_update,
+          .unequal_moments = unequal_moments_,
           .sleep = physics.sleep.value_or(Sleep{}),
           .control = control,
           .joints = joints};

@@ -71,6 +71,7 @@ class SimulationState {
   Buffer<Vector3<Real>> field_;  // acceleration by attractors, by body, m/s^2; empty if the effect is off
   Real max_field_ = 0;           // upper bound over all attractors together, m/s^2
   BodyBuffers<Real> bodies_;
+  bool unequal_moments_ = false;     // see SolverScene
   Buffer<std::uint32_t> kinematic_;  // ids of static and kinematic bodies
   Buffer<std::uint32_t> mesh_;       // by body, 0: sphere; empty: all are spheres
   Buffer<Real> restitution_of_material_;

@@ -38,11 +38,15 @@ inline constexpr std::array<Named<Integrator>, 3> integrator_names{
      {"velocity_verlet", Integrator::velocity_verlet, "second order"},
      {"rk4", Integrator::rk4, "fourth order"}}};
 
+/// Rotation of bodies with unequal moments of inertia: dynamics/rotation_updates.h.
 enum class RotationUpdate { first_order, lie_group };
 inline constexpr std::array<Named<RotationUpdate>, 2> rotation_update_names{
-    {{"first_order", RotationUpdate::first_order, "the paper's update"},
+    {{"first_order", RotationUpdate::first_order,
+      "the paper's update; conserves angular momentum only: a body with unequal moments of inertia drifts to "
+      "rotation about the axis of least inertia, and gains energy"},
      {"lie_group", RotationUpdate::lie_group,
-      "second order, fourth order with rk4; free rotation conserves energy"}}};
+      "second order, fourth order with rk4; free rotation conserves angular momentum and energy for every "
+      "step"}}};
 
 /// Closed container. Its six inner faces are walls of the material "default".
 struct Box {
@@ -185,7 +189,7 @@ struct Physics {
   int iterations = 1;           ///< solver iterations over all contacts, 1 to 1000
   Solver solver = Solver::soft_step;
   Integrator integrator = Integrator::semi_implicit_euler;
-  RotationUpdate rotation_update = RotationUpdate::first_order;
+  RotationUpdate rotation_update = RotationUpdate::lie_group;
   Precision precision = Precision::f32;
   std::optional<Effects> effects;               ///< unset: "auto", the effects that the scene requires
   std::optional<double> restitution_threshold;  ///< m/s; unset: "auto", 2 |gravity| h

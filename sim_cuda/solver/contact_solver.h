@@ -50,7 +50,8 @@ struct SolverScene {
   int substeps;              ///< >= 1
   int iterations;            ///< iterations over all contacts per solve, >= 1
   Integrator integrator;
-  RotationUpdate rotation_update;  ///< unused without the effect rotation
+  RotationUpdate rotation_update;  ///< unused without unequal moments
+  bool unequal_moments;            ///< a body rotates, and its moments of inertia are not all equal
   Sleep sleep;                     ///< unused if the effect is off
   StepControl* control;
 

@@ -89,15 +89,22 @@ struct IntegrateFree {
   }
 };
 
-template <class Real, class Parts>
+/// Rotates bodies with unequal moments of inertia. All others rotate in the stage "move".
+template <class Real>
 struct RotateBodies {
   BodyView<Real> bodies;
   Real h;  ///< s
+  RotationUpdate update;
+  RotationParts parts;
   const StepControl* control;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
+    const Vector3<Real> inertia = bodies.inertia[body];
+    if (is_isotropic(inertia)) return;
     Vector3<Real> w = bodies.angular_velocity[body];
-    if (rotate_lie_group<Parts>(bodies.orientation[body], w, bodies.inertia[body], h))
+    if (update == RotationUpdate::first_order
+            ? rotate_first_order(bodies.orientation[body], w, inertia, h)
+            : rotate_lie_group(bodies.orientation[body], w, inertia, h, parts))
       bodies.angular_velocity[body] = w;
   }
 };
@@ -149,19 +156,14 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied) {
 template <class Real>
 void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t* asleep,
                                 const ClampedMotion<Real>& clamped) {
-  const bool lie_group = scene_.effects.rotation && scene_.rotation_update == RotationUpdate::lie_group;
   Effects move_effects = scene_.effects;
   if (forces_applied || uses_higher_order()) move_effects.gravity = false;  // already in the velocities
-  if (lie_group) move_effects.rotation = false;
   move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
                     scene_.box, h, scene_.control, asleep, clamped);
-  const auto rotate = [&]<class Parts>() {
-    run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
-                     RotateBodies<Real, Parts>{scene_.bodies, h, scene_.control});
-  };
-  if (lie_group)
-    scene_.integrator == Integrator::rk4 ? rotate.template operator()<FourthOrderRotation>()
-                                         : rotate.template operator()<SecondOrderRotation>();
+  if (!scene_.unequal_moments) return;
+  const RotationParts parts{scene_.integrator == Integrator::rk4 ? 5 : 1};
+  run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
+                   RotateBodies<Real>{scene_.bodies, h, scene_.rotation_update, parts, scene_.control});
 }
 
 template class FreeIntegrator<float>;

@@ -16,10 +16,12 @@
 // next substep. With continuous collision (continuous_collision.h), the higher-order step is clamped.
 // Sleeping bodies do not move. Kinematic bodies are restored to their prescribed motion.
 //
-// Rotation is torque-free between impulses for all bodies: dynamics/rotation_updates.h.
+// Rotation is torque-free between impulses for all bodies. Bodies with equal moments of inertia rotate in the
+// stages of dynamics/move.h. Only a scene with other bodies has the stage "turn"
+// (dynamics/rotation_updates.h).
 //
-// Owned by a solver. With semi_implicit_euler and first_order it uses no memory and launches only the
-// stages of dynamics/move.h.
+// Owned by a solver. With semi_implicit_euler it uses no memory, and launches only the stages of
+// dynamics/move.h and "turn".
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
