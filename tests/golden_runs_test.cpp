@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "tests/executors.h"
 #include "tests/golden_files.h"
 #include "tests/run_program.h"
@@ -87,6 +88,8 @@ TEST_P(GoldenRuns, GoOnFromSnapshotsOfAnOlderVersion) {
       {"jacobi_split", golden_file<"8efde11_jacobi_split.snapshot">()},
       {"joints", golden_file<"8efde11_joints.snapshot">()},
       {"sleeping", golden_file<"8efde11_sleeping.snapshot">()}};
+  for (const auto& [solver, file] : files)
+    EXPECT_EQ(read_snapshot(file.string()).physics_version, 1) << solver << ": a file without the number";
   check("snapshots", [&](const ordered_json& row) {
     return std::vector<std::string>{"--load", files.at(row.at("snapshot")).string(), "--steps",
                                     std::to_string(row.at("steps").get<int>())};

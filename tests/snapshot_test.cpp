@@ -12,6 +12,7 @@
 #include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/run/run_state.h"
 #include "tests/executors.h"
 #include "tests/run_program.h"
@@ -227,21 +228,42 @@ class SpoiltSnapshot : public testing::Test {
 };
 
 TEST_F(SpoiltSnapshot, OfTheFirstVersionItIsReadWithoutFrozenBodies) {
-  // The first version lacks the last list, empty here, and the time.
-  good_.erase(good_.size() - 24, 16);
+  // The first version lacks the last list, empty here, the time and the physics version.
+  good_.erase(good_.size() - 32, 24);
   const std::uint64_t size = good_.size();
   good_[24] = 1;
   EXPECT_EQ(line_of(with(32, size)), "read");
   EXPECT_EQ(read_snapshot(folder_ / "s").state.steps, 3);
   EXPECT_TRUE(std::isnan(read_snapshot(folder_ / "s").state.time));
+  EXPECT_EQ(read_snapshot(folder_ / "s").physics_version, 1);
 }
 
 TEST_F(SpoiltSnapshot, OfTheSecondVersionItIsReadWithoutATime) {
-  good_.erase(good_.size() - 16, 8);
+  good_.erase(good_.size() - 24, 16);
   const std::uint64_t size = good_.size();
   good_[24] = 2;
   EXPECT_EQ(line_of(with(32, size)), "read");
   EXPECT_TRUE(std::isnan(read_snapshot(folder_ / "s").state.time));
+}
+
+TEST_F(SpoiltSnapshot, OfTheThirdVersionItHasTheFirstPhysics) {
+  good_.erase(good_.size() - 16, 8);
+  const std::uint64_t size = good_.size();
+  good_[24] = 3;
+  EXPECT_EQ(line_of(with(32, size)), "read");
+  EXPECT_FALSE(std::isnan(read_snapshot(folder_ / "s").state.time));
+  EXPECT_EQ(read_snapshot(folder_ / "s").physics_version, 1);
+}
+
+TEST_F(SpoiltSnapshot, HasItsPhysicsVersion) {
+  const std::size_t at = good_.size() - 16;
+  EXPECT_EQ(line_of(good_), "read");
+  EXPECT_EQ(read_snapshot(folder_ / "s").physics_version, physics_version);
+  EXPECT_EQ(line_of(with(at, 1000)), "read");
+  EXPECT_EQ(read_snapshot(folder_ / "s").physics_version, 1000);
+  EXPECT_EQ(bytes_of(read_snapshot(folder_ / "s")), with(at, 1000));
+  EXPECT_EQ(line_of(with(at, 0)), "is damaged: its physics version is 0");
+  EXPECT_EQ(line_of(with(at, ~std::uint64_t{0})), "is damaged: its physics version is -1");
 }
 
 TEST_F(SpoiltSnapshot, WholeItIsRead) { EXPECT_EQ(line_of(good_), "read"); }
@@ -330,6 +352,25 @@ TEST(SnapshotOfARun, RefusesFlagsThatAskForOtherBodies) {
     const Outcome outcome = run_headless({"run", "--load", file, "--steps", "1", flag, value});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
   }
+}
+
+TEST(SnapshotOfARun, OfAnotherPhysicsVersionIsNoted) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "s", saved = folder / "t";
+  RunOptions o;
+  o.executor = ExecutorKind::cpu;
+  World world(box_with_friction(20), o);
+  Snapshot snapshot = snapshot_of(world);
+  write_file(file, bytes_of(snapshot));
+  EXPECT_EQ(run_headless({"run", "--load", file, "--steps", "1"}).err, "");
+  snapshot.physics_version = physics_version + 1;
+  write_file(file, bytes_of(snapshot));
+  const Outcome outcome = run_headless({"run", "--load", file, "--steps", "1", "--save", saved});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.err, "note: " + file + " was written by physics version " +
+                             std::to_string(physics_version + 1) + "; this program has version " +
+                             std::to_string(physics_version) + ", so the run continues differently\n");
+  EXPECT_EQ(read_snapshot(saved).physics_version, physics_version);
 }
 
 TEST(SnapshotOfARun, SavedLoadedAndSavedAgain) {

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -11,6 +12,7 @@
 #include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -351,6 +353,14 @@ void refuse_other_bodies(const SettingsPatch& settings, const std::string& file,
   if (!faults.empty()) throw InputError(faults);
 }
 
+void note_other_physics(std::int64_t version, const std::string& file) {
+  if (version == physics_version) return;
+  fmt::print(stderr,
+             "note: {} was written by physics version {}; this program has version {}, so the run continues "
+             "differently\n",
+             shown(file), version, physics_version);
+}
+
 }  // namespace
 
 Start load_start(const CommandLine& line) {
@@ -363,6 +373,7 @@ Start load_start(const CommandLine& line) {
   start.scene = start.snapshot->scene;
   apply(line.options.overrides, line.options.load, start.scene);
   refuse_other_bodies(line.options.overrides.settings, line.options.load, start.snapshot->scene);
+  note_other_physics(start.snapshot->physics_version, line.options.load);
   return start;
 }
 

@@ -83,8 +83,9 @@ std::filesystem::path cache_file(const Scene& inner) {
   if (!folder.is_absolute()) folder = folder_of("HOME").is_absolute() ? folder_of("HOME") / ".cache" : "";
   if (folder.empty()) return folder;
   std::uint64_t key = hash_of(write_scene(inner), stepping_fingerprint(inner.physics));
-  key = hash_of(
-      fmt::format("{} {} {} {} {}", snapshot_version, stride, lift, longest_falls, slower_in_a_fall), key);
+  key = hash_of(fmt::format("{} {} {} {} {} {}", snapshot_version, physics_version, stride, lift,
+                            longest_falls, slower_in_a_fall),
+                key);
   return folder / "collidoscope" / "settled" / fmt::format("{:016x}.snapshot", key);
 }
 

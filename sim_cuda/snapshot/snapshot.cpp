@@ -79,6 +79,7 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   archive.list(warm_start.joints);
   if (archive.version() >= 2) archive.list(frozen);
   if (archive.version() >= 3) archive.number(time);
+  if (archive.version() >= 4) archive.number(snapshot.physics_version);
 }
 
 class Writer {
@@ -308,11 +309,14 @@ Snapshot read_snapshot(const std::string& file) {
   return with_allocation_context("reading a snapshot", [&] {
     Reader reader(file);
     Snapshot snapshot;
+    snapshot.physics_version = first_physics_version;  // of files without the number
     std::string scene, directory;
     visit(reader, scene, directory, snapshot);
     reader.end();
     if (reader.version() < 3 && snapshot.state.steps > 0)
       snapshot.state.time = std::numeric_limits<double>::quiet_NaN();
+    if (snapshot.physics_version < first_physics_version)
+      reader.damaged(fmt::format("its physics version is {}", snapshot.physics_version));
     if (!fits(snapshot.state)) reader.damaged("its lists have inconsistent lengths");
     snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
     // Recomputed, since another version may have formatted the scene's text differently.

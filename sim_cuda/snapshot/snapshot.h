@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/world.h"
@@ -18,14 +19,15 @@
 namespace collidoscope {
 
 /// Format version; increases with every change of content or meaning. 2: adds the ids of frozen bodies. 3:
-/// adds the simulated time. Versions 1 and 2 are still read.
-inline constexpr std::uint32_t snapshot_version = 3, oldest_snapshot_version = 1;
+/// adds the simulated time. 4: adds the physics version. Versions 1 to 3 are still read.
+inline constexpr std::uint32_t snapshot_version = 4, oldest_snapshot_version = 1;
 
 struct Snapshot {
   Scene scene;
   RunState state;
   std::uint64_t state_hash = 0;   ///< World::state_hash() of `state`
   std::uint64_t bodies_hash = 0;  ///< hash_of_bodies() of `scene`
+  std::int64_t physics_version = collidoscope::physics_version;  ///< of the program that made it
 };
 
 /// Hash of the constant body data: radii, masses, inertia.
@@ -40,9 +42,9 @@ void write_snapshot(const Snapshot& snapshot, const std::function<void(std::stri
 /// Throws InputError with one line that begins with the file name.
 Snapshot read_snapshot(const std::string& file);
 
-/// Continues a run. With the snapshot's own scene, it continues bit for bit. `scene` may have other
-/// settings, as for World::restore(). Throws as World does. Throws InputError if the scene is the same but
-/// its bodies differ (a mesh file has changed).
+/// Continues a run. With the snapshot's own scene and physics version, it continues bit for bit. `scene` may
+/// have other settings, as for World::restore(). Throws as World does. Throws InputError if the scene is the
+/// same but its bodies differ (a mesh file has changed).
 World world_from(const Snapshot& snapshot, const Scene& scene, const RunOptions& options);
 
 }  // namespace collidoscope
