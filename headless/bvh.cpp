@@ -12,6 +12,7 @@
 #include "headless/reporting/percentiles.h"
 #include "headless/reporting/report.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/world.h"
 
@@ -160,12 +161,10 @@ int bvh_command(const CommandLine& line) {
   if (trees.empty())
     throw InputError(fmt::format("{}: no tree to measure with {}; expected a method with a tree", scene.name,
                                  fmt::join(methods, ", ")));
-  Json json{{"scene", scene.name},
-            {"device", device},
-            {"state", first->steps()},
-            {"bodies", trees[0].quality.bodies},
-            {"pairs", trees[0].quality.pairs},
-            {"trees", Json::array()}};
+  Json json{
+      {"scene", scene.name},     {"physics_version", physics_version}, {"device", device},
+      {"state", first->steps()}, {"bodies", trees[0].quality.bodies},  {"pairs", trees[0].quality.pairs},
+      {"trees", Json::array()}};
   for (const MeasuredTree& m : trees) json["trees"].push_back(json_of(m));
   if (file) {
     file->write(json_text(json));

@@ -29,11 +29,15 @@ std::vector<std::string> falling(const std::vector<std::string>& more) {
 
 TEST(AccuracyCommand, WritesTableFilesAndChart) {
   const TemporaryFolder folder;
+  AccuracyRecord older;  // an interrupted study, which is replaced
+  older.physics_version = 1;
+  std::ofstream(folder / "a.json") << write_record(older);
   const Outcome outcome =
       run_headless(falling({"--tolerance", "0.02", "--json", folder / "a.json", "--csv", folder / "a.csv",
                             "--markdown", folder / "a.md", "--plot", folder / "a.png"}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("start apart"));
+  EXPECT_THAT(outcome.err, HasSubstr("a.json was written by physics version 1; this program has version "));
   EXPECT_THAT(outcome.out, HasSubstr("reference: event-driven hard spheres"));
   EXPECT_THAT(outcome.out, HasSubstr("soft_step f64, observed order 1.0"));
   EXPECT_THAT(outcome.out, HasSubstr("fastest setting within 0.02 m: "));

@@ -4,6 +4,7 @@
 #include "sim_cuda/accuracy/errors.h"
 #include "sim_cuda/accuracy/record.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/core/statistics.h"
 
 #include <gtest/gtest.h>
@@ -106,6 +107,12 @@ TEST(AccuracyRecord, ReadsWhatItWroteAndRefusesTheRest) {
   record.warnings = {"one"};
   const AccuracyRecord read = parse_record(write_record(record), "file");
   EXPECT_EQ(write_record(read), write_record(record));
+  EXPECT_EQ(read.physics_version, physics_version);
+  std::string older = write_record(record);
+  const std::string number = "  \"physics_version\": " + std::to_string(physics_version) + ",\n";
+  ASSERT_NE(older.find(number), std::string::npos);
+  older.erase(older.find(number), number.size());
+  EXPECT_EQ(parse_record(older, "file").physics_version, 1);
   EXPECT_EQ(read.points[0].error, 0.1);
   EXPECT_EQ(read.points[0].setting, record.points[0].setting);
   EXPECT_FALSE(read.points[0].has_cost());

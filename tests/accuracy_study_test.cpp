@@ -188,10 +188,13 @@ TEST(AccuracyStudy, GoesOnWhereItWasCutShort) {
     }
   }
   EXPECT_TRUE(second.record().complete);
-  // A record of another scene or another length is rejected.
+  // A record of another scene, another length or another physics version is rejected.
   Scene other = scene;
   other.bodies[0].velocity.x() = 4;
   EXPECT_FALSE(AccuracyStudy(other, {}, request).restore(kept));
+  AccuracyRecord older = kept;
+  older.physics_version = 1;
+  EXPECT_FALSE(AccuracyStudy(scene, {}, request).restore(older));
   AccuracyStudyOptions longer = request;
   longer.seconds = 2;
   EXPECT_FALSE(AccuracyStudy(scene, {}, longer).restore(kept));

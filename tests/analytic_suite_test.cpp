@@ -10,6 +10,7 @@
 
 #include "headless/cli/command_line.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "tests/run_program.h"
 
 namespace collidoscope {
@@ -43,6 +44,7 @@ std::vector<AnalyticResult> results() {
 TEST(AnalyticSuite, WritesEveryResultAsJson) {
   const auto json = nlohmann::json::parse(analytic_json(results(), "a machine"));
   EXPECT_EQ(json["device"], "a machine");
+  EXPECT_EQ(json["physics_version"], physics_version);
   EXPECT_EQ(json["failed"], 1);
   ASSERT_EQ(json["cases"].size(), 4u);
   const auto& thrown = json["cases"][0];

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "sim_cuda/core/physics_version.h"
+
 namespace collidoscope {
 namespace {
 
@@ -61,6 +63,7 @@ TEST(Report, JsonKeepsEveryBitOfANumber) {
   EXPECT_EQ(read["time_step"].get<double>(), 1.0 / 30);
   EXPECT_EQ(read["seed"].get<std::uint64_t>(), 18446744073709551615u);
   EXPECT_EQ(read["state_hash"], "0000000000000abc");
+  EXPECT_EQ(read["physics_version"], physics_version);
   EXPECT_THAT(to_json(report), testing::HasSubstr("\"kinetic\": 0.1,"));
 }
 

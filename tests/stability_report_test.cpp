@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim_cuda/core/physics_version.h"
+
 namespace collidoscope {
 namespace {
 
@@ -59,6 +61,7 @@ TEST(StabilityReport, TellsEachTrial) {
 
   const auto json = nlohmann::json::parse(stability_json(run));
   EXPECT_EQ(json["suite"], "stability");
+  EXPECT_EQ(json["physics_version"], physics_version);
   EXPECT_EQ(json["device"], "a machine");
   EXPECT_EQ(json["executor"], "cpu");
   EXPECT_FALSE(json["complete"]);
@@ -96,6 +99,7 @@ TEST(StabilityReport, TellsWhichFaultsShow) {
   const auto json = nlohmann::json::parse(injected_faults_json(rows));
   EXPECT_TRUE(json["planted"][0]["shows"]);
   EXPECT_FALSE(json["planted"][1]["shows"]);
+  EXPECT_EQ(json["physics_version"], physics_version);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "headless/bench/paper_report.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
@@ -35,6 +36,7 @@ TEST(Suites, EveryMethodHasARowAndAPicture) {
                     "--markdown", at + "r.md", "--plot", at + "r.png"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json report = json::parse(text_of(at + "r.json"));
+  EXPECT_EQ(report["physics_version"], physics_version);
   ASSERT_EQ(report["rows"].size(), 2 * 2 * broad_phase_names().size());
   std::map<std::pair<std::string, int>, std::set<std::int64_t>> pairs;
   for (const json& row : report["rows"]) {
@@ -57,6 +59,7 @@ TEST(Suites, ScalingFitsEveryMethod) {
                     "--methods", "lbvh_ropes,brute_force", "--repeats", "3", "--json", "-"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json report = json::parse(run.out);
+  EXPECT_EQ(report["physics_version"], physics_version);
   ASSERT_EQ(report["growth"].size(), 2u);
   EXPECT_EQ(report["rows"].size(), 10u);
   for (const json& growth : report["growth"]) {
@@ -72,6 +75,7 @@ TEST(Suites, PredictorsRankEveryMeasure) {
                                     "--variants", "scaled", "--repeats", "2", "--json", "-"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json report = json::parse(run.out);
+  EXPECT_EQ(report["physics_version"], physics_version);
   EXPECT_GT(report["correlations"].size(), 10u);
   for (const json& score : report["correlations"])
     for (const char* which :
@@ -125,6 +129,7 @@ TEST(Suites, TopDownBuildsNoEmptyLevel) {
       run_headless({"bvh", box, "--executor", "cpu", "--bodies", "3000", "--variant", "scaled", "--methods",
                     "lbvh_top_down", "--repeats", "1", "--json", "-"});
   ASSERT_EQ(tree.status, 0) << tree.err;
+  EXPECT_EQ(json::parse(tree.out)["physics_version"], physics_version);
   const json levels = json::parse(tree.out)["trees"][0]["levels"];
   int launches = 0;
   const json report = json::parse(run.out);
@@ -154,6 +159,7 @@ TEST(Suites, ThePaperOwnsItsShapesAndSaysWhatItClaims) {
                     at + "r.json", "--csv", at + "r.csv", "--markdown", at + "r.md", "--plot", at + "r.png"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json report = json::parse(text_of(at + "r.json"));
+  EXPECT_EQ(report["physics_version"], physics_version);
   EXPECT_EQ(report["rows"].size(), 2u + 6 + 2 * 6 + 2 * 6);
   std::map<std::string, std::set<std::int64_t>> pairs;
   std::map<std::string, int> queries;
@@ -213,6 +219,7 @@ TEST(Suites, EveryEffectIsFreeWhereItIsOffAndSeenWhereItIsOn) {
                                     "--bodies", "300", "--repeats", "4", "--json", "-"});
   ASSERT_EQ(run.status, 0) << run.err << run.out;
   const json report = json::parse(run.out);
+  EXPECT_EQ(report["physics_version"], physics_version);
   std::set<std::string> seen;
   for (const json& row : report["effects"]) {
     seen.insert(row["effect"].get<std::string>());
@@ -253,6 +260,7 @@ TEST(Suites, PrintNoNumberThatIsNotKnown) {
   EXPECT_THAT(solvers.out,
               testing::ContainsRegex("soft_step .*iteration[s]? +[0-9.]+ +1.00 \\(1.00-1.00\\) .* -\n"));
   EXPECT_TRUE(json::parse(text_of(file))["rows"][0]["speed_rms"].is_null());
+  EXPECT_EQ(json::parse(text_of(file))["physics_version"], physics_version);
 
   const Outcome scaling =
       run_headless({"bench", "scaling", box, "--executor", "cpu", "--sizes", "10,20,40", "--methods",

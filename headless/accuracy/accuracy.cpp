@@ -18,6 +18,7 @@
 #include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/accuracy/study.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/text_file.h"
 
 namespace collidoscope {
@@ -49,7 +50,14 @@ void advance(const std::string& file, AccuracyStudy& study) {
   try {
     const std::string text = read_text_file(file, std::size_t{64} << 20, "a report of accuracy --json");
     const AccuracyRecord record = parse_record(text, file);
-    if (record.complete || !study.restore(record)) return;
+    if (record.complete) return;
+    if (record.physics_version != physics_version)
+      std::fputs(fmt::format("note: {} was written by physics version {}; this program has version {}, so "
+                             "the study starts again\n",
+                             file, record.physics_version, physics_version)
+                     .c_str(),
+                 stderr);
+    if (!study.restore(record)) return;
     const auto known = std::ranges::count_if(record.points, &AccuracyPoint::has_error);
     std::fputs(fmt::format("note: {} already has the results of {} of {} settings\n", file, known,
                            record.points.size())

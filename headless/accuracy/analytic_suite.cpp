@@ -12,6 +12,7 @@
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/reference/analytic_cases.h"
 #include "sim_cuda/scene/names.h"
 
@@ -136,6 +137,7 @@ void refuse_settings_of_cases(const Options& options) {
 
 std::string analytic_json(const std::vector<AnalyticResult>& results, const std::string& device) {
   Json json{{"suite", "analytic"},
+            {"physics_version", physics_version},
             {"device", device},
             {"failed", Counts(results).failed},
             {"order_tolerance", order_tolerance},

@@ -11,6 +11,7 @@
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/dynamics/bounds.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/crowded_scenes.h"
@@ -23,8 +24,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string broad_phases_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
-  Json json{{"suite", "broad-phases"},        {"executor", machine.executor},     {"device", machine.device},
-            {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads}, {"rows", Json::array()}};
+  Json json{{"suite", "broad-phases"},        {"physics_version", physics_version},
+            {"executor", machine.executor},   {"device", machine.device},
+            {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads},
+            {"rows", Json::array()}};
   for (const MethodRow& row : rows) json["rows"].push_back(json_of(row));
   return json_text(json);
 }

@@ -13,6 +13,7 @@
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {
@@ -196,9 +197,10 @@ struct EffectsSetting {
 };
 
 std::string effects_json(const EffectsSetting& setting, const std::vector<EffectRow>& rows) {
-  Json json{{"suite", "effects"},       {"scene", setting.scene},   {"device", setting.device},
-            {"solver", setting.solver}, {"bodies", setting.bodies}, {"steps", setting.steps},
-            {"effects", Json::array()}};
+  Json json{{"suite", "effects"},       {"physics_version", physics_version},
+            {"scene", setting.scene},   {"device", setting.device},
+            {"solver", setting.solver}, {"bodies", setting.bodies},
+            {"steps", setting.steps},   {"effects", Json::array()}};
   for (const EffectRow& r : rows) {
     Json one{{"effect", r.effect},
              {"off_costs_nothing", r.off_adds_nothing()},

@@ -7,6 +7,7 @@
 
 #include "headless/pictures/chart_picture.h"
 #include "headless/reporting/report.h"
+#include "sim_cuda/core/physics_version.h"
 
 namespace collidoscope {
 namespace {
@@ -179,7 +180,10 @@ std::string paper_text(const PaperResults& results, bool markdown) {
 
 std::string paper_json(const PaperResults& results) {
   const PaperRows& rows = results.rows;
-  Json json{{"suite", "paper"}, {"device", results.device}, {"rows", Json::array()}};
+  Json json{{"suite", "paper"},
+            {"physics_version", physics_version},
+            {"device", results.device},
+            {"rows", Json::array()}};
   for (const PaperRow& r : rows)
     json["rows"].push_back({{"table", r.cell.table},
                             {"bodies", r.cell.bodies},

@@ -15,6 +15,7 @@
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
@@ -118,10 +119,10 @@ PredictorRow measure_tree(const SweepPoint& at, int repeats) {
 }
 
 std::string predictors_json(const BenchMachine& machine, const std::vector<PredictorRow>& rows) {
-  Json json{
-      {"suite", "predictors"},          {"executor", machine.executor},     {"device", machine.device},
-      {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads}, {"correlations", Json::array()},
-      {"rows", Json::array()}};
+  Json json{{"suite", "predictors"},          {"physics_version", physics_version},
+            {"executor", machine.executor},   {"device", machine.device},
+            {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads},
+            {"correlations", Json::array()},  {"rows", Json::array()}};
   for (const Score& s : scores_of(rows))
     json["correlations"].push_back({{"measure", s.name},
                                     {"same_query_within_scenes", s.same_within},

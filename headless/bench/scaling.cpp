@@ -10,6 +10,7 @@
 #include "headless/cli/standard_output.h"
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/world.h"
 
@@ -40,6 +41,7 @@ bool is_fitted(const Growth& growth) { return growth.exponent > 0; }
 
 std::string scaling_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
   Json json{{"suite", "scaling"},
+            {"physics_version", physics_version},
             {"executor", machine.executor},
             {"device", machine.device},
             {"blocks", machine.shape.blocks},

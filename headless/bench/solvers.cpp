@@ -16,6 +16,7 @@
 #include "headless/reporting/report.h"
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
 
@@ -157,6 +158,7 @@ struct SolversSetting {
 
 std::string solvers_json(const SolversSetting& setting, const std::vector<SolverRow>& rows) {
   Json json{{"suite", "solvers"},
+            {"physics_version", physics_version},
             {"scene", setting.scene},
             {"device", setting.device},
             {"threads", setting.threads},

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/measure/launch_json.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/scene/field_json.h"
@@ -230,6 +231,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["effect_reasons"] = Json::object();
   for (const auto& [name, why] : report.effect_reasons) json["effect_reasons"][name] = why;
   json["settings"] = settings_json(report);
+  json["physics_version"] = physics_version;
   json["state_hash"] = fmt::format("{:016x}", report.state_hash);
   json["pairs"] = {{"aabb", last.pairs},
                    {"contacts", last.touching},  // older name of "touching"

@@ -36,6 +36,9 @@ inline constexpr auto report_fields = std::to_array<ReportField>({
     {"effect_reasons.*", "", "for each effect, the reason why it is needed or not"},
     {"settings.*", "",
      "all settings as requested, with the names of their flags and `_` for `-`; `auto` is kept"},
+    {"physics_version", "",
+     "version of the simulated physics; hashes of different versions cannot be compared. Files without this "
+     "field have version 1"},
     {"state_hash", "", "16 hexadecimal digits; equal for bitwise equal states"},
     {"pairs.aabb", "",
      "pairs of boxes that overlapped in the last step; with `soft_step`, boxes swept over the motion of "

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "headless/reporting/report.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/names.h"
 
 namespace collidoscope {
@@ -147,6 +148,7 @@ std::string name_of(const HardCase& hard_case, const TestConfiguration& configur
 
 std::string stability_json(const StabilityRun& run) {
   Json json{{"suite", "stability"},
+            {"physics_version", physics_version},
             {"device", run.device},
             {"executor", name_of(run.executor)},
             {"long", run.extended},
@@ -187,7 +189,7 @@ std::string stability_text(const StabilityRun& run) {
 }
 
 std::string injected_faults_json(const std::vector<InjectedFaultRow>& rows) {
-  Json json{{"suite", "stability"}, {"planted", Json::array()}};
+  Json json{{"suite", "stability"}, {"physics_version", physics_version}, {"planted", Json::array()}};
   for (const InjectedFaultRow& row : rows) {
     const Criterion& criterion = row.hard_case->criterion;
     const std::size_t assertion = criterion.injected_faults[row.fault].assertion;

@@ -115,6 +115,7 @@ AccuracyPoint point_of(const Json& json) {
 std::string write_record(const AccuracyRecord& record) {
   const AccuracyReference& r = record.reference;
   const Json head{{"suite", "accuracy"},
+                  {"physics_version", record.physics_version},
                   {"scene", record.scene},
                   {"bodies", record.bodies},
                   {"executor", record.executor},
@@ -145,6 +146,7 @@ AccuracyRecord parse_record(const std::string& text, const std::string& name) {
     const Json json = Json::parse(text);
     if (json.at("suite") != "accuracy") throw std::runtime_error("suite must be accuracy");
     AccuracyRecord record;
+    record.physics_version = json.value("physics_version", first_physics_version);
     json.at("scene").get_to(record.scene);
     json.at("executor").get_to(record.executor);
     member(json, "problem_hash", "subject").get_to(record.problem_hash);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim_cuda/accuracy/point.h"
+#include "sim_cuda/core/physics_version.h"
 
 namespace collidoscope {
 
@@ -20,6 +21,7 @@ struct AccuracyRecord {
   AccuracyReference reference;
   std::vector<AccuracyPoint> points;
   std::vector<std::string> warnings;
+  int physics_version = collidoscope::physics_version;  ///< of the program that measured it
 };
 
 std::string write_record(const AccuracyRecord& record);

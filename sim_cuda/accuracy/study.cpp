@@ -9,6 +9,7 @@
 #include "sim_cuda/accuracy/settings.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/core/statistics.h"
 #include "sim_cuda/scene/scene_file.h"
 
@@ -116,7 +117,7 @@ AccuracyRecord AccuracyStudy::record() const {
 }
 
 bool AccuracyStudy::restore(const AccuracyRecord& known) {
-  if (known.problem_hash != record().problem_hash) return false;
+  if (known.physics_version != physics_version || known.problem_hash != record().problem_hash) return false;
   recorded_points_ = known.points;
   return true;
 }

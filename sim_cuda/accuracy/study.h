@@ -62,7 +62,7 @@ class AccuracyStudy {
   /// All results so far.
   AccuracyRecord record() const;
   /// Restores the results of a record. Call before the first advance(). Returns false, without effect, if the
-  /// record is of another problem or machine.
+  /// record is of another problem, machine or physics version.
   bool restore(const AccuracyRecord& record);
 
  private:
