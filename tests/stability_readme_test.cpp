@@ -59,6 +59,27 @@ TEST(StabilityReadme, ComparesMachines) {
               HasSubstr("| L – | ✓ – | – – | CPU |"));
 }
 
+TEST(StabilityReadme, ComparesNoHashesOfDifferentPhysics) {
+  const auto with = [](const std::string& version, const std::string& file) {
+    const std::string suite = R"({"suite": "stability", )";
+    return suite + R"("physics_version": )" + version + ", " + file.substr(suite.size());
+  };
+  const std::string cpu = run("cpu", "declared limit", "passed", "1"),
+                    gpu = run("cuda", "declared limit", "passed", "2");
+  const std::string text = stability_markdown({{"a", cpu}, {"b", with("2", gpu)}});
+  EXPECT_THAT(text, HasSubstr("| L – | ✓ – | – – | both |"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("**differ**")));
+  EXPECT_THAT(text, HasSubstr("\nCannot compare hashes: the cpu (CPU): physics version 1; the cuda (CUDA): "
+                              "physics version 2.\n"));
+  // A file without the number has version 1.
+  const std::string first = stability_markdown({{"a", cpu}, {"b", with("1", gpu)}});
+  EXPECT_THAT(first, HasSubstr("| **differ** |"));
+  EXPECT_THAT(first, testing::Not(HasSubstr("Cannot compare hashes")));
+  // Other files of the same version are still compared.
+  EXPECT_THAT(stability_markdown({{"a", cpu}, {"b", with("2", cpu)}, {"c", with("2", gpu)}}),
+              HasSubstr("| **differ** |"));
+}
+
 TEST(StabilityReadme, StandsBetweenItsMarks) {
   EXPECT_EQ(with_stability("a\n<!-- stability -->\nold\n<!-- /stability -->\nb\n", "r", "new\n"),
             "a\n<!-- stability -->\n\nnew\n\n<!-- /stability -->\nb\n");

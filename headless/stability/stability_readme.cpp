@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "headless/cli/output_file.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/text_file.h"
 #include "sim_cuda/stability/criterion.h"
@@ -24,10 +26,17 @@ std::string word(const Json& object, const char* key) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+/// Physics version of a result file.
+int physics_version_of(const Json& run) {
+  const auto found = run.find("physics_version");
+  return found != run.end() && found->is_number_integer() ? found->get<int>() : first_physics_version;
+}
+
 /// All test runs of a case, by solver, precision and executor.
 struct CaseRow {
   Json about;  ///< from the first file that contains the case
   std::vector<Json> test_runs;
+  std::vector<int> physics_versions;  ///< of each test run
 
   std::vector<const Json*> of(std::string_view solver, std::string_view precision) const {
     std::vector<const Json*> found;
@@ -58,20 +67,26 @@ std::string readme_mark(const std::vector<const Json*>& test_runs) {
   return mark.empty() ? "–" : mark;
 }
 
-/// Executors of the test runs, and whether all of them reached the same state.
+/// Executors of the test runs, and whether all of them reached the same state. Hashes of different physics
+/// versions are not compared.
 std::string machines_text(const CaseRow& row) {
   bool cpu = false, cuda = false, differ = false;
   std::map<std::string, std::string> hashes;
-  for (const Json& test_run : row.test_runs) {
+  std::set<int> versions;
+  for (std::size_t k = 0; k < row.test_runs.size(); ++k) {
+    const Json& test_run = row.test_runs[k];
     if (word(test_run, "verdict") == "not applicable") continue;
     (word(test_run, "executor") == "cuda" ? cuda : cpu) = true;
     const std::string hash = word(test_run, "state_hash");
     if (hash.empty()) continue;
-    const auto [known, fresh] = hashes.emplace(word(test_run, "solver") + word(test_run, "precision"), hash);
+    const int version = row.physics_versions[k];
+    versions.insert(version);
+    const auto [known, fresh] = hashes.emplace(
+        fmt::format("{} {} {}", word(test_run, "solver"), word(test_run, "precision"), version), hash);
     differ = differ || (!fresh && known->second != hash);
   }
   if (differ) return "**differ**";
-  if (cpu && cuda) return hashes.empty() ? "both" : "same";
+  if (cpu && cuda) return versions.size() == 1 ? "same" : "both";
   return cpu ? "CPU" : cuda ? "GPU" : "–";
 }
 
@@ -119,6 +134,18 @@ std::string readme_counts(const std::vector<Json>& runs, std::int64_t& limits, s
   return text;
 }
 
+/// "Cannot compare hashes: an AMD EPYC (CPU): physics version 1; ...", or "" for files of one version.
+std::string readme_versions(const std::vector<Json>& runs) {
+  std::set<int> versions;
+  std::string text;
+  for (const Json& run : runs) {
+    versions.insert(physics_version_of(run));
+    text += fmt::format("{}{} ({}): physics version {}", text.empty() ? "" : "; ", word(run, "device"),
+                        word(run, "executor") == "cuda" ? "CUDA" : "CPU", physics_version_of(run));
+  }
+  return versions.size() > 1 ? "\nCannot compare hashes: " + text + ".\n" : "";
+}
+
 }  // namespace
 
 std::string stability_markdown(const std::vector<std::pair<std::string, std::string>>& files) {
@@ -132,10 +159,13 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
     for (const Json& about : run["cases"])
       if (std::ranges::none_of(
               rows, [&](const CaseRow& row) { return word(row.about, "name") == word(about, "name"); }))
-        rows.push_back({about, {}});
+        rows.push_back({about, {}, {}});
     for (const Json& test_run : run["trials"])
       for (CaseRow& row : rows)
-        if (word(row.about, "name") == word(test_run, "case")) row.test_runs.push_back(test_run);
+        if (word(row.about, "name") == word(test_run, "case")) {
+          row.test_runs.push_back(test_run);
+          row.physics_versions.push_back(physics_version_of(run));
+        }
   }
   std::ranges::stable_sort(rows, {}, [](const CaseRow& row) {
     return std::ranges::find(hard_case_groups, word(row.about, "group")) - hard_case_groups.begin();
@@ -160,7 +190,7 @@ std::string stability_markdown(const std::vector<std::pair<std::string, std::str
       "\nTwo marks per solver, for f32 and f64: ✓ passed, L declared limit, – not applicable to this solver "
       "or executor, **✗** failed. *Same*: CPU and GPU reach bitwise equal states in each of these "
       "trials.\n\n" +
-      counts + ".\n";
+      counts + ".\n" + readme_versions(runs);
   if (limits_text.empty()) return text + "\nNo limits are declared.\n";
   text += fmt::format("\nDeclared limits: {} of {} trials", limits, test_runs);
   if (limits > 0)
