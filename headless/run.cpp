@@ -21,6 +21,7 @@
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/run/checkpoint.h"
 #include "sim_cuda/stability/offending_body.h"
 #include "sim_cuda/world.h"
@@ -202,13 +203,22 @@ std::string failure_file(const World& world, std::int64_t step) {
   return file;
 }
 
-/// True if the final state matches the one recorded in the change file. Prints a message if not.
+/// False if the final state differs from the one recorded in the change file. Prints a message in this case,
+/// and if the states cannot be compared.
 bool as_recorded(World& world, const Replay& replay, const std::string& file) {
   if (const std::size_t left = replay.left(); left > 0)
     std::fprintf(stderr, "note: %s: the run ended before %zu of the changes in this file\n", file.c_str(),
                  left);
   const std::optional<RecordedEnd>& end = replay.end();
-  if (!end || end->step != world.steps() || end->state_hash == world.state_hash()) return true;
+  if (!end || end->step != world.steps()) return true;
+  if (end->physics_version != physics_version) {
+    std::fputs(
+        fmt::format("note: {}: cannot compare hashes: physics version {}\n", file, end->physics_version)
+            .c_str(),
+        stderr);
+    return true;
+  }
+  if (end->state_hash == world.state_hash()) return true;
   std::fputs(fmt::format("{}: state {}: recorded hash {:016x}, actual hash {:016x}; expected the same "
                          "scene and flags as in the recording\n",
                          file, end->step, end->state_hash, world.state_hash())

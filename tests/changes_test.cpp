@@ -276,12 +276,16 @@ TEST(Change, FilesReadBackAsTheyWere) {
   const ChangeList list = parse_changes(script, "script", crowd(), o, 0);
   ASSERT_EQ(list.changes.size(), 20u);
   EXPECT_FALSE(list.end.has_value());
-  const ChangeList with_end{list.changes, RecordedEnd{54, 0x0123456789abcdefu}};
+  const ChangeList with_end{list.changes, RecordedEnd{54, 0x0123456789abcdefu, 7}};
   const std::string text = write_changes(with_end, crowd());
   const ChangeList again = parse_changes(text, "text", crowd(), o, 0);
   ASSERT_TRUE(again.end.has_value());
   EXPECT_EQ(again.end->step, 54);
   EXPECT_EQ(again.end->state_hash, 0x0123456789abcdefu);
+  EXPECT_EQ(again.end->physics_version, 7);
+  std::string older = text;
+  older.replace(older.find(", \"physics_version\": 7"), 22, "");
+  EXPECT_EQ(parse_changes(older, "text", crowd(), o, 0).end->physics_version, 1);
   EXPECT_EQ(write_changes(again, crowd()), text);
   EXPECT_EQ(again.changes[5].add[1].mass, 9e4);
   EXPECT_EQ(again.changes[5].add[0].angular_velocity, Vector3d(0, 9, 0));

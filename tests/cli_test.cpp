@@ -13,6 +13,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "sim_cuda/core/physics_version.h"
 #include "tests/run_program.h"
 
 namespace collidoscope {
@@ -299,6 +300,7 @@ TEST(Cli, JsonOnStdoutStandsAloneWithEveryField) {
   EXPECT_EQ(report.at("scene"), "Box Collider");
   EXPECT_EQ(report.at("executor"), "cpu");
   EXPECT_TRUE(report.at("device").is_string());
+  EXPECT_EQ(report.at("physics_version"), physics_version);
   EXPECT_EQ(report.at("bodies"), 300);
   EXPECT_EQ(report.at("blocks"), 2);
   EXPECT_EQ(report.at("threads"), 4);
@@ -493,13 +495,19 @@ TEST(Cli, ChangesAreMadeAndCheckedAgainstWhatWasRecorded) {
   const std::string hash = report["state_hash"];
 
   const std::string end = ", \"end\": {\"step\": 9, \"state_hash\": \"";
-  const Outcome again = run(changes + end + hash + "\"}}");
+  const std::string version = "\", \"physics_version\": " + std::to_string(physics_version) + "}}";
+  const Outcome again = run(changes + end + hash + version);
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(json::parse(again.out)["state_hash"], hash) << "it stops at the end that was recorded";
-  const Outcome other = run(changes + end + "0123456789abcdef\"}}");
+  EXPECT_EQ(again.err, "");
+  const Outcome other = run(changes + end + "0123456789abcdef" + version);
   EXPECT_EQ(other.status, 1);
   EXPECT_THAT(other.err, HasSubstr("state 9: recorded hash 0123456789abcdef, actual hash " + hash));
-  const Outcome soon = run(changes + end + hash + "\"}}", {"--steps", "4"});
+  const Outcome older = run(changes + end + "0123456789abcdef\"}}");
+  EXPECT_EQ(older.status, 0) << older.err;
+  EXPECT_EQ(older.err,
+            "note: " + (folder / "changes.json").string() + ": cannot compare hashes: physics version 1\n");
+  const Outcome soon = run(changes + end + hash + version, {"--steps", "4"});
   EXPECT_EQ(soon.status, 0);
   EXPECT_THAT(soon.err, HasSubstr("the run ended before 2 of the changes in this file"));
 
@@ -540,7 +548,8 @@ TEST(Run, AnEndBeforeTheSnapshotIsRefused) {
   ASSERT_EQ(run_headless({"run", "one_body", "--steps", "2", "--save", saved}).status, 0);
   const auto run = [&](int step) {
     std::ofstream(changes) << R"({"format": "collidoscope-changes", "version": 1, "changes": [],
-"end": {"step": )" << step << R"(, "state_hash": "0123456789abcdef"}})";
+"end": {"step": )" << step << R"(, "state_hash": "0123456789abcdef", "physics_version": )"
+                           << physics_version << "}}";
     return run_headless({"run", "--load", saved, "--changes", changes});
   };
   const Outcome early = run(1);

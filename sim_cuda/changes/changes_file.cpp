@@ -46,6 +46,7 @@ class ChangesReader {
   void read_end(const JsonNode& node, ChangeList& list) {
     ObjectReader reader(reading_, node, "\"end\"");
     RecordedEnd end;
+    end.physics_version = first_physics_version;  // of files without the number
     std::string hash;
     if (reader.whole("step", end.step) && end.step < start_)
       reading_.fault(
@@ -57,6 +58,8 @@ class ChangesReader {
       if (error != std::errc{} || stop != hash.data() + hash.size() || hash.size() != 16)
         reading_.fault(*reader.member("state_hash"), "\"state_hash\" must be 16 hexadecimal digits");
     }
+    if (reader.whole("physics_version", end.physics_version) && end.physics_version < first_physics_version)
+      reading_.fault(*reader.member("physics_version"), "\"physics_version\" must be 1 or more");
     reader.finish();
     if (reader.is_object() && (reader.member("step") == nullptr || reader.member("state_hash") == nullptr))
       reading_.fault(node, "\"end\" must have a \"step\" and its \"state_hash\"");
@@ -280,8 +283,9 @@ std::string write_changes(const ChangeList& list, const Scene& scene) {
     text += (k > 0 ? ",\n    " : "\n    ") + text_of(list.changes[k], scene);
   text += list.changes.empty() ? "]" : "\n  ]";
   if (list.end)
-    text += fmt::format(",\n  \"end\": {{\"step\": {}, \"state_hash\": \"{:016x}\"}}", list.end->step,
-                        list.end->state_hash);
+    text +=
+        fmt::format(",\n  \"end\": {{\"step\": {}, \"state_hash\": \"{:016x}\", \"physics_version\": {}}}",
+                    list.end->step, list.end->state_hash, list.end->physics_version);
   return text + "\n}\n";
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim_cuda/changes/changes.h"
+#include "sim_cuda/core/physics_version.h"
 
 namespace collidoscope {
 
@@ -15,6 +16,7 @@ namespace collidoscope {
 struct RecordedEnd {
   std::int64_t step = 0;
   std::uint64_t state_hash = 0;
+  int physics_version = collidoscope::physics_version;  ///< of the program that recorded it
 };
 
 struct ChangeList {
