@@ -1,4 +1,5 @@
 // Tests snapshots: a run continues bit for bit, and incomplete, foreign or newer files are refused.
+// More than 400 lines: one file format, and all damages to it.
 
 #include "sim_cuda/snapshot/snapshot.h"
 
