@@ -4,12 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "headless/cli/flag_value.h"
+#include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
 namespace {

@@ -1,3 +1,5 @@
+// The start of a run: a scene file, or a snapshot, with the overrides of the command line.
+
 #include <fmt/format.h>
 
 #include <algorithm>

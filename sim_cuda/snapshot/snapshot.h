@@ -25,8 +25,8 @@ inline constexpr std::uint32_t snapshot_version = 4, oldest_snapshot_version = 1
 struct Snapshot {
   Scene scene;
   RunState state;
-  std::uint64_t state_hash = 0;   ///< World::state_hash() of `state`
-  std::uint64_t bodies_hash = 0;  ///< hash_of_bodies() of `scene`
+  std::uint64_t state_hash = 0;                                  ///< World::state_hash() of `state`
+  std::uint64_t bodies_hash = 0;                                 ///< hash_of_bodies() of `scene`
   std::int64_t physics_version = collidoscope::physics_version;  ///< of the program that made it
 };
 
