@@ -127,6 +127,29 @@ TEST_P(Attracted, BouncesKeepTheirHeight) {
   EXPECT_GT(world.measure().energy(), first - 0.1 * m * 9.81 * 5);
 }
 
+TEST_P(Attracted, BouncesLoseWhatTheRestitutionTakes) {
+  // As above, at three step lengths. The largest field, at the attractor, is 4,000 times that at the floor.
+  const double mu = 9.81 * 1e6, eps = 10, e = 0.8;
+  const auto potential = [&](double z) { return -mu / std::sqrt((z + 1000) * (z + 1000) + eps * eps); };
+  for (const int rate : {30, 120, 480}) {
+    Scene scene = pulled(mu, eps, Vector3d(0, 0, 5), Vector3d(0, 0, 0));
+    scene.materials[0].restitution = e;
+    scene.physics.attractors[0].position = Vector3d(0, 0, -1000);
+    scene.physics.time_step = 1.0 / rate;
+    scene.physics.substeps = 4;
+    scene.obstacles = {Plane{}};
+    World world(scene, options());
+    const double m = world.initial().mass[0], drop = potential(5) - potential(0.1);
+    // Falls for 1 s, then flies for 1.6, 1.28 and 1.02 s.
+    const double times[] = {1.8, 3.2, 4.4};
+    for (int bounces = 1; bounces <= 3; ++bounces) {
+      world.step(static_cast<int>(times[bounces - 1] * rate) - static_cast<int>(world.steps()));
+      const double left = world.measure().energy() / m - potential(0.1);
+      EXPECT_NEAR(left, std::pow(e * e, bounces) * drop, 1e-5 * drop) << rate << ' ' << bounces;
+    }
+  }
+}
+
 TEST_P(Attracted, WhatThePullBringsTogetherDoesNotPass) {
   Scene scene = pulled(1000, 0.5, Vector3d(-1, 0, 0), Vector3d(0, 0, 0));
   scene.bodies.push_back(sphere(0.1, Vector3d(1, 0, 0)));

@@ -14,9 +14,10 @@
 // negative, the rebound does not reach this height: the impulse leaves the speed s/h, at which the body
 // touches at the end of the substep.
 //
-// The threshold grows with the load: 2 g h, plus a quarter of the speed that the contact's impulse of the
-// last substep gives. A resting contact approaches by g h per substep. Without the load, tall columns never
-// rest. Without gravity the threshold is a fraction of the speeds, for rounding.
+// The threshold grows with the load: 2 a h, where a is the acceleration of the body by gravity and
+// attractors, plus a quarter of the speed that the contact's impulse of the last substep gives. A resting
+// contact approaches by a h per substep. Without the load, tall columns never rest. If a = 0, the threshold
+// is a fraction of the speeds, for rounding.
 //
 // Smith et al., "Reflections on simultaneous impact" (2012), compare this with simultaneous reflections,
 // which keep symmetries and need an inner solve.
@@ -37,9 +38,9 @@ inline constexpr int max_impact_sweeps = 16;
 template <class Real>
 struct ImpactLaw {
   Restitution<Real> restitution;
-  Vector3<Real> gravity;  ///< m/s^2
-  Real h;                 ///< substep, s
-  Real rest_speed;        ///< m/s, 2 g h
+  Vector3<Real> gravity;       ///< m/s^2
+  const Vector3<Real>* field;  ///< acceleration by attractors, m/s^2, by body; null if the effect is off
+  Real h;                      ///< substep, s
 
   static constexpr double load_share = 0.25;
   /// Approach speeds below this fraction of the bodies' speeds are rounding.
@@ -48,9 +49,18 @@ struct ImpactLaw {
   /// Contacts that touch within this time have an impact, s. More than h, so that rounding leaves no contact to
   /// the inelastic solver.
   SIM_HD Real reach_time() const { return h * Real(1.0625); }
-  /// `load`: impulse of the last substep, N s. `speed`: sum of the speeds, m/s.
-  SIM_HD Real threshold(Real speed, Real load, Real inverse_mass) const {
-    return max_of(rest_speed, rounding * speed) + Real(load_share) * load * inverse_mass;
+  /// By gravity and attractors, m/s^2.
+  SIM_HD Vector3<Real> acceleration(std::uint32_t body) const {
+    return field != nullptr ? Vector3<Real>(gravity + field[body]) : gravity;
+  }
+  /// m/s; `a`: acceleration of the body, m/s^2.
+  SIM_HD Real rest_speed(const Vector3<Real>& a) const {
+    using std::sqrt;
+    return 2 * h * sqrt(a.dot(a));
+  }
+  /// `rest`: rest_speed(), m/s. `load`: impulse of the last substep, N s. `speed`: sum of the speeds, m/s.
+  SIM_HD Real threshold(Real rest, Real speed, Real load, Real inverse_mass) const {
+    return max_of(rest, rounding * speed) + Real(load_share) * load * inverse_mass;
   }
   /// Separation speed after the impact, m/s; negative: the contact closes in this substep. `approach`, m/s,
   /// at distance `gap` >= 0, m. `acceleration`: towards the surface, m/s^2. `e`: of the pair.
@@ -73,22 +83,23 @@ struct Impact {
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
     const Real approach = -velocity.dot(contact.normal);
-    if (!(approach > law.rest_speed)) return 0;
-    using std::sqrt;
+    if (!(approach > 0)) return 0;
     const ContactBodies<Real>& bodies = motions.bodies;
+    const Vector3<Real> zero = Vector3<Real>::Zero();
+    const Vector3<Real> a_a = bodies.inverse_mass_a > 0 ? law.acceleration(motions.ids.a) : zero,
+                        a_b = bodies.inverse_mass_b > 0 ? law.acceleration(motions.ids.b) : zero;
+    const Real rest = max_of(law.rest_speed(a_a), law.rest_speed(a_b));
+    using std::sqrt;
     const Real speed = sqrt(motions.v_a.dot(motions.v_a)) + sqrt(motions.v_b.dot(motions.v_b));
-    if (!(approach > law.threshold(speed, contact.impulse, bodies.inverse_mass_a + bodies.inverse_mass_b)))
+    if (!(approach >
+          law.threshold(rest, speed, contact.impulse, bodies.inverse_mass_a + bodies.inverse_mass_b)))
       return 0;
-    // Gravity accelerates the pair relative to each other only if one of them is static.
-    const bool free_a = bodies.inverse_mass_a > 0, free_b = bodies.inverse_mass_b > 0;
-    const Vector3<Real> pull = free_a == free_b ? Vector3<Real>(Vector3<Real>::Zero())
-                               : free_b         ? law.gravity
-                                                : Vector3<Real>(-law.gravity);
+    const Vector3<Real> pull = a_b - a_a;
     if (contact.gap > 0 && contact.passes(velocity + (law.h / 2) * pull, motions.reach(), law.reach_time())) return 0;
     const Real gap = max_of(contact.gap, Real(0)), acceleration = -pull.dot(contact.normal);
     const Real e = law.restitution.of_pair(motions.ids, approach);
     const Real separation = law.separation(approach, gap, acceleration, e);
-    if (separation <= 0 && !(approach + separation > law.rest_speed + law.rounding * speed)) return 0;
+    if (separation <= 0 && !(approach + separation > rest + law.rounding * speed)) return 0;
     const Real change = motions.mass * (approach + separation);
     contact.impact = max_of(contact.impact, Real(0)) + change;
     contact.total += change;
@@ -139,13 +150,14 @@ struct ImpactSweeps {
   SIM_HD void bounce_off_walls(int sweep, int id) const {
     if (asleep != nullptr && asleep[id] != 0) return;
     const Vector3<Real> v = walls.bodies.velocity[id];
-    const Real limit = contacts.act.law.rest_speed / 2;
+    const ImpactLaw<Real>& law = contacts.act.law;
+    const Real limit = law.rest_speed(law.acceleration(static_cast<std::uint32_t>(id))) / 2;
     if (sweep == 0 && v.dot(v) > limit * limit) atomic_store(needed, std::uint32_t{1});
     if (walls.count() == 0 || !(walls.bodies.inverse_mass[id] > 0)) return;
     if (sweep == 0) walls.clear_bounced(id);
     if (!(v.dot(v) > limit * limit)) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
-    if (!walls.resolve_impacts(id, body, contacts.act.law)) return;
+    if (!walls.resolve_impacts(id, body, law)) return;
     walls.store(id, body);
     atomic_store(needed + sweep + 1, std::uint32_t{1});
     if (sweep == 0) atomic_store(needed, std::uint32_t{1});

@@ -142,8 +142,11 @@ void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::resolve_impacts() {
-  const Real acceleration = scene_.acceleration_margin / (scene_.time_step * scene_.time_step);
-  const ImpactLaw<Real> law{scene_.restitution, scene_.gravity, h_, 2 * h_ * acceleration};
+  if (scene_.effects.attractor)
+    executor_.run("attractor", scene_.body_count,
+                  EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
+  const ImpactLaw<Real> law{scene_.restitution, scene_.gravity,
+                            scene_.effects.attractor ? scene_.field : nullptr, h_};
   const auto with = [&]<bool with_box_obstacles>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles>;
     executor_.run_rounds("bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
@@ -272,9 +275,6 @@ RollingSource<Real> SoftStepSolver<Real>::rolling_source() const {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::apply_forces() {
-  if (scene_.effects.attractor)
-    executor_.run("attractor", scene_.body_count,
-                  EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
   if (scene_.effects.drag)
     run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
                                         scene_.control});

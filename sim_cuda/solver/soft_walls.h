@@ -255,25 +255,27 @@ struct SoftWalls {
   /// One sweep over the planes of a body. Returns true if the body got an impulse.
   SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law) const {
     bool any = false;
+    const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
+    const Real rest = law.rest_speed(pull);
     for (int p = 0; p < count(); ++p) {
       const WallPlane<Real> surface = impact_plane(p, body);
       const Vector3<Real> normal = surface.normal;
       const Real approach = -normal.dot(body.v);
-      if (!(approach > law.rest_speed)) continue;
+      if (!(approach > rest)) continue;
       const Real gap = max_of(normal.dot(body.x) - surface.offset - body.radius, Real(0));
-      const Real acceleration = -normal.dot(gravity);
+      const Real acceleration = -normal.dot(pull);
       if (!(gap < law.reach_time() * (approach + law.h / 2 * acceleration))) continue;
       using std::sqrt;
       const Real speed = sqrt(body.v.dot(body.v));
       const std::int64_t here = index(p, id);
       const Real load = is_active(body, p) ? impulse[here] : Real(0);
-      if (!(approach > law.threshold(speed, load, body.inverse_mass))) continue;
+      if (!(approach > law.threshold(rest, speed, load, body.inverse_mass))) continue;
       if (ends_at_plane(id, body, p)) continue;
       const Real e = law.restitution.between(
           law.restitution.of_body(static_cast<std::uint32_t>(id)), surface.restitution,
           sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0))));
       const Real separation = law.separation(approach, gap, acceleration, e);
-      if (separation <= 0 && !(approach + separation > law.rest_speed + law.rounding * speed)) continue;
+      if (separation <= 0 && !(approach + separation > rest + law.rounding * speed)) continue;
       const Real change = body.mass * (approach + separation);
       apply_normal_impulse(id, body, normal, change);
       if (separation > 0) {
