@@ -179,17 +179,21 @@ Vector3d any_spin(Uniform& uniform) {
   return uniform.vector(1).normalized() * std::pow(10, uniform(-4, 2)) / 0.01;
 }
 
+/// Checks 1000 steps in double and in float.
+void expect_constant(const Vector3d& inertia, const Vector3d& spin, const RotationParts& parts) {
+  const Change in_double = change_of(Spin<double>(inertia, spin, some_orientation()), 0.01, 1000, parts),
+               in_float = change_of(Spin<float>(inertia, spin, some_orientation()), 0.01, 1000, parts);
+  ASSERT_LT(in_double.energy, 1e-12) << inertia << ", " << spin;
+  ASSERT_LT(in_double.momentum, 1e-12) << inertia << ", " << spin;
+  ASSERT_LT(in_float.energy, float_rounding) << inertia << ", " << spin;
+  ASSERT_LT(in_float.momentum, float_rounding) << inertia << ", " << spin;
+}
+
 TEST(RotationUpdates, EnergyAndAngularMomentumAreConstantForEveryInertiaAndStep) {
   Uniform uniform{Random(5)};
   for (int k = 0; k < 300; ++k) {
     const Vector3d inertia = any_inertia(uniform, 1), spin = any_spin(uniform);
-    const RotationParts parts = k % 2 == 0 ? second_order : fourth_order;
-    const Change in_double = change_of(Spin<double>(inertia, spin, some_orientation()), 0.01, 1000, parts),
-                 in_float = change_of(Spin<float>(inertia, spin, some_orientation()), 0.01, 1000, parts);
-    ASSERT_LT(in_double.energy, 1e-12) << inertia << ", " << spin;
-    ASSERT_LT(in_double.momentum, 1e-12) << inertia << ", " << spin;
-    ASSERT_LT(in_float.energy, float_rounding) << inertia << ", " << spin;
-    ASSERT_LT(in_float.momentum, float_rounding) << inertia << ", " << spin;
+    expect_constant(inertia, spin, k % 2 == 0 ? second_order : fourth_order);
   }
 }
 
@@ -201,13 +205,7 @@ TEST(RotationUpdates, SoTheyAreForNeedlesAndBlades) {
     const Vector3d inertia = any_inertia(uniform, 6);
     Vector3d spin = any_spin(uniform);
     for (int axis = 0; axis < 3; ++axis) spin[axis] *= inertia[axis] / inertia.maxCoeff();
-    const RotationParts parts = k % 2 == 0 ? second_order : fourth_order;
-    const Change in_double = change_of(Spin<double>(inertia, spin, some_orientation()), 0.01, 1000, parts),
-                 in_float = change_of(Spin<float>(inertia, spin, some_orientation()), 0.01, 1000, parts);
-    ASSERT_LT(in_double.energy, 1e-12) << inertia << ", " << spin;
-    ASSERT_LT(in_double.momentum, 1e-12) << inertia << ", " << spin;
-    ASSERT_LT(in_float.energy, float_rounding) << inertia << ", " << spin;
-    ASSERT_LT(in_float.momentum, float_rounding) << inertia << ", " << spin;
+    expect_constant(inertia, spin, k % 2 == 0 ? second_order : fourth_order);
   }
 }
 

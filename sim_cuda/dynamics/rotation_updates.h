@@ -59,8 +59,8 @@ SIM_HD inline int axis_of_top(const Vector3d& inverse) {
   return z <= x && z <= y ? 2 : y <= x ? 1 : 0;
 }
 
-/// The same vector as `l`, of length 1, in the axes after a rotation about axis 2 by `half` x 2 rad. `turn`
-/// gets that rotation, too.
+/// Rotates the body about its second axis by 2 `half` rad: appends the rotation to `turn`, and transforms
+/// `l`, a vector that is constant in world axes, to the new body axes.
 SIM_HD inline void rotate_about_second(double half, Quaterniond& turn, Vector3d& l) {
   const auto [s, c] = sine_and_cosine(half);
   turn = turn * Quaterniond(c, 0, s, 0);
@@ -68,6 +68,7 @@ SIM_HD inline void rotate_about_second(double half, Quaterniond& turn, Vector3d&
   l.x() = cosine * x - sine * z;
   l.z() = cosine * z + sine * x;
 }
+/// The same about the third axis.
 SIM_HD inline void rotate_about_third(double half, Quaterniond& turn, Vector3d& l) {
   const auto [s, c] = sine_and_cosine(half);
   turn = turn * Quaterniond(c, 0, 0, s);
@@ -126,8 +127,8 @@ SIM_HD inline Quaterniond rotation_between(const Vector3d& l, const Vector3d& ne
 
 }  // namespace detail
 
-/// Updates q (principal axes to world) and w (rad/s, world axes). `Parts`: RotationParts. Returns whether w
-/// changed.
+/// Updates q (principal axes to world) and w (rad/s, world axes). `Parts`: RotationParts; tests pass wrong
+/// fractions. Returns whether w changed.
 template <class Real, class Parts>
 SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h,
                              const Parts& parts) {
