@@ -12,8 +12,8 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 480, height = 360;
-constexpr double picture_pixel = 100.0 / height;  // m
+constexpr int pass_width = 480, pass_height = 360;
+constexpr double picture_pixel = 100.0 / pass_height;  // m
 
 /// An orthographic view from above of 100 m height: 3.6 pixels per metre.
 OrbitCamera plan_view() {
@@ -57,13 +57,13 @@ std::pair<int, int> pixel_of(const OrbitCamera& camera, const Vector3d& place) {
   const Vector3d at = camera.axes().transpose() * (place - camera.eye());
   const double reach =
       std::tan(0.5 * camera.field_of_view) * (camera.orthographic ? camera.distance : -at.z());
-  return {static_cast<int>(std::floor(at.x() / reach * height / 2 + width / 2.0)),
-          static_cast<int>(std::floor(height / 2.0 - at.y() / reach * height / 2))};
+  return {static_cast<int>(std::floor(at.x() / reach * pass_height / 2 + pass_width / 2.0)),
+          static_cast<int>(std::floor(pass_height / 2.0 - at.y() / reach * pass_height / 2))};
 }
 
 struct Plan {
   explicit Plan(double radius_px, DrawOptions options = {.supersampling = 1})
-      : bodies(lattice(radius_px)), renderer(width, height, options) {
+      : bodies(lattice(radius_px)), renderer(pass_width, pass_height, options) {
     renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
     renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
   }
@@ -86,7 +86,7 @@ TEST(BodyPass, NoSphereIsTooSmallToBeSeenAndPicked) {
       int hidden = 0;
       for (std::uint32_t i = 0; i < 400; ++i) {
         const auto [x, y] = pixel_of(camera, plan.bodies.initial.position[i]);
-        const auto pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+        const auto pixel = static_cast<std::size_t>(y) * pass_width + static_cast<std::size_t>(x);
         ASSERT_EQ(plan.renderer.pick(camera, {}, x, y), ids[pixel]);
         // In an oblique view a nearer sphere may have its centre in the same pixel.
         hidden += ids[pixel] != i + 1;

@@ -13,7 +13,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 480, height = 360;
+constexpr int buffer_width = 480, buffer_height = 360;
 
 // Offsets of up to half a pixel. An id is compared only if all these rays agree, which excludes pixels within
 // half a pixel of an outline or an intersection.
@@ -65,18 +65,19 @@ struct Agreement {
 template <class Cast>
 Agreement compare_ids(const std::vector<std::uint32_t>& ids, const OrbitCamera& camera, Cast cast) {
   Agreement result;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  for (int y = 0; y < buffer_height; ++y)
+    for (int x = 0; x < buffer_width; ++x) {
       std::uint32_t expected = 0;
       bool certain = true;
       for (int k = 0; k < 9 && certain; ++k) {
-        const std::uint32_t id =
-            cast(eye_ray(camera, width, height, x + 0.5 + around[k][0], y + 0.5 + around[k][1]));
+        const std::uint32_t id = cast(
+            eye_ray(camera, buffer_width, buffer_height, x + 0.5 + around[k][0], y + 0.5 + around[k][1]));
         if (k == 0) expected = id;
         certain = id == expected;
       }
       if (!certain) continue;
-      const std::uint32_t drawn = ids[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
+      const std::uint32_t drawn =
+          ids[static_cast<std::size_t>(y) * buffer_width + static_cast<std::size_t>(x)];
       ++result.compared;
       result.wrong += drawn != expected;
       if (drawn == expected) result.seen.insert(drawn);
@@ -85,20 +86,20 @@ Agreement compare_ids(const std::vector<std::uint32_t>& ids, const OrbitCamera& 
 }
 
 void expect_spheres_match(const TestBodies& bodies, const OrbitCamera& camera, int least_seen) {
-  Renderer renderer(width, height);
+  Renderer renderer(buffer_width, buffer_height);
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
   const Agreement found = compare_ids(renderer.draw_ids(camera, {}), camera, [&](const EyeRay& ray) {
     return nearest_sphere(ray, bodies.instances);
   });
   EXPECT_EQ(found.wrong, 0) << "of " << found.compared << " pixels";
-  EXPECT_GT(found.compared, width * height / 2);
+  EXPECT_GT(found.compared, buffer_width * buffer_height / 2);
   EXPECT_GE(static_cast<int>(found.seen.size()), least_seen);
 }
 
 OrbitCamera standard_camera(const TestBodies& bodies) {
   const FrameScene scene = frame_scene(bodies.scene, bodies.initial);
-  return scene_camera({}, scene.bounds, static_cast<double>(width) / height);
+  return scene_camera({}, scene.bounds, static_cast<double>(buffer_width) / buffer_height);
 }
 
 TEST(IdBuffer, SpheresAreWhereRaysFindThem) {
@@ -144,7 +145,7 @@ TEST(IdBuffer, DisjointBoxesOfOneLevelAreWhereRaysFindThem) {
   std::vector<std::pair<Vector3d, Vector3d>> cells{{{0, 0, 0}, {100, 90, 80}}};
   const TestBodies bodies = test_spheres(1, 5, 5);
   const OrbitCamera camera = standard_camera(bodies);
-  Renderer renderer(width, height);
+  Renderer renderer(buffer_width, buffer_height);
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   for (int level = 0; level < 5; ++level) {
     std::vector<BoxInstance> boxes;
@@ -155,7 +156,7 @@ TEST(IdBuffer, DisjointBoxesOfOneLevelAreWhereRaysFindThem) {
     const Agreement found =
         compare_ids(ids, camera, [&](const EyeRay& ray) { return nearest_box(ray, boxes); });
     EXPECT_EQ(found.wrong, 0) << "level " << level;
-    EXPECT_GT(found.compared, width * height * 3 / 4);
+    EXPECT_GT(found.compared, buffer_width * buffer_height * 3 / 4);
     EXPECT_GE(found.seen.size(), std::min<std::size_t>(boxes.size(), 12)) << "level " << level;
 
     std::vector<BoxInstance> read(boxes.size());
@@ -179,7 +180,7 @@ TEST(IdBuffer, ABoxInTheWrongPlaceIsFound) {
   test_context();
   const TestBodies bodies = test_spheres(1, 5, 6);
   const OrbitCamera camera = standard_camera(bodies);
-  Renderer renderer(width, height);
+  Renderer renderer(buffer_width, buffer_height);
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   const std::vector<BoxInstance> drawn{box_instance({20, 20, 20}, {60, 60, 60}, 0)};
   const std::vector<BoxInstance> expected{box_instance({20, 20, 20}, {60, 60, 64}, 0)};
@@ -197,11 +198,11 @@ TEST(IdBuffer, TheNearestEdgeOfABoxIsPicked) {
   OrbitCamera camera;
   camera.orthographic = true;
   camera.field_of_view = 1;
-  camera.distance = height / 8.0 / std::tan(0.5);
+  camera.distance = buffer_height / 8.0 / std::tan(0.5);
   camera.target = {50, 50, 50};
   camera.elevation = std::numbers::pi / 2;
   camera.azimuth = -std::numbers::pi / 2;
-  Renderer renderer(width, height);
+  Renderer renderer(buffer_width, buffer_height);
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   std::vector<BoxInstance> boxes{box_instance({20, 20, 40}, {80, 80, 60}, 0),
                                  box_instance({21.75, 21.75, 45}, {50, 50, 55}, 1)};
@@ -210,8 +211,8 @@ TEST(IdBuffer, TheNearestEdgeOfABoxIsPicked) {
   renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
   renderer.instances().upload(std::span<const BoxInstance>(boxes));
   const auto at = [&](double x, double y, IdLayers layers = {}) {
-    return renderer.pick_box(camera, layers, static_cast<int>(width / 2.0 + 4 * (x - 50)),
-                             static_cast<int>(height / 2.0 - 4 * (y - 50)), 6);
+    return renderer.pick_box(camera, layers, static_cast<int>(buffer_width / 2.0 + 4 * (x - 50)),
+                             static_cast<int>(buffer_height / 2.0 - 4 * (y - 50)), 6);
   };
   EXPECT_EQ(at(20, 40), 0u);
   EXPECT_EQ(at(19, 40), 0u) << "four pixels beside it";
@@ -245,7 +246,7 @@ TEST(IdBuffer, MeshBodiesAreWhereTheirFacesAre) {
   for (int k = 0; k < 4; ++k) bodies.instances[1].orientation[k] = static_cast<float>(turn.coeffs()[k]);
   bodies.instances[1].mesh = 1;
   const OrbitCamera camera = standard_camera(bodies);
-  Renderer renderer(width, height);
+  Renderer renderer(buffer_width, buffer_height);
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   ASSERT_EQ(renderer.scene().runs.size(), 3u);
   renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));

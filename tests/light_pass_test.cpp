@@ -11,14 +11,14 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 320, height = 240;
+constexpr int light_width = 320, light_height = 240;
 
 Image draw(Quality quality, bool spheres, int supersampling = 1) {
   const TestBodies bodies = test_spheres(120, 9, 4);
-  Renderer renderer(width, height, {.supersampling = supersampling, .light = quality});
+  Renderer renderer(light_width, light_height, {.supersampling = supersampling, .light = quality});
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
-  renderer.draw(scene_camera({}, renderer.scene().bounds, static_cast<double>(width) / height),
+  renderer.draw(scene_camera({}, renderer.scene().bounds, static_cast<double>(light_width) / light_height),
                 {.spheres = spheres, .grid = spheres}, {0, 1});
   return renderer.read_picture();
 }

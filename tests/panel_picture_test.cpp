@@ -28,7 +28,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 1280, height = 720;
+constexpr int panel_width = 1280, panel_height = 720;
 
 Scene small_box(std::int64_t bodies) {
   Scene scene;
@@ -45,7 +45,9 @@ struct Desk {
   explicit Desk(
       const FrameLayers& shown = {.spheres = true, .boxes = true, .first_level = 2, .last_level = 4},
       const Scene& scene = small_box(300))
-      : layers(shown), world(scene, on_cpu(/*threads=*/2)), panels(world, shown, width, height, false) {
+      : layers(shown),
+        world(scene, on_cpu(/*threads=*/2)),
+        panels(world, shown, panel_width, panel_height, false) {
     world.records().record_impulses(shown.contacts);
     for (int k = 0; k < 40; ++k) {
       world.step();
@@ -55,7 +57,7 @@ struct Desk {
   }
 
   Image draw() {
-    const ScreenRect rect = PanelPicture::scene_rect(width, height);
+    const ScreenRect rect = PanelPicture::scene_rect(panel_width, panel_height);
     Renderer renderer(static_cast<int>(rect.width), static_cast<int>(rect.height));
     renderer.set_scene(frame_scene(world.scene(), world.initial()));
     const StepStats stats = world.measure();
@@ -65,7 +67,7 @@ struct Desk {
     const ValueRange range = value_range(world, renderer.scene(), layers, stats);
     const double aspect = static_cast<double>(rect.width) / static_cast<double>(rect.height);
     renderer.draw(scene_camera({}, renderer.scene().bounds, aspect), layers, range);
-    GuiPass gui(workspace_font_size(width, height, 1));
+    GuiPass gui(workspace_font_size(panel_width, panel_height, 1));
     return panels.draw(gui, world, stats, renderer, range);
   }
 
@@ -480,8 +482,8 @@ TEST(PanelPicture, EveryWidgetHasANameOfItsOwnAndAPlace) {
     std::set<std::string> names;
     for (const auto& [name, rect] : desk.panels.workspace().widgets) {
       EXPECT_TRUE(names.insert(name).second) << name;
-      EXPECT_TRUE(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= width &&
-                  rect.y + rect.height <= height)
+      EXPECT_TRUE(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= panel_width &&
+                  rect.y + rect.height <= panel_height)
           << name;
       EXPECT_TRUE(rect.width > 0 && rect.height > 0) << name;
     }

@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 160, height = 120;
+constexpr int plane_width = 160, plane_height = 120;
 
 // A valley of two slopes along y with a sphere above it. Optionally another sphere is below the planes,
 // inside the obstacle.
@@ -30,7 +30,7 @@ struct Valley {
     frame = frame_scene(bodies.scene, bodies.initial);
     if (buried) bodies.instances.push_back(sphere_instance({-5, -3, -1}, 2, 0.5, 2));
     frame.runs[0].count = static_cast<std::int64_t>(bodies.instances.size());
-    camera = frame_all(frame.bounds, static_cast<double>(width) / height);
+    camera = frame_all(frame.bounds, static_cast<double>(plane_width) / plane_height);
   }
   void add(const Vector3d& center) {
     bodies.initial.position.push_back(center);
@@ -40,7 +40,7 @@ struct Valley {
   }
   Image draw(bool spheres, bool planes) const {
     test_context();
-    Renderer renderer(width, height, {.supersampling = 1});
+    Renderer renderer(plane_width, plane_height, {.supersampling = 1});
     renderer.set_scene(frame);
     renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
     renderer.draw(camera, {.spheres = spheres, .grid = planes, .overlay = false}, {0, 1});
@@ -77,7 +77,7 @@ Hit first_plane(const FrameScene& scene, const EyeRay& ray) {
 int difference(const Image& a, const Image& b, int x, int y) {
   int most = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t at = (static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)) * 4 + k;
+    const std::size_t at = (static_cast<std::size_t>(y) * plane_width + static_cast<std::size_t>(x)) * 4 + k;
     most = std::max(most, std::abs(a.rgba[at] - b.rgba[at]));
   }
   return most;
@@ -85,8 +85,9 @@ int difference(const Image& a, const Image& b, int x, int y) {
 
 template <class Check>
 void for_each_pixel(const OrbitCamera& camera, const Check& check) {
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) check(x, y, eye_ray(camera, width, height, x + 0.5, y + 0.5));
+  for (int y = 0; y < plane_height; ++y)
+    for (int x = 0; x < plane_width; ++x)
+      check(x, y, eye_ray(camera, plane_width, plane_height, x + 0.5, y + 0.5));
 }
 
 TEST(PlanePass, PlanesAreWhereRaysMeetThem) {
@@ -106,7 +107,7 @@ TEST(PlanePass, PlanesAreWhereRaysMeetThem) {
         ++off;
       }
     });
-    EXPECT_GT(on, width * height / 5);
+    EXPECT_GT(on, plane_width * plane_height / 5);
     EXPECT_TRUE(orthographic || off > 0);
   }
 }
@@ -177,7 +178,7 @@ TEST(PlanePass, BoxesAreWhereRaysMeetThemAndSpheresInFrontHideThem) {
   with.boxes = {box};
   const auto draw = [&](const FrameScene& frame) {
     test_context();
-    Renderer renderer(width, height, {.supersampling = 1});
+    Renderer renderer(plane_width, plane_height, {.supersampling = 1});
     renderer.set_scene(frame);
     renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
     renderer.draw(camera, {.spheres = true, .grid = true, .overlay = false}, {0, 1});

@@ -38,12 +38,12 @@ RunOptions another_way(RunOptions options, std::uint32_t seed) {
 }
 
 /// Results of a run with `options`, and of one that continues from a snapshot taken halfway.
-struct Outcome {
+struct SceneOutcome {
   std::uint64_t hash = 0, hash_from_file = 0;
   StepStats start, end;
 };
-Outcome run(const Scene& scene, const RunOptions& options, const std::string& file) {
-  Outcome result;
+SceneOutcome run(const Scene& scene, const RunOptions& options, const std::string& file) {
+  SceneOutcome result;
   World world(scene, options);
   result.start = world.measure();
   world.step(steps / 2);
@@ -78,7 +78,7 @@ bool keeps_its_energy(const Scene& scene) {
 }
 
 /// Energy gain relative to the larger kinetic energy plus the change of potential energy.
-double energy_gain(const Outcome& run) {
+double energy_gain(const SceneOutcome& run) {
   const double gain = run.end.energy() - run.start.energy() - (run.end.push_work - run.start.push_work);
   const double scale = std::max(run.start.kinetic_energy, run.end.kinetic_energy) +
                        std::abs(run.end.potential_energy - run.start.potential_energy);
@@ -93,10 +93,10 @@ class RandomScenes : public OnEachExecutor {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", the scene:\n" + text);
     ASSERT_EQ(write_scene(parse_scene(text, "any")), text);
 
-    const Outcome straight = run(scene, options(), folder_ / "half-way");
+    const SceneOutcome straight = run(scene, options(), folder_ / "half-way");
     ASSERT_EQ(straight.hash_from_file, straight.hash) << "a snapshot goes on otherwise";
     const RunOptions other = another_way(options(), seed);
-    const Outcome again = run(scene, other, folder_ / "half-way");
+    const SceneOutcome again = run(scene, other, folder_ / "half-way");
     ASSERT_EQ(again.hash, straight.hash)
         << other.broad_phase << ' ' << other.shape.blocks << " x " << other.shape.threads << ", order "
         << static_cast<int>(other.lane_order);

@@ -15,7 +15,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 360, height = 270;
+constexpr int shot_width = 360, shot_height = 270;
 
 // Overlapping spheres with two levels of boxes and a contact between neighbours.
 struct Example {
@@ -41,13 +41,14 @@ struct Example {
 
   Image draw(bool orthographic = false) const {
     test_context();
-    Renderer renderer(width, height);
+    Renderer renderer(shot_width, shot_height);
     renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
     renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
     renderer.instances().upload(std::span<const BoxInstance>(boxes));
     renderer.instances().upload(std::span<const ContactInstance>(contacts));
     renderer.set_ghosts(ghosts);
-    OrbitCamera camera = scene_camera({}, renderer.scene().bounds, static_cast<double>(width) / height);
+    OrbitCamera camera =
+        scene_camera({}, renderer.scene().bounds, static_cast<double>(shot_width) / shot_height);
     camera.orthographic = orthographic;
     ValueRange values{0, 1};
     values.error_scale = error_scale;
@@ -67,8 +68,8 @@ struct Example {
                                           static_cast<PackedColor>(color.r * 255));
       text.grid_spacing = 10;
       GuiPass gui(11);
-      gui.begin(width, height);
-      draw_overlay(text, static_cast<float>(width), static_cast<float>(height));
+      gui.begin(shot_width, shot_height);
+      draw_overlay(text, static_cast<float>(shot_width), static_cast<float>(shot_height));
       gui.end(renderer.picture());
     }
     return renderer.read_picture();
@@ -162,7 +163,7 @@ TEST(Screenshot, AFailureLeavesAPage) {
   const std::filesystem::path page = said.substr(at + 6);
   EXPECT_TRUE(std::filesystem::exists(page));
   for (const char* picture : {"actual.png", "expected.png", "difference.png"})
-    EXPECT_EQ(read_png((page.parent_path() / picture).string()).width, width);
+    EXPECT_EQ(read_png((page.parent_path() / picture).string()).width, shot_width);
 }
 
 }  // namespace

@@ -11,10 +11,10 @@
 namespace collidoscope {
 namespace {
 
-constexpr int width = 360, height = 270;
+constexpr int frame_width = 360, frame_height = 270;
 
 Image draw(const TestBodies& bodies, const OrbitCamera& camera, SphereMethod method) {
-  Renderer renderer(width, height, {.spheres = method});
+  Renderer renderer(frame_width, frame_height, {.spheres = method});
   renderer.set_scene(frame_scene(bodies.scene, bodies.initial));
   renderer.instances().upload(std::span<const BodyInstance>(bodies.instances));
   renderer.draw(camera, {.spheres = true}, {0, 1});
@@ -32,7 +32,7 @@ void expect_same_picture(const TestBodies& bodies, const OrbitCamera& camera) {
 
 OrbitCamera standard_camera(const TestBodies& bodies) {
   return scene_camera({}, frame_scene(bodies.scene, bodies.initial).bounds,
-                      static_cast<double>(width) / height);
+                      static_cast<double>(frame_width) / frame_height);
 }
 
 TEST(SphereCompute, LargeAndSmallSpheresLookTheSame) {
@@ -97,7 +97,7 @@ TEST(SphereCompute, WhichOfTwoInOnePlaceIsSeenDoesNotDependOnTheMethod) {
 TEST(SphereCompute, FramesFollowEachOtherInAnySize) {
   test_context();
   const TestBodies many = test_spheres(500, 6, 7), none = test_spheres(0, 6, 7);
-  Renderer renderer(width, height, {.spheres = SphereMethod::compute});
+  Renderer renderer(frame_width, frame_height, {.spheres = SphereMethod::compute});
   renderer.set_scene(frame_scene(many.scene, many.initial));
   const OrbitCamera camera = standard_camera(many);
   const auto frame = [&](const TestBodies& bodies) {
@@ -109,7 +109,7 @@ TEST(SphereCompute, FramesFollowEachOtherInAnySize) {
   EXPECT_NE(first, empty);
   renderer.resize(200, 100);
   frame(many);
-  renderer.resize(width, height);
+  renderer.resize(frame_width, frame_height);
   EXPECT_EQ(frame(many), first);
   EXPECT_EQ(frame(none), empty);
   renderer.set_options({.supersampling = 1, .light = Quality::quick, .spheres = SphereMethod::quads});

@@ -25,7 +25,7 @@ Rebounds rebounds(const Scene& scene) {
 /// Time in s by which an impact is early at most: it is resolved at the start of the first step in which the
 /// bodies would touch within this time (solver/impact.h). At least, it is early by h less.
 double earliest(double h) {
-  return ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .h = h, .rest_speed = 0}
+  return ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .field = nullptr, .h = h}
       .reach_time();
 }
 
