@@ -3,7 +3,8 @@
 // independent of the reference: textbook formulas in long double. Every event moves all spheres, and the next
 // event is the minimum over all pairs.
 // Also the expected values for the time-stepped gas: with `step`, a collision changes the velocities early,
-// at the start of the first step of `step` s in which the spheres would touch within 17/16 of it.
+// at the start of the first step of `step` s in which the spheres would touch within 17/16 of it (walls: see
+// longer_reach()).
 
 #include <algorithm>
 #include <cmath>
@@ -95,8 +96,16 @@ class BruteSpheres {
     if (root < 0) return infinite;
     for (const Real t : {(-v - std::sqrt(root)) / std::abs(g) * (g < 0 ? -1 : 1),
                          (-v + std::sqrt(root)) / std::abs(g) * (g < 0 ? -1 : 1)})
-      if (t >= 0 && v + g * t < 0) return time_ + t;
+      if (t >= 0 && v + g * t < 0) return time_ + t - (step_ > 0 && g < 0 ? longer_reach(-v - g * t, -g) : 0);
     return infinite;
+  }
+  /// Time by which an impact at a wall is earlier than 17/16 of a step if gravity `g`, m/s^2, pulls towards
+  /// the wall. The sphere arrives at `speed`, m/s, and at time t before, its speed is v = speed - g t. The
+  /// step is the first one that starts closer to the wall than 17/16 step (v + g step), as Euler's method
+  /// moves it.
+  Real longer_reach(Real speed, Real g) const {
+    const Real reach = Real(17) / 16 * step_, b = speed + reach * g;
+    return (b - std::sqrt(b * b - 2 * g * reach * (speed + g * step_))) / g - reach;
   }
   void renew(std::size_t i) {
     const std::size_t row = x_.size() + faces;

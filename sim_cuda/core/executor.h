@@ -143,9 +143,11 @@ class Executor {
 #if defined(__CUDACC__)
     if (on_device()) return launch_rounds(planner_, stream_, name, rounds, max_items, stage);
 #endif
-    for (int round = 0; round < rounds; ++round)
-      if (const std::int64_t items = stage.items(round); items > 0)
-        run_on_cpu(items, OneRound<Rounds>{stage, round});
+    for (int round = 0; round < rounds; ++round) {
+      const std::int64_t items = stage.items(round);
+      if (items < 0) return;
+      if (items > 0) run_on_cpu(items, OneRound<Rounds>{stage, round});
+    }
   }
 #endif
 

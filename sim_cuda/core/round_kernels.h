@@ -27,8 +27,8 @@ namespace collidoscope {
 
 /// Interface of every multi-round stage:
 ///
-///   SIM_HD std::int64_t items(int round) const;  // called after the previous round
-///   SIM_HD void operator()(int round, int item) const;
+///   SIM_HD std::int64_t items(int round) const;  // called after the previous round; negative: no more
+///   rounds SIM_HD void operator()(int round, int item) const;
 ///
 /// Precondition: the items of one round are independent.
 template <class Rounds>
@@ -100,6 +100,7 @@ __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const 
   for (int round = 0; round < rounds; ++round) {
     const std::int64_t items = stage.items(round);
     if (items == 0) continue;
+    if (items < 0) return;
     for (std::int64_t i = rank; i < items; i += lanes) stage(round, static_cast<int>(i));
     grid.sync();
   }

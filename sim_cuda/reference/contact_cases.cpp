@@ -22,22 +22,19 @@ Rebounds rebounds(const Scene& scene) {
   return {gravity(scene), ball.position.z() - ball.radius, scene.materials[0].restitution};
 }
 
-/// Time in s by which an impact is early at most: it is resolved at the start of the first step in which the
-/// bodies would touch within this time (solver/impact.h). At least, it is early by h less.
-double earliest(double h) {
-  return ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .field = nullptr, .h = h}
-      .reach_time();
+/// Time in s by which an impact at p m/s is early at most, at least by h less. It is resolved at the start of
+/// the first step that is as near to the surface as Euler's method moves the ball in about that step
+/// (solver/impact.h): p t - g t^2/2 = (p - g t + g h) R for the reach R in s.
+double earliest(double h, double g, double p) {
+  const double reach =
+      ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .field = nullptr, .h = h}
+          .reach_time();
+  const double b = p + g * reach, squared = b * b - 2 * g * reach * (p + g * h);
+  return squared > 0 ? (b - std::sqrt(squared)) / g : p / g;
 }
 
-/// Time in s that a ball skips at an impact at p m/s that is resolved `early` s before. It is at the height
-/// s = p early - g early^2/2 then, and moves on upwards on the parabola that starts at the surface at e p. So
-/// it skips the time to the surface and the time back to s, in total about (1 + 1/e) early.
-double skipped(const Rebounds& ball, double p, double early) {
-  const double g = ball.gravity, s = (p - g * early / 2) * early, rebound = ball.e * p;
-  return early + (rebound - std::sqrt(std::max(rebound * rebound - 2 * g * s, 0.0))) / g;
-}
-
-/// Errors after the n-th impact, if each is resolved `early` s before. The energy is exact if flight is.
+/// Errors after the n-th impact, if each is resolved `later` s after earliest(). It moves the ball to the
+/// surface, so this is the time that the ball skips. The energy is exact if flight is.
 /// Positions of semi-implicit Euler are on a parabola whose start is slower by b = g h/2, and velocities are
 /// faster by b than on it. An impact on the parabola at p therefore bounces like one at p - b (from v^2 + 2 g
 /// s with Euler's v). A flight whose parabola starts slower by d_n is followed by d_(n+1) = e (d_n + b) + b.
@@ -45,19 +42,19 @@ double skipped(const Rebounds& ball, double p, double early) {
 struct ReboundErrors {
   double b, slow = 0, skip;  ///< m/s; m/s, d_n; s, sum of the skipped times
 
-  ReboundErrors(const Rebounds& ball, int n, double h, double early, bool euler)
+  ReboundErrors(const Rebounds& ball, int n, double h, double later, bool euler)
       : b(euler ? ball.gravity * h / 2 : 0), skip(b / ball.gravity) {
     for (int k = 1; k <= n; ++k) {
       if (k > 1) skip += 2 * slow / ball.gravity;
-      skip += skipped(ball, ball.impact_speed(k) - slow - b, early);
+      skip += earliest(h, ball.gravity, ball.impact_speed(k) - slow - b) - later;
       slow = ball.e * (slow + b) + b;
     }
   }
 };
 
 /// Height in m of a ball after `steps` steps of h s, from the closed form of each flight. An impact comes at
-/// the first step that starts with height < earliest() times the mean approach speed of a step. The flight of
-/// semi-implicit Euler is lower by g h t/2 after t s.
+/// the first step that starts lower than 17/16 h times the speed at the end of Euler's step, and starts a
+/// flight at the surface. The flight of semi-implicit Euler is lower by g h t/2 after t s.
 double height_in_steps(const Rebounds& ball, int steps, double h, bool euler) {
   const double g = ball.gravity;
   double start = ball.fall, speed = 0;  // of the flight; speed upwards
@@ -65,10 +62,9 @@ double height_in_steps(const Rebounds& ball, int steps, double h, bool euler) {
     const double t = flown * h, approach = g * t - speed;
     const double height = start + (speed - g * (euler ? t + h : t) / 2) * t;
     if (k == steps) return height;
-    if (!(approach > 0 && height < earliest(h) * (approach + g * h / 2))) continue;
-    const double lift = 2 * g * height;
-    start = height;
-    speed = std::sqrt(ball.e * ball.e * (approach * approach + lift) - lift);
+    if (!(approach > 0 && height < 17.0 / 16 * h * (approach + g * h))) continue;
+    start = 0;
+    speed = ball.e * std::sqrt(approach * approach + 2 * g * height);
     flown = 0;
   }
 }
@@ -84,25 +80,22 @@ void add_bouncing(std::vector<AnalyticCase>& cases) {
   one.name = "bouncing";
   one.scene = analytic_scene("bouncing");
   one.compared = "height after three bounces, m";
-  one.rationale =
-      "each bounce is at most 17/16 h early, and skips 1 + 1/e times that; Euler: also a speed error of g h "
-      "per "
-      "flight";
+  one.rationale = "each bounce is about h/16 to 17/16 h early; Euler: also a speed error of g h per flight";
   one.horizon = 2;
   one.scale = 5;
   const Rebounds ball = rebounds(one.scene);
   const double t = one.horizon, r = one.scene.bodies[0].radius, g = ball.gravity;
   const int n = ball.impacts(t);
   // Height in the flight after the n-th impact, which began too early and too slow, but at most at its top.
-  const auto height = [=](double h, double early, bool euler) {
-    const ReboundErrors off(ball, n, h, early, euler);
+  const auto height = [=](double h, double later, bool euler) {
+    const ReboundErrors off(ball, n, h, later, euler);
     const double rise = ball.speed(n) - off.slow, flown = std::min(t - ball.time(n) + off.skip, rise / g);
     return (rise - g * flown / 2) * flown;
   };
   one.methods = all_integrators([=](bool euler) {
     return Theory{Claim::bound, 1, [=](double h) {
-                    return std::max(std::abs(height(h, earliest(h) - h, euler) - ball.height(t)),
-                                    std::abs(height(h, earliest(h), euler) - ball.height(t)));
+                    return std::max(std::abs(height(h, h, euler) - ball.height(t)),
+                                    std::abs(height(h, 0, euler) - ball.height(t)));
                   }};
   });
   one.error = [=](World& world, int steps) {
@@ -137,10 +130,9 @@ void add_bouncing(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 }
 
-/// Errors are those of ReboundErrors, down to the first impact at p whose rebound e p may not reach the
-/// height at which it is resolved: e^2 p^2 < 2 g s for the earliest time T, p < g T (1 + sqrt(1 - e^2)) /
-/// e^2. Of the remaining time 2 p e / (g (1 - e)), any part may be missing; approaches below 2 g h do not
-/// bounce at all. The last contact takes two steps.
+/// Errors are those of ReboundErrors, down to the first impact that may approach slower than 2 g h at the
+/// height at which it is resolved, or rebounds slower than g h. Of the remaining time 2 p e / (g (1 - e)),
+/// any part may be missing. The last contact takes two steps.
 void add_zeno(std::vector<AnalyticCase>& cases) {
   AnalyticCase one;
   one.name = "zeno";
@@ -154,13 +146,14 @@ void add_zeno(std::vector<AnalyticCase>& cases) {
   one.methods = all_integrators([=](bool euler) {
     return Theory{Claim::bound, 1, [=](double h) {
                     const double g = ball.gravity, e = ball.e;
-                    const double slowest = g * earliest(h) * (1 + std::sqrt(1 - e * e)) / (e * e);
                     int n = 0;
-                    ReboundErrors off(ball, n, h, earliest(h), euler);
-                    while (ball.impact_speed(n + 1) - off.slow - off.b > slowest)
-                      off = ReboundErrors(ball, ++n, h, earliest(h), euler);
-                    return off.skip + 2 * off.slow / g + earliest(h) +
-                           2 * ball.impact_speed(n + 1) * e / (g * (1 - e)) + 2 * h;
+                    ReboundErrors off(ball, n, h, 0, euler);
+                    for (;; off = ReboundErrors(ball, ++n, h, 0, euler)) {
+                      const double p = ball.impact_speed(n + 1) - off.slow - off.b;
+                      if (!(p > std::max(g * (2 * h + earliest(h, g, p)), g * h / e))) break;
+                    }
+                    return off.skip + 2 * off.slow / g + 2 * ball.impact_speed(n + 1) * e / (g * (1 - e)) +
+                           3 * h;
                   }};
   });
   one.error = [=](World& world, int steps) {

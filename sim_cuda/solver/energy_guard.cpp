@@ -11,6 +11,23 @@ namespace collidoscope {
 
 namespace {
 
+/// Energy terms of a body or an island, J; names as in the header. Angular terms are included.
+struct Terms {
+  static constexpr std::uint32_t count = 6;
+  double values[count];
+  SIM_HD double start() const { return values[0]; }      ///< sum of m w . d
+  SIM_HD double square() const { return values[1]; }     ///< sum of m d . d / 2
+  SIM_HD double allowed() const { return values[2]; }    ///< sum of m h^2 g . g / 2
+  SIM_HD double by_start() const { return values[3]; }   ///< sum of w . P
+  SIM_HD double by_change() const { return values[4]; }  ///< sum of d . P
+  SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
+  SIM_HD double gain() const { return start() + square() - allowed(); }
+  SIM_HD float magnitude() const {
+    double largest = 0;
+    for (const double value : values) largest = max_of(largest, value < 0 ? -value : value);
+    return static_cast<float>(largest);
+  }
+};
 template <class Real>
 struct GuardRounds {
   BodyView<Real> bodies;
@@ -25,32 +42,44 @@ struct GuardRounds {
   const WallPlane<Real>* planes;
   int plane_count, surfaces;
   JointView<Real> joints;
+  const std::uint8_t* is_jointed;  ///< by body; null without joints
   StaticImpulse* static_impulses;
   const StepControl* control;
-  std::uint32_t *flag, *parent, *scale;
+  std::uint32_t* flags;  ///< 0: a body gains energy; k > 0: an island does after the k-th removal
+  std::uint32_t *parent, *scale;
   std::uint64_t* sums;
   std::uint8_t* exempt;
 
-  static constexpr int rounds = 8;
+  /// Removals of impulses: those at the end of the substep, then steps of steepest descent.
+  static constexpr int removals = EnergyGuard<Real>::flag_count, descents = removals - 1;
+  static constexpr int first_rounds = 4, rounds_per_removal = 4;
+  static constexpr int rounds = first_rounds + removals * rounds_per_removal;
+
   SIM_HD std::int64_t items(int round) const {
-    if (control->overflow) return 0;
+    const auto contact_count = static_cast<std::int64_t>(control->contacts);
+    if (control->overflow) return -1;
     if (round == 0) return body_count;
-    if (atomic_load(flag) == 0) return 0;
-    return round == 2 ? static_cast<std::int64_t>(control->contacts)
-           : round == 3 ? joints.count
-           : round == 7 ? 1
-                        : body_count;
+    if (atomic_load(flags + removal_of(round)) == 0) return -1;
+    if (round == 1) return max_of(body_count, contact_count);
+    if (round == 2) return contact_count;
+    if (round == 3) return joints.count;
+    return part_of(round) == 0 ? max_of(body_count, contact_count) : body_count;
   }
   SIM_HD void operator()(int round, int item) const {
-    switch (round) {
-      case 0: return test(item);
-      case 1: return begin(item);
-      case 2: return join_contact(static_cast<std::uint32_t>(item));
-      case 3: return join_joint(item);
-      case 4: return find_scale(item);
-      case 5: return add(item);
-      case 6: return remove(item);
-      default: *flag = 0;
+    if (round == 0) return test(item);
+    if (round == 1) return item < body_count ? begin(item) : void();
+    if (round == 2) return join_contact(static_cast<std::uint32_t>(item));
+    if (round == 3) return join_joint(item);
+    const int removal = removal_of(round);
+    switch (part_of(round)) {
+      case 0:
+        return prepare(removal, item);
+      case 1:
+        return find_scale(removal, item);
+      case 2:
+        return add(removal, item);
+      default:
+        return remove(removal, item);
     }
   }
 
@@ -58,18 +87,15 @@ struct GuardRounds {
   /// Bits of a term in a sum; leaves room for 2^24 terms.
   static constexpr int bits = 38;
 
-  /// Energy terms of a body, J: G, S and D of the header.
-  struct Terms {
-    double gain, linear, square;
-    SIM_HD float magnitude() const {
-      const double largest = max_of(gain < 0 ? -gain : gain, max_of(linear < 0 ? -linear : linear, square));
-      return static_cast<float>(largest);
-    }
-  };
   /// Velocity changes by the contacts of a body, as they act at the current positions.
   struct Change {
     Vector3<Real> impulse, moment;  ///< N s, N m s
   };
+
+  SIM_HD static int removal_of(int round) {
+    return round < first_rounds ? 0 : (round - first_rounds) / rounds_per_removal;
+  }
+  SIM_HD static int part_of(int round) { return (round - first_rounds) % rounds_per_removal; }
 
   // ---- bodies ----
 
@@ -96,35 +122,38 @@ struct GuardRounds {
   SIM_HD static Vector3<double> wide(const Vector3<Real>& v) {
     return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
   }
-  /// Energy that contacts have added to a body. `rounding`: error of it, J.
-  SIM_HD double gain(int body, double& rounding) const {
-    rounding = 0;
+  /// The first three terms of a body.
+  SIM_HD Terms gain(int body) const {
+    Terms sum{};
     const Vector3<Real> change = bodies.velocity[body].load() - free_velocity(body);
     Vector3<Real> before = Vector3<Real>::Zero(), spin_change = before;
     if (start_spin != nullptr) {
       before = free_angular_velocity(body);
       spin_change = bodies.angular_velocity[body].load() - before;
     }
-    if (change.dot(change) == 0 && spin_change.dot(spin_change) == 0) return 0;
+    if (change.dot(change) == 0 && spin_change.dot(spin_change) == 0) return sum;
     const double m = static_cast<double>(bodies.mass[body]);
-    const Vector3<double> d = wide(change), w = wide(start[body]);
-    double linear = m * w.dot(d), square = m / 2 * d.dot(d), allowed = 0;
+    const Vector3<double> d = wide(change);
+    sum.values[0] = m * wide(start[body]).dot(d);
+    sum.values[1] = m / 2 * d.dot(d);
     if (with_gravity && !moved_freely(body)) {
       const Vector3<double> g = wide(h * pull(body));
-      allowed = m / 2 * g.dot(g);
+      sum.values[2] = m / 2 * g.dot(g);
     }
-    if (start_spin != nullptr) {
-      const Quaternion<Real> q = bodies.orientation[body];
-      const Vector3<double> old = wide(q.conjugate() * before), added = wide(q.conjugate() * spin_change),
-                            inertia = wide(bodies.inertia[body]);
-      for (int k = 0; k < 3; ++k) {
-        linear += inertia[k] * old[k] * added[k];
-        square += inertia[k] / 2 * added[k] * added[k];
-      }
+    if (start_spin == nullptr) return sum;
+    const Quaternion<Real> q = bodies.orientation[body];
+    const Vector3<double> old = wide(q.conjugate() * before), added = wide(q.conjugate() * spin_change),
+                          inertia = wide(bodies.inertia[body]);
+    for (int k = 0; k < 3; ++k) {
+      sum.values[0] += inertia[k] * old[k] * added[k];
+      sum.values[1] += inertia[k] / 2 * added[k] * added[k];
     }
+    return sum;
+  }
+  /// Error of the gain of a body, J.
+  SIM_HD static double rounding(const Terms& sum) {
     constexpr double relative = sizeof(Real) == 4 ? 1e-5 : 1e-9;
-    rounding = relative * (square + (linear < 0 ? -linear : linear)) + 1e-4 * allowed;
-    return square + linear - allowed;
+    return relative * (sum.square() + (sum.start() < 0 ? -sum.start() : sum.start())) + 1e-4 * sum.allowed();
   }
 
   // ---- rounds ----
@@ -132,20 +161,18 @@ struct GuardRounds {
   SIM_HD void test(int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     add_push_work(body, moved[body], bodies.velocity[body]);
-    double rounding;
-    if (gain(body, rounding) > rounding) atomic_store(flag, std::uint32_t{1});
+    const Terms sum = gain(body);
+    if (sum.gain() > rounding(sum)) atomic_store(flags, std::uint32_t{1});
   }
   /// For a velocity that changes after the move.
   SIM_HD void add_push_work(int body, const Vector3<Real>& before, const Vector3<Real>& after) const {
-    if (!with_gravity) return;
+    if (!with_gravity || (is_jointed != nullptr && is_jointed[body] != 0)) return;
     const Real work = -h * bodies.mass[body] * pull(body).dot(before - after);
     if (work != 0) static_impulses[body].push_work += static_cast<double>(work);
   }
   SIM_HD void begin(int body) const {
     parent[body] = static_cast<std::uint32_t>(body);
-    scale[body] = 0;
-    exempt[body] = 0;
-    for (int k = 0; k < 3; ++k) sums[3 * body + k] = 0;
+    exempt[body] = is_jointed != nullptr ? is_jointed[body] : std::uint8_t{0};
   }
   SIM_HD bool is_moving(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
@@ -161,42 +188,57 @@ struct GuardRounds {
     if (guarded_b && bodies.inverse_mass[a] == 0 && is_moving(a)) atomic_store(&exempt[b], std::uint8_t{1});
   }
   SIM_HD void join_contact(std::uint32_t place) const {
+    if (has_pressed(place)) join(contacts.ids[place].a, contacts.ids[place].b);
+  }
+  SIM_HD bool has_pressed(std::uint32_t place) const {
     const ContactSums<Real> sum = contacts.sums[place];
-    if (sum.total > 0 || sum.impact < 0) join(contacts.ids[place].a, contacts.ids[place].b);  // has pressed
+    return sum.total > 0 || sum.impact < 0;
   }
   SIM_HD void join_joint(int joint) const {
     const JointRow<Real>& row = joints.rows[joint];
-    atomic_store(&exempt[row.a], std::uint8_t{1});
-    if (row.b == JointRow<Real>::world) return;
-    atomic_store(&exempt[row.b], std::uint8_t{1});
-    join(row.a, row.b);
+    if (row.b != JointRow<Real>::world) join(row.a, row.b);
   }
-  SIM_HD void find_scale(int body) const {
+  /// Clears the sums. Before a step of steepest descent, computes the opposing impulses of contacts.
+  SIM_HD void prepare(int removal, int item) const {
+    if (item < body_count) {
+      scale[item] = 0;
+      for (std::uint32_t k = 0; k < Terms::count; ++k)
+        sums[Terms::count * static_cast<std::uint32_t>(item) + k] = 0;
+    }
+    if (removal == 0 || item >= static_cast<std::int64_t>(control->contacts)) return;
+    const auto place = static_cast<std::uint32_t>(item);
+    const Pair ids = contacts.ids[place];
+    const Real mass = 1 / (bodies.inverse_mass[ids.a] + bodies.inverse_mass[ids.b]);
+    const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
+    contacts.opposing[place] =
+        has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
+  }
+  SIM_HD void find_scale(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    const float size = terms(body).magnitude();
+    const float size = terms(removal, body).magnitude();
     if (size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
     if (exempt[body] != 0) atomic_store(&exempt[root], std::uint8_t{1});
   }
-  SIM_HD void add(int body) const {
+  SIM_HD void add(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     if (scale[root] == 0) return;
-    const Terms sum = terms(body);
-    const double values[3] = {sum.gain, sum.linear, sum.square}, one = unit(root);
-    for (std::uint32_t k = 0; k < 3; ++k)
-      atomic_add(&sums[3 * root + k],
-                 static_cast<std::uint64_t>(static_cast<std::int64_t>(values[k] / one)));
+    const Terms sum = terms(removal, body);
+    const double one = unit(root);
+    for (std::uint32_t k = 0; k < Terms::count; ++k)
+      atomic_add(&sums[Terms::count * root + k],
+                 static_cast<std::uint64_t>(static_cast<std::int64_t>(sum.values[k] / one)));
   }
-  SIM_HD void remove(int body) const {
-    const Real share = share_to_remove(static_cast<std::uint32_t>(body));
+  SIM_HD void remove(int removal, int body) const {
+    const Real share = share_to_remove(removal, static_cast<std::uint32_t>(body));
     if (!(share > 0)) return;
-    const Change by_contacts = change_of(body, share);
+    const Change by_contacts = removal == 0 ? change_of(body, share) : opposing_of(body);
     const Vector3<Real> v = bodies.velocity[body];
     const Vector3<Real> next = v - share * bodies.inverse_mass[body] * by_contacts.impulse;
     bodies.velocity[body] = next;
     add_push_work(body, v, next);
-    if (start_spin == nullptr) return;
+    if (start_spin == nullptr || removal > 0) return;
     AngularState<Real> angular = angular_state(body);
     angular.apply_angular_impulse(-share * by_contacts.moment);
     bodies.angular_velocity[body] = angular.velocity;
@@ -208,23 +250,22 @@ struct GuardRounds {
     return static_cast<double>(std::bit_cast<float>(scale[root])) /
            static_cast<double>(std::uint64_t{1} << bits);
   }
-  SIM_HD Terms terms(int body) const {
-    double rounding;
-    Terms sum{gain(body, rounding), 0, 0};
-    const Change by_contacts = change_of(body, 0);
-    Vector3<Real> now = bodies.velocity[body];
-    if (with_gravity) now -= h * pull(body);
+  SIM_HD Terms terms(int removal, int body) const {
+    Terms sum = gain(body);
+    const Change by_contacts = removal == 0 ? change_of(body, 0) : opposing_of(body);
     const Vector3<double> impulse = wide(by_contacts.impulse);
-    sum.linear = wide(now).dot(impulse);
-    sum.square = static_cast<double>(bodies.inverse_mass[body]) * impulse.dot(impulse);
-    if (start_spin != nullptr) {
-      AngularState<Real> angular = angular_state(body);
-      const Vector3<double> moment = wide(by_contacts.moment);
-      sum.linear += wide(angular.velocity).dot(moment);
-      angular.velocity = Vector3<Real>::Zero();
-      angular.apply_angular_impulse(by_contacts.moment);
-      sum.square += wide(angular.velocity).dot(moment);
-    }
+    sum.values[3] = wide(start[body]).dot(impulse);
+    sum.values[4] = wide(bodies.velocity[body].load() - free_velocity(body)).dot(impulse);
+    sum.values[5] = static_cast<double>(bodies.inverse_mass[body]) * impulse.dot(impulse);
+    if (start_spin == nullptr || removal > 0) return sum;
+    AngularState<Real> angular = angular_state(body);
+    const Vector3<double> moment = wide(by_contacts.moment);
+    const Vector3<Real> before = free_angular_velocity(body);
+    sum.values[3] += wide(before).dot(moment);
+    sum.values[4] += wide(angular.velocity - before).dot(moment);
+    angular.velocity = Vector3<Real>::Zero();
+    angular.apply_angular_impulse(by_contacts.moment);
+    sum.values[5] += wide(angular.velocity).dot(moment);
     return sum;
   }
   /// Sums the impulses at the end of the substep. `removed` > 0: also takes this share of them from the sums
@@ -260,21 +301,41 @@ struct GuardRounds {
     }
     return sum;
   }
-  /// Share of the contact impulses that the island of a body loses.
-  SIM_HD Real share_to_remove(std::uint32_t body) const {
+  /// Sums the opposing impulses.
+  SIM_HD Change opposing_of(int body) const {
+    Change sum{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
+    for (std::uint32_t k = 0; control->contacts > 0 && k < contacts.by_body.count[body]; ++k) {
+      const ContactEnd end = contacts.by_body.end(body, k);
+      sum.impulse +=
+          end.template sign<Real>() * contacts.opposing[end.contact] * contacts.soft[end.contact].normal;
+    }
+    return sum;
+  }
+  /// Share of the impulses that the island of a body loses. Requests the next removal if energy is still
+  /// gained after it.
+  SIM_HD Real share_to_remove(int removal, std::uint32_t body) const {
     if (!is_guarded(body)) return 0;
     const std::uint32_t root = root_of(parent, body);
     if (scale[root] == 0 || exempt[root] != 0) return 0;
-    const auto sum = [&](std::uint32_t k) {
-      return unit(root) * static_cast<double>(static_cast<std::int64_t>(sums[3 * root + k]));
+    Terms all;
+    for (std::uint32_t k = 0; k < Terms::count; ++k)
+      all.values[k] =
+          unit(root) * static_cast<double>(static_cast<std::int64_t>(sums[Terms::count * root + k]));
+    const double gain = all.gain(), linear = all.by_start() + all.by_change(), square = all.by_self();
+    if (!(gain > 0) || (removal > 0 && !(gain > rounding(all)))) return 0;
+    const auto go_on = [&] {
+      if (removal + 1 < removals) atomic_store(flags + removal + 1, std::uint32_t{1});
     };
-    const Terms all{sum(0), sum(1), sum(2)};
-    if (!(all.gain > 0) || !(all.linear > 0)) return 0;
-    const double discriminant = all.linear * all.linear - 2 * all.square * all.gain;
+    if (!(linear > 0)) {
+      go_on();
+      return 0;
+    }
+    const double discriminant = linear * linear - 2 * square * gain;
     using std::sqrt;
-    const double share = discriminant > 0 ? 2 * all.gain / (all.linear + sqrt(discriminant))
-                                          : all.linear / all.square;
-    return static_cast<Real>(min_of(share, 1.0));
+    double share = discriminant > 0 ? 2 * gain / (linear + sqrt(discriminant)) : linear / square;
+    if (removal == 0) share = min_of(share, 1.0);
+    if (gain - share * linear + share * share / 2 * square > rounding(all)) go_on();
+    return static_cast<Real>(share);
   }
 };
 
@@ -287,7 +348,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       start_velocity_(executor, "velocities at substep start"),
       start_spin_(executor, "spins at substep start"),
       moved_velocity_(executor, "velocities of the move"),
-      flag_(executor, "energy guard flag"),
+      flags_(executor, "energy guard flags"),
       parent_(executor, "energy guard islands"),
       scale_(executor, "energy guard scales"),
       sums_(executor, "energy guard sums"),
@@ -298,26 +359,40 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   if (scene.effects.rotation && (scene.effects.friction || scene.effects.joints))
     start_spin_.resize_discarding(n);
   moved_velocity_.resize_discarding(n);
-  flag_.upload({0});
+  flags_.upload(std::vector<std::uint32_t>(flag_count, 0));
   parent_.resize_discarding(n);
   scale_.resize_discarding(n);
-  sums_.resize_discarding(3 * n);
+  sums_.resize_discarding(std::size_t{Terms::count} * n);
   exempt_.resize_discarding(n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
 }
 
 template <class Real>
 void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity) {
-  executor_.run_rounds(
-      "relax", GuardRounds<Real>::rounds, std::max(scene_.body_count, contact_capacity),
-      GuardRounds<Real>{scene_.bodies, scene_.body_count, start_velocity_.data(), start_spin(),
-                        moved_velocity_.data(), is_free(), scene_.gravity,
-                        scene_.effects.attractor ? scene_.field : nullptr,
-                        scene_.effects.gravity || scene_.effects.attractor, h, contacts, scene_.planes,
-                        scene_.plane_count, scene_.surfaces(),
-                        scene_.joints != nullptr ? scene_.joints->view() : JointView<Real>{},
-                        scene_.static_impulses, scene_.control, flag_.data(), parent_.data(), scale_.data(),
-                        sums_.data(), exempt_.data()});
+  executor_.run_rounds("relax", GuardRounds<Real>::rounds, std::max(scene_.body_count, contact_capacity),
+                       GuardRounds<Real>{scene_.bodies,
+                                         scene_.body_count,
+                                         start_velocity_.data(),
+                                         start_spin(),
+                                         moved_velocity_.data(),
+                                         is_free(),
+                                         scene_.gravity,
+                                         scene_.effects.attractor ? scene_.field : nullptr,
+                                         scene_.effects.gravity || scene_.effects.attractor,
+                                         h,
+                                         contacts,
+                                         scene_.planes,
+                                         scene_.plane_count,
+                                         scene_.surfaces(),
+                                         scene_.joints != nullptr ? scene_.joints->view() : JointView<Real>{},
+                                         scene_.joints != nullptr ? scene_.joints->is_jointed() : nullptr,
+                                         scene_.static_impulses,
+                                         scene_.control,
+                                         flags_.data(),
+                                         parent_.data(),
+                                         scale_.data(),
+                                         sums_.data(),
+                                         exempt_.data()});
 }
 
 template class EnergyGuard<float>;

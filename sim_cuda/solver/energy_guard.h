@@ -3,9 +3,9 @@
 // warm starting and overlap recovery can add kinetic energy, most of all under heavy loads and with deep
 // overlap at the start.
 //
-// In a substep, contacts change the velocity w + h g of a body (w: after drag; g: gravity and attractors) by d,
-// with angular velocities included below. The total energy of bodies that move by h times their new velocity
-// rises by
+// In a substep, contacts change the velocity w + h g of a body (w: after drag; g: gravity and attractors) by
+// d, with angular velocities included below. The total energy of bodies that move by h times their new
+// velocity rises by
 //
 //   G = sum of m (w . d + d . d / 2) - m h^2 g . g / 2
 //
@@ -14,21 +14,27 @@
 //
 //   G - s S + s^2 D / 2 = 0,  S = sum of (w + d) . P,  D = sum of P . P / m
 //
+// The normals turn while bodies recover from deep overlap, so energy may still be gained then. For this rest,
+// P is replaced by impulses that oppose the relative normal velocities of all contacts that have pressed in
+// the step. A sum in which D is minimal is one step of steepest descent; there are at most `descents` of
+// them.
+//
 // Impulses act along the normals at the current positions, so momentum and angular momentum are conserved.
 // The impulses for warm starting are not changed: a load that was reduced here would be missing in the next
-// substep, and a column would never come to rest. Bodies that moved freely have no term m h^2 g . g / 2, because
-// free flight is exact.
+// substep, and a column would never come to rest. Bodies that moved freely have no term m h^2 g . g / 2,
+// because free flight is exact.
 //
-// An island is a set of dynamic bodies that are connected by contacts with impulses, or by joints. Islands are
-// found only if the sum of at least one body is positive, within a tolerance. Islands with joints are exempt:
-// the energy of an oscillating joint varies within a period, and a limit from one side would damp it. Islands
-// with contacts to moving kinematic bodies are exempt, because these do work on bodies.
+// An island is a set of dynamic bodies that are connected by contacts with impulses, or by joints. Islands
+// are found only if the sum of at least one body is positive, within a tolerance. Islands with joints are
+// exempt: the energy of an oscillating joint varies within a period, and a limit from one side would damp it.
+// Islands with contacts to moving kinematic bodies are exempt, because these do work on bodies.
 //
 // Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
 // depend on the order. All stages are rounds of one launch.
 //
 // Also adds StaticImpulse::push_work, the potential energy that overlap recovery adds: -m g . (h v_moved -
-// h v), where v_moved is the velocity of the move and v the velocity at the end of the substep.
+// h v), where v_moved is the velocity of the move and v the velocity at the end of the substep. Not for
+// bodies with joints, whose constraints also change the velocity after the move.
 
 #include <cstdint>
 
@@ -42,9 +48,10 @@ namespace collidoscope {
 /// Contacts at the end of a substep.
 template <class Real>
 struct GuardedContacts {
-  const Pair* ids;                       ///< by place, as the next two
+  const Pair* ids;  ///< by place, as the next two
   const PackedContact<Real>* soft;
   const ContactSums<Real>* sums;
+  Real* opposing;                        ///< N s; memory for one impulse per place
   ContactsByBodyView by_body;            ///< places of all contacts
   const Real* plane_impulse;             ///< N s; index surface * body count + body
   const Vector3<Real>* plane_friction;   ///< N s; null without friction
@@ -66,6 +73,10 @@ class EnergyGuard {
   /// By body, written by the integrator: 1 if the body moved freely. Null with semi-implicit Euler.
   std::uint8_t* is_free() { return is_free_.size() > 0 ? is_free_.data() : nullptr; }
 
+  /// Flags of the removals; must be 0 at the call of apply().
+  std::uint32_t* flags() { return flags_.data(); }
+  static constexpr int flag_count = 5;
+
   /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
   void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);
 
@@ -73,10 +84,10 @@ class EnergyGuard {
   Executor& executor_;
   const SolverScene<Real> scene_;
   Buffer<PackedVector3<Real>> start_velocity_, start_spin_, moved_velocity_;
-  Buffer<std::uint32_t> flag_;    ///< one element: 1 if a body gains energy
+  Buffer<std::uint32_t> flags_;   ///< see GuardRounds::flags
   Buffer<std::uint32_t> parent_;  ///< by body
   Buffer<std::uint32_t> scale_;   ///< by root: bits of the largest term, J (float)
-  Buffer<std::uint64_t> sums_;    ///< three per root: G, S, D
+  Buffer<std::uint64_t> sums_;    ///< by root: see GuardRounds::Terms
   Buffer<std::uint8_t> exempt_;   ///< by body: it has a joint, or touches a moving kinematic body
   Buffer<std::uint8_t> is_free_;  ///< by body; empty with Euler's integrator
 };

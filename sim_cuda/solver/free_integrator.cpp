@@ -48,8 +48,9 @@ struct IntegrateFree {
   BodyView<Real> bodies;
   const PackedVector3<Real>* before;
   PackedVector3<Real>* drift_velocity;
-  PackedVector3<Real>* moved;  ///< the final velocity, too; or null
-  std::uint8_t* is_free;       ///< 1 for each free body; or null
+  PackedVector3<Real>* moved;         ///< the final velocity, too; or null
+  std::uint8_t* is_free;              ///< 1 for each free body; or null
+  const std::uint32_t* bounced_mask;  ///< see SoftWalls; or null
   const WallPlane<Real>* planes;
   int plane_count;
   Real h;  ///< s
@@ -72,6 +73,7 @@ struct IntegrateFree {
       }
     }
     if (is_free != nullptr) is_free[body] = free ? 1 : 0;
+    if (bounced_mask != nullptr && bounced_mask[body] != 0) end_at_planes(body, step.drift_velocity);
     drift_velocity[body] = step.drift_velocity;
     bodies.velocity[body] = step.velocity;
     if (moved != nullptr) moved[body] = step.velocity;
@@ -80,7 +82,9 @@ struct IntegrateFree {
   template <class Forces>
   SIM_HD FreeStep<Real> free_step(const Forces& forces, const Vector3<Real>& x, const Vector3<Real>& v,
                                   const Vector3<Real>& a) const {
-    if constexpr (integrator == Integrator::rk4)
+    if constexpr (integrator == Integrator::semi_implicit_euler)
+      return {v + h * a, v + h * a};
+    else if constexpr (integrator == Integrator::rk4)
       return rk4_step(forces, x, v, a, h);
     else
       return verlet_step(forces, x, v, a, h);
@@ -94,6 +98,19 @@ struct IntegrateFree {
       if (gap + h * speed < 0 && speed < normal.dot(euler)) return true;
     }
     return false;
+  }
+  /// Shortens the drift velocity of a body that bounced and reaches the same plane again, because it is so
+  /// fast that it crosses its container in a substep. See SoftWalls::ends_at_plane().
+  SIM_HD void end_at_planes(int body, Vector3<Real>& drift) const {
+    const Vector3<Real> x = bodies.position[body];
+    const Real radius = bodies.radius[body];
+    if (!(h * h * drift.dot(drift) > radius * radius)) return;
+    for (int p = 0; p < min_of(plane_count, 32); ++p) {
+      if ((bounced_mask[body] >> p & 1) == 0) continue;
+      const Vector3<Real> normal = planes[p].normal;
+      const Real gap = max_of(normal.dot(x) - planes[p].offset - radius, Real(0)), speed = normal.dot(drift);
+      if (gap + h * speed < 0) drift *= gap / (-h * speed);
+    }
   }
 };
 
@@ -125,14 +142,14 @@ FreeIntegrator<Real>::FreeIntegrator(Executor& executor, const SolverScene<Real>
       scene_(scene),
       before_(executor, "velocities at substep start"),
       drift_velocity_(executor, "drift velocities") {
-  if (!uses_higher_order()) return;
+  if (!has_drift_velocity()) return;
   before_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   drift_velocity_.resize_discarding(static_cast<std::size_t>(scene.body_count));
 }
 
 template <class Real>
 void FreeIntegrator<Real>::begin() {
-  if (uses_higher_order())
+  if (has_drift_velocity())
     executor_.run("integrate", scene_.body_count,
                   SaveVelocities<Real>{scene_.bodies.velocity, before_.data()});
 }
@@ -140,14 +157,14 @@ void FreeIntegrator<Real>::begin() {
 template <class Real>
 BodyView<Real> FreeIntegrator<Real>::bodies_with_drift_velocity() const {
   BodyView<Real> bodies = scene_.bodies;
-  if (uses_higher_order()) bodies.velocity = drift_velocity_.data();
+  if (has_drift_velocity()) bodies.velocity = drift_velocity_.data();
   return bodies;
 }
 
 template <class Real>
 void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<Real>* moved,
-                                     std::uint8_t* is_free) {
-  if (!uses_higher_order()) {
+                                     std::uint8_t* is_free, const std::uint32_t* bounced_mask) {
+  if (!has_drift_velocity()) {
     if (moved != nullptr)
       executor_.run("integrate", scene_.body_count, SaveVelocities<Real>{scene_.bodies.velocity, moved});
     return;
@@ -158,19 +175,25 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
                                   effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
                                   scene_.gravity};
     executor_.run("integrate", scene_.body_count,
-                  IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
-                                                  drift_velocity_.data(), moved, is_free, scene_.planes, scene_.plane_count,
-                                                  h, forces_applied, scene_.control});
+                  IntegrateFree<Real, integrator>{
+                      field, scene_.bodies, before_.data(), drift_velocity_.data(), moved, is_free,
+                      bounced_mask, scene_.planes, scene_.plane_count, h, forces_applied, scene_.control});
   };
-  scene_.integrator == Integrator::rk4 ? with.template operator()<Integrator::rk4>()
-                                       : with.template operator()<Integrator::velocity_verlet>();
+  switch (scene_.integrator) {
+    case Integrator::rk4:
+      return with.template operator()<Integrator::rk4>();
+    case Integrator::velocity_verlet:
+      return with.template operator()<Integrator::velocity_verlet>();
+    case Integrator::semi_implicit_euler:
+      return with.template operator()<Integrator::semi_implicit_euler>();
+  }
 }
 
 template <class Real>
 void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t* asleep,
                                 const ClampedMotion<Real>& clamped) {
   Effects move_effects = scene_.effects;
-  if (forces_applied || uses_higher_order()) move_effects.gravity = false;  // already in the velocities
+  if (forces_applied || has_drift_velocity()) move_effects.gravity = false;  // already in the velocities
   move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
                     scene_.box, h, scene_.control, asleep, clamped);
   if (!scene_.unequal_moments) return;

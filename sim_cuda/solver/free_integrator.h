@@ -22,8 +22,9 @@
 // stages of dynamics/move.h. Only a scene with other bodies has the stage "turn"
 // (dynamics/rotation_updates.h).
 //
-// Owned by a solver. With semi_implicit_euler it uses no memory, and launches only the stages of
-// dynamics/move.h and "turn", and "integrate" if the energy guard needs the velocities of the move.
+// Owned by a solver. With semi_implicit_euler and without continuous collision it uses no memory, and
+// launches only the stages of dynamics/move.h and "turn", and "integrate" if the energy guard needs the
+// velocities of the move.
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
@@ -41,9 +42,10 @@ class FreeIntegrator {
   void begin();
   /// Computes drift velocities and final velocities. Call after all velocity changes, before move(). `h`:
   /// substep, s. `forces_applied`: velocities already include gravity. `moved`: the final velocities are also
-  /// written there. `is_free`: 1 for each free body is written there. Both may be null.
+  /// written there. `is_free`: 1 for each free body is written there. `bounced_mask`: see SoftWalls. All may
+  /// be null.
   void integrate(Real h, bool forces_applied, PackedVector3<Real>* moved = nullptr,
-                 std::uint8_t* is_free = nullptr);
+                 std::uint8_t* is_free = nullptr, const std::uint32_t* bounced_mask = nullptr);
   /// Bodies whose velocity is the drift velocity of this substep.
   BodyView<Real> bodies_with_drift_velocity() const;
   /// Moves and rotates awake bodies for `h` s along the drift velocity, limited by `clamped`.
@@ -52,7 +54,11 @@ class FreeIntegrator {
             const ClampedMotion<Real>& clamped = {});
 
  private:
-  bool uses_higher_order() const { return scene_.integrator != Integrator::semi_implicit_euler; }
+  /// True if the drift velocity may differ from the final velocity. With continuous collision, the ways of
+  /// fast bodies end at planes.
+  bool has_drift_velocity() const {
+    return scene_.integrator != Integrator::semi_implicit_euler || scene_.effects.continuous_collision;
+  }
 
   Executor& executor_;
   const SolverScene<Real> scene_;

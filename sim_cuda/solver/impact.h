@@ -11,8 +11,14 @@
 // Against a static surface at distance s, with acceleration a towards it, the rebound speed at the current
 // position is sqrt(e^2 (u^2 + 2 a s) - 2 a s). The body is then on the parabola that it would follow after an
 // impact at the surface. So the energy is exact if free flight is exact (integrators.h). If the square is
-// negative, the rebound does not reach this height: the impulse leaves the speed s/h, at which the body
-// touches at the end of the substep.
+// negative, the rebound does not reach this height: a pair then separates at e u. At a plane, the body is
+// moved to the surface and leaves it at e times the speed of arrival. If e < 1, a body without contacts is
+// always moved: its impact is early by at most about a substep. On the parabola, it would also skip the time
+// in which it returns to its height, at the lower speed. The gaps of contacts are not updated, so bodies with
+// contacts stay where they are if they can.
+//
+// If e = 0, a pair keeps the approach speed s/h, at which it touches at the end of the substep. At planes,
+// the contact solver does the same.
 //
 // The threshold grows with the load: 2 a h, where a is the acceleration of the body by gravity and
 // attractors, plus a quarter of the speed that the contact's impulse of the last substep gives. A resting
@@ -46,8 +52,8 @@ struct ImpactLaw {
   /// Approach speeds below this fraction of the bodies' speeds are rounding.
   static constexpr Real rounding = sizeof(Real) == 4 ? Real(1e-5) : Real(1e-7);
 
-  /// Contacts that touch within this time have an impact, s. More than h, so that rounding leaves no contact to
-  /// the inelastic solver.
+  /// Contacts that touch within this time have an impact, s. More than h, so that rounding leaves no contact
+  /// to the inelastic solver.
   SIM_HD Real reach_time() const { return h * Real(1.0625); }
   /// By gravity and attractors, m/s^2.
   SIM_HD Vector3<Real> acceleration(std::uint32_t body) const {
@@ -62,14 +68,14 @@ struct ImpactLaw {
   SIM_HD Real threshold(Real rest, Real speed, Real load, Real inverse_mass) const {
     return max_of(rest, rounding * speed) + Real(load_share) * load * inverse_mass;
   }
-  /// Separation speed after the impact, m/s; negative: the contact closes in this substep. `approach`, m/s,
-  /// at distance `gap` >= 0, m. `acceleration`: towards the surface, m/s^2. `e`: of the pair.
+  /// Separation speed after an impact, m/s, at the same distance; 0 or less if the rebound does not reach it.
+  /// `approach`, m/s, at distance `gap` >= 0, m. `acceleration`: towards the surface, m/s^2. `e`: of the
+  /// pair.
   SIM_HD Real separation(Real approach, Real gap, Real acceleration, Real e) const {
-    if (e == 1 || (e > 0 && !(gap * acceleration != 0))) return e * approach;
-    const Real lift = 2 * acceleration * gap;
-    const Real squared = e * e * (approach * approach + lift) - lift;
+    if (e == 1 || !(gap * acceleration != 0)) return e * approach;
+    const Real lift = 2 * acceleration * gap, squared = e * e * (approach * approach + lift) - lift;
     using std::sqrt;
-    return e > 0 && squared > 0 ? sqrt(squared) : -gap / h;
+    return squared > 0 ? sqrt(squared) : Real(0);
   }
 };
 
@@ -95,15 +101,19 @@ struct Impact {
           law.threshold(rest, speed, contact.impulse, bodies.inverse_mass_a + bodies.inverse_mass_b)))
       return 0;
     const Vector3<Real> pull = a_b - a_a;
-    if (contact.gap > 0 && contact.passes(velocity + (law.h / 2) * pull, motions.reach(), law.reach_time())) return 0;
-    const Real gap = max_of(contact.gap, Real(0)), acceleration = -pull.dot(contact.normal);
-    const Real e = law.restitution.of_pair(motions.ids, approach);
-    const Real separation = law.separation(approach, gap, acceleration, e);
-    if (separation <= 0 && !(approach + separation > rest + law.rounding * speed)) return 0;
+    if (contact.gap > 0 && misses(contact, motions.reach(), velocity, pull)) return 0;
+    const Real e = law.restitution.of_pair(motions.ids, approach), gap = max_of(contact.gap, Real(0));
+    Real separation = -gap / law.h;
+    if (e > 0) {
+      separation = law.separation(approach, gap, -pull.dot(contact.normal), e);
+      if (!(separation > 0)) separation = e * approach;
+    } else if (!(approach + separation > rest + law.rounding * speed)) {
+      return 0;
+    }
     const Real change = motions.mass * (approach + separation);
     contact.impact = max_of(contact.impact, Real(0)) + change;
     contact.total += change;
-    if (separation > 0) contact.impulse = 0;
+    if (e > 0) contact.impulse = 0;
     atomic_store(again, std::uint32_t{1});
     return change;
   }
@@ -114,6 +124,15 @@ struct Impact {
   }
   SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>&) {
     return contact.impact > 0;
+  }
+
+ private:
+  /// True if the bodies do not touch in the substep, neither in free flight nor in a step of Euler's method.
+  SIM_HD bool misses(const SoftContact<Real>& contact, Real reach, const Vector3<Real>& velocity,
+                     const Vector3<Real>& pull) const {
+    const Real time = law.reach_time();
+    if (!contact.passes(velocity + (law.h / 2) * pull, reach, time)) return false;
+    return pull.dot(pull) == 0 || contact.passes(velocity + law.h * pull, reach, time);
   }
 };
 
@@ -128,14 +147,15 @@ struct ImpactSweeps {
 
   Contacts contacts;
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
-  std::uint32_t* needed;       ///< by sweep, max_impact_sweeps + 1 flags, 0 before the substep
-  const std::uint8_t* asleep;  ///< by body, or null
+  std::uint32_t* needed;             ///< by sweep, max_impact_sweeps + 1 flags, 0 before the substep
+  const std::uint8_t* asleep;        ///< by body, or null
+  const std::uint32_t* contacts_of;  ///< number of contacts, by body
   StepControl* control;
 
   SIM_HD std::int64_t items(int round) const {
     const int sweep = round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
     if (sweep == 0 && part < 0) return control->overflow ? 0 : walls.body_count;
-    if (atomic_load(needed + sweep) == 0) return 0;
+    if (atomic_load(needed + sweep) == 0) return -1;
     return part < 0 ? (walls.count() > 0 ? walls.body_count : 0) : contacts.items(part);
   }
   SIM_HD void operator()(int round, int item) const {
@@ -157,20 +177,24 @@ struct ImpactSweeps {
     if (sweep == 0) walls.clear_bounced(id);
     if (!(v.dot(v) > limit * limit)) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
-    if (!walls.resolve_impacts(id, body, law)) return;
+    const bool may_shift = control->contacts == 0 || contacts_of[id] == 0;
+    if (!walls.resolve_impacts(id, body, law, may_shift)) return;
     walls.store(id, body);
     atomic_store(needed + sweep + 1, std::uint32_t{1});
     if (sweep == 0) atomic_store(needed, std::uint32_t{1});
   }
 };
 
-/// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags.
+/// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags, also those
+/// of the energy guard.
 struct EndImpacts {
-  std::uint32_t* needed;
+  std::uint32_t *needed, *guard_flags;
+  int guard_flag_count;
   StepControl* control;
   SIM_HD void operator()(int) const {
     if (needed[max_impact_sweeps] != 0) ++control->bounce_caps;
     for (int sweep = 0; sweep <= max_impact_sweeps; ++sweep) needed[sweep] = 0;
+    for (int k = 0; k < guard_flag_count; ++k) guard_flags[k] = 0;
   }
 };
 

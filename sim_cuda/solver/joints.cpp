@@ -193,6 +193,7 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
       rows_(executor, "joints"),
       impulses_(executor, "joint impulses"),
       begin_(executor, "joint colour starts"),
+      is_jointed_(executor, "bodies with joints"),
       excluded_pairs_(executor, "pairs excluded by joints"),
       sums_(executor, "joint sums") {
   if (joints.empty()) return;
@@ -206,6 +207,9 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   };
   for (const PlacedJoint& joint : joints)
     each_body(joint, [&](std::uint32_t body) { joints_of[body] += moves[body]; });
+  std::vector<std::uint8_t> is_jointed(initial.size(), 0);
+  std::ranges::transform(joints_of, is_jointed.begin(), [](std::uint32_t n) { return n > 0 ? 1 : 0; });
+  is_jointed_.upload(is_jointed);
 
   const std::vector<std::size_t> colours = colour(joints, moves);
   colours_ = static_cast<int>(*std::ranges::max_element(colours)) + 1;

@@ -34,6 +34,8 @@ class Joints {
   int colours() const { return colours_; }
   JointView<Real> view() const { return {rows_.data(), impulses_.data(), begin_.data(), count()}; }
 
+  /// By body: 1 if it has a joint.
+  const std::uint8_t* is_jointed() const { return is_jointed_.data(); }
   /// Body pairs whose contacts are excluded by a joint.
   ExcludedPairs excluded_pairs() const {
     return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())};
@@ -73,6 +75,7 @@ class Joints {
   Buffer<JointRow<Real>> rows_;
   Buffer<JointImpulse<Real>> impulses_;
   Buffer<std::uint32_t> begin_;
+  Buffer<std::uint8_t> is_jointed_;
   Buffer<Pair> excluded_pairs_;
   Buffer<JointSums> sums_;
 };

@@ -34,6 +34,9 @@ class PlaneContacts {
             scene_.static_impulses};
   }
   Real* impulse() const { return impulse_.data(); }  ///< N s, see SoftWalls::impulse
+  const std::uint32_t* bounced_mask() const {
+    return bounced_mask_.size() > 0 ? bounced_mask_.data() : nullptr;
+  }
   const ContactPlane<Real>* box_planes() const { return box_planes_.data(); }
   Vector3<Real>* friction() const { return friction_.size() > 0 ? friction_.data() : nullptr; }  ///< N s
 
@@ -46,10 +49,11 @@ class PlaneContacts {
   void activate_all();
 
   const SolverScene<Real> scene_;
-  Buffer<Real> impulse_;                           ///< surfaces x bodies; empty without surfaces
-  Buffer<std::uint32_t> bounced_mask_, active_mask_;  ///< by body, one bit per surface; empty without surfaces
-  Buffer<Vector3<Real>> friction_;                 ///< surfaces x bodies; empty without friction
-  Buffer<ContactPlane<Real>> box_planes_;          ///< boxes x bodies; empty without boxes
+  Buffer<Real> impulse_;  ///< surfaces x bodies; empty without surfaces
+  Buffer<std::uint32_t> bounced_mask_,
+      active_mask_;                        ///< by body, one bit per surface; empty without surfaces
+  Buffer<Vector3<Real>> friction_;         ///< surfaces x bodies; empty without friction
+  Buffer<ContactPlane<Real>> box_planes_;  ///< boxes x bodies; empty without boxes
 };
 
 }  // namespace collidoscope

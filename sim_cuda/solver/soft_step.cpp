@@ -113,11 +113,11 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     solve<with_friction>(substep);
     move();
     relax<with_friction>(substep);
-    energy_guard_.apply(
-        h_,
-        {ordered_contacts_.data(), soft_.data(), sums_.data(), all_.view(colouring_.degrees()),
-         planes_.impulse(), planes_.friction(), planes_.box_planes(), sleeping_.asleep()},
-        contact_capacity_);
+    energy_guard_.apply(h_,
+                        {ordered_contacts_.data(), soft_.data(), sums_.data(), uncoloured_change_.data(),
+                         all_.view(colouring_.degrees()), planes_.impulse(), planes_.friction(),
+                         planes_.box_planes(), sleeping_.asleep()},
+                        contact_capacity_);
   }
   dispatch_walls<with_friction>(
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
@@ -153,10 +153,13 @@ void SoftStepSolver<Real>::resolve_impacts() {
                          Sweeps{typename Sweeps::Contacts{
                                     ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr}},
                                 planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                                impact_sweeps_.data(), sleeping_.asleep(), scene_.control});
+                                impact_sweeps_.data(), sleeping_.asleep(),
+                                all_.view(colouring_.degrees()).count, scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
-  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), scene_.control});
+  executor_.run("bounce", 1,
+                EndImpacts{impact_sweeps_.data(), energy_guard_.flags(), EnergyGuard<Real>::flag_count,
+                           scene_.control});
 }
 
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.
@@ -164,8 +167,8 @@ template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::begin_substep() {
   free_integrator_.begin();
-  if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
   apply_forces<with_friction>();
+  if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
   kinematic_.restore();
   if (scene_.effects.joints) scene_.joints->warm_start();
 }
@@ -187,7 +190,8 @@ void SoftStepSolver<Real>::solve(int substep) {
 /// normals and gaps of contacts.
 template <class Real>
 void SoftStepSolver<Real>::move() {
-  free_integrator_.integrate(h_, true, energy_guard_.moved_velocity(), energy_guard_.is_free());
+  free_integrator_.integrate(h_, true, energy_guard_.moved_velocity(), energy_guard_.is_free(),
+                             planes_.bounced_mask());
   if (scene_.effects.continuous_collision)
     continuous_.clamp_motion(free_integrator_.bodies_with_drift_velocity(), ordered_contacts_.data(),
                              contact_capacity_, h_);

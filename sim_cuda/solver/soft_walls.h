@@ -38,9 +38,9 @@ struct SoftWalls {
   std::int64_t body_count;
   const WallPlane<Real>* planes;
   int plane_count;
-  Vector3<Real> gravity;  ///< m/s^2
-  Real inverse_h;         ///< 1/s
-  Real* impulse;          ///< accumulated in the substep, N s; index plane * body count + body
+  Vector3<Real> gravity;        ///< m/s^2
+  Real inverse_h;               ///< 1/s
+  Real* impulse;                ///< accumulated in the substep, N s; index plane * body count + body
   std::uint32_t* bounced_mask;  ///< by body: bit p is set if the body bounced off plane p in this substep
   std::uint32_t*
       active_mask;  ///< by body: bit p is set if plane p has impulses or had some in this step; may be null
@@ -233,57 +233,61 @@ struct SoftWalls {
     if (bounced_mask[id] != 0) bounced_mask[id] = 0;
   }
   /// True if the body bounced off plane p and is so fast that it may cross its container in a substep. It
-  /// keeps its speed; its way ends at the plane.
+  /// keeps its speed; its way ends at the plane (IntegrateFree).
   SIM_HD bool ends_at_plane(int id, const Body& body, int p) const {
     if (p >= mask_bits || (bounced_mask[id] >> p & 1) == 0) return false;
     return body.v.dot(body.v) > body.radius * inverse_h * body.radius * inverse_h;
   }
-  /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way.
-  SIM_HD WallPlane<Real> impact_plane(int p, const Body& body) const {
+  /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way, m.
+  SIM_HD WallPlane<Real> impact_plane(int p, const Body& body, const Vector3<Real>& way) const {
     if constexpr (with_box_obstacles) {
       if (p >= plane_count) {
         const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
-        const ContactPlane<Real> met =
-            box.gap(body.x, body.radius) > 0
-                ? box.first_plane_on_path(body.x, (1 / inverse_h) * body.v, body.radius)
-                : box.contact_plane_at(body.x);
+        const ContactPlane<Real> met = box.gap(body.x, body.radius) > 0
+                                           ? box.first_plane_on_path(body.x, way, body.radius)
+                                           : box.contact_plane_at(body.x);
         return {met.normal, met.offset, box.restitution, box.friction};
       }
     }
     return planes[p];
   }
-  /// One sweep over the planes of a body. Returns true if the body got an impulse.
-  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law) const {
+  /// One sweep over the planes of a body. Returns true if the body got an impulse. `may_shift`: an impact may
+  /// move the body to the surface (impact.h).
+  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, bool may_shift) const {
     bool any = false;
     const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
     const Real rest = law.rest_speed(pull);
     for (int p = 0; p < count(); ++p) {
-      const WallPlane<Real> surface = impact_plane(p, body);
+      const WallPlane<Real> surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
       const Vector3<Real> normal = surface.normal;
       const Real approach = -normal.dot(body.v);
       if (!(approach > rest)) continue;
       const Real gap = max_of(normal.dot(body.x) - surface.offset - body.radius, Real(0));
       const Real acceleration = -normal.dot(pull);
-      if (!(gap < law.reach_time() * (approach + law.h / 2 * acceleration))) continue;
+      // Free flight, or a step of Euler's method if other impulses act.
+      if (!(gap < law.reach_time() * (approach + law.h * max_of(acceleration / 2, acceleration)))) continue;
       using std::sqrt;
       const Real speed = sqrt(body.v.dot(body.v));
       const std::int64_t here = index(p, id);
       const Real load = is_active(body, p) ? impulse[here] : Real(0);
       if (!(approach > law.threshold(rest, speed, load, body.inverse_mass))) continue;
       if (ends_at_plane(id, body, p)) continue;
-      const Real e = law.restitution.between(
-          law.restitution.of_body(static_cast<std::uint32_t>(id)), surface.restitution,
-          sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0))));
-      const Real separation = law.separation(approach, gap, acceleration, e);
-      if (separation <= 0 && !(approach + separation > rest + law.rounding * speed)) continue;
+      const Real arrival = sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0)));
+      const Real e = law.restitution.between(law.restitution.of_body(static_cast<std::uint32_t>(id)),
+                                             surface.restitution, arrival);
+      if (!(e > 0)) continue;
+      Real separation = may_shift && e < 1 ? Real(0) : law.separation(approach, gap, acceleration, e);
+      if (!(separation > 0)) {
+        separation = e * arrival;
+        body.x -= gap * normal;
+        body.moved = true;
+      }
       const Real change = body.mass * (approach + separation);
       apply_normal_impulse(id, body, normal, change);
-      if (separation > 0) {
-        if (p < mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
-        if (is_active(body, p)) impulse[here] = 0;
-      }
+      if (p < mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
+      if (is_active(body, p)) impulse[here] = 0;
       if constexpr (with_friction) {
-        if (separation > 0 && is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();
+        if (is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();
         Vector3<Real> sum = Vector3<Real>::Zero();
         apply_plane_friction(id, body, normal, change, sum, surface.friction);
       }
