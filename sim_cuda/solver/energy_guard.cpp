@@ -28,6 +28,12 @@ struct Terms {
     return static_cast<float>(largest);
   }
 };
+/// What a removal does to an island: it takes a share of impulses, or scales all changes of velocity.
+struct Correction {
+  double share = 0, factor = 1;
+  SIM_HD bool is_none() const { return !(share > 0) && !(factor < 1); }
+};
+
 template <class Real>
 struct GuardRounds {
   BodyView<Real> bodies;
@@ -48,7 +54,7 @@ struct GuardRounds {
   std::uint32_t* flags;  ///< 0: a body gains energy; k > 0: an island does after the k-th removal
   std::uint32_t *parent, *scale;
   std::uint64_t* sums;
-  std::uint8_t* exempt;
+  std::uint8_t *exempt, *grounded;  ///< by body, then by root
 
   /// Removals of impulses: those at the end of the substep, then steps of steepest descent.
   static constexpr int removals = EnergyGuard<Real>::flag_count, descents = removals - 1;
@@ -86,6 +92,11 @@ struct GuardRounds {
  private:
   /// Bits of a term in a sum; leaves room for 2^24 terms.
   static constexpr int bits = 38;
+  /// Sums of fewer units are not resolved.
+  static constexpr double resolution = 4096;
+  /// Largest share of opposing impulses: twice what stops a single pair.
+  static constexpr double largest_descent = 2;
+  static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-5 : 1e-9;
 
   /// Velocity changes by the contacts of a body, as they act at the current positions.
   struct Change {
@@ -152,8 +163,8 @@ struct GuardRounds {
   }
   /// Error of the gain of a body, J.
   SIM_HD static double rounding(const Terms& sum) {
-    constexpr double relative = sizeof(Real) == 4 ? 1e-5 : 1e-9;
-    return relative * (sum.square() + (sum.start() < 0 ? -sum.start() : sum.start())) + 1e-4 * sum.allowed();
+    return relative_rounding * (sum.square() + (sum.start() < 0 ? -sum.start() : sum.start())) +
+           1e-4 * sum.allowed();
   }
 
   // ---- rounds ----
@@ -172,7 +183,13 @@ struct GuardRounds {
   }
   SIM_HD void begin(int body) const {
     parent[body] = static_cast<std::uint32_t>(body);
+    grounded[body] = touches_plane(body) ? 1 : 0;
     exempt[body] = is_jointed != nullptr ? is_jointed[body] : std::uint8_t{0};
+  }
+  SIM_HD bool touches_plane(int body) const {
+    for (int p = 0; p < surfaces; ++p)
+      if (contacts.plane_impulse[p * body_count + body] > 0) return true;
+    return false;
   }
   SIM_HD bool is_moving(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
@@ -184,8 +201,11 @@ struct GuardRounds {
   SIM_HD void join(std::uint32_t a, std::uint32_t b) const {
     const bool guarded_a = is_guarded(a), guarded_b = is_guarded(b);
     if (guarded_a && guarded_b) return join_sets(parent, a, b);
-    if (guarded_a && bodies.inverse_mass[b] == 0 && is_moving(b)) atomic_store(&exempt[a], std::uint8_t{1});
-    if (guarded_b && bodies.inverse_mass[a] == 0 && is_moving(a)) atomic_store(&exempt[b], std::uint8_t{1});
+    if (guarded_a && bodies.inverse_mass[b] == 0) join_static(a, b);
+    if (guarded_b && bodies.inverse_mass[a] == 0) join_static(b, a);
+  }
+  SIM_HD void join_static(std::uint32_t body, std::uint32_t fixed) const {
+    atomic_store(&(is_moving(fixed) ? exempt : grounded)[body], std::uint8_t{1});
   }
   SIM_HD void join_contact(std::uint32_t place) const {
     if (has_pressed(place)) join(contacts.ids[place].a, contacts.ids[place].b);
@@ -219,6 +239,7 @@ struct GuardRounds {
     const float size = terms(removal, body).magnitude();
     if (size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
     if (exempt[body] != 0) atomic_store(&exempt[root], std::uint8_t{1});
+    if (grounded[body] != 0) atomic_store(&grounded[root], std::uint8_t{1});
   }
   SIM_HD void add(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
@@ -231,17 +252,28 @@ struct GuardRounds {
                  static_cast<std::uint64_t>(static_cast<std::int64_t>(sum.values[k] / one)));
   }
   SIM_HD void remove(int removal, int body) const {
-    const Real share = share_to_remove(removal, static_cast<std::uint32_t>(body));
-    if (!(share > 0)) return;
-    const Change by_contacts = removal == 0 ? change_of(body, share) : opposing_of(body);
+    const Correction correction = correction_of(removal, static_cast<std::uint32_t>(body));
+    if (correction.is_none()) return;
+    const Real share = static_cast<Real>(correction.share), factor = static_cast<Real>(correction.factor);
     const Vector3<Real> v = bodies.velocity[body];
-    const Vector3<Real> next = v - share * bodies.inverse_mass[body] * by_contacts.impulse;
+    Vector3<Real> next;
+    if (factor < 1) {
+      next = free_velocity(body) + factor * (v - free_velocity(body));
+      change_of(body, 1 - factor);  // planes give less
+    } else {
+      const Change by_contacts = removal == 0 ? change_of(body, share) : opposing_of(body);
+      next = v - share * bodies.inverse_mass[body] * by_contacts.impulse;
+      if (start_spin != nullptr && removal == 0) {
+        AngularState<Real> angular = angular_state(body);
+        angular.apply_angular_impulse(-share * by_contacts.moment);
+        bodies.angular_velocity[body] = angular.velocity;
+      }
+    }
     bodies.velocity[body] = next;
     add_push_work(body, v, next);
-    if (start_spin == nullptr || removal > 0) return;
-    AngularState<Real> angular = angular_state(body);
-    angular.apply_angular_impulse(-share * by_contacts.moment);
-    bodies.angular_velocity[body] = angular.velocity;
+    if (start_spin == nullptr || !(factor < 1)) return;
+    const Vector3<Real> before = free_angular_velocity(body), w = bodies.angular_velocity[body];
+    bodies.angular_velocity[body] = Vector3<Real>(before + factor * (w - before));
   }
 
   // ---- islands ----
@@ -311,31 +343,36 @@ struct GuardRounds {
     }
     return sum;
   }
-  /// Share of the impulses that the island of a body loses. Requests the next removal if energy is still
-  /// gained after it.
-  SIM_HD Real share_to_remove(int removal, std::uint32_t body) const {
-    if (!is_guarded(body)) return 0;
+  /// Correction of the island of a body. Requests the next removal if energy is still gained after it.
+  SIM_HD Correction correction_of(int removal, std::uint32_t body) const {
+    Correction correction;
+    if (!is_guarded(body)) return correction;
     const std::uint32_t root = root_of(parent, body);
-    if (scale[root] == 0 || exempt[root] != 0) return 0;
+    if (scale[root] == 0 || exempt[root] != 0) return correction;
     Terms all;
     for (std::uint32_t k = 0; k < Terms::count; ++k)
       all.values[k] =
           unit(root) * static_cast<double>(static_cast<std::int64_t>(sums[Terms::count * root + k]));
+    const double error =
+        rounding(all) + relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
     const double gain = all.gain(), linear = all.by_start() + all.by_change(), square = all.by_self();
-    if (!(gain > 0) || (removal > 0 && !(gain > rounding(all)))) return 0;
-    const auto go_on = [&] {
-      if (removal + 1 < removals) atomic_store(flags + removal + 1, std::uint32_t{1});
-    };
-    if (!(linear > 0)) {
-      go_on();
-      return 0;
-    }
-    const double discriminant = linear * linear - 2 * square * gain;
+    if (!(gain > (removal == 0 ? 0 : error))) return correction;
     using std::sqrt;
-    double share = discriminant > 0 ? 2 * gain / (linear + sqrt(discriminant)) : linear / square;
-    if (removal == 0) share = min_of(share, 1.0);
-    if (gain - share * linear + share * share / 2 * square > rounding(all)) go_on();
-    return static_cast<Real>(share);
+    if (removal > 0 && grounded[root] != 0) {
+      if (!(all.square() > 0)) return correction;
+      const double start = all.start(), allowed = all.allowed(),
+                   sum = sqrt(start * start + 4 * all.square() * allowed) + (start > 0 ? start : -start);
+      correction.factor = start > 0 ? 2 * allowed / sum : sum / (2 * all.square());
+      return correction;
+    }
+    if (linear > resolution * unit(root)) {
+      const double discriminant = linear * linear - 2 * square * gain;
+      correction.share = min_of(discriminant > 0 ? 2 * gain / (linear + sqrt(discriminant)) : linear / square,
+                                removal == 0 ? 1.0 : largest_descent);
+    }
+    const double share = correction.share, left = gain - share * linear + share * share / 2 * square;
+    if (removal + 1 < removals && left > error) atomic_store(flags + removal + 1, std::uint32_t{1});
+    return correction;
   }
 };
 
@@ -353,6 +390,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       scale_(executor, "energy guard scales"),
       sums_(executor, "energy guard sums"),
       exempt_(executor, "energy guard exemptions"),
+      grounded_(executor, "energy guard ground"),
       is_free_(executor, "freely moving bodies") {
   const auto n = static_cast<std::size_t>(scene.body_count);
   start_velocity_.resize_discarding(n);
@@ -364,6 +402,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   scale_.resize_discarding(n);
   sums_.resize_discarding(std::size_t{Terms::count} * n);
   exempt_.resize_discarding(n);
+  grounded_.resize_discarding(n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
 }
 
@@ -392,7 +431,8 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                                          parent_.data(),
                                          scale_.data(),
                                          sums_.data(),
-                                         exempt_.data()});
+                                         exempt_.data(),
+                                         grounded_.data()});
 }
 
 template class EnergyGuard<float>;

@@ -14,10 +14,11 @@
 //
 //   G - s S + s^2 D / 2 = 0,  S = sum of (w + d) . P,  D = sum of P . P / m
 //
-// The normals turn while bodies recover from deep overlap, so energy may still be gained then. For this rest,
-// P is replaced by impulses that oppose the relative normal velocities of all contacts that have pressed in
-// the step. A sum in which D is minimal is one step of steepest descent; there are at most `descents` of
-// them.
+// If energy is still gained then, an island that touches planes or static bodies has all velocity changes d
+// scaled by the factor f with G(f d) = 0. In other islands, this would change the angular momentum. They gain
+// energy because normals turn while bodies recover from deep overlap, and impulses are removed that oppose
+// the relative normal velocities of all contacts that have pressed in the step. Each such removal is a step
+// of steepest descent; there are at most four.
 //
 // Impulses act along the normals at the current positions, so momentum and angular momentum are conserved.
 // The impulses for warm starting are not changed: a load that was reduced here would be missing in the next
@@ -84,12 +85,13 @@ class EnergyGuard {
   Executor& executor_;
   const SolverScene<Real> scene_;
   Buffer<PackedVector3<Real>> start_velocity_, start_spin_, moved_velocity_;
-  Buffer<std::uint32_t> flags_;   ///< see GuardRounds::flags
-  Buffer<std::uint32_t> parent_;  ///< by body
-  Buffer<std::uint32_t> scale_;   ///< by root: bits of the largest term, J (float)
-  Buffer<std::uint64_t> sums_;    ///< by root: see GuardRounds::Terms
-  Buffer<std::uint8_t> exempt_;   ///< by body: it has a joint, or touches a moving kinematic body
-  Buffer<std::uint8_t> is_free_;  ///< by body; empty with Euler's integrator
+  Buffer<std::uint32_t> flags_;    ///< see GuardRounds::flags
+  Buffer<std::uint32_t> parent_;   ///< by body
+  Buffer<std::uint32_t> scale_;    ///< by root: bits of the largest term, J (float)
+  Buffer<std::uint64_t> sums_;     ///< by root: see GuardRounds::Terms
+  Buffer<std::uint8_t> exempt_;    ///< by body: it has a joint, or touches a moving kinematic body
+  Buffer<std::uint8_t> grounded_;  ///< by body: it touches a plane or a static body
+  Buffer<std::uint8_t> is_free_;   ///< by body; empty with Euler's integrator
 };
 
 }  // namespace collidoscope
