@@ -129,7 +129,9 @@ TEST_P(Residuals, AreTheSameAtEveryLaunchShapeAndCapacity) {
     EXPECT_EQ(expected.back().substep, 2);
     EXPECT_EQ(expected.back().iteration, 2);
     EXPECT_GT(expected[0].contacts, 20);
-    EXPECT_GT(expected[0].rms, expected[2].rms);
+    // In solve, a contact that gets its first impulse recovers its overlap faster, so the residual may grow.
+    const std::size_t first = solver == Solver::impulse ? 0 : 3;  // of relax
+    EXPECT_GT(expected[first].rms, expected[first + 2].rms);
     for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}}) {
       RunOptions o = options();
       o.shape = shape;

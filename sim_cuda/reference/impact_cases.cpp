@@ -129,9 +129,11 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
   one.name = path;
   one.compared = "position, m";
   one.rationale =
-      "bounce and friction act at the start of the step, h/2 early: error change of velocity times h/2";
+      "bounce and friction act at the start of the step, h/2 early, and at the surface: error h/2 times the "
+      "normal velocity after the bounce and the change of the tangential one";
+  const Vector3d tangential(ball.velocity.x(), ball.velocity.y(), 0);
   const double time = (ball.position.z() - ball.radius) / -ball.velocity.z();
-  one.methods = by_any_integrator(leading_theory(1, (after.velocity - ball.velocity).norm() / 2));
+  one.methods = by_any_integrator(leading_theory(1, (after.velocity - tangential).norm() / 2));
   one.error = [=, horizon = one.horizon](World& world, int steps) {
     world.step(steps);
     const Vector3d expected = ball.position + time * ball.velocity + (horizon - time) * after.velocity;
