@@ -22,8 +22,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr double contact_bound = 1e-3, joint_bound = 5e-3;  ///< of T
-constexpr double push_work_bound = 0.01;                    ///< of T, without initial overlap
+constexpr double contact_bound = 1e-3;  ///< of T
 
 int energy_scenes(int count) {
   const char* const asked = std::getenv("COLLIDOSCOPE_ENERGY_SCENES");
@@ -117,9 +116,6 @@ class EnergyBounds : public OnEachExecutor {
   }
   void check_contacts(int count, double seconds, const Maker& make) {
     check(count, seconds, contact_bound, make);
-  }
-  void check_joints(int count, double seconds, const Maker& make) {
-    check(count, seconds, joint_bound, make);
   }
 };
 ON_EACH_EXECUTOR(EnergyBounds);
@@ -271,40 +267,6 @@ TEST_P(EnergyBounds, FreeRotation) {
 
 // ---- joints ----
 
-TEST_P(EnergyBounds, Chains) {
-  check_joints(20, 3, [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), false, 2); });
-}
-TEST_P(EnergyBounds, ChainsWithHeavyEnds) {
-  check_joints(20, 3,
-               [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), false, 1e4); });
-}
-TEST_P(EnergyBounds, LoopsOfJoints) {
-  check_joints(20, 3, [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), true, 10); });
-}
-TEST_P(EnergyBounds, HingesWithLimits) {
-  check_joints(20, 3, [](Uniform& uniform) {
-    Scene scene = any_chain(uniform, JointKind::hinge, false, 10);
-    for (Joint& joint : scene.joints) joint.limits = {-uniform(5, 60), uniform(5, 60)};
-    return scene;
-  });
-}
-TEST_P(EnergyBounds, Ropes) {
-  check_joints(20, 3, [](Uniform& uniform) {
-    Scene scene = any_chain(uniform, JointKind::distance, false, 10);
-    for (Joint& joint : scene.joints) joint.max_length = uniform(1.1, 2);
-    return scene;
-  });
-}
-TEST_P(EnergyBounds, Springs) {
-  check_joints(20, 3, [](Uniform& uniform) {
-    Scene scene = any_chain(uniform, JointKind::spring, false, 10);
-    for (Joint& joint : scene.joints) {
-      joint.frequency = uniform(0.5, 3);
-      joint.damping_ratio = one_of(uniform, {0.0, 0.2, 1.0});
-    }
-    return scene;
-  });
-}
 TEST_P(EnergyBounds, JointsDoNoPushWork) {
   // One body on a joint has no contact, so there is no overlap to recover.
   const auto pendulum = [](Uniform& uniform) {
@@ -315,18 +277,5 @@ TEST_P(EnergyBounds, JointsDoNoPushWork) {
   };
   check(20, 3, 1e-9, pendulum, &EnergyCourse::push_work);
 }
-TEST_P(EnergyBounds, ChainsThatHitTheFloor) {
-  check_joints(20, 3, [](Uniform& uniform) {
-    Scene scene = any_chain(uniform, any_rigid_kind(uniform), false, 10);
-    scene.materials[0].restitution = any_restitution(uniform);
-    scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
-    scene.joints.erase(scene.joints.begin());  // free of the world
-    double low = 0;
-    for (const Body& body : scene.bodies) low = std::min(low, body.position.z());
-    scene.obstacles = {Plane{Vector3d(0, 0, 1), low - 0.5, 0}};
-    return scene;
-  });
-}
-
 }  // namespace
 }  // namespace collidoscope
