@@ -237,7 +237,8 @@ nlohmann::ordered_json json_of(const RunReport& report) {
                    {"contacts", last.touching},  // older name of "touching"
                    {"touching", last.touching},
                    {"speculative", last.speculative},
-                   {"uncoloured_contacts", last.uncoloured_contacts}, {"bounce_cap", last.bounce_cap}};
+                   {"uncoloured_contacts", last.uncoloured_contacts},
+                   {"bounce_cap", last.bounce_cap}};
   json["energy"] = {{"initial", report.initial.energy()},
                     {"final", last.energy()},
                     {"kinetic", last.kinetic_energy},

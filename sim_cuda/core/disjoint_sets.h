@@ -1,6 +1,6 @@
 #pragma once
-// Union-find over body ids, for concurrent use within one stage. `parent[i]` = i at the start. After the stage,
-// the root of a set is its lowest id, so the result does not depend on the order of the unions.
+// Union-find over body ids, for concurrent use within one stage. `parent[i]` = i at the start. After the
+// stage, the root of a set is its lowest id, so the result does not depend on the order of the unions.
 
 #include <cstdint>
 

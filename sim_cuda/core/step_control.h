@@ -16,7 +16,7 @@ struct StepControl {
   std::uint32_t pairs;  ///< stored pairs; 0 after an overflow, so that all later stages are empty
   std::uint32_t contacts;
   std::uint32_t uncoloured_contacts;  ///< contacts beyond the last colour
-  std::uint32_t bounce_caps;          ///< substeps of this run in which impacts needed more sweeps than allowed
+  std::uint32_t bounce_caps;  ///< substeps of this run in which impacts needed more sweeps than allowed
   std::uint32_t pairs_committed, contacts_committed, uncoloured_committed,
       bounce_caps_committed;  ///< of the last committed run
 };

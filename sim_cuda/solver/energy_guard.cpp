@@ -5,34 +5,12 @@
 
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/disjoint_sets.h"
+#include "sim_cuda/solver/energy_terms.h"
 #include "sim_cuda/solver/friction.h"
 
 namespace collidoscope {
 
 namespace {
-
-/// Energy terms of a body or an island, J; names as in the header. Angular terms are included.
-struct Terms {
-  static constexpr std::uint32_t count = 6;
-  double values[count];
-  SIM_HD double start() const { return values[0]; }      ///< sum of m w . d
-  SIM_HD double square() const { return values[1]; }     ///< sum of m d . d / 2
-  SIM_HD double allowed() const { return values[2]; }    ///< sum of m h^2 g . g / 2
-  SIM_HD double by_start() const { return values[3]; }   ///< sum of w . P
-  SIM_HD double by_change() const { return values[4]; }  ///< sum of d . P
-  SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
-  SIM_HD double gain() const { return start() + square() - allowed(); }
-  SIM_HD float magnitude() const {
-    double largest = 0;
-    for (const double value : values) largest = max_of(largest, value < 0 ? -value : value);
-    return static_cast<float>(largest);
-  }
-};
-/// What a removal does to an island: it takes a share of impulses, or scales all changes of velocity.
-struct Correction {
-  double share = 0, factor = 1;
-  SIM_HD bool is_none() const { return !(share > 0) && !(factor < 1); }
-};
 
 template <class Real>
 struct GuardRounds {
@@ -51,31 +29,44 @@ struct GuardRounds {
   const std::uint8_t* is_jointed;  ///< by body; null without joints
   StaticImpulse* static_impulses;
   const StepControl* control;
-  std::uint32_t* flags;  ///< 0: a body gains energy; k > 0: an island does after the k-th removal
+  double* gains;           ///< by body, J: energy added by contacts, less its rounding
+  std::uint32_t* largest;  ///< bits of the largest magnitude in `gains` (float)
+  std::uint64_t* total;    ///< `total_slots` partial sums of `gains`
+  std::uint32_t* flags;    ///< 0: the scene gains energy; k > 0: an island does after the k-th removal
   std::uint32_t *parent, *scale;
   std::uint64_t* sums;
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
 
   /// Removals of impulses: those at the end of the substep, then steps of steepest descent.
   static constexpr int removals = EnergyGuard<Real>::flag_count, descents = removals - 1;
-  static constexpr int first_rounds = 4, rounds_per_removal = 4;
+  static constexpr int test_rounds = 3, first_rounds = 6, rounds_per_removal = 4;
   static constexpr int rounds = first_rounds + removals * rounds_per_removal;
 
   SIM_HD std::int64_t items(int round) const {
     const auto contact_count = static_cast<std::int64_t>(control->contacts);
     if (control->overflow) return -1;
-    if (round == 0) return body_count;
+    if (round < test_rounds) return round == 2 ? 1 : body_count;
     if (atomic_load(flags + removal_of(round)) == 0) return -1;
-    if (round == 1) return max_of(body_count, contact_count);
-    if (round == 2) return contact_count;
-    if (round == 3) return joints.count;
+    if (round == 3) return body_count;
+    if (round == 4) return contact_count;
+    if (round == 5) return joints.count;
     return part_of(round) == 0 ? max_of(body_count, contact_count) : body_count;
   }
   SIM_HD void operator()(int round, int item) const {
-    if (round == 0) return test(item);
-    if (round == 1) return item < body_count ? begin(item) : void();
-    if (round == 2) return join_contact(static_cast<std::uint32_t>(item));
-    if (round == 3) return join_joint(item);
+    switch (round) {
+      case 0:
+        return find_gain(item);
+      case 1:
+        return add_gain(item);
+      case 2:
+        return test();
+      case 3:
+        return begin(item);
+      case 4:
+        return join_contact(static_cast<std::uint32_t>(item));
+      case 5:
+        return join_joint(item);
+    }
     const int removal = removal_of(round);
     switch (part_of(round)) {
       case 0:
@@ -92,6 +83,7 @@ struct GuardRounds {
  private:
   /// Bits of a term in a sum; leaves room for 2^24 terms.
   static constexpr int bits = 38;
+  static constexpr int total_slots = EnergyGuard<Real>::total_slots;
   /// Sums of fewer units are not resolved.
   static constexpr double resolution = 4096;
   /// Largest share of opposing impulses: twice what stops a single pair.
@@ -134,8 +126,8 @@ struct GuardRounds {
     return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
   }
   /// The first three terms of a body.
-  SIM_HD Terms gain(int body) const {
-    Terms sum{};
+  SIM_HD EnergyTerms gain(int body) const {
+    EnergyTerms sum{};
     const Vector3<Real> change = bodies.velocity[body].load() - free_velocity(body);
     Vector3<Real> before = Vector3<Real>::Zero(), spin_change = before;
     if (start_spin != nullptr) {
@@ -161,19 +153,33 @@ struct GuardRounds {
     }
     return sum;
   }
-  /// Error of the gain of a body, J.
-  SIM_HD static double rounding(const Terms& sum) {
-    return relative_rounding * (sum.square() + (sum.start() < 0 ? -sum.start() : sum.start())) +
-           1e-4 * sum.allowed();
-  }
-
   // ---- rounds ----
 
-  SIM_HD void test(int body) const {
+  SIM_HD void find_gain(int body) const {
+    double& gained = gains[body];
+    gained = 0;
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     add_push_work(body, moved[body], bodies.velocity[body]);
-    const Terms sum = gain(body);
-    if (sum.gain() > rounding(sum)) atomic_store(flags, std::uint32_t{1});
+    const EnergyTerms sum = gain(body);
+    gained = sum.gain() - sum.rounding(relative_rounding);
+    if (gained == 0) return;
+    const std::uint32_t size =
+        std::bit_cast<std::uint32_t>(static_cast<float>(gained < 0 ? -gained : gained));
+    if (size > atomic_load(largest)) atomic_max(largest, size);
+  }
+  SIM_HD void add_gain(int body) const {
+    if (gains[body] == 0) return;
+    atomic_add(&total[body % total_slots],
+               static_cast<std::uint64_t>(static_cast<std::int64_t>(gains[body] / unit(*largest))));
+  }
+  SIM_HD void test() const {
+    std::uint64_t sum = 0;
+    for (int slot = 0; slot < total_slots; ++slot) {
+      sum += total[slot];
+      total[slot] = 0;
+    }
+    *largest = 0;
+    flags[0] = static_cast<std::int64_t>(sum) > 0 ? 1 : 0;
   }
   /// For a velocity that changes after the move.
   SIM_HD void add_push_work(int body, const Vector3<Real>& before, const Vector3<Real>& after) const {
@@ -222,8 +228,8 @@ struct GuardRounds {
   SIM_HD void prepare(int removal, int item) const {
     if (item < body_count) {
       scale[item] = 0;
-      for (std::uint32_t k = 0; k < Terms::count; ++k)
-        sums[Terms::count * static_cast<std::uint32_t>(item) + k] = 0;
+      for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
+        sums[EnergyTerms::count * static_cast<std::uint32_t>(item) + k] = 0;
     }
     if (removal == 0 || item >= static_cast<std::int64_t>(control->contacts)) return;
     const auto place = static_cast<std::uint32_t>(item);
@@ -236,7 +242,7 @@ struct GuardRounds {
   SIM_HD void find_scale(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    const float size = terms(removal, body).magnitude();
+    const float size = static_cast<float>(terms(removal, body).largest());
     if (size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
     if (exempt[body] != 0) atomic_store(&exempt[root], std::uint8_t{1});
     if (grounded[body] != 0) atomic_store(&grounded[root], std::uint8_t{1});
@@ -245,14 +251,14 @@ struct GuardRounds {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     if (scale[root] == 0) return;
-    const Terms sum = terms(removal, body);
-    const double one = unit(root);
-    for (std::uint32_t k = 0; k < Terms::count; ++k)
-      atomic_add(&sums[Terms::count * root + k],
+    const EnergyTerms sum = terms(removal, body);
+    const double one = unit(scale[root]);
+    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
+      atomic_add(&sums[EnergyTerms::count * root + k],
                  static_cast<std::uint64_t>(static_cast<std::int64_t>(sum.values[k] / one)));
   }
   SIM_HD void remove(int removal, int body) const {
-    const Correction correction = correction_of(removal, static_cast<std::uint32_t>(body));
+    const EnergyCorrection correction = correction_of(removal, static_cast<std::uint32_t>(body));
     if (correction.is_none()) return;
     const Real share = static_cast<Real>(correction.share), factor = static_cast<Real>(correction.factor);
     const Vector3<Real> v = bodies.velocity[body];
@@ -278,12 +284,13 @@ struct GuardRounds {
 
   // ---- islands ----
 
-  SIM_HD double unit(std::uint32_t root) const {
-    return static_cast<double>(std::bit_cast<float>(scale[root])) /
+  /// Unit of a sum in which the largest term has the given bits.
+  SIM_HD static double unit(std::uint32_t largest_bits) {
+    return static_cast<double>(std::bit_cast<float>(largest_bits)) /
            static_cast<double>(std::uint64_t{1} << bits);
   }
-  SIM_HD Terms terms(int removal, int body) const {
-    Terms sum = gain(body);
+  SIM_HD EnergyTerms terms(int removal, int body) const {
+    EnergyTerms sum = gain(body);
     const Change by_contacts = removal == 0 ? change_of(body, 0) : opposing_of(body);
     const Vector3<double> impulse = wide(by_contacts.impulse);
     sum.values[3] = wide(start[body]).dot(impulse);
@@ -343,35 +350,24 @@ struct GuardRounds {
     }
     return sum;
   }
-  /// Correction of the island of a body. Requests the next removal if energy is still gained after it.
-  SIM_HD Correction correction_of(int removal, std::uint32_t body) const {
-    Correction correction;
-    if (!is_guarded(body)) return correction;
+  /// EnergyCorrection of the island of a body. Requests the next removal if energy is still gained after it.
+  SIM_HD EnergyCorrection correction_of(int removal, std::uint32_t body) const {
+    if (!is_guarded(body)) return {};
     const std::uint32_t root = root_of(parent, body);
-    if (scale[root] == 0 || exempt[root] != 0) return correction;
-    Terms all;
-    for (std::uint32_t k = 0; k < Terms::count; ++k)
-      all.values[k] =
-          unit(root) * static_cast<double>(static_cast<std::int64_t>(sums[Terms::count * root + k]));
-    const double error =
-        rounding(all) + relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
-    const double gain = all.gain(), linear = all.by_start() + all.by_change(), square = all.by_self();
-    if (!(gain > (removal == 0 ? 0 : error))) return correction;
-    using std::sqrt;
-    if (removal > 0 && grounded[root] != 0) {
-      if (!(all.square() > 0)) return correction;
-      const double start = all.start(), allowed = all.allowed(),
-                   sum = sqrt(start * start + 4 * all.square() * allowed) + (start > 0 ? start : -start);
-      correction.factor = start > 0 ? 2 * allowed / sum : sum / (2 * all.square());
-      return correction;
-    }
-    if (linear > resolution * unit(root)) {
-      const double discriminant = linear * linear - 2 * square * gain;
-      correction.share = min_of(discriminant > 0 ? 2 * gain / (linear + sqrt(discriminant)) : linear / square,
-                                removal == 0 ? 1.0 : largest_descent);
-    }
-    const double share = correction.share, left = gain - share * linear + share * share / 2 * square;
-    if (removal + 1 < removals && left > error) atomic_store(flags + removal + 1, std::uint32_t{1});
+    if (scale[root] == 0 || exempt[root] != 0) return {};
+    EnergyTerms all;
+    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
+      all.values[k] = unit(scale[root]) *
+                      static_cast<double>(static_cast<std::int64_t>(sums[EnergyTerms::count * root + k]));
+    const double error = all.rounding(relative_rounding) +
+                         relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
+    if (!(all.gain() > (removal == 0 ? 0 : error))) return {};
+    if (removal > 0 && grounded[root] != 0) return all.scaled();
+    EnergyCorrection correction;
+    if (all.linear() > resolution * unit(scale[root]))
+      correction = all.without_share(removal == 0 ? 1.0 : largest_descent);
+    if (removal + 1 < removals && all.gain_without(correction.share) > error)
+      atomic_store(flags + removal + 1, std::uint32_t{1});
     return correction;
   }
 };
@@ -385,6 +381,9 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       start_velocity_(executor, "velocities at substep start"),
       start_spin_(executor, "spins at substep start"),
       moved_velocity_(executor, "velocities of the move"),
+      gains_(executor, "energy guard gains"),
+      largest_(executor, "energy guard largest gain"),
+      total_(executor, "energy guard total"),
       flags_(executor, "energy guard flags"),
       parent_(executor, "energy guard islands"),
       scale_(executor, "energy guard scales"),
@@ -397,10 +396,13 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   if (scene.effects.rotation && (scene.effects.friction || scene.effects.joints))
     start_spin_.resize_discarding(n);
   moved_velocity_.resize_discarding(n);
+  gains_.resize_discarding(n);
+  largest_.upload({0});
+  total_.upload(std::vector<std::uint64_t>(total_slots, 0));
   flags_.upload(std::vector<std::uint32_t>(flag_count, 0));
   parent_.resize_discarding(n);
   scale_.resize_discarding(n);
-  sums_.resize_discarding(std::size_t{Terms::count} * n);
+  sums_.resize_discarding(std::size_t{EnergyTerms::count} * n);
   exempt_.resize_discarding(n);
   grounded_.resize_discarding(n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
@@ -427,6 +429,9 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                                          scene_.joints != nullptr ? scene_.joints->is_jointed() : nullptr,
                                          scene_.static_impulses,
                                          scene_.control,
+                                         gains_.data(),
+                                         largest_.data(),
+                                         total_.data(),
                                          flags_.data(),
                                          parent_.data(),
                                          scale_.data(),

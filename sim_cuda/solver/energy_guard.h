@@ -76,7 +76,7 @@ class EnergyGuard {
 
   /// Flags of the removals; must be 0 at the call of apply().
   std::uint32_t* flags() { return flags_.data(); }
-  static constexpr int flag_count = 5;
+  static constexpr int flag_count = 5, total_slots = 64;
 
   /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
   void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);
@@ -85,10 +85,13 @@ class EnergyGuard {
   Executor& executor_;
   const SolverScene<Real> scene_;
   Buffer<PackedVector3<Real>> start_velocity_, start_spin_, moved_velocity_;
+  Buffer<double> gains_;           ///< by body, see GuardRounds
+  Buffer<std::uint32_t> largest_;  ///< see GuardRounds
+  Buffer<std::uint64_t> total_;    ///< see GuardRounds
   Buffer<std::uint32_t> flags_;    ///< see GuardRounds::flags
   Buffer<std::uint32_t> parent_;   ///< by body
   Buffer<std::uint32_t> scale_;    ///< by root: bits of the largest term, J (float)
-  Buffer<std::uint64_t> sums_;     ///< by root: see GuardRounds::Terms
+  Buffer<std::uint64_t> sums_;     ///< by root: see EnergyTerms
   Buffer<std::uint8_t> exempt_;    ///< by body: it has a joint, or touches a moving kinematic body
   Buffer<std::uint8_t> grounded_;  ///< by body: it touches a plane or a static body
   Buffer<std::uint8_t> is_free_;   ///< by body; empty with Euler's integrator

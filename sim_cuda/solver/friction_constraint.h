@@ -16,7 +16,7 @@ struct FrictionImpulse {
   Vector3<Real>
       impulse;  ///< accumulated in the substep, N s, perpendicular to the normal; applied to b, negative to a
   Vector3<Real> impact;  ///< friction impulse of impacts in this substep, N s
-  Real coefficient;     ///< friction coefficient of the pair
+  Real coefficient;      ///< friction coefficient of the pair
 };
 
 /// Two bodies at a contact. Both arms end at the middle of the overlap, so friction conserves angular

@@ -85,6 +85,8 @@ struct Impact {
   static constexpr bool has_friction = with_friction, sums = true, mostly_idle = true;
   ImpactLaw<Real> law;
   std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
+  std::uint8_t* struck;  ///< by body: 2 + the last sweep in which its velocity changed; 1: fast; 0: slow
+  std::uint8_t now;      ///< 2 + the number of this sweep
 
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
@@ -126,6 +128,12 @@ struct Impact {
     return contact.impact > 0;
   }
 
+  /// Call if the contact has changed the velocities of its bodies.
+  SIM_HD void mark(const Pair& ids) const {
+    atomic_store(struck + ids.a, now);
+    atomic_store(struck + ids.b, now);
+  }
+
  private:
   /// True if the bodies do not touch in the substep, neither in free flight nor in a step of Euler's method.
   SIM_HD bool misses(const SoftContact<Real>& contact, Real reach, const Vector3<Real>& velocity,
@@ -137,8 +145,9 @@ struct Impact {
 };
 
 /// All impact sweeps of a substep, for Executor::run_rounds. Each sweep: planes and boxes of all bodies, then
-/// contacts as in an Iteration. Sweep 0 tests all bodies at their planes, and contacts only if a body is
-/// faster than half of the threshold.
+/// contacts as in an Iteration. Sweep 0 tests all bodies at their planes, and contacts of bodies faster than
+/// half of the threshold. A later sweep tests the bodies whose velocity has changed since the last sweep, and
+/// their contacts; the result is that of testing all.
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct ImpactSweeps {
   using Contacts = Iteration<Real, Impact<Real, with_friction>>;
@@ -163,16 +172,32 @@ struct ImpactSweeps {
     if (part < 0) return bounce_off_walls(sweep, item);
     Contacts now = contacts;
     now.act.again = needed + sweep + 1;
+    now.act.now = static_cast<std::uint8_t>(sweep + 2);
+    if (part < Colouring::colours) {
+      const Pair ids =
+          contacts.contacts.ids[contacts.contacts.begin[part] + static_cast<std::uint32_t>(item)];
+      const std::uint8_t* const struck = contacts.act.struck;
+      if (max_of(struck[ids.a], struck[ids.b]) < sweep + 1) return;
+    }
     run_item(now, part, item);
   }
 
  private:
   SIM_HD void bounce_off_walls(int sweep, int id) const {
-    if (asleep != nullptr && asleep[id] != 0) return;
+    if (asleep != nullptr && asleep[id] != 0) {
+      contacts.act.struck[id] = 0;
+      return;
+    }
     const Vector3<Real> v = walls.bodies.velocity[id];
     const ImpactLaw<Real>& law = contacts.act.law;
     const Real limit = law.rest_speed(law.acceleration(static_cast<std::uint32_t>(id))) / 2;
-    if (sweep == 0 && v.dot(v) > limit * limit) atomic_store(needed, std::uint32_t{1});
+    if (sweep == 0) {
+      const bool fast = v.dot(v) > limit * limit;
+      contacts.act.struck[id] = fast ? 1 : 0;
+      if (fast) atomic_store(needed, std::uint32_t{1});
+    } else if (contacts.act.struck[id] < sweep + 1) {
+      return;
+    }
     if (walls.count() == 0 || !(walls.bodies.inverse_mass[id] > 0)) return;
     if (sweep == 0) walls.clear_bounced(id);
     if (!(v.dot(v) > limit * limit)) return;
@@ -180,6 +205,7 @@ struct ImpactSweeps {
     const bool may_shift = control->contacts == 0 || contacts_of[id] == 0;
     if (!walls.resolve_impacts(id, body, law, may_shift)) return;
     walls.store(id, body);
+    contacts.act.struck[id] = static_cast<std::uint8_t>(sweep + 2);
     atomic_store(needed + sweep + 1, std::uint32_t{1});
     if (sweep == 0) atomic_store(needed, std::uint32_t{1});
   }

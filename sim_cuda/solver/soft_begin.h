@@ -62,7 +62,8 @@ struct BeginSubstep {
   SIM_HD void begin(int id, const ImpulseSums& impulses) const {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     start_velocity[id] = body.v;
-    if (start_spin != nullptr) start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
+    if (start_spin != nullptr)
+      start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
     SoftWalls<Real, with_friction, with_box_obstacles> own = walls;
     if (field != nullptr) own.gravity = gravity + field[id];
     if (with_field) body.v += h * own.gravity;

@@ -30,8 +30,8 @@ template <class Real>
 struct Motions {
   Pair ids;
   const ContactBodies<Real>& bodies;
-  Vector3<Real> v_a, v_b;  ///< m/s
-  Real mass;               ///< effective mass, kg
+  Vector3<Real> v_a, v_b;                                      ///< m/s
+  Real mass;                                                   ///< effective mass, kg
   SIM_HD Vector3<Real> velocity() const { return v_b - v_a; }  ///< of b relative to a
   SIM_HD Real reach() const { return bodies.radius_a + bodies.radius_b; }
 };
@@ -62,7 +62,8 @@ struct Relax {
   bool last;  ///< last iteration of this substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     contact.mark_pressing();
-    const Real change = contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
+    const Real change =
+        contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
     if (last) contact.end_substep();
     return change;
   }
@@ -145,7 +146,8 @@ struct OrderedContacts {
     if (!acted) return;
     if constexpr (with_friction) {
       PackedContact<Real>::store_impulses(&soft[k.place], k.contact.impulse, k.friction.impulse);
-      store_vectorized(&friction_sums[k.place], FrictionSums<Real>{k.friction.impact, k.friction.coefficient});
+      store_vectorized(&friction_sums[k.place],
+                       FrictionSums<Real>{k.friction.impact, k.friction.coefficient});
     } else {
       soft[k.place].impulse = k.contact.impulse;
     }
@@ -182,8 +184,10 @@ struct Iteration {
   SIM_HD void operator()(Operands k) const {
     Motion a = load(k.ids.a), b = load(k.ids.b);
     const bool acted = resolve(k, a, b);
-    if constexpr (requires { Act::mostly_idle; })
+    if constexpr (requires { Act::mostly_idle; }) {
       if (!acted) return;
+      act.mark(k.ids);
+    }
     store(k.ids.a, a);
     store(k.ids.b, b);
     contacts.template store<Act::sums>(k, acted);
@@ -275,8 +279,8 @@ struct Iteration {
                n_b = static_cast<Real>(contacts.uncoloured.count[k.ids.b]);
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Vector3<Real> v_a = bodies.velocity[k.ids.a], v_b = bodies.velocity[k.ids.b], velocity = v_b - v_a;
-    contacts.uncoloured_change[place] = act.solve_normal(
-        k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
+    contacts.uncoloured_change[place] =
+        act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
     if constexpr (Act::has_friction) {
       const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
                                           k.contact, k.bodies, k.inertia);

@@ -40,6 +40,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       uncoloured_change_(executor, "split impulses"),
       uncoloured_friction_(executor, "split friction"),
       impact_sweeps_(executor, "impact sweep flags"),
+      struck_(executor, "struck bodies"),
       planes_(executor, scene),
       rolling_(executor),
       kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
@@ -62,6 +63,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   if (scene.effects.rolling_resistance)
     rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
   if (scene.effects.continuous_collision) continuous_.enable(scene.bodies, scene.body_count, scene.control);
+  struck_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   step_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   if (scene.effects.friction) body_friction_.resize_discarding(static_cast<std::size_t>(scene.body_count));
 }
@@ -149,12 +151,13 @@ void SoftStepSolver<Real>::resolve_impacts() {
                             scene_.effects.attractor ? scene_.field : nullptr, h_};
   const auto with = [&]<bool with_box_obstacles>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles>;
-    executor_.run_rounds("bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
-                         Sweeps{typename Sweeps::Contacts{
-                                    ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr}},
-                                planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                                impact_sweeps_.data(), sleeping_.asleep(),
-                                all_.view(colouring_.degrees()).count, scene_.control});
+    executor_.run_rounds(
+        "bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
+        Sweeps{typename Sweeps::Contacts{
+                   ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr, struck_.data(), 0}},
+               planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+               impact_sweeps_.data(), sleeping_.asleep(), all_.view(colouring_.degrees()).count,
+               scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
   executor_.run("bounce", 1,

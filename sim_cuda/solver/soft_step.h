@@ -101,8 +101,8 @@ class SoftStepSolver final : public ContactSolver<Real> {
   ContactsByBody uncoloured_;  ///< contacts without a colour
   ContactsByBody split_;       ///< `jacobi_split`: the mass-split set of the iterations, all awake contacts
   Buffer<std::uint32_t> split_begin_, split_count_;  ///< as ColourView::begin and count, without colours
-  Buffer<Pair> ordered_contacts_;    ///< contacts in solve order; so are all buffers by place
-  Buffer<std::uint32_t> place_of_;   ///< by contact number
+  Buffer<Pair> ordered_contacts_;                    ///< contacts in solve order; so are all buffers by place
+  Buffer<std::uint32_t> place_of_;                   ///< by contact number
   Buffer<ContactBodies<Real>> bodies_of_;
   Buffer<DependencyCounters> dependency_counters_;
   Buffer<StepBody<Real>> step_bodies_;        ///< by body
@@ -114,6 +114,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Real> uncoloured_change_;             ///< N s
   Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
   Buffer<std::uint32_t> impact_sweeps_;        ///< see ImpactSweeps::needed
+  Buffer<std::uint8_t> struck_;                ///< see Impact
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;

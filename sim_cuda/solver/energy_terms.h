@@ -1,0 +1,62 @@
+#pragma once
+// Energy terms of the energy guard (energy_guard.h), and the corrections that follow from them. Pure
+// functions.
+
+#include <cmath>
+#include <cstdint>
+
+#include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/host_device.h"
+
+namespace collidoscope {
+
+/// What the guard does to an island: it removes a share of impulses, or scales all changes of velocity.
+struct EnergyCorrection {
+  double share = 0, factor = 1;
+  SIM_HD bool is_none() const { return !(share > 0) && !(factor < 1); }
+};
+
+/// Terms of a body or an island, J; names as in energy_guard.h. Angular terms are included.
+struct EnergyTerms {
+  static constexpr std::uint32_t count = 6;
+  double values[count];
+  SIM_HD double start() const { return values[0]; }      ///< sum of m w . d
+  SIM_HD double square() const { return values[1]; }     ///< sum of m d . d / 2
+  SIM_HD double allowed() const { return values[2]; }    ///< sum of m h^2 g . g / 2
+  SIM_HD double by_start() const { return values[3]; }   ///< sum of w . P
+  SIM_HD double by_change() const { return values[4]; }  ///< sum of d . P
+  SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
+
+  SIM_HD double gain() const { return start() + square() - allowed(); }  ///< G
+  SIM_HD double linear() const { return by_start() + by_change(); }      ///< S
+  SIM_HD double gain_without(double share) const {
+    return gain() - share * linear() + share * share / 2 * by_self();
+  }
+  SIM_HD double largest() const {
+    double largest = 0;
+    for (const double value : values) largest = max_of(largest, value < 0 ? -value : value);
+    return largest;
+  }
+  /// Error of the gain of a body.
+  SIM_HD double rounding(double relative) const {
+    return relative * (square() + (start() < 0 ? -start() : start())) + 1e-4 * allowed();
+  }
+  /// Smallest share, at most `most`, without which the gain is 0 or minimal.
+  SIM_HD EnergyCorrection without_share(double most) const {
+    const double discriminant = linear() * linear() - 2 * by_self() * gain();
+    using std::sqrt;
+    const double share =
+        discriminant > 0 ? 2 * gain() / (linear() + sqrt(discriminant)) : linear() / by_self();
+    return {.share = min_of(share, most)};
+  }
+  /// Factor of all changes of velocity, with which the gain is 0.
+  SIM_HD EnergyCorrection scaled() const {
+    if (!(square() > 0)) return {};
+    using std::sqrt;
+    const double sum =
+        sqrt(start() * start() + 4 * square() * allowed()) + (start() > 0 ? start() : -start());
+    return {.factor = start() > 0 ? 2 * allowed() / sum : sum / (2 * square())};
+  }
+};
+
+}  // namespace collidoscope
