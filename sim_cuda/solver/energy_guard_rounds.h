@@ -1,0 +1,377 @@
+#pragma once
+// The rounds of the energy guard (energy_guard.h), for Executor::run_rounds: the test of the whole scene, the
+// islands, then up to `removals` corrections of the islands that gain energy.
+
+#include <bit>
+#include <cstdint>
+
+#include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/disjoint_sets.h"
+#include "sim_cuda/core/step_control.h"
+#include "sim_cuda/solver/energy_guard.h"
+#include "sim_cuda/solver/energy_terms.h"
+#include "sim_cuda/solver/friction.h"
+
+namespace collidoscope {
+
+template <class Real>
+struct GuardRounds {
+  BodyView<Real> bodies;
+  std::int64_t body_count;
+  const PackedVector3<Real>*start, *start_spin, *moved;
+  const std::uint8_t* is_free;  ///< see EnergyGuard; null: the integrator is Euler's
+  Vector3<Real> gravity;        ///< m/s^2
+  const Vector3<Real>* field;   ///< m/s^2, by body; null without attractors
+  bool with_gravity;
+  Real h;  ///< s
+  GuardedContacts<Real> contacts;
+  const WallPlane<Real>* planes;
+  int plane_count, surfaces;
+  JointView<Real> joints;
+  const std::uint8_t* is_jointed;  ///< by body; null without joints
+  StaticImpulse* static_impulses;
+  const StepControl* control;
+  double* gains;           ///< by body, J: energy added by contacts, less its rounding
+  std::uint32_t* largest;  ///< bits of the largest magnitude in `gains` (float)
+  std::uint64_t* total;    ///< `total_slots` partial sums of `gains`
+  std::uint32_t* flags;    ///< 0: the scene gains energy; k > 0: an island does after the k-th removal
+  std::uint32_t *parent, *scale;
+  std::uint64_t* sums;
+  std::uint8_t *exempt, *grounded;  ///< by body, then by root
+
+  /// Removals of impulses: those at the end of the substep, then steps of steepest descent.
+  static constexpr int removals = EnergyGuard<Real>::flag_count, descents = removals - 1;
+  static constexpr int test_rounds = 3, first_rounds = 6, rounds_per_removal = 4;
+  static constexpr int rounds = first_rounds + removals * rounds_per_removal;
+
+  SIM_HD std::int64_t items(int round) const {
+    const auto contact_count = static_cast<std::int64_t>(control->contacts);
+    if (control->overflow) return -1;
+    if (round < test_rounds) return round == 2 ? 1 : body_count;
+    if (atomic_load(flags + removal_of(round)) == 0) return -1;
+    if (round == 3) return body_count;
+    if (round == 4) return contact_count;
+    if (round == 5) return joints.count;
+    return part_of(round) == 0 ? max_of(body_count, contact_count) : body_count;
+  }
+  SIM_HD void operator()(int round, int item) const {
+    switch (round) {
+      case 0:
+        return find_gain(item);
+      case 1:
+        return add_gain(item);
+      case 2:
+        return test();
+      case 3:
+        return begin(item);
+      case 4:
+        return join_contact(static_cast<std::uint32_t>(item));
+      case 5:
+        return join_joint(item);
+    }
+    const int removal = removal_of(round);
+    switch (part_of(round)) {
+      case 0:
+        return prepare(removal, item);
+      case 1:
+        return find_scale(removal, item);
+      case 2:
+        return add(removal, item);
+      default:
+        return remove(removal, item);
+    }
+  }
+
+ private:
+  /// Bits of a term in a sum; leaves room for 2^24 terms.
+  static constexpr int bits = 38;
+  static constexpr int total_slots = EnergyGuard<Real>::total_slots;
+  /// Sums of fewer units are not resolved.
+  static constexpr double resolution = 4096;
+  /// Largest share of opposing impulses: twice what stops a single pair.
+  static constexpr double largest_descent = 2;
+  static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-5 : 1e-9;
+
+  /// Velocity changes by the contacts of a body, as they act at the current positions.
+  struct Change {
+    Vector3<Real> impulse, moment;  ///< N s, N m s
+  };
+
+  SIM_HD static int removal_of(int round) {
+    return round < first_rounds ? 0 : (round - first_rounds) / rounds_per_removal;
+  }
+  SIM_HD static int part_of(int round) { return (round - first_rounds) % rounds_per_removal; }
+
+  // ---- bodies ----
+
+  SIM_HD bool is_guarded(std::uint32_t body) const {
+    return bodies.inverse_mass[body] > 0 && (contacts.asleep == nullptr || contacts.asleep[body] == 0);
+  }
+  SIM_HD bool moved_freely(int body) const { return is_free != nullptr && is_free[body] != 0; }
+  SIM_HD Vector3<Real> pull(int body) const {
+    return field != nullptr ? Vector3<Real>(gravity + field[body]) : gravity;
+  }
+  /// Velocity at the end of the substep without contacts.
+  SIM_HD Vector3<Real> free_velocity(int body) const {
+    if (moved_freely(body)) return moved[body];
+    const Vector3<Real> v = start[body];
+    return with_gravity ? Vector3<Real>(v + h * pull(body)) : v;
+  }
+  /// The same of the angular velocity, in the current orientation.
+  SIM_HD Vector3<Real> free_angular_velocity(int body) const {
+    return angular_state(body).velocity_of(start_spin[body].load());
+  }
+  SIM_HD AngularState<Real> angular_state(int body) const {
+    return AngularState<Real>::of(bodies, static_cast<std::uint32_t>(body));
+  }
+  SIM_HD static Vector3<double> wide(const Vector3<Real>& v) {
+    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+  }
+  /// The first three terms of a body.
+  SIM_HD EnergyTerms gain(int body) const {
+    EnergyTerms sum{};
+    const Vector3<Real> change = bodies.velocity[body].load() - free_velocity(body);
+    Vector3<Real> before = Vector3<Real>::Zero(), spin_change = before;
+    if (start_spin != nullptr) {
+      before = free_angular_velocity(body);
+      spin_change = bodies.angular_velocity[body].load() - before;
+    }
+    if (change.dot(change) == 0 && spin_change.dot(spin_change) == 0) return sum;
+    const double m = static_cast<double>(bodies.mass[body]);
+    const Vector3<double> d = wide(change);
+    sum.values[0] = m * wide(start[body]).dot(d);
+    sum.values[1] = m / 2 * d.dot(d);
+    if (with_gravity && !moved_freely(body)) {
+      const Vector3<double> g = wide(h * pull(body));
+      sum.values[2] = m / 2 * g.dot(g);
+    }
+    if (start_spin == nullptr) return sum;
+    const Quaternion<Real> q = bodies.orientation[body];
+    const Vector3<double> old = wide(q.conjugate() * before), added = wide(q.conjugate() * spin_change),
+                          inertia = wide(bodies.inertia[body]);
+    for (int k = 0; k < 3; ++k) {
+      sum.values[0] += inertia[k] * old[k] * added[k];
+      sum.values[1] += inertia[k] / 2 * added[k] * added[k];
+    }
+    return sum;
+  }
+  // ---- rounds ----
+
+  SIM_HD void find_gain(int body) const {
+    double& gained = gains[body];
+    gained = 0;
+    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    add_push_work(body, moved[body], bodies.velocity[body]);
+    const EnergyTerms sum = gain(body);
+    gained = sum.gain() - sum.rounding(relative_rounding);
+    if (gained == 0) return;
+    const std::uint32_t size =
+        std::bit_cast<std::uint32_t>(static_cast<float>(gained < 0 ? -gained : gained));
+    if (size > atomic_load(largest)) atomic_max(largest, size);
+  }
+  SIM_HD void add_gain(int body) const {
+    if (gains[body] == 0) return;
+    atomic_add(&total[body % total_slots],
+               static_cast<std::uint64_t>(static_cast<std::int64_t>(gains[body] / unit(*largest))));
+  }
+  SIM_HD void test() const {
+    std::uint64_t sum = 0;
+    for (int slot = 0; slot < total_slots; ++slot) {
+      sum += total[slot];
+      total[slot] = 0;
+    }
+    *largest = 0;
+    flags[0] = static_cast<std::int64_t>(sum) > 0 ? 1 : 0;
+  }
+  /// For a velocity that changes after the move.
+  SIM_HD void add_push_work(int body, const Vector3<Real>& before, const Vector3<Real>& after) const {
+    if (!with_gravity || (is_jointed != nullptr && is_jointed[body] != 0)) return;
+    const Real work = -h * bodies.mass[body] * pull(body).dot(before - after);
+    if (work != 0) static_impulses[body].push_work += static_cast<double>(work);
+  }
+  SIM_HD void begin(int body) const {
+    parent[body] = static_cast<std::uint32_t>(body);
+    grounded[body] = touches_plane(body) ? 1 : 0;
+    exempt[body] = is_jointed != nullptr ? is_jointed[body] : std::uint8_t{0};
+  }
+  SIM_HD bool touches_plane(int body) const {
+    for (int p = 0; p < surfaces; ++p)
+      if (contacts.plane_impulse[p * body_count + body] > 0) return true;
+    return false;
+  }
+  SIM_HD bool is_moving(std::uint32_t body) const {
+    const Vector3<Real> v = bodies.velocity[body];
+    if (v.dot(v) > 0) return true;
+    if (bodies.angular_velocity == nullptr) return false;
+    const Vector3<Real> w = bodies.angular_velocity[body];
+    return w.dot(w) > 0;
+  }
+  SIM_HD void join(std::uint32_t a, std::uint32_t b) const {
+    const bool guarded_a = is_guarded(a), guarded_b = is_guarded(b);
+    if (guarded_a && guarded_b) return join_sets(parent, a, b);
+    if (guarded_a && bodies.inverse_mass[b] == 0) join_static(a, b);
+    if (guarded_b && bodies.inverse_mass[a] == 0) join_static(b, a);
+  }
+  SIM_HD void join_static(std::uint32_t body, std::uint32_t fixed) const {
+    atomic_store(&(is_moving(fixed) ? exempt : grounded)[body], std::uint8_t{1});
+  }
+  SIM_HD void join_contact(std::uint32_t place) const {
+    if (has_pressed(place)) join(contacts.ids[place].a, contacts.ids[place].b);
+  }
+  SIM_HD bool has_pressed(std::uint32_t place) const {
+    const ContactSums<Real> sum = contacts.sums[place];
+    return sum.total > 0 || sum.impact < 0;
+  }
+  SIM_HD void join_joint(int joint) const {
+    const JointRow<Real>& row = joints.rows[joint];
+    if (row.b != JointRow<Real>::world) join(row.a, row.b);
+  }
+  /// Clears the sums. Before a step of steepest descent, computes the opposing impulses of contacts.
+  SIM_HD void prepare(int removal, int item) const {
+    if (item < body_count) {
+      scale[item] = 0;
+      for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
+        sums[EnergyTerms::count * static_cast<std::uint32_t>(item) + k] = 0;
+    }
+    if (removal == 0 || item >= static_cast<std::int64_t>(control->contacts)) return;
+    const auto place = static_cast<std::uint32_t>(item);
+    const Pair ids = contacts.ids[place];
+    const Real mass = 1 / (bodies.inverse_mass[ids.a] + bodies.inverse_mass[ids.b]);
+    const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
+    contacts.opposing[place] =
+        has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
+  }
+  SIM_HD void find_scale(int removal, int body) const {
+    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    const float size = static_cast<float>(terms(removal, body).largest());
+    if (size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
+    if (exempt[body] != 0) atomic_store(&exempt[root], std::uint8_t{1});
+    if (grounded[body] != 0) atomic_store(&grounded[root], std::uint8_t{1});
+  }
+  SIM_HD void add(int removal, int body) const {
+    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    if (scale[root] == 0) return;
+    const EnergyTerms sum = terms(removal, body);
+    const double one = unit(scale[root]);
+    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
+      atomic_add(&sums[EnergyTerms::count * root + k],
+                 static_cast<std::uint64_t>(static_cast<std::int64_t>(sum.values[k] / one)));
+  }
+  SIM_HD void remove(int removal, int body) const {
+    const EnergyCorrection correction = correction_of(removal, static_cast<std::uint32_t>(body));
+    if (correction.is_none()) return;
+    const Real share = static_cast<Real>(correction.share), factor = static_cast<Real>(correction.factor);
+    const Vector3<Real> v = bodies.velocity[body];
+    Vector3<Real> next;
+    if (factor < 1) {
+      next = free_velocity(body) + factor * (v - free_velocity(body));
+      change_of(body, 1 - factor);  // planes give less
+    } else {
+      const Change by_contacts = removal == 0 ? change_of(body, share) : opposing_of(body);
+      next = v - share * bodies.inverse_mass[body] * by_contacts.impulse;
+      if (start_spin != nullptr && removal == 0) {
+        AngularState<Real> angular = angular_state(body);
+        angular.apply_angular_impulse(-share * by_contacts.moment);
+        bodies.angular_velocity[body] = angular.velocity;
+      }
+    }
+    bodies.velocity[body] = next;
+    add_push_work(body, v, next);
+    if (start_spin == nullptr || !(factor < 1)) return;
+    const Vector3<Real> before = free_angular_velocity(body), w = bodies.angular_velocity[body];
+    bodies.angular_velocity[body] = Vector3<Real>(before + factor * (w - before));
+  }
+
+  // ---- islands ----
+
+  /// Unit of a sum in which the largest term has the given bits.
+  SIM_HD static double unit(std::uint32_t largest_bits) {
+    return static_cast<double>(std::bit_cast<float>(largest_bits)) /
+           static_cast<double>(std::uint64_t{1} << bits);
+  }
+  SIM_HD EnergyTerms terms(int removal, int body) const {
+    EnergyTerms sum = gain(body);
+    const Change by_contacts = removal == 0 ? change_of(body, 0) : opposing_of(body);
+    const Vector3<double> impulse = wide(by_contacts.impulse);
+    sum.values[3] = wide(start[body]).dot(impulse);
+    sum.values[4] = wide(bodies.velocity[body].load() - free_velocity(body)).dot(impulse);
+    sum.values[5] = static_cast<double>(bodies.inverse_mass[body]) * impulse.dot(impulse);
+    if (start_spin == nullptr || removal > 0) return sum;
+    AngularState<Real> angular = angular_state(body);
+    const Vector3<double> moment = wide(by_contacts.moment);
+    const Vector3<Real> before = free_angular_velocity(body);
+    sum.values[3] += wide(before).dot(moment);
+    sum.values[4] += wide(angular.velocity - before).dot(moment);
+    angular.velocity = Vector3<Real>::Zero();
+    angular.apply_angular_impulse(by_contacts.moment);
+    sum.values[5] += wide(angular.velocity).dot(moment);
+    return sum;
+  }
+  /// Sums the impulses at the end of the substep. `removed` > 0: also takes this share of them from the sums
+  /// of static bodies.
+  SIM_HD Change change_of(int body, Real removed) const {
+    Change sum{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
+    const Real radius = bodies.radius[body];
+    for (std::uint32_t k = 0; control->contacts > 0 && k < contacts.by_body.count[body]; ++k) {
+      const ContactEnd end = contacts.by_body.end(body, k);
+      const PackedContact<Real>& contact = contacts.soft[end.contact];
+      sum.impulse += end.template sign<Real>() * contact.impulse * contact.normal;
+      if (contacts.plane_friction == nullptr && start_spin == nullptr) continue;
+      sum.impulse += end.template sign<Real>() * contact.friction_impulse;
+      sum.moment -= (radius + contact.gap / 2) * contact.normal.cross(contact.friction_impulse);
+    }
+    for (int p = 0; p < surfaces; ++p) {
+      const std::int64_t here = p * body_count + body;
+      const Real impulse = contacts.plane_impulse[here];
+      if (!(impulse > 0)) continue;
+      const Vector3<Real> normal =
+          p < plane_count ? planes[p].normal : contacts.box_planes[here - plane_count * body_count].normal;
+      Vector3<Real> by_plane = impulse * normal;
+      if (contacts.plane_friction != nullptr) {
+        const Vector3<Real> friction = contacts.plane_friction[here];
+        by_plane += friction;
+        sum.moment -= radius * normal.cross(friction);
+      }
+      sum.impulse += by_plane;
+      if (!(removed > 0)) continue;
+      static_impulses[body].impulse -= static_cast<double>(removed * impulse);
+      for (int k = 0; k < 3; ++k)
+        static_impulses[body].vector[k] -= static_cast<double>(removed * by_plane[k]);
+    }
+    return sum;
+  }
+  /// Sums the opposing impulses.
+  SIM_HD Change opposing_of(int body) const {
+    Change sum{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
+    for (std::uint32_t k = 0; control->contacts > 0 && k < contacts.by_body.count[body]; ++k) {
+      const ContactEnd end = contacts.by_body.end(body, k);
+      sum.impulse +=
+          end.template sign<Real>() * contacts.opposing[end.contact] * contacts.soft[end.contact].normal;
+    }
+    return sum;
+  }
+  /// EnergyCorrection of the island of a body. Requests the next removal if energy is still gained after it.
+  SIM_HD EnergyCorrection correction_of(int removal, std::uint32_t body) const {
+    if (!is_guarded(body)) return {};
+    const std::uint32_t root = root_of(parent, body);
+    if (scale[root] == 0 || exempt[root] != 0) return {};
+    EnergyTerms all;
+    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
+      all.values[k] = unit(scale[root]) *
+                      static_cast<double>(static_cast<std::int64_t>(sums[EnergyTerms::count * root + k]));
+    const double error = all.rounding(relative_rounding) +
+                         relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
+    if (!(all.gain() > (removal == 0 ? 0 : error))) return {};
+    if (removal > 0 && grounded[root] != 0) return all.scaled();
+    EnergyCorrection correction;
+    if (all.linear() > resolution * unit(scale[root]))
+      correction = all.without_share(removal == 0 ? 1.0 : largest_descent);
+    if (removal + 1 < removals && all.gain_without(correction.share) > error)
+      atomic_store(flags + removal + 1, std::uint32_t{1});
+    return correction;
+  }
+};
+
+}  // namespace collidoscope
