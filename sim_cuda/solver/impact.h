@@ -23,7 +23,8 @@
 // The threshold grows with the load: 2 a h, where a is the acceleration of the body by gravity and
 // attractors, plus a quarter of the speed that the contact's impulse of the last substep gives. A resting
 // contact approaches by a h per substep. Without the load, tall columns never rest. If a = 0, the threshold
-// is a fraction of the speeds, for rounding.
+// is a fraction of the speeds, for rounding. From the third sweep on, 2 a h doubles in each sweep: in a
+// falling pile, ever slower impacts would follow each other up to the last sweep.
 //
 // Smith et al., "Reflections on simultaneous impact" (2012), compare this with simultaneous reflections,
 // which keep symmetries and need an inner solve.
@@ -49,6 +50,8 @@ struct ImpactLaw {
   Real h;                      ///< substep, s
 
   static constexpr double load_share = 0.25;
+  /// From this sweep on, the part by the acceleration doubles in each sweep.
+  static constexpr int first_growing_sweep = 2;
   /// Approach speeds below this fraction of the bodies' speeds are rounding.
   static constexpr Real rounding = sizeof(Real) == 4 ? Real(1e-5) : Real(1e-7);
 
@@ -63,6 +66,10 @@ struct ImpactLaw {
   SIM_HD Real rest_speed(const Vector3<Real>& a) const {
     using std::sqrt;
     return 2 * h * sqrt(a.dot(a));
+  }
+  /// Factor of rest_speed() in a sweep.
+  SIM_HD static Real growth(int sweep) {
+    return sweep < first_growing_sweep ? Real(1) : static_cast<Real>(2 << (sweep - first_growing_sweep));
   }
   /// `rest`: rest_speed(), m/s. `load`: impulse of the last substep, N s. `speed`: sum of the speeds, m/s.
   SIM_HD Real threshold(Real rest, Real speed, Real load, Real inverse_mass) const {
@@ -87,7 +94,9 @@ struct Impact {
   std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
   std::uint8_t* struck;  ///< by body: 2 + the last sweep in which its velocity changed; 1: fast; 0: slow
   std::uint8_t now;      ///< 2 + the number of this sweep
+  const std::uint32_t* needed = nullptr;  ///< 0: the sweep is not needed; or null
 
+  SIM_HD bool is_needed() const { return needed == nullptr || atomic_load(needed) != 0; }
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
     const Real approach = -velocity.dot(contact.normal);
@@ -96,7 +105,7 @@ struct Impact {
     const Vector3<Real> zero = Vector3<Real>::Zero();
     const Vector3<Real> a_a = bodies.inverse_mass_a > 0 ? law.acceleration(motions.ids.a) : zero,
                         a_b = bodies.inverse_mass_b > 0 ? law.acceleration(motions.ids.b) : zero;
-    const Real rest = max_of(law.rest_speed(a_a), law.rest_speed(a_b));
+    const Real rest = law.growth(now - 2) * max_of(law.rest_speed(a_a), law.rest_speed(a_b));
     using std::sqrt;
     const Real speed = sqrt(motions.v_a.dot(motions.v_a)) + sqrt(motions.v_b.dot(motions.v_b));
     if (!(approach >
@@ -144,15 +153,15 @@ struct Impact {
   }
 };
 
-/// All impact sweeps of a substep, for Executor::run_rounds. Each sweep: planes and boxes of all bodies, then
-/// contacts as in an Iteration. Sweep 0 tests all bodies at their planes, and contacts of bodies faster than
-/// half of the threshold. A later sweep tests the bodies whose velocity has changed since the last sweep, and
-/// their contacts; the result is that of testing all.
+/// Impact sweeps of a substep from sweep `first` on, for Executor::run_rounds. Each sweep: planes and boxes
+/// of all bodies, then contacts as in an Iteration. Sweep 0 tests all bodies at their planes, and contacts of
+/// bodies faster than half of the threshold. A later sweep tests the bodies whose velocity has changed since
+/// the last sweep, and their contacts; the result is that of testing all.
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct ImpactSweeps {
   using Contacts = Iteration<Real, Impact<Real, with_friction>>;
   static constexpr int rounds_per_sweep = Contacts::rounds + 1;
-  static constexpr int rounds = max_impact_sweeps * rounds_per_sweep;
+  SIM_HD int rounds() const { return (max_impact_sweeps - first) * rounds_per_sweep; }
 
   Contacts contacts;
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
@@ -160,15 +169,16 @@ struct ImpactSweeps {
   const std::uint8_t* asleep;        ///< by body, or null
   const std::uint32_t* contacts_of;  ///< number of contacts, by body
   StepControl* control;
+  int first;
 
   SIM_HD std::int64_t items(int round) const {
-    const int sweep = round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
+    const int sweep = first + round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
     if (sweep == 0 && part < 0) return control->overflow ? 0 : walls.body_count;
     if (atomic_load(needed + sweep) == 0) return -1;
     return part < 0 ? (walls.count() > 0 ? walls.body_count : 0) : contacts.items(part);
   }
   SIM_HD void operator()(int round, int item) const {
-    const int sweep = round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
+    const int sweep = first + round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
     if (part < 0) return bounce_off_walls(sweep, item);
     Contacts now = contacts;
     now.act.again = needed + sweep + 1;
@@ -182,7 +192,7 @@ struct ImpactSweeps {
     run_item(now, part, item);
   }
 
- private:
+  /// The first round of a sweep.
   SIM_HD void bounce_off_walls(int sweep, int id) const {
     if (asleep != nullptr && asleep[id] != 0) {
       contacts.act.struck[id] = 0;
@@ -190,9 +200,10 @@ struct ImpactSweeps {
     }
     const Vector3<Real> v = walls.bodies.velocity[id];
     const ImpactLaw<Real>& law = contacts.act.law;
-    const Real limit = law.rest_speed(law.acceleration(static_cast<std::uint32_t>(id))) / 2;
+    const Real limit =
+        law.growth(sweep) * law.rest_speed(law.acceleration(static_cast<std::uint32_t>(id))) / 2;
     if (sweep == 0) {
-      const bool fast = v.dot(v) > limit * limit;
+      const bool fast = v.dot(v) > Real(0.99) * limit * limit;  // less than the limit, for rounding
       contacts.act.struck[id] = fast ? 1 : 0;
       if (fast) atomic_store(needed, std::uint32_t{1});
     } else if (contacts.act.struck[id] < sweep + 1) {
@@ -203,11 +214,20 @@ struct ImpactSweeps {
     if (!(v.dot(v) > limit * limit)) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     const bool may_shift = control->contacts == 0 || contacts_of[id] == 0;
-    if (!walls.resolve_impacts(id, body, law, may_shift)) return;
+    if (!walls.resolve_impacts(id, body, law, law.growth(sweep), may_shift)) return;
     walls.store(id, body);
     contacts.act.struck[id] = static_cast<std::uint8_t>(sweep + 2);
     atomic_store(needed + sweep + 1, std::uint32_t{1});
     if (sweep == 0) atomic_store(needed, std::uint32_t{1});
+  }
+};
+
+/// The first round of the first sweep, for planes and boxes, as a stage.
+template <class Sweeps>
+struct FirstRound {
+  Sweeps sweeps;
+  SIM_HD void operator()(int id) const {
+    if (id < sweeps.items(0)) sweeps(0, id);
   }
 };
 

@@ -252,8 +252,12 @@ struct Iteration {
     Motion a, b;
     if (!load_if_ready(k.ids.a, counters.a, a) || !load_if_ready(k.ids.b, counters.b, b)) return false;
     const bool acted = resolve(k, a, b);
+    if constexpr (requires { Act::mostly_idle; })
+      if (acted) act.mark(k.ids);
     store_with_tag(k.ids.a, counters.next_a, a);
     store_with_tag(k.ids.b, counters.next_b, b);
+    if constexpr (requires { Act::mostly_idle; })
+      if (!acted) return true;
     contacts.template store<Act::sums>(k, acted);
     return true;
   }

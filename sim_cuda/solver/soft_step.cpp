@@ -151,13 +151,30 @@ void SoftStepSolver<Real>::resolve_impacts() {
                             scene_.effects.attractor ? scene_.field : nullptr, h_};
   const auto with = [&]<bool with_box_obstacles>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles>;
-    executor_.run_rounds(
-        "bounce", Sweeps::rounds, std::max(scene_.body_count, contact_capacity_),
-        Sweeps{typename Sweeps::Contacts{
-                   ordered_contacts<with_friction>(true), scene_.bodies, {law, nullptr, struck_.data(), 0}},
-               planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-               impact_sweeps_.data(), sleeping_.asleep(), all_.view(colouring_.degrees()).count,
-               scene_.control});
+    using Contacts = typename Sweeps::Contacts;
+    std::uint32_t* const needed = impact_sweeps_.data();
+    const OrderedContacts<Real, with_friction> contacts = ordered_contacts<with_friction>(true);
+    const std::int64_t items = std::max(scene_.body_count, contact_capacity_);
+    Sweeps sweeps{Contacts{contacts, scene_.bodies, {law, nullptr, struck_.data(), 0}},
+                  planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+                  needed,
+                  sleeping_.asleep(),
+                  all_.view(colouring_.degrees()).count,
+                  scene_.control,
+                  0};
+    // On a GPU, sweeps over contacts without barriers are faster. Most substeps need no more than these.
+    constexpr int without_barriers = 4;
+    if (executor_.on_device() && Contacts::sync_free_rounds > 0)
+      for (; sweeps.first < without_barriers; ++sweeps.first) {
+        const auto now = static_cast<std::uint8_t>(sweeps.first + 2);
+        executor_.run("bounce", scene_.body_count, FirstRound<Sweeps>{sweeps});
+        executor_.run_rounds(
+            "bounce", Contacts::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+            Contacts{contacts,
+                     scene_.bodies,
+                     {law, needed + sweeps.first + 1, struck_.data(), now, needed + sweeps.first}});
+      }
+    executor_.run_rounds("bounce", sweeps.rounds(), items, sweeps);
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
   executor_.run("bounce", 1,

@@ -251,12 +251,13 @@ struct SoftWalls {
     }
     return planes[p];
   }
-  /// One sweep over the planes of a body. Returns true if the body got an impulse. `may_shift`: an impact may
-  /// move the body to the surface (impact.h).
-  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, bool may_shift) const {
+  /// One sweep over the planes of a body. Returns true if the body got an impulse. `growth`: see ImpactLaw.
+  /// `may_shift`: an impact may move the body to the surface (impact.h).
+  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, Real growth,
+                              bool may_shift) const {
     bool any = false;
     const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
-    const Real rest = law.rest_speed(pull);
+    const Real rest = growth * law.rest_speed(pull);
     for (int p = 0; p < count(); ++p) {
       const WallPlane<Real> surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
       const Vector3<Real> normal = surface.normal;
