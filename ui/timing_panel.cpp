@@ -36,8 +36,8 @@ void draw_timing_panel(Workspace& workspace, const WorkspaceView& view) {
   if (ImGui::BeginTable("stages", 6, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_PadOuterX)) {
     // Relative widths, which scale with the panel and the font.
     for (const auto& [column, share] :
-         {std::pair{"stage", 6.8f}, std::pair{"last", 3.4f}, std::pair{"median", 3.4f}, std::pair{"p95", 3.4f},
-          std::pair{"share", 3.0f}, std::pair{"launches", 4.4f}})
+         {std::pair{"stage", 6.8f}, std::pair{"last", 3.4f}, std::pair{"median", 3.4f},
+          std::pair{"p95", 3.4f}, std::pair{"share", 3.0f}, std::pair{"launches", 4.4f}})
       ImGui::TableSetupColumn(column, ImGuiTableColumnFlags_WidthStretch, share);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();

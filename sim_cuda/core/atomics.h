@@ -158,11 +158,12 @@ SIM_HD inline void atomic_or(std::uint32_t* target, std::uint32_t bits) {
 }
 
 /// Loads a value that other threads may store concurrently.
-SIM_HD inline std::uint32_t atomic_load(const std::uint32_t* source) {
+template <class T>
+SIM_HD T atomic_load(const T* source) {
 #if defined(__CUDA_ARCH__)
-  return *reinterpret_cast<const volatile std::uint32_t*>(source);
+  return *reinterpret_cast<const volatile T*>(source);
 #else
-  return std::atomic_ref<std::uint32_t>(*const_cast<std::uint32_t*>(source)).load(std::memory_order_relaxed);
+  return std::atomic_ref<T>(*const_cast<T*>(source)).load(std::memory_order_relaxed);
 #endif
 }
 

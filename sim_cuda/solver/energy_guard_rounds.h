@@ -246,8 +246,8 @@ struct GuardRounds {
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     const float size = static_cast<float>(terms(removal, body).largest());
     if (size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
-    if (exempt[body] != 0) atomic_store(&exempt[root], std::uint8_t{1});
-    if (grounded[body] != 0) atomic_store(&grounded[root], std::uint8_t{1});
+    if (atomic_load(&exempt[body]) != 0) atomic_store(&exempt[root], std::uint8_t{1});
+    if (atomic_load(&grounded[body]) != 0) atomic_store(&grounded[root], std::uint8_t{1});
   }
   SIM_HD void add(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;

@@ -53,6 +53,7 @@ struct IntegrateFree {
   const std::uint32_t* bounced_mask;  ///< see SoftWalls; or null
   const WallPlane<Real>* planes;
   int plane_count;
+  BoxView<Real> boxes;
   Real h;  ///< s
   bool forces_applied;
   const StepControl* control;
@@ -73,7 +74,11 @@ struct IntegrateFree {
       }
     }
     if (is_free != nullptr) is_free[body] = free ? 1 : 0;
-    if (bounced_mask != nullptr && bounced_mask[body] != 0) end_at_planes(body, step.drift_velocity);
+    if (bounced_mask != nullptr && bounced_mask[body] != 0) {
+      // The rest of the time is lost, for the forces, too.
+      const Real flown = end_at_surfaces(body, step.drift_velocity);
+      if (free && flown < 1) step.velocity = start + flown * (step.velocity - start);
+    }
     drift_velocity[body] = step.drift_velocity;
     bodies.velocity[body] = step.velocity;
     if (moved != nullptr) moved[body] = step.velocity;
@@ -99,18 +104,30 @@ struct IntegrateFree {
     }
     return false;
   }
-  /// Shortens the drift velocity of a body that bounced and reaches the same plane again, because it is so
-  /// fast that it crosses its container in a substep. See SoftWalls::ends_at_plane().
-  SIM_HD void end_at_planes(int body, Vector3<Real>& drift) const {
+  /// Shortens the drift velocity of a body that bounced and reaches the same surface again, because it is so
+  /// fast that it crosses its container in a substep. Returns the factor. See SoftWalls::ends_at_plane().
+  SIM_HD Real end_at_surfaces(int body, Vector3<Real>& drift) const {
+    const std::uint32_t bounced = bounced_mask[body];
     const Vector3<Real> x = bodies.position[body];
     const Real radius = bodies.radius[body];
-    if (!(h * h * drift.dot(drift) > radius * radius)) return;
-    for (int p = 0; p < min_of(plane_count, 32); ++p) {
-      if ((bounced_mask[body] >> p & 1) == 0) continue;
-      const Vector3<Real> normal = planes[p].normal;
-      const Real gap = max_of(normal.dot(x) - planes[p].offset - radius, Real(0)), speed = normal.dot(drift);
-      if (gap + h * speed < 0) drift *= gap / (-h * speed);
+    Real factor = 1;
+    if (!(h * h * drift.dot(drift) > radius * radius)) return factor;
+    for (int p = 0; p < min_of(plane_count, 32); ++p)
+      if ((bounced >> p & 1) != 0) factor *= end_at(planes[p].normal, planes[p].offset, x, radius, drift);
+    for (int b = 0; b < min_of(boxes.count, 32 - plane_count); ++b) {
+      if ((bounced >> (plane_count + b) & 1) == 0) continue;
+      const ContactPlane<Real> met = boxes.boxes[b].first_plane_on_path(x, h * drift, radius);
+      if (!met.is_none()) factor *= end_at(met.normal, met.offset, x, radius, drift);
     }
+    return factor;
+  }
+  SIM_HD Real end_at(const Vector3<Real>& normal, Real offset, const Vector3<Real>& x, Real radius,
+                     Vector3<Real>& drift) const {
+    const Real gap = max_of(normal.dot(x) - offset - radius, Real(0)), speed = normal.dot(drift);
+    if (!(gap + h * speed < 0)) return 1;
+    const Real factor = gap / (-h * speed);
+    drift *= factor;
+    return factor;
   }
 };
 
@@ -174,10 +191,11 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
     const SmoothField<Real> field{effects.attractor ? scene_.attractors : AttractorView<Real>{},
                                   effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
                                   scene_.gravity};
-    executor_.run("integrate", scene_.body_count,
-                  IntegrateFree<Real, integrator>{
-                      field, scene_.bodies, before_.data(), drift_velocity_.data(), moved, is_free,
-                      bounced_mask, scene_.planes, scene_.plane_count, h, forces_applied, scene_.control});
+    executor_.run(
+        "integrate", scene_.body_count,
+        IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(), drift_velocity_.data(), moved,
+                                        is_free, bounced_mask, scene_.planes, scene_.plane_count,
+                                        scene_.boxes, h, forces_applied, scene_.control});
   };
   switch (scene_.integrator) {
     case Integrator::rk4:

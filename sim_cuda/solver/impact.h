@@ -137,10 +137,11 @@ struct Impact {
     return contact.impact > 0;
   }
 
-  /// Call if the contact has changed the velocities of its bodies.
-  SIM_HD void mark(const Pair& ids) const {
-    atomic_store(struck + ids.a, now);
-    atomic_store(struck + ids.b, now);
+  /// Call if the contact has changed the velocities of its bodies. Static bodies may have other contacts in
+  /// the same round, and do not change.
+  SIM_HD void mark(const Pair& ids, const ContactBodies<Real>& bodies) const {
+    if (bodies.inverse_mass_a > 0) atomic_store(struck + ids.a, now);
+    if (bodies.inverse_mass_b > 0) atomic_store(struck + ids.b, now);
   }
 
  private:

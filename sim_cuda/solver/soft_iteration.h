@@ -186,7 +186,7 @@ struct Iteration {
     const bool acted = resolve(k, a, b);
     if constexpr (requires { Act::mostly_idle; }) {
       if (!acted) return;
-      act.mark(k.ids);
+      act.mark(k.ids, k.bodies);
     }
     store(k.ids.a, a);
     store(k.ids.b, b);
@@ -253,7 +253,7 @@ struct Iteration {
     if (!load_if_ready(k.ids.a, counters.a, a) || !load_if_ready(k.ids.b, counters.b, b)) return false;
     const bool acted = resolve(k, a, b);
     if constexpr (requires { Act::mostly_idle; })
-      if (acted) act.mark(k.ids);
+      if (acted) act.mark(k.ids, k.bodies);
     store_with_tag(k.ids.a, counters.next_a, a);
     store_with_tag(k.ids.b, counters.next_b, b);
     if constexpr (requires { Act::mostly_idle; })

@@ -150,7 +150,7 @@ struct SoftWalls {
         const Real gap = max_of(box_plane.normal.dot(body.x) - box_plane.offset - body.radius, Real(0));
         const Real speed = box_plane.normal.dot(body.v), over = speed + gap * inverse_h;
         const Real rounding = Real(1e-6) * body.v.template lpNorm<1>() + Real(1e-4) * body.radius * inverse_h;
-        if (!(over < -rounding)) continue;
+        if (!(over < -rounding) || ends_at_plane(id, body, plane_count + b)) continue;
         clear = false;
         impulse[index(plane_count + b, id)] -= body.mass * over;
         activate(id, body, plane_count + b);
