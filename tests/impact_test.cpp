@@ -212,8 +212,6 @@ TEST_P(Impacts, APairHasTheLargerRestitution) {
     }
 }
 
-// ---- balls that fall ----
-
 Scene falling_ball(double restitution, double height) {
   Scene scene = impact_space(restitution, g);
   scene.bodies = {ball(1, 0.1, Vector3d(0, 0, height + 0.1))};
@@ -241,7 +239,7 @@ TEST_P(Impacts, AnElasticBallReturnsToItsHeight) {
 }
 
 TEST_P(Impacts, ABallReboundsToTheSquareOfItsRestitution) {
-  // As long as it arrives faster than 4 g h. A slower one may come to rest.
+  // As long as it arrives faster than 4 g h; a slower one may come to rest.
   for (const double restitution : {0.2, 0.5, 0.8})
     for (const double height : {0.6, 1.0, 1.7}) {
       Scene scene = falling_ball(restitution, height);
@@ -255,13 +253,13 @@ TEST_P(Impacts, ABallReboundsToTheSquareOfItsRestitution) {
           if (before <= 0 && v > 0) {
             expected *= restitution * restitution;
             EXPECT_NEAR(z + v * v / (2 * g), expected, 0.02 * expected)
-                << "e " << restitution << ", from " << height << " m, state " << k + 1;
+                << restitution << ' ' << height << ' ' << k;
             arrives *= restitution;
           }
           before = v;
         }
         EXPECT_LE(arrives, 4 * g / 120)
-            << "it bounces each time; e " << restitution << ", from " << height << " m";
+            << "it bounces each time; e " << restitution << ", " << height << " m";
       });
     }
 }
@@ -296,8 +294,6 @@ TEST_P(Impacts, ABallOnABallFliesFasterThanItFell) {
     EXPECT_NEAR(upper, exact_upper, 0.04 * exact_upper) << "11.68 m/s";
   });
 }
-
-// ---- piles come to rest ----
 
 class ImpactPiles : public Impacts {
  protected:

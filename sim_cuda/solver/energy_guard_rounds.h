@@ -267,7 +267,10 @@ struct GuardRounds {
     Vector3<Real> next;
     if (factor < 1) {
       next = free_velocity(body) + factor * (v - free_velocity(body));
-      change_of(body, 1 - factor);  // planes give less
+      // In the sum over the island, this is the momentum that planes give less.
+      const Vector3<double> change = wide(bodies.mass[body] * Vector3<Real>(next - v));
+      change_of(body, 1 - factor, false);
+      for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] += change[k];
     } else {
       const Change by_contacts = removal == 0 ? change_of(body, share) : opposing_of(body);
       next = v - share * bodies.inverse_mass[body] * by_contacts.impulse;
@@ -311,7 +314,7 @@ struct GuardRounds {
   }
   /// Sums the impulses at the end of the substep. `removed` > 0: also takes this share of them from the sums
   /// of static bodies.
-  SIM_HD Change change_of(int body, Real removed) const {
+  SIM_HD Change change_of(int body, Real removed, bool with_vector = true) const {
     Change sum{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
     const Real radius = bodies.radius[body];
     for (std::uint32_t k = 0; control->contacts > 0 && k < contacts.by_body.count[body]; ++k) {
@@ -337,7 +340,7 @@ struct GuardRounds {
       sum.impulse += by_plane;
       if (!(removed > 0)) continue;
       static_impulses[body].impulse -= static_cast<double>(removed * impulse);
-      for (int k = 0; k < 3; ++k)
+      for (int k = 0; with_vector && k < 3; ++k)
         static_impulses[body].vector[k] -= static_cast<double>(removed * by_plane[k]);
     }
     return sum;

@@ -54,7 +54,8 @@ struct IntegrateFree {
   const WallPlane<Real>* planes;
   int plane_count;
   BoxView<Real> boxes;
-  Real h;  ///< s
+  StaticImpulse* static_impulses;  ///< or null
+  Real h;                          ///< s
   bool forces_applied;
   const StepControl* control;
 
@@ -75,9 +76,12 @@ struct IntegrateFree {
     }
     if (is_free != nullptr) is_free[body] = free ? 1 : 0;
     if (bounced_mask != nullptr && bounced_mask[body] != 0) {
-      // The rest of the time is lost, for the forces, too.
-      const Real flown = end_at_surfaces(body, step.drift_velocity);
-      if (free && flown < 1) step.velocity = start + flown * (step.velocity - start);
+      const Vector3<Real> whole = step.drift_velocity;
+      end_at_surfaces(body, step.drift_velocity);
+      const Vector3<Real> lost = whole - step.drift_velocity;
+      if (static_impulses != nullptr && lost.dot(lost) > 0)
+        static_impulses[body].push_work +=
+            static_cast<double>(h * bodies.mass[body] * field.acceleration(body).dot(lost));
     }
     drift_velocity[body] = step.drift_velocity;
     bodies.velocity[body] = step.velocity;
@@ -105,29 +109,24 @@ struct IntegrateFree {
     return false;
   }
   /// Shortens the drift velocity of a body that bounced and reaches the same surface again, because it is so
-  /// fast that it crosses its container in a substep. Returns the factor. See SoftWalls::ends_at_plane().
-  SIM_HD Real end_at_surfaces(int body, Vector3<Real>& drift) const {
+  /// fast that it crosses its container in a substep. See SoftWalls::ends_at_plane().
+  SIM_HD void end_at_surfaces(int body, Vector3<Real>& drift) const {
     const std::uint32_t bounced = bounced_mask[body];
     const Vector3<Real> x = bodies.position[body];
     const Real radius = bodies.radius[body];
-    Real factor = 1;
-    if (!(h * h * drift.dot(drift) > radius * radius)) return factor;
+    if (!(h * h * drift.dot(drift) > radius * radius)) return;
     for (int p = 0; p < min_of(plane_count, 32); ++p)
-      if ((bounced >> p & 1) != 0) factor *= end_at(planes[p].normal, planes[p].offset, x, radius, drift);
+      if ((bounced >> p & 1) != 0) end_at(planes[p].normal, planes[p].offset, x, radius, drift);
     for (int b = 0; b < min_of(boxes.count, 32 - plane_count); ++b) {
       if ((bounced >> (plane_count + b) & 1) == 0) continue;
       const ContactPlane<Real> met = boxes.boxes[b].first_plane_on_path(x, h * drift, radius);
-      if (!met.is_none()) factor *= end_at(met.normal, met.offset, x, radius, drift);
+      if (!met.is_none()) end_at(met.normal, met.offset, x, radius, drift);
     }
-    return factor;
   }
-  SIM_HD Real end_at(const Vector3<Real>& normal, Real offset, const Vector3<Real>& x, Real radius,
+  SIM_HD void end_at(const Vector3<Real>& normal, Real offset, const Vector3<Real>& x, Real radius,
                      Vector3<Real>& drift) const {
     const Real gap = max_of(normal.dot(x) - offset - radius, Real(0)), speed = normal.dot(drift);
-    if (!(gap + h * speed < 0)) return 1;
-    const Real factor = gap / (-h * speed);
-    drift *= factor;
-    return factor;
+    if (gap + h * speed < 0) drift *= gap / (-h * speed);
   }
 };
 
@@ -191,11 +190,11 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
     const SmoothField<Real> field{effects.attractor ? scene_.attractors : AttractorView<Real>{},
                                   effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
                                   scene_.gravity};
-    executor_.run(
-        "integrate", scene_.body_count,
-        IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(), drift_velocity_.data(), moved,
-                                        is_free, bounced_mask, scene_.planes, scene_.plane_count,
-                                        scene_.boxes, h, forces_applied, scene_.control});
+    executor_.run("integrate", scene_.body_count,
+                  IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
+                                                  drift_velocity_.data(), moved, is_free, bounced_mask,
+                                                  scene_.planes, scene_.plane_count, scene_.boxes,
+                                                  scene_.static_impulses, h, forces_applied, scene_.control});
   };
   switch (scene_.integrator) {
     case Integrator::rk4:
