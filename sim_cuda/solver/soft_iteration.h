@@ -283,8 +283,11 @@ struct Iteration {
                n_b = static_cast<Real>(contacts.uncoloured.count[k.ids.b]);
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Vector3<Real> v_a = bodies.velocity[k.ids.a], v_b = bodies.velocity[k.ids.b], velocity = v_b - v_a;
-    contacts.uncoloured_change[place] =
+    const Real change =
         act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
+    contacts.uncoloured_change[place] = change;
+    if constexpr (requires { Act::mostly_idle; })
+      if (change != 0 || (Act::has_friction && k.contact.impact > 0)) act.mark(k.ids, k.bodies);
     if constexpr (Act::has_friction) {
       const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
                                           k.contact, k.bodies, k.inertia);
