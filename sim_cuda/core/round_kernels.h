@@ -27,9 +27,10 @@ namespace collidoscope {
 
 /// Interface of every multi-round stage:
 ///
-///   SIM_HD std::int64_t items(int round) const;  // called after the previous round; negative: no more
-///   rounds SIM_HD void operator()(int round, int item) const;
+///   SIM_HD std::int64_t items(int round) const;  // called after the previous round
+///   SIM_HD void operator()(int round, int item) const;
 ///
+/// A negative number of items ends the stage, except if the item counts are fixed (StaticRounds).
 /// Precondition: the items of one round are independent.
 template <class Rounds>
 concept ItemRounds = requires(const Rounds& rounds, int number) {

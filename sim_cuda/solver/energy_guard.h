@@ -25,10 +25,11 @@
 // substep, and a column would never come to rest. Bodies that moved freely have no term m h^2 g . g / 2,
 // because free flight is exact.
 //
-// An island is a set of dynamic bodies that are connected by contacts with impulses, or by joints. Islands
-// are found only if the sum of at least one body is positive, within a tolerance. Islands with joints are
-// exempt: the energy of an oscillating joint varies within a period, and a limit from one side would damp it.
-// Islands with contacts to moving kinematic bodies are exempt, because these do work on bodies.
+// An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
+// joints. Islands are found only in substeps in which G of the whole scene is positive, within a tolerance:
+// an island can gain energy while others lose more. Islands with joints are exempt: the energy of an
+// oscillating joint varies within a period, and a limit from one side would damp it. Islands with contacts to
+// moving kinematic bodies are exempt, because these do work on bodies.
 //
 // Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
 // depend on the order. All stages are rounds of one launch.

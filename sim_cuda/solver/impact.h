@@ -6,7 +6,7 @@
 // A pair that approaches at speed u gets the impulse (1 + e) u m, where m is the reduced mass. Kinetic
 // energy changes by -(1 - e^2) m u^2 / 2 <= 0. So no sequence of such impulses gains energy. Sweeps over all
 // contacts, colour by colour, are repeated until no contact approaches faster than its threshold, at most
-// `max_sweeps` times. The remaining approach is inelastic, and is counted as `bounce_cap`.
+// `max_impact_sweeps` times. The remaining approach is inelastic, and is counted as `bounce_cap`.
 //
 // Against a static surface at distance s, with acceleration a towards it, the rebound speed at the current
 // position is sqrt(e^2 (u^2 + 2 a s) - 2 a s). The body is then on the parabola that it would follow after an
