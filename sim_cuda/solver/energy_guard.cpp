@@ -32,7 +32,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   gains_.resize_discarding(n);
   largest_.upload({0});
   total_.upload(std::vector<std::uint64_t>(total_slots, 0));
-  flags_.upload(std::vector<std::uint32_t>(flag_count, 0));
+  flags_.upload(std::vector<std::uint32_t>(removals, 0));
   parent_.resize_discarding(n);
   scale_.resize_discarding(n);
   sums_.resize_discarding(std::size_t{EnergyTerms::count} * n);

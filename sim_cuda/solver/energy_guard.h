@@ -75,9 +75,8 @@ class EnergyGuard {
   /// By body, written by the integrator: 1 if the body moved freely. Null with semi-implicit Euler.
   std::uint8_t* is_free() { return is_free_.size() > 0 ? is_free_.data() : nullptr; }
 
-  /// Flags of the removals; must be 0 at the call of apply().
-  std::uint32_t* flags() { return flags_.data(); }
-  static constexpr int flag_count = 5, total_slots = 64;
+  /// Largest number of removals, and number of partial sums of the scene's G.
+  static constexpr int removals = 5, total_slots = 64;
 
   /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
   void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);

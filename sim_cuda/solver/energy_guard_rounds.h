@@ -40,7 +40,7 @@ struct GuardRounds {
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
 
   /// Removals of impulses: those at the end of the substep, then steps of steepest descent.
-  static constexpr int removals = EnergyGuard<Real>::flag_count, descents = removals - 1;
+  static constexpr int removals = EnergyGuard<Real>::removals;
   static constexpr int test_rounds = 3, first_rounds = 6, rounds_per_removal = 4;
   static constexpr int rounds = first_rounds + removals * rounds_per_removal;
 
@@ -155,6 +155,7 @@ struct GuardRounds {
     }
     return sum;
   }
+
   // ---- rounds ----
 
   SIM_HD void find_gain(int body) const {
@@ -164,15 +165,16 @@ struct GuardRounds {
     add_push_work(body, moved[body], bodies.velocity[body]);
     const EnergyTerms sum = gain(body);
     gained = sum.gain() - sum.rounding(relative_rounding);
-    if (gained == 0) return;
-    const std::uint32_t size =
-        std::bit_cast<std::uint32_t>(static_cast<float>(gained < 0 ? -gained : gained));
-    if (size > atomic_load(largest)) atomic_max(largest, size);
+    const float size = static_cast<float>(gained < 0 ? -gained : gained);
+    if (!is_finite(size) || size == 0) {
+      gained = 0;
+      return;
+    }
+    atomic_max(largest, std::bit_cast<std::uint32_t>(size));
   }
   SIM_HD void add_gain(int body) const {
     if (gains[body] == 0) return;
-    atomic_add(&total[body % total_slots],
-               static_cast<std::uint64_t>(static_cast<std::int64_t>(gains[body] / unit(*largest))));
+    atomic_add(&total[body % total_slots], in_units(gains[body], unit(*largest)));
   }
   SIM_HD void test() const {
     std::uint64_t sum = 0;
@@ -182,6 +184,7 @@ struct GuardRounds {
     }
     *largest = 0;
     flags[0] = static_cast<std::int64_t>(sum) > 0 ? 1 : 0;
+    for (int removal = 1; removal < removals; ++removal) flags[removal] = 0;
   }
   /// For a velocity that changes after the move.
   SIM_HD void add_push_work(int body, const Vector3<Real>& before, const Vector3<Real>& after) const {
@@ -245,7 +248,7 @@ struct GuardRounds {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     const float size = static_cast<float>(terms(removal, body).largest());
-    if (size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
+    if (is_finite(size) && size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
     if (atomic_load(&exempt[body]) != 0) atomic_store(&exempt[root], std::uint8_t{1});
     if (atomic_load(&grounded[body]) != 0) atomic_store(&grounded[root], std::uint8_t{1});
   }
@@ -256,8 +259,7 @@ struct GuardRounds {
     const EnergyTerms sum = terms(removal, body);
     const double one = unit(scale[root]);
     for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
-      atomic_add(&sums[EnergyTerms::count * root + k],
-                 static_cast<std::uint64_t>(static_cast<std::int64_t>(sum.values[k] / one)));
+      atomic_add(&sums[EnergyTerms::count * root + k], in_units(sum.values[k], one));
   }
   SIM_HD void remove(int removal, int body) const {
     const EnergyCorrection correction = correction_of(removal, static_cast<std::uint32_t>(body));
@@ -293,6 +295,16 @@ struct GuardRounds {
   SIM_HD static double unit(std::uint32_t largest_bits) {
     return static_cast<double>(std::bit_cast<float>(largest_bits)) /
            static_cast<double>(std::uint64_t{1} << bits);
+  }
+  SIM_HD static bool is_finite(float value) { return value - value == 0; }
+  /// `value` as a whole number of units. 0 if it is not finite or much too large, as for a body that is not
+  /// finite: the conversion of such a number differs between CPU and GPU.
+  SIM_HD static std::uint64_t in_units(double value, double one) {
+    const double units = value / one;
+    constexpr double largest_units = static_cast<double>(std::uint64_t{1} << (bits + 1));
+    return units > -largest_units && units < largest_units
+               ? static_cast<std::uint64_t>(static_cast<std::int64_t>(units))
+               : 0;
   }
   SIM_HD EnergyTerms terms(int removal, int body) const {
     EnergyTerms sum = gain(body);
@@ -355,7 +367,7 @@ struct GuardRounds {
     }
     return sum;
   }
-  /// EnergyCorrection of the island of a body. Requests the next removal if energy is still gained after it.
+  /// Correction of the island of a body. Requests the next removal if energy is still gained after it.
   SIM_HD EnergyCorrection correction_of(int removal, std::uint32_t body) const {
     if (!is_guarded(body)) return {};
     const std::uint32_t root = root_of(parent, body);

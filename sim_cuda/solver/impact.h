@@ -223,7 +223,7 @@ struct ImpactSweeps {
   }
 };
 
-/// The first round of the first sweep, for planes and boxes, as a stage.
+/// The first round of sweep `first`, for planes and boxes, as a stage.
 template <class Sweeps>
 struct FirstRound {
   Sweeps sweeps;
@@ -232,16 +232,13 @@ struct FirstRound {
   }
 };
 
-/// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags, also those
-/// of the energy guard.
+/// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags.
 struct EndImpacts {
-  std::uint32_t *needed, *guard_flags;
-  int guard_flag_count;
+  std::uint32_t* needed;
   StepControl* control;
   SIM_HD void operator()(int) const {
     if (needed[max_impact_sweeps] != 0) ++control->bounce_caps;
     for (int sweep = 0; sweep <= max_impact_sweeps; ++sweep) needed[sweep] = 0;
-    for (int k = 0; k < guard_flag_count; ++k) guard_flags[k] = 0;
   }
 };
 

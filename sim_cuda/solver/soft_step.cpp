@@ -177,9 +177,7 @@ void SoftStepSolver<Real>::resolve_impacts() {
     executor_.run_rounds("bounce", sweeps.rounds(), items, sweeps);
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
-  executor_.run("bounce", 1,
-                EndImpacts{impact_sweeps_.data(), energy_guard_.flags(), EnergyGuard<Real>::flag_count,
-                           scene_.control});
+  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), scene_.control});
 }
 
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.
