@@ -115,9 +115,9 @@ struct IntegrateFree {
     const Vector3<Real> x = bodies.position[body];
     const Real radius = bodies.radius[body];
     if (!(h * h * drift.dot(drift) > radius * radius)) return;
-    for (int p = 0; p < min_of(plane_count, 32); ++p)
+    for (int p = 0; p < min_of(plane_count, +plane_mask_bits); ++p)
       if ((bounced >> p & 1) != 0) end_at(planes[p].normal, planes[p].offset, x, radius, drift);
-    for (int b = 0; b < min_of(boxes.count, 32 - plane_count); ++b) {
+    for (int b = 0; b < min_of(boxes.count, plane_mask_bits - plane_count); ++b) {
       if ((bounced >> (plane_count + b) & 1) == 0) continue;
       const ContactPlane<Real> met = boxes.boxes[b].first_plane_on_path(x, h * drift, radius);
       if (!met.is_none()) end_at(met.normal, met.offset, x, radius, drift);

@@ -59,7 +59,7 @@ struct SoftWalls {
 
   /// True if the body may have impulses at plane p. Planes from mask_bits on have no bit and are always
   /// active.
-  static constexpr int mask_bits = 32;
+  static constexpr int mask_bits = plane_mask_bits;
   SIM_HD static bool is_active(const Body& body, int p) {
     return p >= mask_bits || (body.active_mask >> p & 1) != 0;
   }

@@ -20,6 +20,9 @@
 
 namespace collidoscope {
 
+/// Planes and boxes with a bit in the masks of a body; see SoftWalls.
+inline constexpr int plane_mask_bits = 32;
+
 /// The half-space normal . x >= offset, in which bodies stay.
 template <class Real>
 struct WallPlane {
