@@ -57,11 +57,10 @@ struct SoftWalls {
     bool moved = false, velocity_changed = false;
   };
 
-  /// True if the body may have impulses at plane p. Planes from mask_bits on have no bit and are always
+  /// True if the body may have impulses at plane p. Planes from plane_mask_bits on have no bit and are always
   /// active.
-  static constexpr int mask_bits = plane_mask_bits;
   SIM_HD static bool is_active(const Body& body, int p) {
-    return p >= mask_bits || (body.active_mask >> p & 1) != 0;
+    return p >= plane_mask_bits || (body.active_mask >> p & 1) != 0;
   }
   SIM_HD void activate(int id, Body& body, int p) const {
     if (is_active(body, p)) return;
@@ -73,7 +72,7 @@ struct SoftWalls {
   SIM_HD void deactivate_unused(int id, Body& body) const {
     if (body.active_mask == 0) return;
     std::uint32_t still_active = 0;
-    for (int p = 0; p < min_of(count(), +mask_bits); ++p) {
+    for (int p = 0; p < min_of(count(), +plane_mask_bits); ++p) {
       if (!is_active(body, p)) continue;
       Real& normal = impulse[index(p, id)];
       bool gives = normal > 0;
@@ -93,7 +92,7 @@ struct SoftWalls {
   /// True if an iteration may change the body. Exact if no plane is active and there are no box obstacles.
   SIM_HD bool may_touch(const Body& body, bool relaxing) const {
     if constexpr (with_box_obstacles) return true;
-    if (plane_count > mask_bits || body.active_mask != 0) return true;
+    if (plane_count > plane_mask_bits || body.active_mask != 0) return true;
     for (int p = 0; p < plane_count; ++p) {
       const Vector3<Real> normal = planes[p].normal;
       const Real gap = normal.dot(body.x) - planes[p].offset - body.radius;
@@ -235,7 +234,7 @@ struct SoftWalls {
   /// True if the body bounced off plane p and is so fast that it may cross its container in a substep. It
   /// keeps its speed; its way ends at the plane (IntegrateFree).
   SIM_HD bool ends_at_plane(int id, const Body& body, int p) const {
-    if (p >= mask_bits || (bounced_mask[id] >> p & 1) == 0) return false;
+    if (p >= plane_mask_bits || (bounced_mask[id] >> p & 1) == 0) return false;
     return body.v.dot(body.v) > body.radius * inverse_h * body.radius * inverse_h;
   }
   /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way, m.
@@ -285,7 +284,7 @@ struct SoftWalls {
       }
       const Real change = body.mass * (approach + separation);
       apply_normal_impulse(id, body, normal, change);
-      if (p < mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
+      if (p < plane_mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
       if (is_active(body, p)) impulse[here] = 0;
       if constexpr (with_friction) {
         if (is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();

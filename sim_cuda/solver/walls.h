@@ -20,7 +20,7 @@
 
 namespace collidoscope {
 
-/// Planes and boxes with a bit in the masks of a body; see SoftWalls.
+/// Number of bits in the masks of a body (SoftWalls): the first planes and boxes have one each.
 inline constexpr int plane_mask_bits = 32;
 
 /// The half-space normal . x >= offset, in which bodies stay.
