@@ -23,6 +23,7 @@ namespace collidoscope {
 namespace {
 
 constexpr double contact_bound = 1e-3;  ///< of T
+constexpr double joint_bound = 5e-3;
 
 int energy_scenes(int count) {
   const char* const asked = std::getenv("COLLIDOSCOPE_ENERGY_SCENES");
@@ -117,6 +118,7 @@ class EnergyBounds : public OnEachExecutor {
   void check_contacts(int count, double seconds, const Maker& make) {
     check(count, seconds, contact_bound, make);
   }
+  void check_joints(int count, const Maker& make) { check(count, 3, joint_bound, make); }
 };
 ON_EACH_EXECUTOR(EnergyBounds);
 
@@ -276,6 +278,65 @@ TEST_P(EnergyBounds, JointsDoNoPushWork) {
     return scene;
   };
   check(20, 3, 1e-9, pendulum, &EnergyCourse::push_work);
+}
+
+TEST_P(EnergyBounds, Chains) {
+  check_joints(20, [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), false, 10); });
+}
+
+TEST_P(EnergyBounds, ChainsWithHeavyEnds) {
+  check_joints(20, [](Uniform& uniform) { return any_chain(uniform, any_rigid_kind(uniform), false, 1e4); });
+}
+
+/// They are free of the world.
+TEST_P(EnergyBounds, ThrownChains) {
+  check_joints(20, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, any_rigid_kind(uniform), false, 1e3);
+    if (scene.bodies.size() < 2) scene.bodies.push_back(ball(1, 0.1, Vector3d(5, 5, 5)));
+    scene.joints.erase(scene.joints.begin());
+    return scene;
+  });
+}
+
+TEST_P(EnergyBounds, HingesWithLimits) {
+  check_joints(20, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, JointKind::hinge, false, 10);
+    for (Joint& joint : scene.joints) joint.limits = {uniform(-60, 0), uniform(0, 60)};
+    return scene;
+  });
+}
+
+/// Each rope may become up to 20 % shorter, some up to 10 % longer.
+TEST_P(EnergyBounds, Ropes) {
+  check_joints(20, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, JointKind::distance, false, 100);
+    for (Joint& joint : scene.joints) {
+      const auto place = [&](std::optional<std::int64_t> body) {
+        return body ? scene.bodies[static_cast<std::size_t>(*body)].position : Vector3d(0, 0, 0);
+      };
+      const double distance = (place(joint.a) - place(joint.b)).norm();
+      joint.min_length = 0.8 * distance;
+      joint.max_length = distance * one_of(uniform, {1.0, 1.1});
+    }
+    return scene;
+  });
+}
+
+TEST_P(EnergyBounds, BranchingTrees) {
+  check_joints(20, [](Uniform& uniform) { return any_tree(uniform, any_rigid_kind(uniform), 100); });
+}
+
+TEST_P(EnergyBounds, ChainsThatHitTheFloor) {
+  check_joints(20, [](Uniform& uniform) {
+    Scene scene = any_chain(uniform, any_rigid_kind(uniform), false, 10);
+    scene.joints.erase(scene.joints.begin());
+    if (scene.joints.empty()) scene.bodies.push_back(ball(1, 0.1, Vector3d(5, 5, 5)));
+    double lowest = 0;
+    for (const Body& body : scene.bodies) lowest = std::min(lowest, body.position.z());
+    scene.obstacles = {Plane{Vector3d(0, 0, 1), lowest - 0.5, 0}};
+    scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
+    return scene;
+  });
 }
 }  // namespace
 }  // namespace collidoscope

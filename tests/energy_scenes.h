@@ -134,6 +134,32 @@ inline Scene any_chain(Uniform& uniform, JointKind kind, bool ring, double most_
   return scene;
 }
 
+/// A tree of up to 16 bodies from the origin; each body hangs from any earlier one, in any direction.
+inline Scene any_tree(Uniform& uniform, JointKind kind, double most_ratio) {
+  Scene scene = impact_space(0, g);
+  const int count = 2 + static_cast<int>(uniform.random() % 15);
+  std::vector<Vector3d> ends{Vector3d(0, 0, 0)};
+  std::vector<std::size_t> parents;
+  for (int k = 0; k < count; ++k) {
+    parents.push_back(uniform.random() % ends.size());
+    const Vector3d link = uniform(0.4, 1) * random_direction(uniform), place = ends[parents.back()];
+    scene.bodies.push_back(ball(random_ratio(uniform, most_ratio), 0.1, place + link / 2, uniform.vector(2)));
+    scene.bodies.back().angular_velocity = uniform.vector(3);
+    ends.push_back(place + link);
+  }
+  if (kind != JointKind::distance && uniform.random() % 2 == 0) set_inertias(scene, uniform);
+  const bool hangs = uniform.random() % 2 == 0;
+  for (std::size_t k = 0; k < parents.size(); ++k) {
+    const bool first = parents[k] == 0;
+    if (first && (k > 0 || !hangs)) continue;
+    scene.joints.push_back(joint_at(scene, kind, static_cast<std::int64_t>(k),
+                                    first ? std::nullopt : std::optional<std::int64_t>(parents[k] - 1),
+                                    ends[parents[k]]));
+  }
+  for (Body& body : scene.bodies) body.radius = 0.02;
+  return scene;
+}
+
 inline JointKind any_rigid_kind(Uniform& uniform) {
   return one_of(uniform, {JointKind::distance, JointKind::ball, JointKind::hinge});
 }

@@ -1,7 +1,8 @@
 #pragma once
 // Position update: the paper's FORWARDDYNAMICS (section 3.1) by semi-implicit Euler. Updates velocity, then
 // position with the new velocity, then the orientation of bodies with equal moments of inertia. Bodies with
-// unequal moments rotate in a stage of their own (solver/free_integrator.h).
+// unequal moments rotate in a stage of their own (solver/free_integrator.h), bodies of joint trees in relax
+// (solver/joint_tree_solver.h).
 
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/dynamics/cayley.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
+#include "sim_cuda/dynamics/tree_member.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
@@ -27,6 +29,7 @@ struct MoveBodies {
   bool with_container;         ///< the container has walls
   bool with_rotation;          ///< rotate bodies with equal moments of inertia
   const StepControl* control;
+  const TreeMember* members = nullptr;  ///< by body; null without joint trees
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
@@ -49,17 +52,20 @@ struct MoveBodies {
           next[k] = clamp_to(next[k], low[k], high[k]);
     }
     bodies.position[body] = next;
-    if (with_rotation && is_isotropic(bodies.inertia[body]))
+    if (!with_rotation) return;
+    if (members != nullptr && members[body] != TreeMember::none) return;
+    if (is_isotropic(bodies.inertia[body]))
       rotate_isotropic<Real>(bodies.orientation[body], bodies.angular_velocity[body], h);
   }
 };
 
 /// Enqueues the stage "move" with the active effects. `gravity` in m/s^2, `h` in s. `box`: empty without
-/// walls. `motion`: used with continuous_collision, and then gravity is not added here.
+/// walls. `motion`: used with continuous_collision, and then gravity is not added here. `members`: see
+/// MoveBodies.
 template <class Real>
 void move_bodies(Executor& executor, const BodyView<Real>& bodies, std::int64_t body_count, Effects effects,
                  const Vector3<Real>& gravity, const std::optional<Box>& box, Real h,
                  const StepControl* control, const std::uint8_t* asleep = nullptr,
-                 const ClampedMotion<Real>& motion = {});
+                 const ClampedMotion<Real>& motion = {}, const TreeMember* members = nullptr);
 
 }  // namespace collidoscope

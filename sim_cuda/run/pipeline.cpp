@@ -242,7 +242,10 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_
   if (effects.joints)
     joints_ = std::make_unique<Joints<Real>>(
         executor, place_joints(scene, initial), initial, state_.view(),
-        static_cast<Real>(scene.physics.time_step) / static_cast<Real>(substeps), control_.data());
+        effects.gravity ? Vector3<Real>(scene.physics.gravity.cast<Real>())
+                        : Vector3<Real>(Vector3<Real>::Zero()),
+        state_.static_impulses(), static_cast<Real>(scene.physics.time_step) / static_cast<Real>(substeps),
+        control_.data());
   solver_ = make_contact_solver<Real>(scene.physics.solver, executor,
                                       state_.solver_scene(scene, substeps, control_.data(), joints_.get()));
   if (effects.guards)

@@ -27,6 +27,7 @@ class SimulationState {
   std::int64_t body_count() const { return body_count_; }
   const BodyBuffers<Real>& bodies() const { return bodies_; }
   BodyView<Real> view() const { return bodies_.view(); }
+  StaticImpulse* static_impulses() const { return bodies_.static_impulses.data(); }
   const std::uint32_t* meshes() const { return mesh_.data(); }  ///< by body, 0: sphere; null: all are spheres
   const std::optional<Box>& box() const { return box_; }
   const Vector3<Real>& gravity() const { return gravity_; }  ///< m/s^2, zero if the effect is off

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "sim_cuda/scene/placed_joint.h"
+#include "sim_cuda/scene/joint_trees.h"
 
 namespace collidoscope {
 namespace {
@@ -36,7 +36,10 @@ double least_square(const Scene& scene, const InitialBodies& bodies) {
 
   const double gravity = std::sqrt(scene.physics.gravity.dot(scene.physics.gravity));
   double least = std::numeric_limits<double>::infinity();
-  for (const PlacedJoint& joint : joints) {
+  const JointTrees trees = find_joint_trees(joints, bodies_that_respond(bodies));
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    if (trees.in_tree[k]) continue;
+    const PlacedJoint& joint = joints[k];
     const bool world = joint.b == PlacedJoint::world;
     const std::uint32_t n = std::max(count[joint.a], world ? 0 : count[joint.b]);
     if (joint.kind == JointKind::spring || n < 2) continue;

@@ -60,6 +60,7 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                                          scene_.surfaces(),
                                          scene_.joints != nullptr ? scene_.joints->view() : JointView<Real>{},
                                          scene_.joints != nullptr ? scene_.joints->is_jointed() : nullptr,
+                                         scene_.joints != nullptr ? scene_.joints->members() : nullptr,
                                          scene_.static_impulses,
                                          scene_.control,
                                          gains_.data(),

@@ -27,8 +27,9 @@
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. Islands are found only in substeps in which G of the whole scene is positive, within a tolerance:
-// an island can gain energy while others lose more. Islands with joints are exempt: the energy of an
-// oscillating joint varies within a period, and a limit from one side would damp it. Islands with contacts to
+// an island can gain energy while others lose more. Islands with iterated joints are exempt: the energy
+// of an oscillating joint varies within a period, and a limit from one side would damp it. Joint trees are
+// exempt while they touch nothing; then they conserve energy (joint_tree_solver.h). Islands with contacts to
 // moving kinematic bodies are exempt, because these do work on bodies.
 //
 // Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
@@ -36,7 +37,7 @@
 //
 // Also adds StaticImpulse::push_work, the potential energy that overlap recovery adds: -m g . (h v_moved -
 // h v), where v_moved is the velocity of the move and v the velocity at the end of the substep. Not for
-// bodies with joints, whose constraints also change the velocity after the move.
+// bodies that are exempt because of joints, whose constraints also change the velocity after the move.
 
 #include <cstdint>
 

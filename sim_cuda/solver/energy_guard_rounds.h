@@ -29,6 +29,7 @@ struct GuardRounds {
   int plane_count, surfaces;
   JointView<Real> joints;
   const std::uint8_t* is_jointed;  ///< by body; null without joints
+  const TreeMember* members;       ///< by body; null without joint trees
   StaticImpulse* static_impulses;
   const StepControl* control;
   double* gains;           ///< by body, J: energy added by contacts, less its rounding
@@ -188,14 +189,18 @@ struct GuardRounds {
   }
   /// For a velocity that changes after the move.
   SIM_HD void add_push_work(int body, const Vector3<Real>& before, const Vector3<Real>& after) const {
-    if (!with_gravity || (is_jointed != nullptr && is_jointed[body] != 0)) return;
+    if (!with_gravity || is_exempt(body)) return;
     const Real work = -h * bodies.mass[body] * pull(body).dot(before - after);
     if (work != 0) static_impulses[body].push_work += static_cast<double>(work);
   }
   SIM_HD void begin(int body) const {
     parent[body] = static_cast<std::uint32_t>(body);
     grounded[body] = touches_plane(body) ? 1 : 0;
-    exempt[body] = is_jointed != nullptr ? is_jointed[body] : std::uint8_t{0};
+    exempt[body] = is_exempt(body) ? 1 : 0;
+  }
+  SIM_HD bool is_exempt(int body) const {
+    if (is_jointed == nullptr || is_jointed[body] == 0) return false;
+    return members == nullptr || members[body] != TreeMember::touching;
   }
   SIM_HD bool touches_plane(int body) const {
     for (int p = 0; p < surfaces; ++p)
@@ -227,7 +232,10 @@ struct GuardRounds {
   }
   SIM_HD void join_joint(int joint) const {
     const JointRow<Real>& row = joints.rows[joint];
-    if (row.b != JointRow<Real>::world) join(row.a, row.b);
+    if (row.b != JointRow<Real>::world)
+      join(row.a, row.b);
+    else if (is_guarded(row.a))
+      atomic_store(&grounded[row.a], std::uint8_t{1});
   }
   /// Clears the sums. Before a step of steepest descent, computes the opposing impulses of contacts.
   SIM_HD void prepare(int removal, int item) const {

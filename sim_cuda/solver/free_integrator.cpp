@@ -57,6 +57,7 @@ struct IntegrateFree {
   StaticImpulse* static_impulses;  ///< or null
   Real h;                          ///< s
   bool forces_applied;
+  const TreeMember* members;  ///< by body; null without joint trees
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
@@ -66,7 +67,10 @@ struct IntegrateFree {
     if (!forces_applied) v += h * field.gravity;
     FreeStep<Real> step{v, v};
     bool free = false;
-    if (v == field.predicted_velocity(bodies, body, start, h)) {
+    const TreeMember member = members != nullptr ? members[body] : TreeMember::none;
+    if (member != TreeMember::none) {
+      if (member == TreeMember::free) step.drift_velocity -= h / 2 * field.gravity;
+    } else if (v == field.predicted_velocity(bodies, body, start, h)) {
       const Vector3<Real> x = bodies.position[body];
       const FreeStep<Real> smooth = free_step(field.on(bodies, body), x, start, field.acceleration(body));
       if (!penetrates_plane(x, smooth.drift_velocity, v, bodies.radius[body])) {
@@ -130,18 +134,20 @@ struct IntegrateFree {
   }
 };
 
-/// Rotates bodies with unequal moments of inertia. All others rotate in the stage "move".
+/// Rotates bodies with unequal moments of inertia, except those of joint trees. All others rotate in the
+/// stage "move".
 template <class Real>
 struct RotateBodies {
   BodyView<Real> bodies;
   Real h;  ///< s
   RotationUpdate update;
   RotationParts parts;
+  const TreeMember* members;  ///< by body; null without joint trees
   const StepControl* control;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     const Vector3<Real> inertia = bodies.inertia[body];
-    if (is_isotropic(inertia)) return;
+    if (is_isotropic(inertia) || (members != nullptr && members[body] != TreeMember::none)) return;
     Vector3<Real> w = bodies.angular_velocity[body];
     if (update == RotationUpdate::first_order
             ? rotate_first_order(bodies.orientation[body], w, inertia, h)
@@ -191,10 +197,10 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
                                   effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
                                   scene_.gravity};
     executor_.run("integrate", scene_.body_count,
-                  IntegrateFree<Real, integrator>{field, scene_.bodies, before_.data(),
-                                                  drift_velocity_.data(), moved, is_free, bounced_mask,
-                                                  scene_.planes, scene_.plane_count, scene_.boxes,
-                                                  scene_.static_impulses, h, forces_applied, scene_.control});
+                  IntegrateFree<Real, integrator>{
+                      field, scene_.bodies, before_.data(), drift_velocity_.data(), moved, is_free,
+                      bounced_mask, scene_.planes, scene_.plane_count, scene_.boxes, scene_.static_impulses,
+                      h, forces_applied, members(), scene_.control});
   };
   switch (scene_.integrator) {
     case Integrator::rk4:
@@ -212,11 +218,12 @@ void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t*
   Effects move_effects = scene_.effects;
   if (forces_applied || has_drift_velocity()) move_effects.gravity = false;  // already in the velocities
   move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
-                    scene_.box, h, scene_.control, asleep, clamped);
+                    scene_.box, h, scene_.control, asleep, clamped, members());
   if (!scene_.unequal_moments) return;
   const RotationParts parts{scene_.integrator == Integrator::rk4 ? 5 : 1};
-  run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
-                   RotateBodies<Real>{scene_.bodies, h, scene_.rotation_update, parts, scene_.control});
+  run_awake_bodies(
+      executor_, "turn", scene_.body_count, asleep,
+      RotateBodies<Real>{scene_.bodies, h, scene_.rotation_update, parts, members(), scene_.control});
 }
 
 template class FreeIntegrator<float>;

@@ -6,6 +6,9 @@
 // across such jumps (Acary, Brogliato 2008, 10). So bodies are split into two sets (Chen, Acary, Virlez,
 // Bruls 2013).
 //
+// Bodies of joint trees move as joint_tree_solver.h expects: along v - h g / 2 if their tree touches nothing,
+// else along v. That solver rotates them.
+//
 // Free bodies: the velocity after the iterations equals, bit for bit, the velocity by smooth forces alone.
 // They are integrated by dynamics/integrators.h from the state after the impacts of the substep (impact.h).
 // So a body is free in the substep in which it bounces, too. All other bodies move as with
@@ -24,7 +27,7 @@
 //
 // Owned by a solver. With semi_implicit_euler and without continuous collision it uses no memory, and
 // launches only the stages of dynamics/move.h and "turn", and "integrate" if the energy guard needs the
-// velocities of the move.
+// velocities of the move. Joint trees need the drift velocity, too.
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
@@ -57,8 +60,11 @@ class FreeIntegrator {
   /// True if the drift velocity may differ from the final velocity. With continuous collision, the ways of
   /// fast bodies end at planes.
   bool has_drift_velocity() const {
-    return scene_.integrator != Integrator::semi_implicit_euler || scene_.effects.continuous_collision;
+    return scene_.integrator != Integrator::semi_implicit_euler || scene_.effects.continuous_collision ||
+           members() != nullptr;
   }
+
+  const TreeMember* members() const { return scene_.joints != nullptr ? scene_.joints->members() : nullptr; }
 
   Executor& executor_;
   const SolverScene<Real> scene_;

@@ -1,5 +1,5 @@
 #pragma once
-// Constraint solver of one joint. Required if the scene has joints.
+// Constraint solver of one iterated joint: springs, and joints of loops. All others: joint_tree_solver.h.
 //
 // Solve uses the anchor positions at the end of the substep, including curvature. Relax, after the move,
 // removes the relative velocity of the anchors. For a single joint this is RATTLE (Andersen 1983) with the

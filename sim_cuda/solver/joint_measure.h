@@ -21,6 +21,7 @@ SIM_HD inline JointSums combine(const JointSums& a, const JointSums& b) {
 template <class Real>
 struct HingeLimitGap {
   Real above, below;
+  Real above_slope, below_slope;  ///< d above / d angle and -d below / d angle
   SIM_HD HingeLimitGap(const JointRow<Real>& joint, const Quaternion<Real>& axes_a,
                        const Quaternion<Real>& axes_b) {
     const Quaternion<Real> twist = axes_a.conjugate() * axes_b * joint.start.conjugate();
@@ -31,6 +32,8 @@ struct HingeLimitGap {
     }
     above = 2 * (sine * joint.low_cosine - cosine * joint.low_sine);
     below = 2 * (joint.high_sine * cosine - joint.high_cosine * sine);
+    above_slope = cosine * joint.low_cosine + sine * joint.low_sine;
+    below_slope = cosine * joint.high_cosine + sine * joint.high_sine;
   }
 };
 

@@ -2,124 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cmath>
 #include <limits>
 
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/reduce.h"
-#include "sim_cuda/core/series.h"
 #include "sim_cuda/solver/joint_constraint.h"
+#include "sim_cuda/solver/joint_rows.h"
+#include "sim_cuda/solver/joint_tree_solver.h"
 
 namespace collidoscope {
 
 namespace {
 
-// See joint_constraint.h. A single rigid joint is exact after one visit. A warm-start factor below 1 bounds
-// the accumulated impulse if another constraint resists it.
-constexpr double alone_warm_start_factor = 0.95;
-constexpr double coupled_error_fraction =
-    0.4;  ///< of the error, per substep; divided by the largest number of joints at a body
-constexpr double coupled_warm_start_factor = 0.9;
-constexpr double radii_per_second = 50;
-
-constexpr double full_turn = 6.283185307179586;
-
-/// Phase angle of a spring per substep, rad. `joint_count`: largest number of joints at one of its bodies.
-/// See joint_constraint.h.
-double spring_angle(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
-  return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(joint_count));
-}
-
-JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
-  const double angle = spring_angle(joint, joint_count, h), z = joint.damping_ratio;
-  const double scale = -expm1_series(-2 * z * angle);
-  double bias = 0;  // (1 - p1) (1 - p2)
-  if (z < 1) {
-    const double decayed = -expm1_series(-z * angle);  // 1 - e
-    const double half = cosine_sine(std::sqrt(1 - z * z) * angle / 2).sine;
-    bias = decayed * decayed + 4 * (1 - decayed) * half * half;  // 1 - 2 e c + e^2
-  } else {
-    const double fast = z + std::sqrt(z * z - 1);
-    bias = expm1_series(-angle * fast) * expm1_series(-angle / fast);
-  }
-  const double factor =
-      joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of the damping part
-  return {scale, bias / h, 1 - scale, 1 - (1 - factor) * scale};
-}
-
-JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
-  if (joint.kind == JointKind::spring) return spring(joint, joint_count, h);
-  return joint_count > 1 ? JointStiffness<double>{1, coupled_error_fraction / (joint_count * h), 0,
-                                                  coupled_warm_start_factor}
-                         : JointStiffness<double>{1, 1 / h, 0, alone_warm_start_factor};
-}
-
-/// A unit vector perpendicular to `axis`.
-Vector3d perpendicular_to(const Vector3d& axis) {
-  const Vector3d other = std::abs(axis.x()) < 0.6 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
-  const Vector3d side = other - other.dot(axis) * axis;
-  return side / std::sqrt(side.dot(side));
-}
-
-template <class Real>
-JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, double max_correction_speed,
-                      double h) {
-  const auto narrow = [](const Vector3d& v) { return Vector3<Real>(v.cast<Real>()); };
-  const JointStiffness<double> s = stiffness(joint, joint_count, h);
-  JointRow<Real> row{};
-  row.a = joint.a;
-  row.b = joint.b;
-  row.kind = joint.kind;
-  row.limited = joint.limited;
-  row.anchor_a = narrow(joint.anchor_a);
-  row.anchor_b = narrow(joint.anchor_b);
-  row.max_correction_speed = static_cast<Real>(max_correction_speed);
-  row.stiffness = {static_cast<Real>(s.mass_scale), static_cast<Real>(s.bias_rate),
-                   static_cast<Real>(s.impulse_scale), static_cast<Real>(s.warm_start_factor)};
-  row.low = static_cast<Real>(joint.low);
-  row.high = static_cast<Real>(joint.high);
-  const double frequency = spring_angle(joint, joint_count, h) / h;
-  row.spring = joint.kind == JointKind::spring ? static_cast<Real>(frequency * frequency) : Real(0);
-  row.axis_a = narrow(joint.axis);
-  row.axis_b = narrow(joint.start.conjugate() * joint.axis);
-  row.side = narrow(perpendicular_to(joint.axis));
-  row.start = joint.start.cast<Real>();
-  const CosineSine low = cosine_sine(joint.low_angle / 2), high = cosine_sine(joint.high_angle / 2);
-  row.low_cosine = static_cast<Real>(low.cosine);
-  row.low_sine = static_cast<Real>(low.sine);
-  row.high_cosine = static_cast<Real>(high.cosine);
-  row.high_sine = static_cast<Real>(high.sine);
-  return row;
-}
-
-/// Colour of each joint, first fit in scene order. `moves`: by body, true if dynamic.
-std::vector<std::size_t> colour(const std::vector<PlacedJoint>& joints, const std::vector<bool>& moves) {
-  std::vector<std::vector<std::uint64_t>> taken(moves.size());
-  std::vector<std::size_t> colours;
-  for (const PlacedJoint& joint : joints) {
-    const auto words = [&](std::uint32_t body) {
-      return body != PlacedJoint::world && moves[body] ? &taken[body] : nullptr;
-    };
-    std::vector<std::uint64_t>*const a = words(joint.a), *const b = words(joint.b);
-    std::size_t word = 0;
-    std::uint64_t used = 0;
-    for (;; ++word) {
-      used = (a && word < a->size() ? (*a)[word] : 0) | (b && word < b->size() ? (*b)[word] : 0);
-      if (~used != 0) break;
-    }
-    const auto bit = static_cast<std::size_t>(std::countr_one(used));
-    for (std::vector<std::uint64_t>* body : {a, b}) {
-      if (body == nullptr) continue;
-      if (body->size() <= word) body->resize(word + 1, 0);
-      (*body)[word] |= std::uint64_t{1} << bit;
-    }
-    colours.push_back(64 * word + bit);
-  }
-  return colours;
-}
-
-// ---- stages ----
+constexpr double radii_per_second = 50;  ///< largest speed of the correction of errors
 
 }  // namespace
 
@@ -172,6 +67,49 @@ struct IterateJoints : JointRounds<Real> {
   }
 };
 
+/// Starts a substep. A tree touches something if one of its bodies got an impulse in the last substep.
+template <class Real>
+struct BeginTrees {
+  JointTreeSolver<Real> solver;
+  ImpulsesByBody<Real> impulses;
+  const StepControl* control;
+  SIM_HD void operator()(int tree) const {
+    if (control->overflow) return;
+    const JointTreeView<Real>& trees = solver.trees;
+    bool touches_any = false;
+    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1] && !touches_any; ++node)
+      touches_any = touches(static_cast<int>(trees.nodes[node].body));
+    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node)
+      trees.members[trees.nodes[node].body] = touches_any ? TreeMember::touching : TreeMember::free;
+    solver.begin(tree);
+  }
+  SIM_HD bool touches(int body) const {
+    for (int surface = 0; surface < impulses.surfaces; ++surface)
+      if (impulses.surface_impulse[surface * impulses.body_count + body] > 0) return true;
+    if (control->contacts == 0) return false;
+    for (std::uint32_t k = 0; k < impulses.by_body.count[body]; ++k)
+      if (impulses.contacts[impulses.by_body.end(body, k).contact].impulse > 0) return true;
+    return false;
+  }
+};
+
+enum class TreeStage { solve, solve_again, relax_first, relax };
+
+template <class Real, TreeStage stage>
+struct RunTrees {
+  JointTreeSolver<Real> solver;
+  const StepControl* control;
+  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
+  SIM_HD void operator()(int tree) const {
+    if (control->overflow) return;
+    if (asleep != nullptr && asleep[solver.trees.nodes[solver.trees.begin[tree]].body]) return;
+    if constexpr (stage == TreeStage::solve || stage == TreeStage::solve_again)
+      solver.solve(tree, stage == TreeStage::solve_again);
+    else
+      solver.relax(tree, stage == TreeStage::relax_first);
+  }
+};
+
 template <class Real, bool with_rotation>
 struct MeasureJoint {
   JointView<Real> joints;
@@ -185,21 +123,31 @@ struct MeasureJoint {
 
 template <class Real>
 Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
-                     const BodyView<Real>& bodies, Real h, const StepControl* control)
+                     const BodyView<Real>& bodies, const Vector3<Real>& gravity,
+                     StaticImpulse* static_impulses, Real h, const StepControl* control)
     : executor_(executor),
       bodies_(bodies),
+      gravity_(gravity),
+      static_impulses_(static_impulses),
       h_(h),
       control_(control),
       rows_(executor, "joints"),
       impulses_(executor, "joint impulses"),
       begin_(executor, "joint colour starts"),
+      nodes_(executor, "joint tree nodes"),
+      tree_begin_(executor, "joint tree starts"),
+      tree_size_(executor, "joint tree sizes"),
+      node_states_(executor, "joint tree states"),
+      members_(executor, "joint tree members"),
       is_jointed_(executor, "bodies with joints"),
       excluded_pairs_(executor, "pairs excluded by joints"),
       sums_(executor, "joint sums") {
   if (joints.empty()) return;
-  std::vector<bool> moves(initial.size(), true);
-  for (std::size_t body = 0; body < initial.motion.size(); ++body)
-    moves[body] = initial.motion[body] == Motion::dynamic;
+  const std::vector<bool> moves = bodies_that_respond(initial);
+  trees_ = find_joint_trees(joints, moves);
+  find_spin_axes(
+      trees_, joints,
+      initial.inertia.empty() ? std::vector<Vector3d>(initial.size(), Vector3d(1, 1, 1)) : initial.inertia);
   std::vector<std::uint32_t> joints_of(initial.size(), 0);
   const auto each_body = [&](const PlacedJoint& joint, const auto& visit_body) {
     visit_body(joint.a);
@@ -211,16 +159,18 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   std::ranges::transform(joints_of, is_jointed.begin(), [](std::uint32_t n) { return n > 0 ? 1 : 0; });
   is_jointed_.upload(is_jointed);
 
-  const std::vector<std::size_t> colours = colour(joints, moves);
-  colours_ = static_cast<int>(*std::ranges::max_element(colours)) + 1;
+  const std::vector<std::size_t> colours = colours_of(joints, trees_.in_tree, moves);
+  if (std::ranges::count(trees_.in_tree, false) > 0)
+    colours_ = static_cast<int>(*std::ranges::max_element(colours)) + 1;
   std::vector<std::uint32_t> begin(static_cast<std::size_t>(colours_) + 1, 0);
-  for (const std::size_t c : colours) ++begin[c + 1];
+  for (std::size_t k = 0; k < joints.size(); ++k)
+    if (!trees_.in_tree[k]) ++begin[colours[k] + 1];
   for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
     max_joints_per_colour_ = std::max<std::int64_t>(max_joints_per_colour_, begin[c + 1]);
     begin[c + 1] += begin[c];
   }
   std::vector<JointRow<Real>> rows(joints.size());
-  std::vector<std::uint32_t> next = begin;
+  std::vector<std::uint32_t> next = begin;  // then the joints of trees, in scene order
   for (std::size_t k = 0; k < joints.size(); ++k) {
     std::uint32_t joint_count = 1;
     double max_correction_speed = std::numeric_limits<double>::infinity();
@@ -228,7 +178,7 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
       max_correction_speed = std::min(max_correction_speed, radii_per_second * initial.radius[body]);
     });
     each_body(joints[k], [&](std::uint32_t body) { joint_count = std::max(joint_count, joints_of[body]); });
-    const std::size_t place = next[colours[k]]++;
+    const std::size_t place = next[trees_.in_tree[k] ? static_cast<std::size_t>(colours_) : colours[k]]++;
     rows[place] = row_of<Real>(joints[k], joint_count, max_correction_speed, static_cast<double>(h));
     scene_order_.push_back(place);
   }
@@ -239,10 +189,43 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   std::ranges::sort(excluded_pairs, {}, [](const Pair& pair) { return std::pair(pair.a, pair.b); });
   excluded_pairs_.upload(excluded_pairs);
   rows_.upload(rows);
+  upload_trees(initial);
   begin_.upload(begin);
   impulses_.resize_discarding(joints.size());
   impulses_.fill_zero();
   sums_.resize_discarding(reduce_scratch_size(count()));
+}
+
+/// Uploads the trees. Their joints become indices in rows_.
+template <class Real>
+void Joints<Real>::upload_trees(const InitialBodies& initial) {
+  if (tree_count() == 0) return;
+  std::vector<double> sizes(trees_.count(), std::numeric_limits<double>::infinity());
+  for (std::size_t tree = 0; tree < trees_.count(); ++tree)
+    for (std::uint32_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
+      TreeNode& node = trees_.nodes[k];
+      sizes[tree] = std::min(sizes[tree], initial.radius[node.body]);
+      if (node.joint != TreeNode::none) node.joint = static_cast<std::uint32_t>(scene_order_[node.joint]);
+    }
+  nodes_.upload(trees_.nodes);
+  tree_begin_.upload(trees_.begin);
+  tree_size_.upload(sizes);
+  node_states_.resize_discarding(trees_.nodes.size());
+  node_states_.fill_zero();
+  members_.upload(std::vector<TreeMember>(initial.size(), TreeMember::none));
+}
+
+template <class Real>
+JointTreeSolver<Real> Joints<Real>::tree_solver() const {
+  const JointTreeView<Real> trees{nodes_.data(),    tree_begin_.data(),  tree_size_.data(), rows_.data(),
+                                  impulses_.data(), node_states_.data(), members_.data(),   tree_count()};
+  return {{{trees, bodies_, gravity_, h_}}, static_impulses_};
+}
+
+template <class Real>
+void Joints<Real>::begin_substep(const ImpulsesByBody<Real>& impulses) {
+  if (tree_count() > 0)
+    executor_.run("joints", tree_count(), BeginTrees<Real>{tree_solver(), impulses, control_});
 }
 
 template <class Real>
@@ -253,6 +236,7 @@ JointRounds<Real> Joints<Real>::rounds() const {
 template <class Real>
 template <class Stage, class StageWithRotation>
 void Joints<Real>::run() {
+  if (colours_ == 0) return;
   bodies_.orientation != nullptr
       ? executor_.run_rounds("joints", colours_, max_joints_per_colour_, StageWithRotation{rounds()})
       : executor_.run_rounds("joints", colours_, max_joints_per_colour_, Stage{rounds()});
@@ -267,12 +251,27 @@ template <class Real>
 void Joints<Real>::solve() {
   constexpr JointPhase phase = JointPhase::solve;
   run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>();
+  if (tree_count() > 0)
+    executor_.run("joints", tree_count(), RunTrees<Real, TreeStage::solve>{tree_solver(), control_, asleep_});
 }
 
 template <class Real>
-void Joints<Real>::relax() {
+void Joints<Real>::end_solve() {
+  if (tree_count() > 0)
+    executor_.run("joints", tree_count(),
+                  RunTrees<Real, TreeStage::solve_again>{tree_solver(), control_, asleep_});
+}
+
+template <class Real>
+void Joints<Real>::relax(bool first) {
   constexpr JointPhase phase = JointPhase::relax;
   run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>();
+  if (tree_count() == 0) return;
+  if (first)
+    executor_.run("joints", tree_count(),
+                  RunTrees<Real, TreeStage::relax_first>{tree_solver(), control_, asleep_});
+  else
+    executor_.run("joints", tree_count(), RunTrees<Real, TreeStage::relax>{tree_solver(), control_, asleep_});
 }
 
 template <class Real>

@@ -1,8 +1,8 @@
 #pragma once
-// The joints of a scene and their iterations in `soft_step`, colour by colour. Colours are assigned once,
-// first fit in scene order. Static and kinematic bodies and the world may occur several times in a colour.
-// Created with the pipeline and has its lifetime. Each iteration is one call of the executor. After an
-// overflow, nothing changes.
+// The joints of a scene in `soft_step`. Rigid joints of trees are solved directly (joint_tree_solver.h), all
+// others by iteration, colour by colour. Colours are assigned once, first fit in scene order. Static and
+// kinematic bodies and the world may occur several times in a colour. Created with the pipeline and has its
+// lifetime. Each iteration is one call of the executor. After an overflow, nothing changes.
 
 #include <cstdint>
 #include <utility>
@@ -14,8 +14,11 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/placed_joint.h"
+#include "sim_cuda/solver/contact_storage.h"
+#include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/joint_measure.h"
 #include "sim_cuda/solver/joint_state.h"
+#include "sim_cuda/solver/joint_tree_solver.h"
 #include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
@@ -23,12 +26,24 @@ namespace collidoscope {
 template <class Real>
 struct JointRounds;
 
+/// Impulses of the last substep on each body, by contacts and static surfaces.
+template <class Real>
+struct ImpulsesByBody {
+  const PackedContact<Real>* contacts;
+  ContactsByBodyView by_body;
+  const Real* surface_impulse;  ///< N s; index surface * body count + body
+  int surfaces;
+  std::int64_t body_count;
+};
+
 template <class Real>
 class Joints {
  public:
-  /// `h`: substep, s. `control` and the memory of `bodies` must outlive this object.
+  /// `h`: substep, s. `gravity`: m/s^2, zero without the effect.
+  /// `static_impulses`: by body, or null. `control` and the memory of `bodies` must outlive this object.
   Joints(Executor& executor, const std::vector<PlacedJoint>& joints, const InitialBodies& initial,
-         const BodyView<Real>& bodies, Real h, const StepControl* control);
+         const BodyView<Real>& bodies, const Vector3<Real>& gravity, StaticImpulse* static_impulses, Real h,
+         const StepControl* control);
 
   std::int64_t count() const { return static_cast<std::int64_t>(rows_.size()); }
   int colours() const { return colours_; }
@@ -36,6 +51,8 @@ class Joints {
 
   /// By body: 1 if it has a joint.
   const std::uint8_t* is_jointed() const { return is_jointed_.data(); }
+  /// By body; null without trees. begin_substep() writes it.
+  TreeMember* members() const { return tree_count() == 0 ? nullptr : members_.data(); }
   /// Body pairs whose contacts are excluded by a joint.
   ExcludedPairs excluded_pairs() const {
     return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())};
@@ -45,9 +62,13 @@ class Joints {
   void exclude_sleeping(const std::uint8_t* asleep) { asleep_ = asleep; }
 
   // Call once per substep each, in this order; bodies move between solve and relax.
+  void begin_substep(const ImpulsesByBody<Real>& impulses);
   void warm_start();
   void solve();
-  void relax();
+  /// Call after the iterations. Contacts may have changed the velocities of trees.
+  void end_solve();
+  /// `first`: of the substep.
+  void relax(bool first);
 
   /// Errors and energy at the current state; waits for the device.
   JointSums measure();
@@ -60,21 +81,32 @@ class Joints {
 
  private:
   JointRounds<Real> rounds() const;
+  std::int64_t tree_count() const { return static_cast<std::int64_t>(trees_.count()); }
+  JointTreeSolver<Real> tree_solver() const;
+  void upload_trees(const InitialBodies& initial);
   /// Runs `StageWithRotation` with the effect rotation, otherwise `Stage`.
   template <class Stage, class StageWithRotation>
   void run();
 
   Executor& executor_;
   const BodyView<Real> bodies_;
+  const Vector3<Real> gravity_;  ///< m/s^2
+  StaticImpulse* const static_impulses_;
   const Real h_;
   const StepControl* control_;
   const std::uint8_t* asleep_ = nullptr;
   int colours_ = 0;
   std::int64_t max_joints_per_colour_ = 0;  ///< largest number of joints in a colour
+  JointTrees trees_;                        ///< joints are indices in rows_
   std::vector<std::size_t> scene_order_;    ///< index in rows_ of each joint of the scene
   Buffer<JointRow<Real>> rows_;
   Buffer<JointImpulse<Real>> impulses_;
   Buffer<std::uint32_t> begin_;
+  Buffer<TreeNode> nodes_;
+  Buffer<std::uint32_t> tree_begin_;
+  Buffer<double> tree_size_;
+  Buffer<TreeNodeState> node_states_;
+  Buffer<TreeMember> members_;
   Buffer<std::uint8_t> is_jointed_;
   Buffer<Pair> excluded_pairs_;
   Buffer<JointSums> sums_;

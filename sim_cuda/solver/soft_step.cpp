@@ -185,6 +185,9 @@ template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::begin_substep() {
   free_integrator_.begin();
+  if (scene_.effects.joints)
+    scene_.joints->begin_substep({soft_.data(), all_.view(colouring_.degrees()), planes_.impulse(),
+                                  scene_.surfaces(), scene_.body_count});
   apply_forces<with_friction>();
   if (scene_.effects.rolling_resistance) rolling_.warm_start(rolling_source());
   kinematic_.restore();
@@ -202,6 +205,7 @@ void SoftStepSolver<Real>::solve(int substep) {
     iterate_walls<with_friction>("solve", false);
     record_iteration<with_friction>(substep, true, iteration);
   }
+  if (scene_.effects.joints) scene_.joints->end_solve();
 }
 
 /// Integrates free motion, clamps it by continuous collision, moves bodies by h_ seconds, then updates the
@@ -228,7 +232,7 @@ void SoftStepSolver<Real>::relax(int substep) {
   record_iteration<with_friction>(substep, false, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     const bool last = iteration == scene_.iterations;
-    if (scene_.effects.joints) scene_.joints->relax();
+    if (scene_.effects.joints) scene_.joints->relax(iteration == 1);
     iterate_walls<with_friction>("relax", true);
     iterate("relax", Relax<Real, with_friction>{softness_, last});
     if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
