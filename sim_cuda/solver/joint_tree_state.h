@@ -49,6 +49,9 @@ struct JointTreeMotion {
   Real substep;           ///< s
 
   SIM_HD double h() const { return static_cast<double>(substep); }
+
+  /// Loads the velocities of a tree. `with_correction`: between begin and move, when they include the
+  /// correction and the rotor.
   SIM_HD void load(std::int64_t tree, bool with_correction) const {
     for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
       TreeNodeState& state = trees.states[node];
