@@ -12,6 +12,7 @@
 // is dr1 = N (h dw x (r + r1) / 2), N = (1 - [k])^-1.
 
 #include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/dynamics/cayley.h"
 #include "sim_cuda/solver/joint_measure.h"
 
 namespace collidoscope {
@@ -150,21 +151,21 @@ class TreeJoint {
                    arm_b_change = end == 1 ? turned(arm_b) : none;
     const Vector3d shift = spin ? none : Vector3d(h / 2 * e);  // of the mean position
     const Vector3d between = end == 1 ? Vector3d(shift + arm_b_change) : Vector3d(-shift - arm_a_change);
-    Vector3d force, force_change;
+    Vector3d on_b, on_b_change;
     const Vector3d at_a = point_arm(0), at_b = point_arm(1);
     if (joint.kind == JointKind::distance) {
       const double distance = length_of(mean_separation), total = impulses[0] + impulses[5];
       const Vector3d normal = direction(mean_separation, distance);
-      force = total * normal;
-      force_change =
+      on_b = total * normal;
+      on_b_change =
           distance > 0 ? Vector3d(total / distance * (between - normal.dot(between) * normal)) : none;
     } else {
-      force = Vector3d(impulses[0], impulses[1], impulses[2]);
-      force_change = none;
+      on_b = Vector3d(impulses[0], impulses[1], impulses[2]);
+      on_b_change = none;
     }
-    Vector3d moment_a = at_a.cross(force), moment_b = at_b.cross(force);
-    Vector3d moment_a_change = arm_a_change.cross(force) + at_a.cross(force_change);
-    Vector3d moment_b_change = arm_b_change.cross(force) + at_b.cross(force_change);
+    Vector3d moment_a = at_a.cross(on_b), moment_b = at_b.cross(on_b);
+    Vector3d moment_a_change = arm_a_change.cross(on_b) + at_a.cross(on_b_change);
+    Vector3d moment_b_change = arm_b_change.cross(on_b) + at_b.cross(on_b_change);
     if (joint.kind == JointKind::hinge && a->turns) {
       const Hinge hinge(*this);
       const Vector3d axis_b_change = end == 1 ? turned(hinge.axis_b) : none;
@@ -187,8 +188,8 @@ class TreeJoint {
       moment_a_change += moment_change;
       moment_b_change += moment_change;
     }
-    change.linear[0] = -force_change;
-    change.linear[1] = force_change;
+    change.linear[0] = -on_b_change;
+    change.linear[1] = on_b_change;
     if (a->turns) change.angular[0] = -balanced(*a, moment_a_change);
     if (b->turns) change.angular[1] = balanced(*b, moment_b_change);
     if (spin && end == 0 && a->turns) change.angular[0] += h / 2 * e.cross(moment_a);
