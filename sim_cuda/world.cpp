@@ -32,6 +32,7 @@ const InitialBodies& World::initial() const { return run_->initial; }
 const RunOptions& World::options() const { return run_->options; }
 Effects World::effects() const { return run_->effects; }
 int World::substeps() const { return run_->substeps; }
+double World::substeps_missed() const { return run_->substeps_missed; }
 
 WorldInfo World::info() const {
   const Executor& executor = run_->executor;

@@ -52,6 +52,8 @@ class World {
   const RunOptions& options() const;     ///< as passed to the constructor
   Effects effects() const;
   int substeps() const;  ///< per step: the set value, or the result of "auto"
+  /// Substeps that joints call for if "auto" does not give so many; otherwise 0.
+  double substeps_missed() const;
   WorldInfo info() const;
   std::map<std::string, std::int64_t> buffers() const;  ///< WorldInfo::allocated_bytes by buffer name
 

@@ -168,6 +168,10 @@ void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
   row.manual = view.substeps;
   int substeps = s.physics.substeps.value_or(0);
   log_row(workspace, substeps, row);
+  if (view.substeps_missed > 0)
+    ImGui::TextWrapped("%s", fmt::format("Joints call for {:.0f} substeps; auto gives at most {}.",
+                                         view.substeps_missed, view.substeps)
+                                 .c_str());
   s.physics.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
   log_row(workspace, s.physics.iterations, iterations);
 }

@@ -167,6 +167,7 @@ struct WorkspaceView {
   std::vector<std::string> broad_phases;  ///< names; the default comes first
   std::vector<std::string> effects;       ///< names of the enabled effects
   int substeps = 1;                       ///< substeps per step, also if "auto"
+  double substeps_missed = 0;             ///< see joint_substeps.h
   std::vector<EffectView> effect_views;   ///< all effects; empty while the panel is folded
   bool measuring_effects = false;
   int key_bits = 0;  ///< length of the Morton codes; 0: none

@@ -182,6 +182,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .shape = world.launch_shape(),
       .substeps = world.substeps(),
       .iterations = scene.physics.iterations,
+      .substeps_missed = world.substeps_missed(),
       .time_step = scene.physics.time_step,
       .initial = initial,
       .final = world.measure(),
@@ -220,6 +221,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["steps"] = last.step;
   json["time_step"] = report.time_step;
   json["substeps"] = report.substeps;
+  json["substeps_missed"] = report.substeps_missed;
   json["iterations"] = report.iterations;
   json["broad_phase"] = report.broad_phase;
   json["key_bits"] = report.key_bits > 0 ? Json(report.key_bits) : Json(nullptr);
@@ -307,6 +309,9 @@ std::string title_text(const RunReport& report) {
                                  grouped(report.final.bodies), report.variant.empty() ? "" : ", ",
                                  report.variant, grouped(report.final.step), step);
   if (report.substeps > 1) text += fmt::format(" in {} substeps", report.substeps);
+  if (report.substeps_missed > 0)
+    text += fmt::format(" (joints call for {:.0f}; auto gives at most {})", report.substeps_missed,
+                        report.substeps);
   return text +
          fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,
                      count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),

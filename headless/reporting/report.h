@@ -34,7 +34,8 @@ struct RunReport {
   bool has_generator_settings = false;                              ///< the scene has exactly one generator
   LaunchShape shape;                                                ///< 0: "auto"
   int substeps = 1, iterations = 1;
-  double time_step = 0;  ///< s
+  double substeps_missed = 0;  ///< see joint_substeps.h
+  double time_step = 0;        ///< s
   StepStats initial, final;
   std::vector<Residual> residuals;  ///< of the last step; empty if not requested
   RunTimes times;

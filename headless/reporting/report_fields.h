@@ -25,6 +25,7 @@ inline constexpr auto report_fields = std::to_array<ReportField>({
     {"steps", "", "number of the last state"},
     {"time_step", "s", "duration of a step"},
     {"substeps", "", "of a step"},
+    {"substeps_missed", "", "substeps that iterated joints call for if `auto` gives fewer; otherwise 0"},
     {"iterations", "", "setting of the run"},
     {"broad_phase", "", "name of the method"},
     {"key_bits", "", "length of the method's Morton keys: 24, 30 or 63; `null` for a method without keys"},

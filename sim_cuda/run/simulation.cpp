@@ -41,6 +41,7 @@ Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* 
       executor(with_key_bits(asked, initial, start)),
       effects(scene.physics.effects.value_or(required_effects(scene, initial))),
       substeps(substeps_of(scene, initial)),
+      substeps_missed(collidoscope::substeps_missed(scene, initial)),
       validation(*this, effects.guards),
       undo_(executor),
       bvh_cache_(executor, static_cast<std::int64_t>(initial.size())),

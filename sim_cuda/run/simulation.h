@@ -57,7 +57,8 @@ class Simulation {
   const InitialBodies initial;
   Executor executor;  // declared before all members that use it
   const Effects effects;
-  const int substeps;  ///< substeps per step in the pipeline
+  const int substeps;            ///< substeps per step in the pipeline
+  const double substeps_missed;  ///< see joint_substeps.h
   ContactRecords records{*this};
   StateValidation validation;
   TreeProbe tree{*this};

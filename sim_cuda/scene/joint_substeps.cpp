@@ -52,14 +52,24 @@ double least_square(const Scene& scene, const InitialBodies& bodies) {
   return least;
 }
 
+/// Smallest number of substeps that joints require, if "auto" may choose it; otherwise 0.
+double wanted_by_joints(const Scene& scene, const InitialBodies& bodies) {
+  const Physics& physics = scene.physics;
+  const bool off = scene.joints.empty() || (physics.effects && !physics.effects->joints);
+  if (off || physics.substeps || physics.solver == Solver::impulse) return 0;
+  return physics.time_step / std::sqrt(least_square(scene, bodies));
+}
+
 }  // namespace
 
+double substeps_missed(const Scene& scene, const InitialBodies& bodies) {
+  const double wanted = std::ceil(wanted_by_joints(scene, bodies));
+  return wanted > max_joint_substeps ? wanted : 0;
+}
+
 int substeps_of(const Scene& scene, const InitialBodies& bodies) {
-  const Physics& physics = scene.physics;
-  const int usual = substeps_in_effect(physics);
-  const bool off = scene.joints.empty() || (physics.effects && !physics.effects->joints);
-  if (off || physics.substeps || physics.solver == Solver::impulse) return usual;
-  const double wanted = physics.time_step / std::sqrt(least_square(scene, bodies));
+  const int usual = substeps_in_effect(scene.physics);
+  const double wanted = wanted_by_joints(scene, bodies);
   return wanted > usual ? static_cast<int>(std::ceil(std::min<double>(wanted, max_joint_substeps))) : usual;
 }
 

@@ -25,6 +25,7 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   for (const EffectName& effect : effect_names)
     if (world.effects().*(effect.flag)) view.effects.emplace_back(effect.name);
   view.substeps = world.substeps();
+  view.substeps_missed = world.substeps_missed();
   view.key_bits = info.key_bits;
   view.stats = stats;
   view.time = world.time();
