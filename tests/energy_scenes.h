@@ -160,6 +160,64 @@ inline Scene any_tree(Uniform& uniform, JointKind kind, double most_ratio) {
   return scene;
 }
 
+/// A net of rods in the plane z = 0, with random velocities. It hangs from two corners, or flies. Some rods
+/// are up to `longer` longer than the distance of their bodies.
+inline Scene any_net(Uniform& uniform, double longer, int most_columns = 6, int most_rows = 4) {
+  Scene scene = impact_space(0, g);
+  const auto up_to = [&](int most) {
+    return 2 + static_cast<int>(uniform.random() % static_cast<std::uint32_t>(most - 1));
+  };
+  const int columns = up_to(most_columns), rows = up_to(most_rows);
+  const double spacing = uniform(0.3, 1);
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      scene.bodies.push_back(
+          ball(random_ratio(uniform, 3), 0.05, spacing * Vector3d(column, row, 0), uniform.vector(1)));
+  const auto rod = [&](int a, int b) {
+    Joint joint;
+    joint.kind = JointKind::distance;
+    joint.a = a;
+    joint.b = b;
+    if (uniform.random() % 2 == 0) joint.length = spacing * uniform(1, 1 + longer);
+    scene.joints.push_back(joint);
+  };
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const int body = row * columns + column;
+      if (column + 1 < columns) rod(body, body + 1);
+      if (row + 1 < rows) rod(body, body + columns);
+    }
+  if (uniform.random() % 3 > 0)
+    for (const int corner : {0, columns - 1})
+      scene.joints.push_back(joint_at(scene, JointKind::ball, corner, std::nullopt,
+                                      scene.bodies[static_cast<std::size_t>(corner)].position));
+  return scene;
+}
+
+/// Adds up to `most` springs between any bodies.
+inline void add_springs(Scene& scene, Uniform& uniform, int most) {
+  const auto count = static_cast<std::uint32_t>(scene.bodies.size());
+  for (int k = 0; k < most; ++k) {
+    const std::int64_t a = uniform.random() % count, b = uniform.random() % count;
+    if (a == b) continue;
+    Joint joint;
+    joint.kind = JointKind::spring;
+    joint.a = a;
+    joint.b = b;
+    joint.frequency = uniform(0.2, 3);
+    joint.damping_ratio = uniform(0, 0.5);
+    scene.joints.push_back(joint);
+  }
+}
+
+/// A floor 0.5 m below the lowest body.
+inline void add_floor(Scene& scene, Uniform& uniform) {
+  double lowest = 0;
+  for (const Body& body : scene.bodies) lowest = std::min(lowest, body.position.z());
+  scene.obstacles = {Plane{Vector3d(0, 0, 1), lowest - 0.5, 0}};
+  scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
+}
+
 inline JointKind any_rigid_kind(Uniform& uniform) {
   return one_of(uniform, {JointKind::distance, JointKind::ball, JointKind::hinge});
 }

@@ -56,29 +56,67 @@ TEST(JointTrees, HaveBodiesBeforeTheirParents) {
   EXPECT_EQ(trees.nodes[5].joint, TreeNode::none) << "a free tree";
 }
 
-TEST(JointTrees, HaveNoLoops) {
-  const auto count = [](const Scene& scene) { return trees_of(scene).count(); };
+TEST(JointTrees, HaveClosingJointsInLoops) {
+  const auto closings = [](const Scene& scene) {
+    const JointTrees trees = trees_of(scene);
+    EXPECT_EQ(trees.count(), 1u);
+    for (const bool in_tree : trees.in_tree) EXPECT_TRUE(in_tree);
+    for (const TreeClosing& closing : trees.closings) {
+      const PlacedJoint joint = place_joints(scene, initial_bodies(scene))[closing.joint];
+      EXPECT_EQ(trees.nodes.at(closing.node_a).body, joint.a);
+      if (joint.b != PlacedJoint::world)
+        EXPECT_EQ(trees.nodes.at(closing.node_b).body, joint.b);
+      else
+        EXPECT_EQ(closing.node_b, TreeNode::none);
+    }
+    return trees.closings.size();
+  };
   Scene scene = row_of_balls(3);
   join(scene, JointKind::ball, 1, 0);
   join(scene, JointKind::ball, 2, 1);
-  EXPECT_EQ(count(scene), 1u);
+  EXPECT_EQ(closings(scene), 0u);
   Scene ring = scene;
   join(ring, JointKind::distance, 2, 0);
-  EXPECT_EQ(count(ring), 0u);
+  EXPECT_EQ(closings(ring), 1u);
   Scene twice = scene;
   join(twice, JointKind::hinge, 1, 0);
-  EXPECT_EQ(count(twice), 0u);
+  EXPECT_EQ(closings(twice), 1u);
   Scene bridge = scene;
   join(bridge, JointKind::ball, 0, std::nullopt);
-  EXPECT_EQ(count(bridge), 1u);
+  EXPECT_EQ(closings(bridge), 0u);
   join(bridge, JointKind::ball, 2, std::nullopt);
-  EXPECT_EQ(count(bridge), 0u) << "two joints to the world";
-  Scene sprung = scene;
-  join(sprung, JointKind::spring, 2, 0);
-  EXPECT_EQ(count(sprung), 1u) << "springs connect nothing";
-  EXPECT_EQ(trees_of(sprung).in_tree, (std::vector<bool>{true, true, false}));
+  join(bridge, JointKind::ball, 2, std::nullopt);
+  EXPECT_EQ(closings(bridge), 2u) << "three joints to the world";
+}
+
+/// A group with too many closing equations is iterated; springs connect nothing.
+TEST(JointTrees, AreOfLimitedSize) {
+  Scene scene = row_of_balls(3);
+  join(scene, JointKind::ball, 1, 0);
+  join(scene, JointKind::spring, 2, 0);
+  JointTrees trees = trees_of(scene);
+  EXPECT_EQ(trees.count(), 1u);
+  EXPECT_EQ(trees.in_tree, (std::vector<bool>{true, false}));
+  for (int k = 0; k < JointTrees::max_closing_rows / 3; ++k) join(scene, JointKind::ball, 1, 0);
+  EXPECT_EQ(trees_of(scene).closings.size(), 6u);
+  join(scene, JointKind::distance, 1, 0);
+  trees = trees_of(scene);
+  EXPECT_EQ(trees.count(), 0u);
+  EXPECT_EQ(trees.closings.size(), 0u);
+  const InitialBodies bodies = initial_bodies(scene);
+  const JointLoopGroups loops =
+      find_joint_loops(place_joints(scene, bodies), trees.in_tree, bodies_that_respond(bodies));
+  EXPECT_EQ(loops.bodies, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(loops.begin, (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_TRUE(loops.supports.empty());
+}
+
+TEST(JointTrees, EndAtKinematicBodies) {
+  Scene scene = row_of_balls(3);
+  join(scene, JointKind::ball, 1, 0);
+  join(scene, JointKind::ball, 2, 1);
   scene.bodies[1].motion = Motion::kinematic;
-  EXPECT_EQ(count(scene), 2u) << "a kinematic body connects nothing, either";
+  EXPECT_EQ(trees_of(scene).count(), 2u);
 }
 
 TEST(JointTrees, SpinFreelyAboutAxesOfSymmetry) {

@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little,
               "files contain values in little-endian byte order, as in memory");
 static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(StaticImpulse) == 40 &&
               sizeof(ContactImpulse) == 16 && sizeof(WarmStartJoint) == 72);
-static_assert(sizeof(WarmStart) == 8 * sizeof(std::vector<int>), "visit() must cover all members");
+static_assert(sizeof(WarmStart) == 9 * sizeof(std::vector<int>), "visit() must cover all members");
 
 constexpr std::size_t word = 8;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
@@ -80,6 +80,7 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   if (archive.version() >= 2) archive.list(frozen);
   if (archive.version() >= 3) archive.number(time);
   if (archive.version() >= 4) archive.number(snapshot.physics_version);
+  if (archive.version() >= 5) archive.list(warm_start.loop_energies);
 }
 
 class Writer {

@@ -19,8 +19,9 @@
 namespace collidoscope {
 
 /// Format version; increases with every change of content or meaning. 2: adds the ids of frozen bodies. 3:
-/// adds the simulated time. 4: adds the physics version. Versions 1 to 3 are still read.
-inline constexpr std::uint32_t snapshot_version = 4, oldest_snapshot_version = 1;
+/// adds the simulated time. 4: adds the physics version. 5: adds
+/// the energies of joint loops. Versions 1 to 4 are still read.
+inline constexpr std::uint32_t snapshot_version = 5, oldest_snapshot_version = 1;
 
 struct Snapshot {
   Scene scene;

@@ -26,11 +26,13 @@
 // because free flight is exact.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
-// joints. Islands are found only in substeps in which G of the whole scene is positive, within a tolerance:
-// an island can gain energy while others lose more. Islands with iterated joints are exempt: the energy
-// of an oscillating joint varies within a period, and a limit from one side would damp it. Joint trees are
-// exempt while they touch nothing; then they conserve energy (joint_tree_solver.h). Islands with contacts to
-// moving kinematic bodies are exempt, because these do work on bodies.
+// joints. Springs are forces like gravity: their impulses S are not part of d; they do the work S . (w + v) /
+// 2, where v is the velocity at the end. Islands are found only in substeps in which G of the whole scene is
+// positive, within a tolerance: an island can gain energy while others lose more. Bodies with springs only
+// are exempt: the energy of a spring varies within a period, and a limit from one side would damp it. Groups
+// of joints are exempt while they touch nothing; then they conserve energy (joint_tree_solver.h) or have a
+// limit of their own (joint_loops.h). Islands with contacts to moving kinematic bodies are exempt, because
+// these do work on bodies.
 //
 // Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
 // depend on the order. All stages are rounds of one launch.

@@ -1,6 +1,8 @@
 #pragma once
 // The rounds of the energy guard (energy_guard.h), for Executor::run_rounds: the test of the whole scene, the
 // islands, then up to `removals` corrections of the islands that gain energy.
+//
+// More than 400 lines: all rounds use the same terms of a body.
 
 #include <bit>
 #include <cstdint>
@@ -30,6 +32,8 @@ struct GuardRounds {
   JointView<Real> joints;
   const std::uint8_t* is_jointed;  ///< by body; null without joints
   const TreeMember* members;       ///< by body; null without joint trees
+  LoopView<Real> loops;
+  SpringImpulses<Real> springs;
   StaticImpulse* static_impulses;
   const StepControl* control;
   double* gains;           ///< by body, J: energy added by contacts, less its rounding
@@ -115,12 +119,24 @@ struct GuardRounds {
   /// Velocity at the end of the substep without contacts.
   SIM_HD Vector3<Real> free_velocity(int body) const {
     if (moved_freely(body)) return moved[body];
-    const Vector3<Real> v = start[body];
+    const Vector3<Real> v = start[body].load() + spring_change(body);
     return with_gravity ? Vector3<Real>(v + h * pull(body)) : v;
   }
   /// The same of the angular velocity, in the current orientation.
   SIM_HD Vector3<Real> free_angular_velocity(int body) const {
+    return start_angular_velocity(body) + spring_spin_change(body);
+  }
+  SIM_HD Vector3<Real> start_angular_velocity(int body) const {
     return angular_state(body).velocity_of(start_spin[body].load());
+  }
+  SIM_HD Vector3<Real> spring_change(int body) const { return springs.change(bodies, body); }
+  SIM_HD Vector3<Real> spring_spin_change(int body) const { return springs.spin_change(bodies, body); }
+  /// Springs do work with the mean of the velocities, so half of their change is added.
+  SIM_HD Vector3<double> work_velocity(int body) const {
+    return wide(start[body]) + wide(spring_change(body)) / 2;
+  }
+  SIM_HD Vector3<Real> work_angular_velocity(int body) const {
+    return start_angular_velocity(body) + spring_spin_change(body) / 2;
   }
   SIM_HD AngularState<Real> angular_state(int body) const {
     return AngularState<Real>::of(bodies, static_cast<std::uint32_t>(body));
@@ -140,16 +156,16 @@ struct GuardRounds {
     if (change.dot(change) == 0 && spin_change.dot(spin_change) == 0) return sum;
     const double m = static_cast<double>(bodies.mass[body]);
     const Vector3<double> d = wide(change);
-    sum.values[0] = m * wide(start[body]).dot(d);
+    sum.values[0] = m * work_velocity(body).dot(d);
     sum.values[1] = m / 2 * d.dot(d);
     if (with_gravity && !moved_freely(body)) {
       const Vector3<double> g = wide(h * pull(body));
-      sum.values[2] = m / 2 * g.dot(g);
+      sum.values[2] = m / 2 * g.dot(g + wide(spring_change(body)));
     }
     if (start_spin == nullptr) return sum;
     const Quaternion<Real> q = bodies.orientation[body];
-    const Vector3<double> old = wide(q.conjugate() * before), added = wide(q.conjugate() * spin_change),
-                          inertia = wide(bodies.inertia[body]);
+    const Vector3<double> old = wide(q.conjugate() * work_angular_velocity(body)),
+                          added = wide(q.conjugate() * spin_change), inertia = wide(bodies.inertia[body]);
     for (int k = 0; k < 3; ++k) {
       sum.values[0] += inertia[k] * old[k] * added[k];
       sum.values[1] += inertia[k] / 2 * added[k] * added[k];
@@ -200,7 +216,7 @@ struct GuardRounds {
   }
   SIM_HD bool is_exempt(int body) const {
     if (is_jointed == nullptr || is_jointed[body] == 0) return false;
-    return members == nullptr || members[body] != TreeMember::touching;
+    return (members == nullptr || members[body] != TreeMember::touching) && !loops.is_touching(body);
   }
   SIM_HD bool touches_plane(int body) const {
     for (int p = 0; p < surfaces; ++p)
@@ -318,14 +334,14 @@ struct GuardRounds {
     EnergyTerms sum = gain(body);
     const Change by_contacts = removal == 0 ? change_of(body, 0) : opposing_of(body);
     const Vector3<double> impulse = wide(by_contacts.impulse);
-    sum.values[3] = wide(start[body]).dot(impulse);
+    sum.values[3] = work_velocity(body).dot(impulse);
     sum.values[4] = wide(bodies.velocity[body].load() - free_velocity(body)).dot(impulse);
     sum.values[5] = static_cast<double>(bodies.inverse_mass[body]) * impulse.dot(impulse);
     if (start_spin == nullptr || removal > 0) return sum;
     AngularState<Real> angular = angular_state(body);
     const Vector3<double> moment = wide(by_contacts.moment);
     const Vector3<Real> before = free_angular_velocity(body);
-    sum.values[3] += wide(before).dot(moment);
+    sum.values[3] += wide(work_angular_velocity(body)).dot(moment);
     sum.values[4] += wide(angular.velocity - before).dot(moment);
     angular.velocity = Vector3<Real>::Zero();
     angular.apply_angular_impulse(by_contacts.moment);

@@ -22,7 +22,7 @@ struct EnergyTerms {
   double values[count];
   SIM_HD double start() const { return values[0]; }      ///< sum of m w . d
   SIM_HD double square() const { return values[1]; }     ///< sum of m d . d / 2
-  SIM_HD double allowed() const { return values[2]; }    ///< sum of m h^2 g . g / 2
+  SIM_HD double allowed() const { return values[2]; }    ///< sum of m h g . (h g + change by springs) / 2
   SIM_HD double by_start() const { return values[3]; }   ///< sum of w . P
   SIM_HD double by_change() const { return values[4]; }  ///< sum of d . P
   SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
@@ -54,7 +54,7 @@ struct EnergyTerms {
     if (!(square() > 0)) return {};
     using std::sqrt;
     const double sum =
-        sqrt(start() * start() + 4 * square() * allowed()) + (start() > 0 ? start() : -start());
+        sqrt(max_of(start() * start() + 4 * square() * allowed(), 0.0)) + (start() > 0 ? start() : -start());
     return {.factor = start() > 0 ? 2 * allowed() / sum : sum / (2 * square())};
   }
 };

@@ -9,12 +9,10 @@
 namespace collidoscope {
 namespace {
 
-// See joint_constraint.h. A single rigid joint is exact after one visit. A warm-start factor below 1 bounds
-// the accumulated impulse if another constraint resists it.
-constexpr double alone_warm_start_factor = 0.95;
-constexpr double coupled_error_fraction =
-    0.4;  ///< of the error, per substep; divided by the largest number of joints at a body
-constexpr double coupled_warm_start_factor = 0.9;
+// See joint_constraint.h. A warm-start factor of springs below 1 bounds the accumulated impulse if another
+// constraint resists it.
+constexpr double error_fraction = 0.8;  ///< of the error of a rigid joint that is corrected per substep
+constexpr double alone_spring_factor = 0.95, coupled_spring_factor = 0.9;
 
 constexpr double full_turn = 6.283185307179586;
 
@@ -36,16 +34,13 @@ JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_coun
     const double fast = z + std::sqrt(z * z - 1);
     bias = expm1_series(-angle * fast) * expm1_series(-angle / fast);
   }
-  const double factor =
-      joint_count > 1 ? coupled_warm_start_factor : alone_warm_start_factor;  // of the damping part
+  const double factor = joint_count > 1 ? coupled_spring_factor : alone_spring_factor;  // of the damping part
   return {scale, bias / h, 1 - scale, 1 - (1 - factor) * scale};
 }
 
 JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
   if (joint.kind == JointKind::spring) return spring(joint, joint_count, h);
-  return joint_count > 1 ? JointStiffness<double>{1, coupled_error_fraction / (joint_count * h), 0,
-                                                  coupled_warm_start_factor}
-                         : JointStiffness<double>{1, 1 / h, 0, alone_warm_start_factor};
+  return {1, error_fraction / h, 0, 1};
 }
 
 /// A unit vector perpendicular to `axis`.

@@ -9,8 +9,9 @@
 
 namespace collidoscope {
 
-/// Position of an iteration in the substep: solve before bodies move, relax after.
-enum class JointPhase { solve, relax };
+/// Position of an iteration in the substep: solve and correct before bodies move, relax after. Correct
+/// computes velocities that remove position errors and end with the move.
+enum class JointPhase { solve, correct, relax };
 
 /// Softness of a joint with error C (m) in solve. The accumulated impulse p changes by -mass (mass_scale
 /// speed + bias_rate C) - impulse_scale p. Rigid: 1, 1/h, 0.

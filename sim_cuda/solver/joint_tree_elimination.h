@@ -3,22 +3,24 @@
 // to the root.
 
 #include "sim_cuda/solver/dense_solve.h"
-#include "sim_cuda/solver/joint_tree_state.h"
+#include "sim_cuda/solver/joint_tree_closings.h"
 
 namespace collidoscope {
 
 template <class Real>
-struct JointTreeElimination : JointTreeMotion<Real> {
+struct JointTreeElimination : JointTreeClosings<Real> {
   using Motion = JointTreeMotion<Real>;
+  using Closings = JointTreeClosings<Real>;
+  using Closings::component, Closings::max_columns;
   using Motion::angular, Motion::bodies, Motion::body_of, Motion::fixed_body, Motion::h, Motion::trees,
       Motion::widened_row;
 
   static constexpr int max_size = 6 + TreeJoint::max_rows;
 
   /// The linear system of a body and its joint to the parent. Columns of `right`: velocity of the parent,
-  /// right side, right side of the correction.
+  /// right side, right side of the correction, closing equations.
   struct Block {
-    double matrix[max_size][max_size], right[max_size][8];
+    double matrix[max_size][max_size], right[max_size][8 + max_columns];
     double parent[6][max_size];  ///< equations of the parent
   };
 
@@ -31,26 +33,31 @@ struct JointTreeElimination : JointTreeMotion<Real> {
         state.right[i][0] = state.right[i][1] = 0;
       }
     }
+    Closings::add_closings(tree, scheme, limits_changed);
+    const int closing_rows = Closings::closing_rows(tree);
     for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node)
-      if (!eliminate_node(node, scheme, limits_changed)) return false;
+      if (!eliminate_node(node, scheme, closing_rows, limits_changed)) return false;
     return true;
   }
 
-  SIM_HD bool eliminate_node(std::uint32_t node, TreeScheme scheme, bool& limits_changed) const {
+  SIM_HD bool eliminate_node(std::uint32_t node, TreeScheme scheme, int closing_rows,
+                             bool& limits_changed) const {
     const TreeNode at = trees.nodes[node];
     TreeNodeState& state = trees.states[node];
     const TreeBody own = body_of(at.body, state.velocity, scheme);
     const double mass = static_cast<double>(bodies.mass[at.body]);
     const double largest_inertia = max_of(own.inertia.x(), max_of(own.inertia.y(), own.inertia.z()));
+    const int columns = 8 + closing_rows;
     Block block;
     for (int i = 0; i < max_size; ++i) {
       for (int j = 0; j < max_size; ++j) block.matrix[i][j] = 0;
-      for (int j = 0; j < 8; ++j) block.right[i][j] = 0;
+      for (int j = 0; j < columns; ++j) block.right[i][j] = 0;
       for (int j = 0; j < 6; ++j) block.parent[j][i] = 0;
     }
     for (int i = 0; i < 6; ++i) {
       for (int j = 0; j < 6; ++j) block.matrix[i][j] = state.block[i][j];
       for (int j = 0; j < 2; ++j) block.right[i][6 + j] = state.right[i][j];
+      for (int j = 0; j < closing_rows; ++j) block.right[i][8 + j] = trees.columns[node].right[i][j];
     }
     add_inertia(own, mass, state, scheme, block);
     state.rows = 0;
@@ -59,12 +66,14 @@ struct JointTreeElimination : JointTreeMotion<Real> {
     for (int i = 0; i < 6; ++i) {
       const double scale = i < 3 ? 1 / mass : 1 / largest_inertia;
       for (int j = 0; j < 6 + state.rows; ++j) block.matrix[i][j] *= scale;
-      for (int j = 0; j < 8; ++j) block.right[i][j] *= scale;
+      for (int j = 0; j < columns; ++j) block.right[i][j] *= scale;
     }
     const int size = 6 + state.rows;
-    if (!solve_dense(block.matrix, block.right, size, 8)) return false;
-    for (int i = 0; i < size; ++i)
+    if (!solve_dense(block.matrix, block.right, size, columns)) return false;
+    for (int i = 0; i < size; ++i) {
       for (int j = 0; j < 8; ++j) state.solved[i][j] = block.right[i][j];
+      for (int j = 0; j < closing_rows; ++j) trees.columns[node].solved[i][j] = block.right[i][8 + j];
+    }
     if (!has_parent) return true;
     TreeNodeState& parent = trees.states[at.parent];
     for (int i = 0; i < 6; ++i)
@@ -73,6 +82,8 @@ struct JointTreeElimination : JointTreeMotion<Real> {
         if (factor == 0) continue;
         for (int j = 0; j < 6; ++j) parent.block[i][j] -= factor * block.right[k][j];
         for (int j = 0; j < 2; ++j) parent.right[i][j] -= factor * block.right[k][6 + j];
+        for (int j = 0; j < closing_rows; ++j)
+          trees.columns[at.parent].right[i][j] -= factor * block.right[k][8 + j];
       }
     return true;
   }
@@ -107,10 +118,6 @@ struct JointTreeElimination : JointTreeMotion<Real> {
     Vector3d residual = momentum(angular(state.change));
     if (turns_momentum) residual += h() / 2 * own.spin.cross(angular_momentum);
     for (int i = 0; i < 3; ++i) block.right[3 + i][6] -= residual[i];
-  }
-
-  SIM_HD static double component(const TreeJoint::Pair& pair, int end, int k) {
-    return k < 3 ? pair.linear[end][k] : pair.angular[end][k - 3];
   }
 
   SIM_HD void add_joint(const TreeNode& at, TreeNodeState& state, const TreeBody& own, TreeScheme scheme,
@@ -165,15 +172,44 @@ struct JointTreeElimination : JointTreeMotion<Real> {
     }
   }
 
+  /// Velocities of a body without the closing impulses, and by each of them. Call from the root to the
+  /// leaves.
+  SIM_HD void find_responses(std::uint32_t node, int closing_rows) const {
+    TreeNodeState& state = trees.states[node];
+    TreeColumns& own = trees.columns[node];
+    const std::uint32_t up = trees.nodes[node].parent;
+    for (int i = 0; i < 6; ++i) {
+      for (int k = 0; k < 2; ++k) state.right[i][k] = state.solved[i][6 + k];
+      for (int k = 0; k < closing_rows; ++k) own.right[i][k] = own.solved[i][k];
+      if (up == TreeNode::none) continue;
+      for (int j = 0; j < 6; ++j) {
+        const double factor = state.solved[i][j];
+        for (int k = 0; k < 2; ++k) state.right[i][k] -= factor * trees.states[up].right[j][k];
+        for (int k = 0; k < closing_rows; ++k) own.right[i][k] -= factor * trees.columns[up].right[j][k];
+      }
+    }
+  }
+
   /// From the root to the leaves. Returns the largest change, relative to size and 1 rad.
   SIM_HD double substitute(std::int64_t tree, TreeScheme scheme, bool with_correction) const {
-    double largest = 0;
+    double largest = 0, impulses[max_columns][2];
+    const int closing_rows = Closings::closing_rows(tree);
+    if (closing_rows > 0) {
+      for (std::uint32_t node = trees.begin[tree + 1]; node-- > trees.begin[tree];)
+        find_responses(node, closing_rows);
+      if (!Closings::solve_closings(tree, impulses)) return 2e100;
+      Closings::store_closings(tree, scheme, impulses);
+    }
     const double per_metre = h() / trees.size[tree];
     for (std::uint32_t node = trees.begin[tree + 1]; node-- > trees.begin[tree];) {
       TreeNodeState& state = trees.states[node];
       const TreeNode at = trees.nodes[node];
       for (int i = 0; i < 6 + state.rows; ++i) {
         double step = state.solved[i][6], correction = state.solved[i][7];
+        for (int j = 0; j < closing_rows; ++j) {
+          step += trees.columns[node].solved[i][j] * impulses[j][0];
+          correction += trees.columns[node].solved[i][j] * impulses[j][1];
+        }
         if (at.parent != TreeNode::none) {
           const TreeNodeState& parent = trees.states[at.parent];
           for (int j = 0; j < 6; ++j) {

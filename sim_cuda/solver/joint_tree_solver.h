@@ -1,5 +1,6 @@
 #pragma once
-// Direct solver of the rigid joints of a tree (scene/joint_trees.h). One item solves one tree: Newton's
+// Direct solver of the rigid joints of a tree (scene/joint_trees.h), and of its closing joints
+// (joint_tree_closings.h). One item solves one tree: Newton's
 // method on the velocities of all bodies and the impulses of all joints of a substep, with the exact
 // derivative. Each pass eliminates the bodies from the leaves to the root; with n bodies it costs O(n)
 // (Featherstone 1983).
@@ -12,8 +13,8 @@
 // A body that may spin freely about an axis (TreeNode::spin_axis) is a rotor in a frame that does not spin:
 // the spin is constant and only adds its momentum. So gyroscopes are right for any spin.
 //
-// If Newton's method does not converge, because a body turns by about 1 rad in a substep, only the velocity
-// error is removed. Later substeps correct the position.
+// If Newton's method does not converge, because a body turns by about 1 rad in a substep or a loop is nearly
+// singular, only the velocity error is removed. Later substeps correct the position.
 
 #include "sim_cuda/solver/joint_tree_elimination.h"
 
@@ -23,6 +24,7 @@ template <class Real>
 struct JointTreeSolver : JointTreeElimination<Real> {
   using Motion = JointTreeMotion<Real>;
   using Elimination = JointTreeElimination<Real>;
+  using Closings = JointTreeClosings<Real>;
   using Elimination::eliminate, Elimination::substitute;
   using Motion::angular, Motion::bodies, Motion::body_of, Motion::fixed_body, Motion::gravity, Motion::h,
       Motion::linear, Motion::load, Motion::store, Motion::trees, Motion::widened_row;
@@ -35,10 +37,11 @@ struct JointTreeSolver : JointTreeElimination<Real> {
   /// Call before solve, once per substep, after the members are set.
   SIM_HD void begin(std::int64_t tree) const {
     if (is_free(tree)) apply_carried_impulses(tree);
+    clear_closings(tree);
     for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
       TreeNodeState& state = trees.states[node];
       for (int k = 0; k < 6; ++k) state.change[k] = state.correction[k] = state.impulse[k] = 0;
-      state.limit = 0;
+      state.limit = state.falls = 0;
       const std::uint32_t body = trees.nodes[node].body;
       state.rotor = Vector3d(0, 0, 0);
       if (bodies.orientation == nullptr) continue;
@@ -64,6 +67,8 @@ struct JointTreeSolver : JointTreeElimination<Real> {
     }
     if (!solved || (scheme == TreeScheme::start_pose && turns_too_far(tree))) remove_velocity_error(tree);
     limit_correction(tree);
+    if (trees.correction != nullptr) store_corrections(tree);
+    add_fall(tree, !solved && scheme == TreeScheme::energy_momentum);
     store(tree, true);
   }
 
@@ -72,15 +77,19 @@ struct JointTreeSolver : JointTreeElimination<Real> {
     if (first) end_move(tree);
     load(tree, false);
     bool limits_changed = false;
-    const bool solved = eliminate(tree, TreeScheme::velocities, limits_changed);
-    if (solved) {
-      substitute(tree, TreeScheme::velocities, false);
-      store(tree, false);
-    }
+    const bool solved = eliminate(tree, TreeScheme::velocities, limits_changed) &&
+                        substitute(tree, TreeScheme::velocities, false) < 1e100;
+    if (solved) store(tree, false);
     if (first) carry_impulses(tree, solved);
   }
 
  private:
+  SIM_HD void clear_closings(std::int64_t tree) const {
+    for (std::uint32_t k = Closings::first_closing(tree); k < Closings::last_closing(tree); ++k) {
+      for (double& impulse : trees.closing_states[k].impulse) impulse = 0;
+      trees.closing_states[k].limit = 0;
+    }
+  }
   /// True if no velocity has changed since the last solve.
   SIM_HD bool is_unchanged(std::int64_t tree) const {
     for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
@@ -139,7 +148,25 @@ struct JointTreeSolver : JointTreeElimination<Real> {
                       equations.force[row], 1 - end, trees.states[at.parent]);
       }
     }
+    for (std::uint32_t k = Closings::first_closing(tree); k < Closings::last_closing(tree); ++k)
+      apply_carried_closing(trees.closings[k]);
     store(tree, false);
+  }
+  SIM_HD void apply_carried_closing(const TreeClosing& closing) const {
+    double carried[TreeJoint::max_rows];
+    load_carried(closing.joint, carried);
+    int limit = 0;
+    Closings::with_equations(
+        closing, TreeScheme::velocities, carried, limit, false,
+        [&](const TreeJoint& equations, const TreeBody& a, const TreeBody& b) {
+          for (int end = 0; end < 2; ++end) {
+            const std::uint32_t node = Closings::node_at(closing, end);
+            if (node == TreeNode::none) continue;
+            for (int row = 0; row < equations.rows; ++row)
+              add_impulse(end == 0 ? a : b, static_cast<double>(bodies.mass[trees.nodes[node].body]),
+                          carried[equations.impulse_of[row]], equations.force[row], end, trees.states[node]);
+          }
+        });
   }
   SIM_HD static void add_impulse(const TreeBody& body, double mass, double impulse,
                                  const TreeJoint::Pair& force, int end, TreeNodeState& state) {
@@ -169,16 +196,22 @@ struct JointTreeSolver : JointTreeElimination<Real> {
     for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
       const TreeNode at = trees.nodes[node];
       if (at.joint == TreeNode::none) continue;
-      const TreeNodeState& state = trees.states[node];
-      double carried[TreeJoint::max_rows];
-      load_carried(at.joint, carried);
-      for (int k = 0; k < TreeJoint::max_rows; ++k) carried[k] = carries ? carried[k] / 2 : 0.0;
-      for (int row = 0; carries && row < state.rows; ++row)
-        carried[state.impulse_of[row]] -= state.relaxed[row] / 2;
-      JointImpulse<Real>& stored = trees.impulses[at.joint];
-      for (int k = 0; k < 3; ++k) stored.linear[k] = static_cast<Real>(carried[k]);
-      for (int k = 0; k < 2; ++k) stored.perpendicular[k] = static_cast<Real>(carried[3 + k]);
+      carry_impulse(at.joint, trees.states[node], carries);
     }
+    for (std::uint32_t k = Closings::first_closing(tree); k < Closings::last_closing(tree); ++k)
+      carry_impulse(trees.closings[k].joint, trees.closing_states[k], carries);
+  }
+  /// `state`: of the joint, TreeNodeState or TreeClosingState.
+  template <class State>
+  SIM_HD void carry_impulse(std::uint32_t joint, const State& state, bool carries) const {
+    double carried[TreeJoint::max_rows];
+    load_carried(joint, carried);
+    for (int k = 0; k < TreeJoint::max_rows; ++k) carried[k] = carries ? carried[k] / 2 : 0.0;
+    for (int row = 0; carries && row < state.rows; ++row)
+      carried[state.impulse_of[row]] -= state.relaxed[row] / 2;
+    JointImpulse<Real>& stored = trees.impulses[joint];
+    for (int k = 0; k < 3; ++k) stored.linear[k] = static_cast<Real>(carried[k]);
+    for (int k = 0; k < 2; ++k) stored.perpendicular[k] = static_cast<Real>(carried[3 + k]);
   }
   SIM_HD double kinetic_energy(std::uint32_t body, const double (&velocity)[6]) const {
     const Vector3d v = linear(velocity);
@@ -211,9 +244,33 @@ struct JointTreeSolver : JointTreeElimination<Real> {
       state.limit = 0;
       for (int k = 0; k < 6; ++k) state.velocity[k] = state.start[k];
     }
+    clear_closings(tree);
     bool limits_changed = false;
     if (eliminate(tree, TreeScheme::velocities, limits_changed))
       substitute(tree, TreeScheme::velocities, true);
+  }
+
+  SIM_HD void store_corrections(std::int64_t tree) const {
+    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
+      const std::uint32_t body = trees.nodes[node].body;
+      const TreeNodeState& state = trees.states[node];
+      Vector3<Real> v, w;
+      for (int k = 0; k < 3; ++k) {
+        v[k] = static_cast<Real>(state.correction[k]);
+        w[k] = static_cast<Real>(state.correction[3 + k]);
+      }
+      trees.correction[body] = v;
+      trees.spin_correction[body] = w;
+    }
+  }
+  /// Without forces at mean positions, a free tree moves by its velocity at the end of the substep, which is
+  /// semi-implicit and loses energy, instead of h g / 2 less.
+  SIM_HD void add_fall(std::int64_t tree, bool falls) const {
+    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
+      TreeNodeState& state = trees.states[node];
+      state.falls = falls ? 1 : 0;
+      for (int k = 0; falls && k < 3; ++k) state.correction[k] += h() / 2 * static_cast<double>(gravity[k]);
+    }
   }
 
   /// From the velocities of the move to those at its end.
@@ -227,7 +284,8 @@ struct JointTreeSolver : JointTreeElimination<Real> {
       if (static_impulses != nullptr && free) {
         // By the correction, and by continuous collision, which may shorten the move. Not by rounding.
         const Vector3d pushed = widened<Real>(bodies.position[body]) - state.position -
-                                h() * (moved - linear(state.correction) - h() / 2 * widened<Real>(gravity));
+                                h() * (moved - linear(state.correction) -
+                                       (state.falls == 0 ? h() / 2 : 0.0) * widened<Real>(gravity));
         constexpr double rounding = sizeof(Real) == 4 ? 1e-4 : 1e-8;
         if (length_of(pushed) > rounding * trees.size[tree])
           static_impulses[body].push_work -=

@@ -22,10 +22,28 @@ struct TreeNodeState {
   double impulse[TreeJoint::max_rows];  ///< of the joint, see TreeJoint
   double relaxed[TreeJoint::max_rows];  ///< impulses of relax, by equation
   int limit;                            ///< active limit of the joint: -1, 0, 1
+  int falls;                            ///< 1: `correction` contains h g / 2, see add_fall()
   int rows;                             ///< equations of the joint
   int impulse_of[TreeJoint::max_rows];
   double block[6][6], right[6][2];  ///< from the children
   double solved[6 + TreeJoint::max_rows][8];
+};
+
+/// Columns of the closing equations at a node, see joint_tree_closings.h.
+struct TreeColumns {
+  double right[6][JointTrees::max_closing_rows];  ///< from the children; then the solution
+  double solved[6 + TreeJoint::max_rows][JointTrees::max_closing_rows];
+};
+
+/// State of a joint that closes a loop.
+struct TreeClosingState {
+  double impulse[TreeJoint::max_rows];  ///< as TreeNodeState
+  double relaxed[TreeJoint::max_rows];
+  int limit, rows;
+  int impulse_of[TreeJoint::max_rows];
+  TreeJoint::Pair gradient[TreeJoint::max_rows];
+  double residual[TreeJoint::max_rows][2];  ///< right side, and right side of the correction
+  double unit[TreeJoint::max_rows];         ///< N s or N m s, unit of the impulses
 };
 
 template <class Real>
@@ -38,6 +56,11 @@ struct JointTreeView {
   TreeNodeState* states = nullptr;
   TreeMember* members = nullptr;  ///< by body
   std::int64_t count = 0;
+  const TreeClosing* closings = nullptr;  ///< tree by tree; null without loops
+  const std::uint32_t* closing_begin = nullptr;
+  TreeClosingState* closing_states = nullptr;
+  TreeColumns* columns = nullptr;                                        ///< by node; null without loops
+  PackedVector3<Real>*correction = nullptr, *spin_correction = nullptr;  ///< by body; null without springs
 };
 
 /// Access to trees and bodies, for the solver.

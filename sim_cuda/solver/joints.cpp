@@ -6,118 +6,14 @@
 
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/reduce.h"
-#include "sim_cuda/solver/joint_constraint.h"
 #include "sim_cuda/solver/joint_rows.h"
-#include "sim_cuda/solver/joint_tree_solver.h"
+#include "sim_cuda/solver/joint_stages.h"
 
 namespace collidoscope {
 
 namespace {
 
 constexpr double radii_per_second = 50;  ///< largest speed of the correction of errors
-
-}  // namespace
-
-template <class Real>
-struct JointRounds {
-  JointView<Real> joints;
-  BodyView<Real> bodies;
-  Real h;
-  const StepControl* control;
-  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
-  static constexpr bool static_item_counts = true;
-  SIM_HD std::int64_t items(int round) const {
-    return control->overflow ? 0 : joints.begin[round + 1] - joints.begin[round];
-  }
-  SIM_HD std::size_t place(int round, int item) const {
-    return joints.begin[round] + static_cast<std::uint32_t>(item);
-  }
-  SIM_HD bool sleeps(const JointRow<Real>& joint) const {
-    return asleep != nullptr && (asleep[joint.a] || (joint.b != PlacedJoint::world && asleep[joint.b]));
-  }
-};
-
-namespace {
-
-template <class Real, bool with_rotation>
-struct WarmStartJoints : JointRounds<Real> {
-  SIM_HD void operator()(int round, int item) const {
-    const std::size_t place = this->place(round, item);
-    const JointRow<Real>& joint = this->joints.rows[place];
-    if (this->sleeps(joint)) return;
-    JointImpulse<Real> accumulated = this->joints.impulses[place];
-    JointEnds<Real, with_rotation> ends(this->bodies, joint);
-    JointConstraint<Real, with_rotation>(joint, accumulated, ends, this->h).warm_start();
-    ends.store(this->bodies, joint);
-    this->joints.impulses[place] = accumulated;
-  }
-};
-
-template <class Real, bool with_rotation, JointPhase phase>
-struct IterateJoints : JointRounds<Real> {
-  SIM_HD void operator()(int round, int item) const {
-    const std::size_t place = this->place(round, item);
-    const JointRow<Real>& joint = this->joints.rows[place];
-    if (this->sleeps(joint) || (phase == JointPhase::relax && joint.kind == JointKind::spring)) return;
-    JointImpulse<Real> accumulated = this->joints.impulses[place];
-    JointEnds<Real, with_rotation> ends(this->bodies, joint);
-    JointConstraint<Real, with_rotation>(joint, accumulated, ends, this->h).template iterate<phase>();
-    ends.store(this->bodies, joint);
-    this->joints.impulses[place] = accumulated;
-  }
-};
-
-/// Starts a substep. A tree touches something if one of its bodies got an impulse in the last substep.
-template <class Real>
-struct BeginTrees {
-  JointTreeSolver<Real> solver;
-  ImpulsesByBody<Real> impulses;
-  const StepControl* control;
-  SIM_HD void operator()(int tree) const {
-    if (control->overflow) return;
-    const JointTreeView<Real>& trees = solver.trees;
-    bool touches_any = false;
-    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1] && !touches_any; ++node)
-      touches_any = touches(static_cast<int>(trees.nodes[node].body));
-    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node)
-      trees.members[trees.nodes[node].body] = touches_any ? TreeMember::touching : TreeMember::free;
-    solver.begin(tree);
-  }
-  SIM_HD bool touches(int body) const {
-    for (int surface = 0; surface < impulses.surfaces; ++surface)
-      if (impulses.surface_impulse[surface * impulses.body_count + body] > 0) return true;
-    if (control->contacts == 0) return false;
-    for (std::uint32_t k = 0; k < impulses.by_body.count[body]; ++k)
-      if (impulses.contacts[impulses.by_body.end(body, k).contact].impulse > 0) return true;
-    return false;
-  }
-};
-
-enum class TreeStage { solve, solve_again, relax_first, relax };
-
-template <class Real, TreeStage stage>
-struct RunTrees {
-  JointTreeSolver<Real> solver;
-  const StepControl* control;
-  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
-  SIM_HD void operator()(int tree) const {
-    if (control->overflow) return;
-    if (asleep != nullptr && asleep[solver.trees.nodes[solver.trees.begin[tree]].body]) return;
-    if constexpr (stage == TreeStage::solve || stage == TreeStage::solve_again)
-      solver.solve(tree, stage == TreeStage::solve_again);
-    else
-      solver.relax(tree, stage == TreeStage::relax_first);
-  }
-};
-
-template <class Real, bool with_rotation>
-struct MeasureJoint {
-  JointView<Real> joints;
-  BodyView<Real> bodies;
-  SIM_HD JointSums operator()(std::int64_t place) const {
-    return measure_joint<Real, with_rotation>(bodies, joints.rows[place]);
-  }
-};
 
 }  // namespace
 
@@ -138,7 +34,15 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
       tree_begin_(executor, "joint tree starts"),
       tree_size_(executor, "joint tree sizes"),
       node_states_(executor, "joint tree states"),
+      closings_(executor, "closing joints"),
+      closing_begin_(executor, "closing joint starts"),
+      closing_states_(executor, "closing joint states"),
+      columns_(executor, "closing joint columns"),
       members_(executor, "joint tree members"),
+      loops_(executor, bodies, gravity, static_impulses, h, control),
+      spring_bodies_(executor, "bodies with springs"),
+      spring_impulse_(executor, "spring impulses"),
+      spring_moment_(executor, "spring moments"),
       is_jointed_(executor, "bodies with joints"),
       excluded_pairs_(executor, "pairs excluded by joints"),
       sums_(executor, "joint sums") {
@@ -158,6 +62,9 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   std::vector<std::uint8_t> is_jointed(initial.size(), 0);
   std::ranges::transform(joints_of, is_jointed.begin(), [](std::uint32_t n) { return n > 0 ? 1 : 0; });
   is_jointed_.upload(is_jointed);
+
+  loops_.upload(find_joint_loops(joints, trees_.in_tree, moves), initial.size());
+  upload_springs(joints, moves);
 
   const std::vector<std::size_t> colours = colours_of(joints, trees_.in_tree, moves);
   if (std::ranges::count(trees_.in_tree, false) > 0)
@@ -196,6 +103,26 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
   sums_.resize_discarding(reduce_scratch_size(count()));
 }
 
+template <class Real>
+void Joints<Real>::upload_springs(const std::vector<PlacedJoint>& joints, const std::vector<bool>& moves) {
+  if (loops_.empty() && tree_count() == 0) return;
+  std::vector<bool> has_spring(moves.size(), false);
+  for (const PlacedJoint& joint : joints)
+    if (joint.kind == JointKind::spring)
+      for (const std::uint32_t body : {joint.a, joint.b})
+        if (body != PlacedJoint::world && moves[body]) has_spring[body] = true;
+  std::vector<std::uint32_t> bodies;
+  for (std::uint32_t body = 0; body < moves.size(); ++body)
+    if (has_spring[body]) bodies.push_back(body);
+  if (bodies.empty()) return;
+  spring_bodies_.upload(bodies);
+  loops_.reserve_corrections(moves.size());
+  for (Buffer<PackedVector3<Real>>* sums : {&spring_impulse_, &spring_moment_}) {
+    sums->resize_discarding(moves.size());
+    sums->fill_zero();
+  }
+}
+
 /// Uploads the trees. Their joints become indices in rows_.
 template <class Real>
 void Joints<Real>::upload_trees(const InitialBodies& initial) {
@@ -212,13 +139,33 @@ void Joints<Real>::upload_trees(const InitialBodies& initial) {
   tree_size_.upload(sizes);
   node_states_.resize_discarding(trees_.nodes.size());
   node_states_.fill_zero();
+  if (!trees_.closings.empty()) {
+    for (TreeClosing& closing : trees_.closings)
+      closing.joint = static_cast<std::uint32_t>(scene_order_[closing.joint]);
+    closings_.upload(trees_.closings);
+    closing_begin_.upload(trees_.closing_begin);
+    closing_states_.resize_discarding(trees_.closings.size());
+    closing_states_.fill_zero();
+    columns_.resize_discarding(trees_.nodes.size());
+    columns_.fill_zero();
+  }
   members_.upload(std::vector<TreeMember>(initial.size(), TreeMember::none));
 }
 
 template <class Real>
 JointTreeSolver<Real> Joints<Real>::tree_solver() const {
-  const JointTreeView<Real> trees{nodes_.data(),    tree_begin_.data(),  tree_size_.data(), rows_.data(),
-                                  impulses_.data(), node_states_.data(), members_.data(),   tree_count()};
+  JointTreeView<Real> trees{nodes_.data(),    tree_begin_.data(),  tree_size_.data(), rows_.data(),
+                            impulses_.data(), node_states_.data(), members_.data(),   tree_count()};
+  if (spring_bodies_.size() > 0) {
+    trees.correction = loops_.corrections().velocity;
+    trees.spin_correction = loops_.corrections().angular_velocity;
+  }
+  if (closings_.size() > 0) {
+    trees.closings = closings_.data();
+    trees.closing_begin = closing_begin_.data();
+    trees.closing_states = closing_states_.data();
+    trees.columns = columns_.data();
+  }
   return {{{trees, bodies_, gravity_, h_}}, static_impulses_};
 }
 
@@ -226,37 +173,46 @@ template <class Real>
 void Joints<Real>::begin_substep(const ImpulsesByBody<Real>& impulses) {
   if (tree_count() > 0)
     executor_.run("joints", tree_count(), BeginTrees<Real>{tree_solver(), impulses, control_});
+  loops_.begin(impulses);
+  if (spring_bodies_.size() > 0)
+    executor_.run("joints", static_cast<std::int64_t>(spring_bodies_.size()),
+                  ClearSprings<Real>{spring_bodies_.data(), spring_impulses(), control_});
 }
 
 template <class Real>
-JointRounds<Real> Joints<Real>::rounds() const {
-  return {view(), bodies_, h_, control_, asleep_};
+JointRounds<Real> Joints<Real>::rounds(const BodyView<Real>& bodies) const {
+  return {view(), bodies, h_, control_, asleep_, spring_impulses()};
 }
 
 template <class Real>
 template <class Stage, class StageWithRotation>
-void Joints<Real>::run() {
+void Joints<Real>::run(const BodyView<Real>& bodies) {
   if (colours_ == 0) return;
   bodies_.orientation != nullptr
-      ? executor_.run_rounds("joints", colours_, max_joints_per_colour_, StageWithRotation{rounds()})
-      : executor_.run_rounds("joints", colours_, max_joints_per_colour_, Stage{rounds()});
+      ? executor_.run_rounds("joints", colours_, max_joints_per_colour_, StageWithRotation{rounds(bodies)})
+      : executor_.run_rounds("joints", colours_, max_joints_per_colour_, Stage{rounds(bodies)});
 }
 
 template <class Real>
 void Joints<Real>::warm_start() {
-  run<WarmStartJoints<Real, false>, WarmStartJoints<Real, true>>();
+  run<WarmStartJoints<Real, false>, WarmStartJoints<Real, true>>(bodies_);
 }
 
 template <class Real>
 void Joints<Real>::solve() {
   constexpr JointPhase phase = JointPhase::solve;
-  run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>();
+  run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>(bodies_);
+  if (!loops_.empty()) {
+    constexpr JointPhase correct = JointPhase::correct;
+    run<IterateJoints<Real, false, correct>, IterateJoints<Real, true, correct>>(loops_.corrections());
+  }
   if (tree_count() > 0)
     executor_.run("joints", tree_count(), RunTrees<Real, TreeStage::solve>{tree_solver(), control_, asleep_});
 }
 
 template <class Real>
 void Joints<Real>::end_solve() {
+  loops_.add_corrections();
   if (tree_count() > 0)
     executor_.run("joints", tree_count(),
                   RunTrees<Real, TreeStage::solve_again>{tree_solver(), control_, asleep_});
@@ -264,8 +220,19 @@ void Joints<Real>::end_solve() {
 
 template <class Real>
 void Joints<Real>::relax(bool first) {
+  if (first) {
+    if (static_impulses_ != nullptr && spring_bodies_.size() > 0) {
+      const auto add = [&]<bool with_rotation>() {
+        executor_.run_rounds(
+            "joints", colours_, max_joints_per_colour_,
+            AddSpringPushWork<Real, with_rotation>{rounds(bodies_), loops_.corrections(), static_impulses_});
+      };
+      bodies_.orientation != nullptr ? add.template operator()<true>() : add.template operator()<false>();
+    }
+    loops_.remove_corrections();
+  }
   constexpr JointPhase phase = JointPhase::relax;
-  run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>();
+  run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>(bodies_);
   if (tree_count() == 0) return;
   if (first)
     executor_.run("joints", tree_count(),

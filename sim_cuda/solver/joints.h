@@ -4,6 +4,7 @@
 // kinematic bodies and the world may occur several times in a colour. Created with the pipeline and has its
 // lifetime. Each iteration is one call of the executor. After an overflow, nothing changes.
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -14,8 +15,7 @@
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/scene/placed_joint.h"
-#include "sim_cuda/solver/contact_storage.h"
-#include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/joint_loops.h"
 #include "sim_cuda/solver/joint_measure.h"
 #include "sim_cuda/solver/joint_state.h"
 #include "sim_cuda/solver/joint_tree_solver.h"
@@ -25,16 +25,6 @@ namespace collidoscope {
 
 template <class Real>
 struct JointRounds;
-
-/// Impulses of the last substep on each body, by contacts and static surfaces.
-template <class Real>
-struct ImpulsesByBody {
-  const PackedContact<Real>* contacts;
-  ContactsByBodyView by_body;
-  const Real* surface_impulse;  ///< N s; index surface * body count + body
-  int surfaces;
-  std::int64_t body_count;
-};
 
 template <class Real>
 class Joints {
@@ -53,6 +43,12 @@ class Joints {
   const std::uint8_t* is_jointed() const { return is_jointed_.data(); }
   /// By body; null without trees. begin_substep() writes it.
   TreeMember* members() const { return tree_count() == 0 ? nullptr : members_.data(); }
+  LoopView<Real> loops() const { return loops_.view(); }
+  /// Without memory unless there are springs and rigid joints.
+  SpringImpulses<Real> spring_impulses() const {
+    return spring_bodies_.size() == 0 ? SpringImpulses<Real>{}
+                                      : SpringImpulses<Real>{spring_impulse_.data(), spring_moment_.data()};
+  }
   /// Body pairs whose contacts are excluded by a joint.
   ExcludedPairs excluded_pairs() const {
     return {excluded_pairs_.data(), static_cast<std::uint32_t>(excluded_pairs_.size())};
@@ -69,6 +65,11 @@ class Joints {
   void end_solve();
   /// `first`: of the substep.
   void relax(bool first);
+  /// Call after the iterations of relax. `motion`: without springs.
+  void end_relax(LoopMotion<Real> motion) {
+    motion.springs = spring_impulses();
+    loops_.limit_energy(motion);
+  }
 
   /// Errors and energy at the current state; waits for the device.
   JointSums measure();
@@ -77,16 +78,25 @@ class Joints {
   std::vector<WarmStartJoint> save_warm_start() const;
   /// Call outside of runs. Joints that are not in `warm_start` start with zero impulse.
   void load_warm_start(const std::vector<WarmStartJoint>& warm_start);
-  void visit_warm_start(const ArrayVisitor& visit) const { visit(impulses_.data(), impulses_.bytes()); }
+  void visit_warm_start(const ArrayVisitor& visit) const {
+    visit(impulses_.data(), impulses_.bytes());
+    loops_.visit_allowances(visit);
+  }
+  /// See LoopAllowance.
+  std::vector<std::array<double, 2>> save_loop_energies() const { return loops_.save_allowances(); }
+  void load_loop_energies(const std::vector<std::array<double, 2>>& energies) {
+    loops_.load_allowances(energies);
+  }
 
  private:
-  JointRounds<Real> rounds() const;
+  JointRounds<Real> rounds(const BodyView<Real>& bodies) const;
   std::int64_t tree_count() const { return static_cast<std::int64_t>(trees_.count()); }
   JointTreeSolver<Real> tree_solver() const;
   void upload_trees(const InitialBodies& initial);
+  void upload_springs(const std::vector<PlacedJoint>& joints, const std::vector<bool>& moves);
   /// Runs `StageWithRotation` with the effect rotation, otherwise `Stage`.
   template <class Stage, class StageWithRotation>
-  void run();
+  void run(const BodyView<Real>& bodies);
 
   Executor& executor_;
   const BodyView<Real> bodies_;
@@ -106,7 +116,14 @@ class Joints {
   Buffer<std::uint32_t> tree_begin_;
   Buffer<double> tree_size_;
   Buffer<TreeNodeState> node_states_;
+  Buffer<TreeClosing> closings_;
+  Buffer<std::uint32_t> closing_begin_;
+  Buffer<TreeClosingState> closing_states_;
+  Buffer<TreeColumns> columns_;
   Buffer<TreeMember> members_;
+  JointLoops<Real> loops_;
+  Buffer<std::uint32_t> spring_bodies_;
+  Buffer<PackedVector3<Real>> spring_impulse_, spring_moment_;
   Buffer<std::uint8_t> is_jointed_;
   Buffer<Pair> excluded_pairs_;
   Buffer<JointSums> sums_;

@@ -115,6 +115,12 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     solve<with_friction>(substep);
     move();
     relax<with_friction>(substep);
+    if (scene_.effects.joints)
+      scene_.joints->end_relax({energy_guard_.start_velocity(),
+                                energy_guard_.moved_velocity(),
+                                scene_.effects.attractor ? scene_.field : nullptr,
+                                sleeping_.asleep(),
+                                {}});
     energy_guard_.apply(h_,
                         {ordered_contacts_.data(), soft_.data(), sums_.data(), uncoloured_change_.data(),
                          all_.view(colouring_.degrees()), planes_.impulse(), planes_.friction(),

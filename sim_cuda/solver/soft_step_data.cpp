@@ -12,7 +12,10 @@ namespace collidoscope {
 template <class Real>
 WarmStart SoftStepSolver<Real>::save_warm_start() const {
   WarmStart warm_start;
-  if (scene_.joints) warm_start.joints = scene_.joints->save_warm_start();
+  if (scene_.joints) {
+    warm_start.joints = scene_.joints->save_warm_start();
+    warm_start.loop_energies = scene_.joints->save_loop_energies();
+  }
   cache_.save(warm_start);
   planes_.save(warm_start);
   rolling_.save_warm_start(warm_start.contacts.size(), warm_start);
@@ -34,7 +37,10 @@ void SoftStepSolver<Real>::load_warm_start(const WarmStart& warm_start) {
   cache_.load(warm_start);
   rolling_.load_warm_start(warm_start,
                            std::max(static_cast<std::size_t>(contact_capacity_), warm_start.contacts.size()));
-  if (scene_.joints) scene_.joints->load_warm_start(warm_start.joints);
+  if (scene_.joints) {
+    scene_.joints->load_warm_start(warm_start.joints);
+    scene_.joints->load_loop_energies(warm_start.loop_energies);
+  }
   if (scene_.effects.sleeping) sleeping_.load_warm_start(warm_start.sleep_timer);
   planes_.load(warm_start);
 }

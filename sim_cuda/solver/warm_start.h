@@ -33,6 +33,7 @@ struct WarmStart {
   std::vector<std::array<double, 3>> rolling, wall_rolling;  ///< as `friction` and `wall_friction`
   std::vector<std::uint32_t> sleep_timer;  ///< steps, by body (sleeping.h); empty without the effect
   std::vector<WarmStartJoint> joints;      ///< in scene order
+  std::vector<std::array<double, 2>> loop_energies;  ///< J, by group of joint loops; see LoopAllowance
 };
 
 }  // namespace collidoscope
