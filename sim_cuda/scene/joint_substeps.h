@@ -12,8 +12,7 @@ namespace collidoscope {
 /// about 1 % when it swings.
 int substeps_of(const Scene& scene, const InitialBodies& bodies);
 
-/// Number of substeps that iterated joints call for if it is more than "auto" gives; otherwise 0. Infinite if
-/// no number suffices.
+/// Number of substeps that iterated joints call for if it is more than "auto" gives; otherwise 0.
 double substeps_missed(const Scene& scene, const InitialBodies& bodies);
 
 }  // namespace collidoscope

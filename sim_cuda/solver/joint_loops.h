@@ -12,9 +12,9 @@
 //   G = sum of m (v . v - w . w) / 2 - m h g . u - P . (w + v) / 2,
 //
 // w and v: velocity at the start and the end; u: velocity of the move, without the correction; P: impulses of
-// springs. Angular velocities are included. The sum of G may rise above its earlier minimum by `bound` of the
-// largest kinetic energy so far, since forces that act twice per period are not steady. A group that rises
-// more is slowed down. If it is joined to the world or a static body, all velocities are scaled, which keeps
+// springs. Angular velocities are included. The sum of G varies within a period of a swinging joint. It may
+// rise above its earlier minimum by `bound` of the largest kinetic energy so far. A group that rises more is
+// slowed down. If it is joined to the world or a static body, all velocities are scaled, which keeps
 // the joints satisfied; if not, the velocities relative to the rigid motion of the group, which also
 // conserves momentum and angular momentum. Groups that touch something are left to the energy guard
 // (energy_guard.h), and those joined to a moving kinematic body are not limited.
