@@ -54,7 +54,8 @@ TEST(Criterion, ReadsAllThatItMaySay) {
       {"quantity": "difference", "scene": "y.json", "offset": [1, 2, 3], "at_most": 1},
       {"quantity": "other_hash", "shapes": [[1, 2], [7, 32]], "broad_phases": ["refit"], "at_most": 0},
       {"quantity": "position", "axis": "x", "at_least": 0}],
-    "limits": [{"solver": "impulse", "precision": "f32", "executor": "cpu", "why": "sinks"}],
+    "limits": [{"solver": "impulse", "precision": "f32", "executor": "cpu", "why": "sinks",
+      "fails": [{"quantity": "penetration", "at_most": 1}]}],
     "injected_faults": [
       {"fails": "penetration", "step": 100, "body": 4, "position": [0, null, "inf"], "orientation": [2, 0, 0, "-inf"]},
       {"fails": "position", "term": 2, "set": {"solver": "impulse", "substeps": 1, "time_step": 0.1, "restitution": 1,
@@ -111,17 +112,55 @@ TEST(Criterion, MayCompareWithEveryBroadPhaseThatThereIs) {
 }
 
 TEST(Criterion, ALimitIsOfAllThatItDoesNotName) {
-  const Criterion c = parse(R"("steps": 1, "limits": [
-    {"solver": "impulse", "why": "a"}, {"precision": "f32", "executor": "cuda", "why": "b"}])");
+  const Criterion c = parse(R"("steps": 1,
+    "assertions": [{"quantity": "speed", "at_most": 1}, {"quantity": "speed", "at_least": 0.5}], "limits": [
+    {"solver": "impulse", "why": "a", "fails": [{"quantity": "speed", "at_most": 2},
+      {"quantity": "speed", "term": 2, "at_least": 0.25}]},
+    {"precision": "f32", "executor": "cuda", "why": "b", "fails": [{"quantity": "speed", "at_most": 2}]}])");
   const auto why = [&](Solver solver, Precision precision, ExecutorKind executor) {
     const ExpectedFailure* limit = c.expected_failure_of(solver, precision, executor);
     return limit == nullptr ? "" : limit->why;
   };
+  ASSERT_EQ(c.expected_failures.size(), 2u);
+  const ExpectedFailure& first = c.expected_failures[0];
+  ASSERT_EQ(first.fails.size(), 2u);
+  EXPECT_EQ(first.term_of(0), nullptr) << "all finite";
+  ASSERT_NE(first.term_of(2), nullptr);
+  EXPECT_EQ(first.term_of(2)->at_least, 0.25);
+  EXPECT_EQ(text_of(c.assertions[1], *first.term_of(1)), "speed at most 2 m/s");
+  EXPECT_EQ(c.expected_failures[1].term_of(2), nullptr);
   EXPECT_EQ(why(Solver::impulse, Precision::f64, ExecutorKind::cpu), "a");
   EXPECT_EQ(why(Solver::impulse, Precision::f32, ExecutorKind::cuda), "a");
   EXPECT_EQ(why(Solver::soft_step, Precision::f32, ExecutorKind::cuda), "b");
   EXPECT_EQ(why(Solver::soft_step, Precision::f32, ExecutorKind::cpu), "");
   EXPECT_EQ(why(Solver::soft_step, Precision::f64, ExecutorKind::cuda), "");
+}
+
+TEST(Criterion, ALimitHasTermsWithWiderBounds) {
+  const auto fault = [](const std::string& fails) {
+    return fault_of(R"("steps": 1, "assertions": [{"quantity": "speed", "at_most": 1}],
+      "limits": [{"solver": "impulse", "why": "a")" +
+                    fails + "}]");
+  };
+  EXPECT_EQ(fault(R"(, "fails": [{"quantity": "speed", "at_most": 2}])"), "");
+  EXPECT_THAT(fault(""), HasSubstr("must have \"fails\""));
+  EXPECT_THAT(fault(R"(, "fails": [])"), HasSubstr("must have \"fails\""));
+  EXPECT_THAT(fault(R"(, "fails": [{"quantity": "speed"}])"),
+              HasSubstr("must have the bound that still holds"));
+  EXPECT_THAT(fault(R"(, "fails": [{"quantity": "speed", "at_most": 1}])"), HasSubstr("must be above"));
+  EXPECT_THAT(fault(R"(, "fails": [{"quantity": "speed", "at_least": 0}])"), HasSubstr("must be below"));
+  EXPECT_THAT(fault(R"(, "fails": [{"quantity": "penetration", "at_most": 2}])"),
+              HasSubstr("\"assertions\" has none of the quantity \"penetration\""));
+  EXPECT_THAT(fault(R"(, "fails": [{"quantity": "finite", "at_most": 2}])"), HasSubstr("cannot be a limit"));
+  EXPECT_THAT(fault(R"(, "fails": [{"quantity": "speed", "term": 2, "at_most": 2}])"), HasSubstr("has 1 of"));
+  EXPECT_THAT(
+      fault(R"(, "fails": [{"quantity": "speed", "at_most": 2}, {"quantity": "speed", "at_most": 3}])"),
+      HasSubstr("listed twice"));
+}
+
+TEST(Criterion, MayBeMadeForSomeSolvers) {
+  EXPECT_THAT(parse(R"("steps": 1, "solvers": ["soft_step"])").solvers, ElementsAre(Solver::soft_step));
+  EXPECT_THAT(fault_of(R"("steps": 1, "solvers": ["soft"])"), HasSubstr("\"solvers\" must be a list of"));
 }
 
 TEST(Criterion, OfASceneThatIsRefused) {

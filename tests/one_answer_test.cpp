@@ -23,8 +23,8 @@ namespace {
 
 constexpr int golden_steps = 60;
 
-/// With a sanitizer, tests are up to 30 times slower. Any shape with several lanes and threads shows a race or a
-/// wrong index.
+/// With a sanitizer, tests are up to 30 times slower. Any shape with several lanes and threads shows a race
+/// or a wrong index.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 const std::vector<LaunchShape> launch_shapes{{2, 4}, {0, 0}};
 const std::vector<LaneOrder> lane_orders{LaneOrder::shuffled};
@@ -113,7 +113,8 @@ TEST_P(OneAnswer, WithEveryBroadPhaseAndKeySize) {
         RunOptions o = options();
         o.broad_phase = method;
         o.key_bits = bits;
-        EXPECT_EQ(hash_after(scene, o, steps_per_method), expected) << scene.name << ' ' << method << ' ' << bits;
+        EXPECT_EQ(hash_after(scene, o, steps_per_method), expected)
+            << scene.name << ' ' << method << ' ' << bits;
       }
   }
 }

@@ -32,7 +32,7 @@ std::string run(const std::string& executor, const std::string& first, const std
          R"(", "passed": 2, "failed": 0, "declared_limits": 1, "seconds": 61.5, "cases": [
            {"name": "bad", "group": "bad input", "what": "is refused", "limits": []},
            {"name": "stack", "group": "stacks", "what": "it stands", "limits": [
-             {"solver": "impulse", "precision": null, "executor": null, "why": "it sinks"}]}], "trials": [)" +
+             {"solver": "impulse", "precision": null, "executor": null, "fails": ["penetration at most 2 m"], "why": "it sinks"}]}], "trials": [)" +
          test_run("stack", "\"impulse\"", first) + "," + test_run("stack", "\"soft_step\"", second) + "," +
          test_run("bad", "null", "passed") + "]}";
 }
@@ -43,8 +43,8 @@ TEST(StabilityReadme, TellsEachCaseAndLimit) {
               HasSubstr("| **stacks** | | | | | |\n| `stack` | it stands | L – | ✓ – | – – | CPU |\n"
                         "| **bad input** | | | | | |\n| `bad` | is refused | ✓ ✓ | ✓ ✓ | ✓ ✓ | CPU |\n"));
   EXPECT_THAT(text, HasSubstr("the cpu (CPU, 62 s): 3 trials, 2 pass, 1 at declared limits, 0 fail.\n"));
-  EXPECT_THAT(text,
-              HasSubstr("Declared limits: 1 of 3 trials, one in 3.\n\n- `stack`, `impulse`: it sinks\n"));
+  EXPECT_THAT(text, HasSubstr("Declared limits: 1 of 3 trials, one in 3.\n\n- `stack`, `impulse`: it sinks. "
+                              "Bounds that hold: penetration at most 2 m\n"));
 }
 
 TEST(StabilityReadme, ComparesMachines) {
@@ -115,8 +115,12 @@ TEST(StabilityPage, ListsAllCasesAndTheirLimits) {
     std::string what = one.criterion.what;
     for (std::size_t at = 0; (at = what.find('|', at)) != std::string::npos; at += 2) what.insert(at, "\\");
     cases.insert(one.name + "` | " + what);
-    for (const ExpectedFailure& limit : one.criterion.expected_failures)
-      limits.insert(one.name + ": " + limit.why);
+    for (const ExpectedFailure& limit : one.criterion.expected_failures) {
+      std::string fails;
+      for (const ExpectedFailureTerm& term : limit.fails)
+        fails += (fails.empty() ? "" : ", ") + text_of(one.criterion.assertions[term.assertion], term);
+      limits.insert(one.name + ": " + limit.why + ". Bounds that hold: " + fails);
+    }
   }
   for (const std::string& line : lines_of_page("| `"))
     listed_cases.insert(line.substr(0, line.find(" |", line.find(" | ") + 3)));

@@ -28,7 +28,7 @@ HardCase named(const std::string& name, const std::string& group) {
 TestResult result(TestOutcome outcome) {
   TestResult r;
   r.outcome = outcome;
-  r.assertions = {{true, outcome == TestOutcome::passed, 0.25, 0.5, 7, 3}};
+  r.assertions = {{true, outcome == TestOutcome::passed, 0.25, 0.5, 7, 3, 0.25, 0.25}};
   r.steps = 10;
   r.state_hash = 0xabcu;
   r.seconds = 0.5;
@@ -42,7 +42,7 @@ TestResult result(TestOutcome outcome) {
 TEST(StabilityReport, TellsEachTrial) {
   HardCase stack = named("stack", "stacks"), bad = named("bad", "bad input");
   bad.criterion.refused = {"a"};
-  stack.criterion.expected_failures = {{Solver::impulse, {}, {}, "as it must be"}};
+  stack.criterion.expected_failures = {{Solver::impulse, {}, {}, {{0, 2.0, {}}}, "as it must be"}};
   StabilityRun run{"a machine", ExecutorKind::cpu, false, 2.5, 5, {}};
   run.rows = {
       {&stack, {Solver::impulse, Precision::f32, ExecutorKind::cpu}, result(TestOutcome::expected_failure)},
@@ -72,6 +72,7 @@ TEST(StabilityReport, TellsEachTrial) {
   EXPECT_EQ(json["cases"][0]["what"], "it holds");
   EXPECT_EQ(json["cases"][0]["limits"][0]["solver"], "impulse");
   EXPECT_TRUE(json["cases"][0]["limits"][0]["precision"].is_null());
+  EXPECT_EQ(json["cases"][0]["limits"][0]["fails"][0], "penetration at most 2 m");
   const auto& failed = json["trials"][2];
   EXPECT_EQ(failed["case"], "stack");
   EXPECT_EQ(failed["solver"], "soft_step");

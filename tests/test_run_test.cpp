@@ -67,9 +67,10 @@ TEST_P(TestRuns, PassWhereAllHolds) {
   EXPECT_EQ(result.assertions[1].state, 16);
 }
 
-TEST_P(TestRuns, EndAtTheFirstStateAtWhichATermDoesNotHold) {
+TEST_P(TestRuns, EvaluateAllTerms) {
   const HardCase one = flight(R"("steps": 16, "every": 5, "assertions": [
     {"quantity": "position", "axis": "x", "at_most": 5.5},
+    {"quantity": "position", "axis": "x", "at_most": 5, "from": 16, "to": 16},
     {"quantity": "position", "axis": "x", "at_most": 0, "from": 17, "to": 17}], "long_steps": 20)");
   const TestResult result = run(one);
   EXPECT_EQ(result.outcome, TestOutcome::failed);
@@ -78,15 +79,19 @@ TEST_P(TestRuns, EndAtTheFirstStateAtWhichATermDoesNotHold) {
   EXPECT_EQ(result.assertions[1].body, 1u);
   EXPECT_NEAR(result.assertions[1].value, 5.875, 1e-5);
   EXPECT_EQ(result.last_passing_state, 10);
-  EXPECT_EQ(result.steps, 15);
-  EXPECT_EQ(result.why, "position x at most 5.5 m: 5.88 m at state 15, body 1");
-  EXPECT_FALSE(result.assertions[2].measured);
+  EXPECT_EQ(result.steps, 16);
+  EXPECT_EQ(result.why,
+            "position x at most 5.5 m: 5.88 m at state 15, body 1; up to 6 m; "
+            "position x at most 5 m at state 16: 6 m at state 16, body 1");
+  EXPECT_NEAR(result.assertions[1].worst(), 6, 1e-5);
+  EXPECT_TRUE(result.assertions[2].measured);
+  EXPECT_FALSE(result.assertions[3].measured);
 
   TestConfiguration configuration;
   configuration.executor = GetParam();
   Snapshot before = replay_to_state(one, configuration, options(), result.last_passing_state);
   World world = world_from(before, before.scene, options());
-  world.step(5);
+  world.step(6);
   EXPECT_EQ(world.state_hash(), *result.state_hash) << "the same run, made again";
 }
 
@@ -105,19 +110,42 @@ TEST_P(TestRuns, HaveALongVariant) {
   EXPECT_EQ(run(one, {}, nullptr, true).steps, 9);
 }
 
-TEST_P(TestRuns, LimitsAreDeclaredWhereTheyShow) {
-  const HardCase one = flight(R"("steps": 4, "assertions": [{"quantity": "speed", "at_most": 0.5}],
-    "limits": [{"solver": "impulse", "why": "it is fast"}])");
-  const TestResult limit = run(one, {.solver = Solver::impulse});
+// Body 1 moves at 1 m/s from x = 4 m.
+TEST_P(TestRuns, LimitsNameTermsAndBounds) {
+  const auto limited = [&](const std::string& assertions, const std::string& fails, Solver solver) {
+    return run(
+        flight(R"("steps": 4, "assertions": [{"quantity": "speed", "at_most": 0.5})" + assertions +
+               R"(], "limits": [{"solver": "impulse", "why": "it is fast", "fails": [)" + fails + "]}]"),
+        {.solver = solver});
+  };
+  const std::string speed = R"({"quantity": "speed", "at_most": 1.5})",
+                    position = R"(, {"quantity": "position", "axis": "x", "at_most": 4.2})";
+  const TestResult limit = limited("", speed, Solver::impulse);
   EXPECT_EQ(limit.outcome, TestOutcome::expected_failure);
   EXPECT_EQ(limit.why, "it is fast");
-  EXPECT_THAT(limit.failure, HasSubstr("speed at most 0.5 m/s: 1 m/s at state 0"));
-  EXPECT_EQ(run(one).outcome, TestOutcome::failed);
-  const TestResult holds =
-      run(flight(R"("steps": 4, "limits": [{"solver": "impulse", "why": "it is fast"}])"),
-          {.solver = Solver::impulse});
+  EXPECT_EQ(limit.failure, "speed at most 0.5 m/s: 1 m/s at state 0, body 0");
+  EXPECT_EQ(limited("", speed, Solver::soft_step).outcome, TestOutcome::failed);
+
+  const TestResult unrelated = limited(position, speed, Solver::impulse);
+  EXPECT_EQ(unrelated.outcome, TestOutcome::failed);
+  EXPECT_THAT(unrelated.why, testing::StartsWith("position x at most 4.2 m: 4.25 m at state 2, body 1"));
+  EXPECT_THAT(unrelated.failure, HasSubstr("speed at most"));
+
+  const TestResult beyond = limited("", R"({"quantity": "speed", "at_most": 0.75})", Solver::impulse);
+  EXPECT_EQ(beyond.outcome, TestOutcome::failed);
+  EXPECT_THAT(beyond.why, testing::EndsWith("; the declared limit is speed at most 0.75 m/s"));
+
+  const TestResult holds = limited(R"(, {"quantity": "position", "axis": "x", "at_most": 9})",
+                                   speed + R"(, {"quantity": "position", "at_most": 10})", Solver::impulse);
   EXPECT_EQ(holds.outcome, TestOutcome::failed);
-  EXPECT_THAT(holds.why, HasSubstr("passes although a limit is declared; remove the limit"));
+  EXPECT_THAT(holds.why, HasSubstr("position x at most 9 m: holds although a limit is declared"));
+}
+
+TEST_P(TestRuns, AreMadeForSomeSolvers) {
+  const HardCase one = flight(R"("steps": 4, "solvers": ["soft_step", "jacobi_split"])");
+  EXPECT_EQ(run(one, {.solver = Solver::impulse}).outcome, TestOutcome::not_applicable);
+  EXPECT_EQ(run(one, {.solver = Solver::impulse}).why, "not made for impulse");
+  EXPECT_EQ(run(one, {.solver = Solver::soft_step}).outcome, TestOutcome::passed);
 }
 
 TEST_P(TestRuns, DoNotApplyWhereTheSolverRefusesTheScene) {

@@ -92,11 +92,12 @@ void save_failures(const StabilityRun& run, const RunOptions& options, const std
                     name_of(precision_names, row.configuration.precision));
     const std::string file = (std::filesystem::path(folder) / name).string();
     write_file_atomically(file, bytes);
-    std::fputs(fmt::format("{}: state {}; reproduce the failure with run --load {} --steps {}\n",
-                           name_of(*row.hard_case, row.configuration), row.result.last_passing_state, file,
-                           row.result.steps - row.result.last_passing_state)
-                   .c_str(),
-               stderr);
+    std::fputs(
+        fmt::format("{}: state {}; reproduce the failure with run --load {} --steps {}\n",
+                    name_of(*row.hard_case, row.configuration), row.result.last_passing_state, file,
+                    row.result.assertions[*row.result.failed_assertion].state - row.result.last_passing_state)
+            .c_str(),
+        stderr);
   }
 }
 

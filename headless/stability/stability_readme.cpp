@@ -114,7 +114,11 @@ std::string limit_text(const std::string& name, const Json& limit) {
   for (const char* key : {"solver", "precision", "executor"})
     if (const std::string value = word(limit, key); !value.empty())
       where += (where.empty() ? "`" : " `") + value + "`";
-  return fmt::format("- `{}`, {}: {}\n", name, where, word(limit, "why"));
+  std::string fails;
+  for (const Json& term : limit.value("fails", Json::array()))
+    if (term.is_string()) fails += (fails.empty() ? "" : ", ") + term.get<std::string>();
+  return fmt::format("- `{}`, {}: {}{}\n", name, where, word(limit, "why"),
+                     fails.empty() ? "" : fmt::format(". Bounds that hold: {}", fails));
 }
 
 /// "of 120 trials on an AMD EPYC (CPU) 110 pass".

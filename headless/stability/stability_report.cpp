@@ -26,7 +26,7 @@ Json json_of(const Assertion& assertion, const AssertionResult& result) {
           {"quantity", collidoscope::name_of(quantity_names, assertion.quantity)},
           {"measured", result.measured},
           {"held", result.passed},
-          {"worst", result.measured ? Json(result.value) : Json(nullptr)},
+          {"worst", result.measured ? Json(result.worst()) : Json(nullptr)},
           {"bound", result.measured ? Json(result.bound) : Json(nullptr)},
           {"state", result.state},
           {"body", or_null(result.body)}};
@@ -59,17 +59,22 @@ Json json_of(const TestRow& row) {
       {"seconds", result.seconds}};
 }
 
-Json json_of(const ExpectedFailure& limit) {
+Json json_of(const Criterion& criterion, const ExpectedFailure& limit) {
+  Json fails = Json::array();
+  for (const ExpectedFailureTerm& term : limit.fails)
+    fails.push_back(text_of(criterion.assertions[term.assertion], term));
   return {{"solver", limit.solver ? Json(collidoscope::name_of(solver_names, *limit.solver)) : Json(nullptr)},
           {"precision",
            limit.precision ? Json(collidoscope::name_of(precision_names, *limit.precision)) : Json(nullptr)},
           {"executor", limit.executor ? Json(name_of(*limit.executor)) : Json(nullptr)},
+          {"fails", std::move(fails)},
           {"why", limit.why}};
 }
 
 Json json_of(const HardCase& hard_case) {
   Json limits = Json::array();
-  for (const ExpectedFailure& limit : hard_case.criterion.expected_failures) limits.push_back(json_of(limit));
+  for (const ExpectedFailure& limit : hard_case.criterion.expected_failures)
+    limits.push_back(json_of(hard_case.criterion, limit));
   return {{"name", hard_case.name},
           {"group", hard_case.criterion.group},
           {"what", hard_case.criterion.what},

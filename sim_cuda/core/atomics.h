@@ -10,6 +10,7 @@
 
 #if defined(__CUDACC__)
 #include <cooperative_groups.h>
+#include <cooperative_groups/reduce.h>
 #include <cuda/atomic>
 #endif
 
@@ -49,6 +50,24 @@ SIM_HD inline std::uint64_t atomic_add_aggregated(std::uint64_t* counter, std::u
   return group.shfl(first, 0) + before;
 #else
   return std::atomic_ref<std::uint64_t>(*counter).fetch_add(numbers, std::memory_order_relaxed);
+#endif
+}
+
+/// Adds `values` to `count` consecutive targets. On a GPU, the active threads of a warp with the same targets
+/// share the atomics. For contended targets.
+template <std::uint32_t count>
+SIM_HD void atomic_add_shared(std::uint64_t* targets, const std::uint64_t (&values)[count]) {
+#if defined(__CUDA_ARCH__)
+  namespace groups = cooperative_groups;
+  const auto group =
+      groups::labeled_partition(groups::coalesced_threads(), reinterpret_cast<unsigned long long>(targets));
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const auto sum =
+        groups::reduce(group, static_cast<unsigned long long>(values[k]), groups::plus<unsigned long long>());
+    if (group.thread_rank() == 0) atomicAdd(reinterpret_cast<unsigned long long*>(targets + k), sum);
+  }
+#else
+  for (std::uint32_t k = 0; k < count; ++k) atomic_add(targets + k, values[k]);
 #endif
 }
 

@@ -20,6 +20,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       flags_(executor, "energy guard flags"),
       parent_(executor, "energy guard islands"),
       scale_(executor, "energy guard scales"),
+      terms_(executor, "energy guard terms"),
       sums_(executor, "energy guard sums"),
       exempt_(executor, "energy guard exemptions"),
       grounded_(executor, "energy guard ground"),
@@ -35,6 +36,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   flags_.upload(std::vector<std::uint32_t>(removals, 0));
   parent_.resize_discarding(n);
   scale_.resize_discarding(n);
+  terms_.resize_discarding(n);
   sums_.resize_discarding(std::size_t{EnergyTerms::count} * n);
   exempt_.resize_discarding(n);
   grounded_.resize_discarding(n);
@@ -72,6 +74,7 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                         flags_.data(),
                         parent_.data(),
                         scale_.data(),
+                        terms_.data(),
                         sums_.data(),
                         exempt_.data(),
                         grounded_.data()});

@@ -47,6 +47,7 @@
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
+#include "sim_cuda/solver/energy_terms.h"
 
 namespace collidoscope {
 
@@ -94,6 +95,7 @@ class EnergyGuard {
   Buffer<std::uint32_t> flags_;    ///< see GuardRounds::flags
   Buffer<std::uint32_t> parent_;   ///< by body
   Buffer<std::uint32_t> scale_;    ///< by root: bits of the largest term, J (float)
+  Buffer<EnergyTerms> terms_;      ///< by body
   Buffer<std::uint64_t> sums_;     ///< by root: see EnergyTerms
   Buffer<std::uint8_t> exempt_;    ///< by body: it has a joint, or touches a moving kinematic body
   Buffer<std::uint8_t> grounded_;  ///< by body: it touches a plane or a static body

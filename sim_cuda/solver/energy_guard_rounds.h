@@ -41,6 +41,7 @@ struct GuardRounds {
   std::uint64_t* total;    ///< `total_slots` partial sums of `gains`
   std::uint32_t* flags;    ///< 0: the scene gains energy; k > 0: an island does after the k-th removal
   std::uint32_t *parent, *scale;
+  EnergyTerms* terms_of;  ///< by body
   std::uint64_t* sums;
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
 
@@ -81,7 +82,7 @@ struct GuardRounds {
       case 1:
         return find_scale(removal, item);
       case 2:
-        return add(removal, item);
+        return add(item);
       default:
         return remove(removal, item);
     }
@@ -191,7 +192,9 @@ struct GuardRounds {
   }
   SIM_HD void add_gain(int body) const {
     if (gains[body] == 0) return;
-    atomic_add(&total[body % total_slots], in_units(gains[body], unit(*largest)));
+    constexpr int bodies_per_slot = 32;  // those of a warp
+    atomic_add_shared<1>(&total[body / bodies_per_slot % total_slots],
+                         {in_units(gains[body], unit(*largest))});
   }
   SIM_HD void test() const {
     std::uint64_t sum = 0;
@@ -271,19 +274,21 @@ struct GuardRounds {
   SIM_HD void find_scale(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    const float size = static_cast<float>(terms(removal, body).largest());
+    const EnergyTerms sum = terms_of[body] = terms(removal, body);
+    const float size = static_cast<float>(sum.largest());
     if (is_finite(size) && size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
     if (atomic_load(&exempt[body]) != 0) atomic_store(&exempt[root], std::uint8_t{1});
     if (atomic_load(&grounded[body]) != 0) atomic_store(&grounded[root], std::uint8_t{1});
   }
-  SIM_HD void add(int removal, int body) const {
+  SIM_HD void add(int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     if (scale[root] == 0) return;
-    const EnergyTerms sum = terms(removal, body);
+    const EnergyTerms sum = terms_of[body];
     const double one = unit(scale[root]);
-    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
-      atomic_add(&sums[EnergyTerms::count * root + k], in_units(sum.values[k], one));
+    std::uint64_t units[EnergyTerms::count];
+    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k) units[k] = in_units(sum.values[k], one);
+    atomic_add_shared(&sums[EnergyTerms::count * root], units);
   }
   SIM_HD void remove(int removal, int body) const {
     const EnergyCorrection correction = correction_of(removal, static_cast<std::uint32_t>(body));

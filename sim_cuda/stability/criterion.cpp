@@ -53,27 +53,42 @@ std::string text_of(Quantity quantity, double value) {
   return unit.empty() ? number : fmt::format("{} {}", number, unit);
 }
 
-std::string text_of(const Assertion& assertion) {
-  std::string text(name_of(quantity_names, assertion.quantity));
-  if (assertion.quantity == Quantity::finite) return "all finite";
-  if (assertion.quantity == Quantity::expected_finding) return "guards report the expected finding";
-  const bool along = assertion.quantity == Quantity::position || assertion.quantity == Quantity::velocity;
-  if (along) text += fmt::format(" {}", "xyz"[assertion.axis]);
-  if (assertion.body) text += fmt::format(" of body {}", *assertion.body);
-  if (assertion.since > 0) text += fmt::format(" since state {}", assertion.since);
-  if (!assertion.scene.empty()) text += " from " + assertion.scene.substr(0, assertion.scene.find(".json"));
-  const std::string_view unit = unit_of(assertion.quantity);
+namespace {
+
+/// " at most 0.1 m".
+std::string bounds_text(Quantity quantity, std::optional<double> at_most, std::optional<double> at_least) {
+  const std::string_view unit = unit_of(quantity);
   const auto bound = [&](double value) {
     return fmt::format("{:g}{}{}", value, unit.empty() ? "" : " ", unit);
   };
-  if (assertion.at_most && assertion.at_least && *assertion.at_most == *assertion.at_least)
-    text += " " + bound(*assertion.at_most);
-  else if (assertion.at_most && assertion.at_least)
-    text += fmt::format(" {} to {}", bound(*assertion.at_least), bound(*assertion.at_most));
-  else if (assertion.at_most)
-    text += " at most " + bound(*assertion.at_most);
-  else if (assertion.at_least)
-    text += " at least " + bound(*assertion.at_least);
+  if (at_most && at_least && *at_most == *at_least) return " " + bound(*at_most);
+  if (at_most && at_least) return fmt::format(" {} to {}", bound(*at_least), bound(*at_most));
+  if (at_most) return " at most " + bound(*at_most);
+  return at_least ? " at least " + bound(*at_least) : "";
+}
+
+/// "position z of body 3".
+std::string name_text(const Assertion& assertion) {
+  std::string text(name_of(quantity_names, assertion.quantity));
+  const bool along = assertion.quantity == Quantity::position || assertion.quantity == Quantity::velocity;
+  if (along) text += fmt::format(" {}", "xyz"[assertion.axis]);
+  if (assertion.body) text += fmt::format(" of body {}", *assertion.body);
+  return text;
+}
+
+}  // namespace
+
+std::string text_of(const Assertion& assertion, const ExpectedFailureTerm& term) {
+  return name_text(assertion) + bounds_text(assertion.quantity, term.at_most, term.at_least);
+}
+
+std::string text_of(const Assertion& assertion) {
+  if (assertion.quantity == Quantity::finite) return "all finite";
+  if (assertion.quantity == Quantity::expected_finding) return "guards report the expected finding";
+  std::string text = name_text(assertion);
+  if (assertion.since > 0) text += fmt::format(" since state {}", assertion.since);
+  if (!assertion.scene.empty()) text += " from " + assertion.scene.substr(0, assertion.scene.find(".json"));
+  text += bounds_text(assertion.quantity, assertion.at_most, assertion.at_least);
   if (assertion.from && assertion.to && *assertion.from == *assertion.to)
     text += fmt::format(" at state {}", *assertion.from);
   else if (assertion.from && assertion.to)
@@ -83,6 +98,11 @@ std::string text_of(const Assertion& assertion) {
   else if (assertion.to)
     text += fmt::format(" up to state {}", *assertion.to);
   return text;
+}
+
+const ExpectedFailureTerm* ExpectedFailure::term_of(std::size_t assertion) const {
+  const auto found = std::ranges::find(fails, assertion, &ExpectedFailureTerm::assertion);
+  return found == fails.end() ? nullptr : &*found;
 }
 
 const ExpectedFailure* Criterion::expected_failure_of(Solver solver, Precision precision,

@@ -112,13 +112,24 @@ std::string text_of(const Assertion& assertion);
 /// `value` in the quantity's unit with three digits: "0.0123 m".
 std::string text_of(Quantity quantity, double value);
 
+/// A term that is known to fail, and the wider bounds within which it must stay.
+struct ExpectedFailureTerm {
+  std::size_t assertion = 0;                ///< index in `assertions`
+  std::optional<double> at_most, at_least;  ///< in the quantity's unit; one for each bound that may fail
+};
+/// "penetration at most 0.1 m".
+std::string text_of(const Assertion& assertion, const ExpectedFailureTerm& term);
+
 /// Configurations in which the case is known to fail. An unset member matches any value. At least one of the
-/// first three is set.
+/// first three is set. All terms of `fails` must fail, and no others.
 struct ExpectedFailure {
   std::optional<Solver> solver;
   std::optional<Precision> precision;
   std::optional<ExecutorKind> executor;  ///< cpu or cuda
-  std::string why;                       ///< reason, one line
+  std::vector<ExpectedFailureTerm> fails;
+  std::string why;  ///< reason, one line
+
+  const ExpectedFailureTerm* term_of(std::size_t assertion) const;  ///< null if it must hold
 };
 
 /// State set on a body before a measurement. Unset members are unchanged. Any value is allowed, including
@@ -157,6 +168,7 @@ struct Criterion {
 
   std::string changes;                  ///< change file, or empty
   std::vector<ExecutorKind> executors;  ///< supported executors; empty: all
+  std::vector<Solver> solvers;          ///< solvers that the case is made for; empty: all
   /// The first assertion is always `finite`: all bodies are finite. A case with an expected finding has that
   /// finding as its only assertion.
   std::vector<Assertion> assertions;
@@ -172,9 +184,10 @@ struct Criterion {
 };
 
 /// Headings of the case list, in order.
-inline constexpr auto hard_case_groups = std::to_array<std::string_view>(
-    {"mass ratios", "stacks", "overlap", "speed", "distance", "time step", "rotation", "rest",
-     "restitution and friction", "wedges", "tree", "counts", "joints", "sleep", "settings", "bad input"});
+inline constexpr auto hard_case_groups =
+    std::to_array<std::string_view>({"mass ratios", "stacks", "overlap", "speed", "distance", "time step",
+                                     "rotation", "rest", "restitution and friction", "known answers",
+                                     "wedges", "tree", "counts", "joints", "sleep", "settings", "bad input"});
 
 /// Reads a criterion. `scene` is the case's scene, or null if it is invalid. Referenced files must be in the
 /// same folder. Throws InputError with one line per fault: `file:line:column: message`.

@@ -51,6 +51,28 @@ struct CriterionContext {
     return true;
   }
 
+  /// Index of the term that has the quantity of the member `key`; with the member "term", the term of that
+  /// number among those of the quantity, from 1. Unset: it has a fault. `what`: the object, for messages.
+  std::optional<std::size_t> read_term(ObjectReader& reader, const JsonNode& node, std::string_view key,
+                                       std::string_view what) {
+    Quantity quantity{};
+    int number = 1, found = 0;
+    const bool numbered = reader.whole("term", number);
+    if (!reader.choice(key, quantity_names, quantity)) {
+      if (reader.member(key) == nullptr)
+        reading.fault(
+            node, fmt::format("{} must have \"{}\", the name of a quantity of the assertions", what, key));
+      return std::nullopt;
+    }
+    for (std::size_t k = 0; k < criterion.assertions.size(); ++k)
+      if (criterion.assertions[k].quantity == quantity && ++found == number) return k;
+    reading.fault(
+        numbered ? *reader.member("term") : *reader.member(key),
+        fmt::format("\"assertions\" has {} of the quantity \"{}\"",
+                    found == 0 ? "none" : fmt::to_string(found), name_of(quantity_names, quantity)));
+    return std::nullopt;
+  }
+
   /// Reads the number of a state of the run.
   void read_state(ObjectReader& reader, std::string_view key, std::optional<std::int64_t>& state) {
     std::int64_t number = 0;

@@ -102,6 +102,14 @@ class CriterionReader {
       else
         reading_.fault(node, "\"executors\" must be a list of \"cpu\" and \"cuda\"");
     });
+    for_each(root, "solvers", [&](const JsonNode& node) {
+      const auto solver =
+          node.kind == JsonKind::text ? value_of(solver_names, document_.text(node)) : std::nullopt;
+      if (solver)
+        criterion_.solvers.push_back(*solver);
+      else
+        reading_.fault(node, "\"solvers\" must be a list of \"impulse\", \"soft_step\" and \"jacobi_split\"");
+    });
     for_each(root, "assertions", [&](const JsonNode& node) { read_assertion(node); });
     for_each(root, "limits", [&](const JsonNode& node) { read_expected_failure(node); });
     for_each(root, "injected_faults", [&](const JsonNode& node) { read_injected_fault(context_, node); });
@@ -255,8 +263,43 @@ class CriterionReader {
     if (reader.is_object() && reader.member("solver") == nullptr && reader.member("precision") == nullptr &&
         reader.member("executor") == nullptr)
       reading_.fault(node, "a limit must have a \"solver\", a \"precision\" or an \"executor\"");
+    const JsonNode* fails = reader.member("fails", JsonKind::array);
+    if (fails != nullptr)
+      for (const JsonNode& term : document_.children(*fails)) read_failing_term(term, limit);
+    if (reader.is_object() &&
+        (fails == nullptr ? reader.member("fails") == nullptr : fails->child_count == 0))
+      reading_.fault(
+          node,
+          "a limit must have \"fails\", a list of terms with the bounds that must still hold, such "
+          "as {\"quantity\": \"penetration\", \"at_most\": 0.1}");
     reader.finish();
     criterion_.expected_failures.push_back(std::move(limit));
+  }
+
+  void read_failing_term(const JsonNode& node, ExpectedFailure& limit) {
+    ObjectReader reader(reading_, node, "a term of a limit");
+    if (!reader.is_object()) return;
+    const auto found = context_.read_term(reader, node, "quantity", "a term of a limit");
+    ExpectedFailureTerm term;
+    if (double bound = 0; reader.real("at_most", bound)) term.at_most = bound;
+    if (double bound = 0; reader.real("at_least", bound)) term.at_least = bound;
+    reader.finish();
+    if (!found) return;
+    term.assertion = *found;
+    const Assertion& assertion = criterion_.assertions[term.assertion];
+    if (assertion.quantity == Quantity::finite)
+      return reading_.fault(node, "bodies that are not finite cannot be a limit");
+    if (!term.at_most && !term.at_least)
+      reading_.fault(node,
+                     "a term of a limit must have the bound that still holds: \"at_most\" or \"at_least\"");
+    if (term.at_most && !(assertion.at_most && *term.at_most > *assertion.at_most))
+      reading_.fault(*reader.member("at_most"),
+                     "\"at_most\" must be above that of the term itself, which the limit replaces");
+    if (term.at_least && !(assertion.at_least && *term.at_least < *assertion.at_least))
+      reading_.fault(*reader.member("at_least"),
+                     "\"at_least\" must be below that of the term itself, which the limit replaces");
+    if (limit.term_of(term.assertion) != nullptr) reading_.fault(node, "this term is listed twice");
+    limit.fails.push_back(term);
   }
 
   CriterionContext& context_;

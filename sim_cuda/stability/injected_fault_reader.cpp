@@ -27,7 +27,7 @@ class InjectedFaultReader {
     InjectedFault fault;
     ObjectReader reader(reading_, node, "a fault");
     if (!reader.is_object()) return;
-    read_failing_assertion(reader, node, fault);
+    fault.assertion = context_.read_term(reader, node, "fails", "a fault").value_or(0);
     const JsonNode* set = reader.member("set");
     if (set != nullptr) {
       read_set(*set, fault);
@@ -41,27 +41,6 @@ class InjectedFaultReader {
   }
 
  private:
-  void read_failing_assertion(ObjectReader& reader, const JsonNode& node, InjectedFault& fault) {
-    Quantity quantity{};
-    int number = 1;
-    const bool numbered = reader.whole("term", number);
-    if (!reader.choice("fails", quantity_names, quantity)) {
-      if (reader.member("fails") == nullptr)
-        reading_.fault(node, "a fault must have \"fails\", the name of a quantity of the assertions");
-      return;
-    }
-    int found = 0;
-    for (std::size_t k = 0; k < criterion_.assertions.size(); ++k)
-      if (criterion_.assertions[k].quantity == quantity && ++found == number) {
-        fault.assertion = k;
-        return;
-      }
-    reading_.fault(
-        numbered ? *reader.member("term") : *reader.member("fails"),
-        fmt::format("\"assertions\" has {} of the quantity \"{}\"",
-                    found == 0 ? "none" : fmt::to_string(found), name_of(quantity_names, quantity)));
-  }
-
   void read_set(const JsonNode& node, InjectedFault& fault) {
     ObjectReader reader(reading_, node, "\"set\"");
     SettingsPatch& set = fault.set.emplace();

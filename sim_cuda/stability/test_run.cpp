@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <new>
@@ -69,6 +70,7 @@ struct TestRun::Impl {
 
   void work(const std::function<bool()>& late);
   void begin();
+  void skip(const std::string& why);
   bool due(std::int64_t state) const;
   void check_assertions();
   void evaluate(std::size_t assertion, const Extremes& extremes);
@@ -77,7 +79,9 @@ struct TestRun::Impl {
   void end();
   bool has_expected_finding();
   void compare_refusal();
+  std::string failure_of(std::size_t assertion) const;
   void fail(const std::string& why);
+  void judge(const ExpectedFailure* limit);
   void finish();
 
   const HardCase& hard_case;
@@ -104,19 +108,20 @@ struct TestRun::Impl {
                                                    ///< hash
 
   TestResult result;
-  bool failed = false, done = false;
+  std::string finding;  ///< of the guards, if one was expected and another came
+  bool failed = false, broken = false, done = false;
 };
 
 void TestRun::Impl::begin() {
   const Criterion& criterion = hard_case.criterion;
   if (!criterion.executors.empty() &&
       std::ranges::find(criterion.executors, configuration.executor) == criterion.executors.end()) {
-    result.outcome = TestOutcome::not_applicable;
-    result.why =
-        fmt::format("runs only on {}", criterion.executors[0] == ExecutorKind::cpu ? "a CPU" : "CUDA");
-    done = true;
-    return;
+    return skip(
+        fmt::format("runs only on {}", criterion.executors[0] == ExecutorKind::cpu ? "a CPU" : "CUDA"));
   }
+  if (!criterion.solvers.empty() &&
+      std::ranges::find(criterion.solvers, configuration.solver) == criterion.solvers.end())
+    return skip(fmt::format("not made for {}", name_of(solver_names, configuration.solver)));
   if (!criterion.refused.empty()) return compare_refusal();
   const Scene own = with_configuration(hard_case.scene, configuration);
   std::string refusal = refusal_of(own);
@@ -125,12 +130,7 @@ void TestRun::Impl::begin() {
     } catch (const InputError& error) {
       refusal = error.lines()[0];
     }
-  if (!refusal.empty()) {
-    result.outcome = TestOutcome::not_applicable;
-    result.why = refusal;
-    done = true;
-    return;
-  }
+  if (!refusal.empty()) return skip(refusal);
   for (const Assertion& assertion : criterion.assertions)
     if (assertion.quantity == Quantity::difference && !compared_runs.contains(assertion.scene))
       compared_runs.try_emplace(
@@ -153,6 +153,12 @@ void TestRun::Impl::begin() {
               fault != nullptr && fault->state ? fault->state : criterion.injected_state);
   observation.emplace(run->world(), criterion.assertions);
   check_assertions();
+}
+
+void TestRun::Impl::skip(const std::string& why) {
+  result.outcome = TestOutcome::not_applicable;
+  result.why = why;
+  done = true;
 }
 
 void TestRun::Impl::compare_refusal() {
@@ -194,11 +200,12 @@ void TestRun::Impl::check_assertions() {
   last_checked = state;
 }
 
-/// Updates the result of an assertion at this state. A failed assertion ends the test run; with an injected
-/// fault, only the fault's assertion ends it.
+/// Updates the result of an assertion at this state. With an injected fault, the fault's assertion ends the
+/// test run when it fails.
 void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   const Assertion& assertion = hard_case.criterion.assertions[k];
   AssertionResult& known = result.assertions[k];
+  const bool held = known.passed, fresh = !known.measured;
   const auto bounded = [&](double value, std::optional<double> bound, bool above,
                            std::optional<std::uint32_t> body) {
     if (!bound || !known.passed) return;
@@ -206,27 +213,49 @@ void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
     const double room = above ? *bound - value : value - *bound;
     const double least = known.value <= known.bound ? known.bound - known.value : known.value - known.bound;
     if (passed && known.measured && !(room < least)) return;
-    known = {true, passed, value, *bound, run->state(), body};
+    known.measured = true;
+    known.passed = passed;
+    known.value = value;
+    known.bound = *bound;
+    known.state = run->state();
+    known.body = body;
   };
   bounded(extremes.max, assertion.at_most, true, extremes.max_body);
   bounded(extremes.min, assertion.at_least, false, extremes.min_body);
-  if (known.passed) return;
+  // A NaN stays.
+  if (fresh || !(known.least <= extremes.min))
+    known.least = std::isnan(known.least) ? known.least : extremes.min;
+  if (fresh || !(known.most >= extremes.max)) known.most = std::isnan(known.most) ? known.most : extremes.max;
+  if (known.passed || !held) return;
   if (fault != nullptr) {
     done = done || fault->assertion == k;
     return;
   }
   if (!known.body) known.body = offending_body(assertion, *observation);
-  result.failed_assertion = k;
-  if (assertion.quantity == Quantity::expected_finding)
-    return fail(text_of(assertion) + ": " +
-                (run->world().validation().finding() ? describe(*run->world().validation().finding())
-                                                     : "no finding"));
-  fail(fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value),
-                   known.state, known.body ? fmt::format(", body {}", *known.body) : ""));
+  if (!result.failed_assertion) result.failed_assertion = k;
+  failed = true;
+  // Other quantities of bodies that are not finite mean nothing.
+  if (assertion.quantity == Quantity::finite) done = true;
 }
 
+/// "penetration at most 0.01 m: 0.02 m at state 7, body 3; up to 0.1 m".
+std::string TestRun::Impl::failure_of(std::size_t k) const {
+  const Assertion& assertion = hard_case.criterion.assertions[k];
+  const AssertionResult& known = result.assertions[k];
+  if (assertion.quantity == Quantity::expected_finding)
+    return text_of(assertion) + ": " + (finding.empty() ? "no finding" : finding);
+  std::string text =
+      fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value),
+                  known.state, known.body ? fmt::format(", body {}", *known.body) : "");
+  const std::string worst = text_of(assertion.quantity, known.worst());
+  if (worst != text_of(assertion.quantity, known.value))
+    text += fmt::format("; {} to {}", known.worst() < known.bound ? "down" : "up", worst);
+  return text;
+}
+
+/// Ends the run for a reason that is no assertion. No declared limit excuses it.
 void TestRun::Impl::fail(const std::string& why) {
-  failed = done = true;
+  broken = failed = done = true;
   result.failure = why;
 }
 
@@ -244,6 +273,8 @@ void TestRun::Impl::end() {
     const Quantity quantity = hard_case.criterion.assertions[k].quantity;
     if (!is_checked_at_end(quantity)) continue;
     Extremes value;
+    if (quantity == Quantity::expected_finding && run->world().validation().finding())
+      finding = describe(*run->world().validation().finding());
     value.add(quantity == Quantity::expected_finding ? (has_expected_finding() ? 1 : 0)
                                                      : differing_hashes[k]);
     evaluate(k, value);
@@ -294,17 +325,46 @@ void TestRun::Impl::finish() {
   observation.reset();
   compared_runs.clear();
   run.reset();
-  if (result.outcome == TestOutcome::not_applicable || fault != nullptr) return;
-  if (failed && limit != nullptr) {
+  if (result.outcome != TestOutcome::not_applicable && fault == nullptr) judge(limit);
+}
+
+/// Sets the outcome. A declared limit excuses the terms that it names, within its bounds. All of them must
+/// fail.
+void TestRun::Impl::judge(const ExpectedFailure* limit) {
+  const std::vector<Assertion>& assertions = hard_case.criterion.assertions;
+  std::vector<std::string> failures, unexpected;
+  for (std::size_t k = 0; k < result.assertions.size(); ++k) {
+    const AssertionResult& known = result.assertions[k];
+    const ExpectedFailureTerm* allowed = limit != nullptr ? limit->term_of(k) : nullptr;
+    if (known.passed) {
+      if (allowed != nullptr && !broken)
+        unexpected.push_back(
+            fmt::format("{}: holds although a limit is declared; remove it", text_of(assertions[k])));
+      continue;
+    }
+    failures.push_back(failure_of(k));
+    if (allowed == nullptr)
+      unexpected.push_back(failures.back());
+    else if ((assertions[k].at_most && !(known.most <= allowed->at_most.value_or(*assertions[k].at_most))) ||
+             (assertions[k].at_least &&
+              !(known.least >= allowed->at_least.value_or(*assertions[k].at_least))))
+      unexpected.push_back(
+          fmt::format("{}; the declared limit is {}", failures.back(), text_of(assertions[k], *allowed)));
+  }
+  if (broken) unexpected.insert(unexpected.begin(), result.failure);
+  if (!broken) result.failure = fmt::to_string(fmt::join(failures, "; "));
+  if (!unexpected.empty()) {
+    result.outcome = TestOutcome::failed;
+    result.why = fmt::to_string(fmt::join(unexpected, "; "));
+  } else if (failed) {
     result.outcome = TestOutcome::expected_failure;
     result.why = limit->why;
-  } else if (failed) {
-    result.outcome = TestOutcome::failed;
-    result.why = result.failure;
-  } else if (limit != nullptr) {
-    result.outcome = TestOutcome::failed;
-    result.why = fmt::format("passes although a limit is declared; remove the limit (\"{}\")", limit->why);
   }
+}
+
+double AssertionResult::worst() const {
+  if (passed) return value;
+  return value <= bound ? least : most;
 }
 
 TestRun::TestRun(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options,

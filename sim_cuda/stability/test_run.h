@@ -1,7 +1,7 @@
 #pragma once
-// A test run: one hard case with one solver, precision and executor. Runs to the last state or to the first
-// failed assertion, in time slices, so that a viewer can draw in between. Not thread-safe; concurrent test
-// runs share no data.
+// A test run: one hard case with one solver, precision and executor. Runs to the last state, or until a body
+// is not finite, in time slices, so that a viewer can draw in between. A failed assertion does not end it, so
+// that all others are evaluated. Not thread-safe; concurrent test runs share no data.
 
 #include <cstdint>
 #include <memory>
@@ -37,6 +37,10 @@ struct AssertionResult {
   double value = 0, bound = 0;
   std::int64_t state = 0;
   std::optional<std::uint32_t> body;
+  double least = 0, most = 0;  ///< of all measured states; NaN if a value was NaN
+
+  /// The value farthest beyond the bound; `value` if the assertion holds.
+  double worst() const;
 };
 
 struct TestResult {
@@ -44,9 +48,9 @@ struct TestResult {
   /// One line: the failure, the reason of the expected failure, or the reason for not being applicable.
   /// Empty: passed.
   std::string why;
-  std::string failure;                          ///< the failure itself; also set for an expected failure
+  std::string failure;                          ///< all failures, one line; also set for an expected failure
   std::vector<AssertionResult> assertions;      ///< in the order of the criterion
-  std::optional<std::size_t> failed_assertion;  ///< unset if no assertion failed
+  std::optional<std::size_t> failed_assertion;  ///< the first one that failed; unset if none failed
   std::int64_t last_passing_state = 0;          ///< last measured state before a failure
   std::int64_t steps = 0;                       ///< completed steps
   std::optional<std::uint64_t> state_hash;      ///< hash of the last state; unset if it was not reached
