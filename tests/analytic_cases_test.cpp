@@ -52,7 +52,9 @@ TEST(AnalyticCases, AreWhatTheIssueAsksForAndEachSceneHasOne) {
                              "slide_to_roll",    "incline_rolling", "stack_forces",
                              "symmetric_top",    "middle_axis",     "pendulum_small",
                              "pendulum_large",   "spring_force",    "spring_joint",
-                             "drag_linear",      "drag_quadratic",  "orbit"})
+                             "drag_linear",      "drag_quadratic",  "orbit",
+                             "head_on_1_to_3",   "cradle_touching", "oblate_top",
+                             "incline_hollow",   "backspin"})
     EXPECT_TRUE(names.count(wanted)) << wanted;
   for (const auto& entry : std::filesystem::directory_iterator(project_file("assets/scenes/analytic")))
     EXPECT_TRUE(scenes.count(entry.path().stem().string())) << entry.path() << " is of no case";

@@ -197,6 +197,16 @@ TEST(SlideToRoll, EndsWhereTheSurfaceIsAtRest) {
   EXPECT_NEAR(down_slope(9.81, 0.6, 0.8, 2.0 / 7 * 0.75), 5.0 / 7 * 9.81 * 0.6, 1e-13);
   EXPECT_NEAR(down_slope(9.81, 0.6, 0.8, 2.0 / 7 * 0.75 - 1e-12), 5.0 / 7 * 9.81 * 0.6, 1e-10)
       << "sliding meets rolling";
+  EXPECT_NEAR(down_slope(9.81, 0.6, 0.8, 0.5, 2.0 / 3), 0.6 * 9.81 * 0.6, 1e-13) << "a hollow sphere";
+}
+
+TEST(SlideToRoll, BackspinBringsTheBallBack) {
+  const SlideToRoll ball{5, 0.5 * 9.81, -15};
+  const double t = ball.rolling_at();
+  EXPECT_NEAR(5 - ball.deceleration * t, -5.0 / 7, 1e-14);
+  EXPECT_NEAR(5 - ball.deceleration * t, -15 + 2.5 * ball.deceleration * t, 1e-14)
+      << "the surface is at rest";
+  EXPECT_NEAR(slope([&](double q) { return ball.distance(q); }, t + 1), -5.0 / 7, 1e-9);
 }
 
 TEST(DragSolution, ObeysItsLawAndItsLimits) {

@@ -169,16 +169,17 @@ void add_zeno(std::vector<AnalyticCase>& cases) {
 }
 
 /// While the sphere slides, Euler's position is short by mu g h t/2. After that its speed is exact.
-void add_slide_to_roll(std::vector<AnalyticCase>& cases) {
+void add_slide_to_roll(std::vector<AnalyticCase>& cases, const char* name, double horizon) {
   AnalyticCase one;
-  one.name = "slide_to_roll";
-  one.scene = analytic_scene("slide_to_roll");
+  one.name = name;
+  one.scene = analytic_scene(name);
   one.compared = "position, m";
-  one.rationale = "error mu g h t/2 until the ball rolls at t = 2 v / (7 mu g): v h/7";
-  one.horizon = 1;
+  one.rationale = "error mu g h t/2 until the ball rolls at t = 2 (v - r w) / (7 mu g): (v - r w) h/7";
+  one.horizon = horizon;
   one.scale = 7;
   const Body ball = one.scene.bodies[0];
-  const SlideToRoll slide{ball.velocity.x(), one.scene.materials[0].friction * gravity(one.scene)};
+  const SlideToRoll slide{ball.velocity.x(), one.scene.materials[0].friction * gravity(one.scene),
+                          ball.radius * ball.angular_velocity.y()};
   one.methods = by_any_integrator(leading_theory(1, slide.deceleration * slide.rolling_at() / 2));
   one.error = [=, t = one.horizon](World& world, int steps) {
     world.step(steps);
@@ -197,7 +198,9 @@ void add_incline(std::vector<AnalyticCase>& cases, const char* name) {
   one.scale = 5;
   const Vector3d start = one.scene.bodies[0].position, normal = one.scene.obstacles[0].normal,
                  down(normal.z(), 0, -normal.x());
-  const double a = down_slope(gravity(one.scene), normal.x(), normal.z(), one.scene.materials[0].friction);
+  const Body& ball = one.scene.bodies[0];
+  const double k = ball.inertia ? (*ball.inertia)[0] / (*ball.mass * ball.radius * ball.radius) : 0.4;
+  const double a = down_slope(gravity(one.scene), normal.x(), normal.z(), one.scene.materials[0].friction, k);
   const double t = one.horizon;
   one.methods = by_any_integrator(leading_theory(1, a * t / 2));
   one.error = [=](World& world, int steps) {
@@ -256,9 +259,11 @@ std::vector<AnalyticCase> contact_cases() {
   std::vector<AnalyticCase> cases;
   add_bouncing(cases);
   add_zeno(cases);
-  add_slide_to_roll(cases);
+  add_slide_to_roll(cases, "slide_to_roll", 1);
+  add_slide_to_roll(cases, "backspin", 1.5);
   add_incline(cases, "incline_rolling");
   add_incline(cases, "incline_sliding");
+  add_incline(cases, "incline_hollow");
   add_stack(cases);
   return cases;
 }

@@ -53,10 +53,10 @@ struct SphereImpact {
   }
 };
 
-void add_head_on(std::vector<AnalyticCase>& cases) {
+void add_head_on(std::vector<AnalyticCase>& cases, const char* name, const char* path) {
   AnalyticCase one;
-  one.name = "head_on";
-  one.scene = analytic_scene("head_on");
+  one.name = name;
+  one.scene = analytic_scene(name);
   one.compared = "velocities, m/s";
   one.rationale = "Newton's law of restitution is exact for every time of impact";
   one.horizon = 0.5;
@@ -68,7 +68,7 @@ void add_head_on(std::vector<AnalyticCase>& cases) {
   cases.push_back(one);
 
   // The relative velocity changes h/2 early, before the spheres touch.
-  one.name = "head_on_path";
+  one.name = path;
   one.compared = "positions, m";
   one.rationale = "the impact is at the start of the step, h/2 early: error change of velocity times h/2";
   one.methods = by_any_integrator(leading_theory(1, impact.both(impact.change() / 2)));
@@ -143,11 +143,12 @@ void add_spinning_bounce(std::vector<AnalyticCase>& cases, const char* name, con
 }
 
 /// A ball that is hit takes over the velocity at the start of the step. Gaps are k + 1/2 steps wide, so it
-/// hits the next ball in the middle of a step again. Each of the n impacts moves the last ball h/2 ahead.
-void add_cradle(std::vector<AnalyticCase>& cases) {
+/// hits the next ball in the middle of a step again. Each impact moves the last ball h/2 ahead. The impacts
+/// of touching balls are in the same step, and move it h/2 ahead together.
+void add_cradle(std::vector<AnalyticCase>& cases, const char* name, const char* path) {
   AnalyticCase one;
-  one.name = "cradle";
-  one.scene = analytic_scene("cradle");
+  one.name = name;
+  one.scene = analytic_scene(name);
   one.compared = "velocities, m/s";
   one.rationale = "equal spheres exchange their velocities";
   one.horizon = 0.75;
@@ -165,10 +166,12 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
   };
   cases.push_back(one);
 
-  one.name = "cradle_path";
+  one.name = path;
   one.compared = "position of the last sphere, m";
-  one.rationale = "each of n impacts is h/2 early: error n v h/2";
-  const auto n = static_cast<double>(balls.size() - 1);
+  one.rationale = "n impacts at different times are h/2 early each: error n v h/2";
+  int n = 0;
+  for (std::size_t i = 1; i < balls.size(); ++i)
+    if (balls[i].position.x() - balls[i - 1].position.x() > balls[i].radius + balls[i - 1].radius) ++n;
   one.methods = by_any_integrator(leading_theory(1, n * v.norm() / 2));
   one.error = [=, horizon = one.horizon](World& world, int steps) {
     world.step(steps);
@@ -185,11 +188,13 @@ void add_cradle(std::vector<AnalyticCase>& cases) {
 
 std::vector<AnalyticCase> impact_cases() {
   std::vector<AnalyticCase> cases;
-  add_head_on(cases);
+  add_head_on(cases, "head_on", "head_on_path");
+  add_head_on(cases, "head_on_1_to_3", "head_on_1_to_3_path");
   add_oblique(cases);
   add_spinning_bounce(cases, "spinning_bounce", "spinning_bounce_path");
   add_spinning_bounce(cases, "gripping_bounce", "gripping_bounce_path");
-  add_cradle(cases);
+  add_cradle(cases, "cradle", "cradle_path");
+  add_cradle(cases, "cradle_touching", "cradle_touching_path");
   return cases;
 }
 

@@ -73,21 +73,23 @@ struct Rebounds {
   }
 };
 
-/// A solid sphere sliding on a floor with initial speed v0 and no spin. It slides until it rolls at 5/7 v0.
+/// A solid sphere that slides on a floor until it rolls; without spin at first, it then has 5/7 of its speed.
+/// With backspin it may roll back. Precondition: speed > spin.
 struct SlideToRoll {
   double speed, deceleration;  ///< m/s, and mu g in m/s^2
+  double spin = 0;             ///< m/s, radius times angular velocity; `speed` if the sphere rolls
 
-  double rolling_at() const { return 2 * speed / (7 * deceleration); }  ///< s, start of rolling
-  double distance(double t) const {                                     ///< m, travelled
+  double rolling_at() const { return 2 * (speed - spin) / (7 * deceleration); }  ///< s, start of rolling
+  double distance(double t) const {                                              ///< m, travelled
     const double s = std::min(t, rolling_at());
-    return speed * s - deceleration * s * s / 2 + 5.0 / 7 * speed * (t - s);
+    return speed * s - deceleration * s * s / 2 + (speed - deceleration * s) * (t - s);
   }
 };
 
-/// Acceleration in m/s^2 of a solid sphere down a slope with the given sine and cosine. It rolls if mu >= 2/7
-/// tan, else it slides.
-inline double down_slope(double gravity, double sine, double cosine, double mu) {
-  return mu * cosine >= 2.0 / 7 * sine ? 5.0 / 7 * gravity * sine : gravity * (sine - mu * cosine);
+/// Acceleration in m/s^2 of a sphere down a slope with the given sine and cosine. `k`: moment of inertia over
+/// m r^2; 2/5 if it is solid. It rolls if mu >= k/(1 + k) tan, else it slides.
+inline double down_slope(double gravity, double sine, double cosine, double mu, double k = 0.4) {
+  return mu * cosine >= k / (1 + k) * sine ? gravity * sine / (1 + k) : gravity * (sine - mu * cosine);
 }
 
 }  // namespace collidoscope

@@ -229,9 +229,9 @@ std::vector<AnalyticMethod> all_turns(const Theory& first_order,
           {Integrator::rk4, lie_group(4)}};
 }
 
-AnalyticCase free_top() {
+AnalyticCase free_top(const char* name) {
   AnalyticCase one;
-  one.name = "symmetric_top";
+  one.name = name;
   one.scene = analytic_scene(one.name);
   one.compared = "orientation, rad";
   one.rationale = "first_order rotates about w at the start of the step, but w precesses about L";
@@ -309,8 +309,8 @@ std::vector<AnalyticCase> smooth_cases() {
   add_ballistic_flight(cases);
   for (const AnalyticCase& one :
        {spring_force(), orbit(), slowed("drag_linear", "Euler's drag is implicit: k^2 v h t/2 at the rate k"),
-        slowed("drag_quadratic", "Euler's drag is implicit: b v^2 log(1 + b v0 t) h"), free_top(),
-        middle_axis()})
+        slowed("drag_quadratic", "Euler's drag is implicit: b v^2 log(1 + b v0 t) h"),
+        free_top("symmetric_top"), free_top("oblate_top"), middle_axis()})
     cases.push_back(one);
   return cases;
 }
