@@ -130,7 +130,8 @@ template <class Real, TreeStage stage>
 struct RunTrees {
   JointTreeSolver<Real> solver;
   const StepControl* control;
-  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
+  const std::uint8_t* asleep;            ///< by body; null without the effect sleeping
+  PackedVector3<Real>* moved = nullptr;  ///< relax_first: EnergyGuard::moved_velocity(), see store_moved()
   SIM_HD void operator()(int tree) const {
     if (control->overflow) return;
     if (asleep != nullptr && asleep[solver.trees.nodes[solver.trees.begin[tree]].body]) return;
@@ -138,6 +139,16 @@ struct RunTrees {
       solver.solve(tree, stage == TreeStage::solve_again);
     else
       solver.relax(tree, stage == TreeStage::relax_first);
+    if constexpr (stage == TreeStage::relax_first) store_moved(tree);
+  }
+  /// The first relax turns velocities with the joints. In a tree that touches something, only what contacts
+  /// remove after it is push_work.
+  SIM_HD void store_moved(int tree) const {
+    const JointTreeView<Real>& trees = solver.trees;
+    for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
+      const std::uint32_t body = trees.nodes[node].body;
+      if (trees.members[body] == TreeMember::touching) moved[body] = solver.bodies.velocity[body];
+    }
   }
 };
 

@@ -219,7 +219,7 @@ void Joints<Real>::end_solve() {
 }
 
 template <class Real>
-void Joints<Real>::relax(bool first) {
+void Joints<Real>::relax(bool first, PackedVector3<Real>* moved) {
   if (first) {
     if (static_impulses_ != nullptr && spring_bodies_.size() > 0) {
       const auto add = [&]<bool with_rotation>() {
@@ -236,7 +236,7 @@ void Joints<Real>::relax(bool first) {
   if (tree_count() == 0) return;
   if (first)
     executor_.run("joints", tree_count(),
-                  RunTrees<Real, TreeStage::relax_first>{tree_solver(), control_, asleep_});
+                  RunTrees<Real, TreeStage::relax_first>{tree_solver(), control_, asleep_, moved});
   else
     executor_.run("joints", tree_count(), RunTrees<Real, TreeStage::relax>{tree_solver(), control_, asleep_});
 }

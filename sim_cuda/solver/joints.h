@@ -64,7 +64,8 @@ class Joints {
   /// Call after the iterations. Contacts may have changed the velocities of trees.
   void end_solve();
   /// `first`: of the substep.
-  void relax(bool first);
+  /// `moved`: EnergyGuard::moved_velocity().
+  void relax(bool first, PackedVector3<Real>* moved);
   /// Call after the iterations of relax. `motion`: without springs.
   void end_relax(LoopMotion<Real> motion) {
     motion.springs = spring_impulses();

@@ -239,7 +239,7 @@ void SoftStepSolver<Real>::relax(int substep) {
   record_iteration<with_friction>(substep, false, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     const bool last = iteration == scene_.iterations;
-    if (scene_.effects.joints) scene_.joints->relax(iteration == 1);
+    if (scene_.effects.joints) scene_.joints->relax(iteration == 1, energy_guard_.moved_velocity());
     iterate_walls<with_friction>("relax", true);
     iterate("relax", Relax<Real, with_friction>{softness_, last});
     if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
