@@ -245,7 +245,9 @@ TEST(HardSphereGas, ADenseGasConvergesWithItsStep) {
       for (std::size_t i = 0; i < reached.size(); ++i) sum += (reached[i] - expected[i]).squaredNorm();
       steps.push_back(1.0 / per_second);
       errors.push_back(std::sqrt(sum / static_cast<double>(reached.size())));
-      if (errors.size() > 1) EXPECT_LT(errors.back(), errors[errors.size() - 2]) << per_second;
+      if (errors.size() > 1) {
+        EXPECT_LT(errors.back(), errors[errors.size() - 2]) << per_second;
+      }
     }
     EXPECT_NEAR(fitted_order(steps, errors), 1, 0.2) << name_of(solver_names, solver);
   }
