@@ -108,7 +108,7 @@ struct TestRun::Impl {
                                                    ///< hash
 
   TestResult result;
-  std::string finding;  ///< of the guards, if one was expected and another came
+  std::string other_finding;  ///< of the guards, if one was expected and another came
   bool failed = false, broken = false, done = false;
 };
 
@@ -243,7 +243,7 @@ std::string TestRun::Impl::failure_of(std::size_t k) const {
   const Assertion& assertion = hard_case.criterion.assertions[k];
   const AssertionResult& known = result.assertions[k];
   if (assertion.quantity == Quantity::expected_finding)
-    return text_of(assertion) + ": " + (finding.empty() ? "no finding" : finding);
+    return text_of(assertion) + ": " + (other_finding.empty() ? "no finding" : other_finding);
   std::string text =
       fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value),
                   known.state, known.body ? fmt::format(", body {}", *known.body) : "");
@@ -274,7 +274,7 @@ void TestRun::Impl::end() {
     if (!is_checked_at_end(quantity)) continue;
     Extremes value;
     if (quantity == Quantity::expected_finding && run->world().validation().finding())
-      finding = describe(*run->world().validation().finding());
+      other_finding = describe(*run->world().validation().finding());
     value.add(quantity == Quantity::expected_finding ? (has_expected_finding() ? 1 : 0)
                                                      : differing_hashes[k]);
     evaluate(k, value);
