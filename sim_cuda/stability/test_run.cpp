@@ -15,6 +15,7 @@
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_case_simulation.h"
 #include "sim_cuda/stability/quantities.h"
+#include "sim_cuda/stability/verdict.h"
 
 namespace collidoscope {
 namespace {
@@ -79,9 +80,7 @@ struct TestRun::Impl {
   void end();
   bool has_expected_finding();
   void compare_refusal();
-  std::string failure_of(std::size_t assertion) const;
   void fail(const std::string& why);
-  void judge(const ExpectedFailure* limit);
   void finish();
 
   const HardCase& hard_case;
@@ -205,27 +204,8 @@ void TestRun::Impl::check_assertions() {
 void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   const Assertion& assertion = hard_case.criterion.assertions[k];
   AssertionResult& known = result.assertions[k];
-  const bool held = known.passed, fresh = !known.measured;
-  const auto bounded = [&](double value, std::optional<double> bound, bool above,
-                           std::optional<std::uint32_t> body) {
-    if (!bound || !known.passed) return;
-    const bool passed = above ? value <= *bound : value >= *bound;
-    const double room = above ? *bound - value : value - *bound;
-    const double least = known.value <= known.bound ? known.bound - known.value : known.value - known.bound;
-    if (passed && known.measured && !(room < least)) return;
-    known.measured = true;
-    known.passed = passed;
-    known.value = value;
-    known.bound = *bound;
-    known.state = run->state();
-    known.body = body;
-  };
-  bounded(extremes.max, assertion.at_most, true, extremes.max_body);
-  bounded(extremes.min, assertion.at_least, false, extremes.min_body);
-  // A NaN stays.
-  if (fresh || !(known.least <= extremes.min))
-    known.least = std::isnan(known.least) ? known.least : extremes.min;
-  if (fresh || !(known.most >= extremes.max)) known.most = std::isnan(known.most) ? known.most : extremes.max;
+  const bool held = known.passed;
+  update(known, assertion, extremes, run->state());
   if (known.passed || !held) return;
   if (fault != nullptr) {
     done = done || fault->assertion == k;
@@ -236,21 +216,6 @@ void TestRun::Impl::evaluate(std::size_t k, const Extremes& extremes) {
   failed = true;
   // Other quantities of bodies that are not finite mean nothing.
   if (assertion.quantity == Quantity::finite) done = true;
-}
-
-/// "penetration at most 0.01 m: 0.02 m at state 7, body 3; up to 0.1 m".
-std::string TestRun::Impl::failure_of(std::size_t k) const {
-  const Assertion& assertion = hard_case.criterion.assertions[k];
-  const AssertionResult& known = result.assertions[k];
-  if (assertion.quantity == Quantity::expected_finding)
-    return text_of(assertion) + ": " + (other_finding.empty() ? "no finding" : other_finding);
-  std::string text =
-      fmt::format("{}: {} at state {}{}", text_of(assertion), text_of(assertion.quantity, known.value),
-                  known.state, known.body ? fmt::format(", body {}", *known.body) : "");
-  const std::string worst = text_of(assertion.quantity, known.worst());
-  if (worst != text_of(assertion.quantity, known.value))
-    text += fmt::format("; {} to {}", known.worst() < known.bound ? "down" : "up", worst);
-  return text;
 }
 
 /// Ends the run for a reason that is no assertion. No declared limit excuses it.
@@ -325,46 +290,8 @@ void TestRun::Impl::finish() {
   observation.reset();
   compared_runs.clear();
   run.reset();
-  if (result.outcome != TestOutcome::not_applicable && fault == nullptr) judge(limit);
-}
-
-/// Sets the outcome. A declared limit excuses the terms that it names, within its bounds. All of them must
-/// fail.
-void TestRun::Impl::judge(const ExpectedFailure* limit) {
-  const std::vector<Assertion>& assertions = hard_case.criterion.assertions;
-  std::vector<std::string> failures, unexpected;
-  for (std::size_t k = 0; k < result.assertions.size(); ++k) {
-    const AssertionResult& known = result.assertions[k];
-    const ExpectedFailureTerm* allowed = limit != nullptr ? limit->term_of(k) : nullptr;
-    if (known.passed) {
-      if (allowed != nullptr && !broken)
-        unexpected.push_back(
-            fmt::format("{}: holds although a limit is declared; remove it", text_of(assertions[k])));
-      continue;
-    }
-    failures.push_back(failure_of(k));
-    if (allowed == nullptr)
-      unexpected.push_back(failures.back());
-    else if ((assertions[k].at_most && !(known.most <= allowed->at_most.value_or(*assertions[k].at_most))) ||
-             (assertions[k].at_least &&
-              !(known.least >= allowed->at_least.value_or(*assertions[k].at_least))))
-      unexpected.push_back(
-          fmt::format("{}; the declared limit is {}", failures.back(), text_of(assertions[k], *allowed)));
-  }
-  if (broken) unexpected.insert(unexpected.begin(), result.failure);
-  if (!broken) result.failure = fmt::to_string(fmt::join(failures, "; "));
-  if (!unexpected.empty()) {
-    result.outcome = TestOutcome::failed;
-    result.why = fmt::to_string(fmt::join(unexpected, "; "));
-  } else if (failed) {
-    result.outcome = TestOutcome::expected_failure;
-    result.why = limit->why;
-  }
-}
-
-double AssertionResult::worst() const {
-  if (passed) return value;
-  return value <= bound ? least : most;
+  if (result.outcome != TestOutcome::not_applicable && fault == nullptr)
+    judge(result, hard_case.criterion.assertions, limit, broken, other_finding);
 }
 
 TestRun::TestRun(const HardCase& hard_case, const TestConfiguration& configuration, const RunOptions& options,
