@@ -54,9 +54,9 @@ SIM_HD inline std::uint64_t atomic_add_aggregated(std::uint64_t* counter, std::u
 }
 
 /// Adds `values` to `count` consecutive targets. On a GPU, the active threads of a warp with the same targets
-/// share the atomics. For contended targets.
+/// share one atomic per target. For contended targets.
 template <std::uint32_t count>
-SIM_HD void atomic_add_shared(std::uint64_t* targets, const std::uint64_t (&values)[count]) {
+SIM_HD void atomic_add_aggregated(std::uint64_t* targets, const std::uint64_t (&values)[count]) {
 #if defined(__CUDA_ARCH__)
   namespace groups = cooperative_groups;
   const auto group =

@@ -193,8 +193,8 @@ struct GuardRounds {
   SIM_HD void add_gain(int body) const {
     if (gains[body] == 0) return;
     constexpr int bodies_per_slot = 32;  // those of a warp
-    atomic_add_shared<1>(&total[body / bodies_per_slot % total_slots],
-                         {in_units(gains[body], unit(*largest))});
+    atomic_add_aggregated<1>(&total[body / bodies_per_slot % total_slots],
+                             {in_units(gains[body], unit(*largest))});
   }
   SIM_HD void test() const {
     std::uint64_t sum = 0;
@@ -288,7 +288,7 @@ struct GuardRounds {
     const double one = unit(scale[root]);
     std::uint64_t units[EnergyTerms::count];
     for (std::uint32_t k = 0; k < EnergyTerms::count; ++k) units[k] = in_units(sum.values[k], one);
-    atomic_add_shared(&sums[EnergyTerms::count * root], units);
+    atomic_add_aggregated(&sums[EnergyTerms::count * root], units);
   }
   SIM_HD void remove(int removal, int body) const {
     const EnergyCorrection correction = correction_of(removal, static_cast<std::uint32_t>(body));
