@@ -143,15 +143,15 @@ TEST(RotationUpdates, AsymmetricBodiesConvergeInOrientation) {
 
 // ---- conservation ----
 
-struct Change {
+struct RotationChange {
   double energy = 0, momentum = 0, rise = 0;  // the largest; relative; `rise`: above an earlier minimum
 };
 template <class Real>
-Change change_of(Spin<Real> body, double h, int steps, RotationParts parts = second_order) {
+RotationChange change_of(Spin<Real> body, double h, int steps, RotationParts parts = second_order) {
   const Invariants before = body.invariants();
   const double scale = before.energy;
   double lowest = before.energy;
-  Change change;
+  RotationChange change;
   for (int k = 0; k < steps; ++k) {
     body.rotate(h, parts);
     const Invariants now = body.invariants();
@@ -181,8 +181,10 @@ Vector3d any_spin(Uniform& uniform) {
 
 /// Checks 1000 steps in double and in float.
 void expect_constant(const Vector3d& inertia, const Vector3d& spin, const RotationParts& parts) {
-  const Change in_double = change_of(Spin<double>(inertia, spin, some_orientation()), 0.01, 1000, parts),
-               in_float = change_of(Spin<float>(inertia, spin, some_orientation()), 0.01, 1000, parts);
+  const RotationChange in_double =
+                           change_of(Spin<double>(inertia, spin, some_orientation()), 0.01, 1000, parts),
+                       in_float =
+                           change_of(Spin<float>(inertia, spin, some_orientation()), 0.01, 1000, parts);
   ASSERT_LT(in_double.energy, 1e-12) << inertia << ", " << spin;
   ASSERT_LT(in_double.momentum, 1e-12) << inertia << ", " << spin;
   ASSERT_LT(in_float.energy, float_rounding) << inertia << ", " << spin;

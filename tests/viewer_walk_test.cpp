@@ -41,7 +41,6 @@ std::vector<std::string> named_widgets() {
                                  "inspector.path",
                                  "error.dismiss",
                                  "inspector.follow",
-                                 "inspector.contact.0",
                                  "inspector.close",
                                  "panel.inspector",
                                  "fold.left",
@@ -67,7 +66,7 @@ std::vector<std::string> named_widgets() {
     for (const std::string& choice : choices) names.push_back(name + "." + choice);
   };
   list("run.speed", {"0.1 ×", "0.25 ×", "0.5 ×", "1 × real time", "2 ×", "1 step per frame"});
-  list("settings.executor", {"auto", "cpu", "cuda"});
+  list("settings.executor", {"auto", "cpu"});
   list("settings.precision", {"f32", "f64"});
   list("settings.solver", {"impulse", "soft_step"});
   list("settings.integrator", {"velocity_verlet", "rk4", "semi_implicit_euler"});

@@ -24,6 +24,8 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       sums_(executor, "energy guard sums"),
       exempt_(executor, "energy guard exemptions"),
       grounded_(executor, "energy guard ground"),
+      rigid_scale_(executor, "energy guard rigid scales"),
+      rigid_sums_(executor, "energy guard rigid sums"),
       is_free_(executor, "freely moving bodies") {
   const auto n = static_cast<std::size_t>(scene.body_count);
   start_velocity_.resize_discarding(n);
@@ -40,6 +42,8 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   sums_.resize_discarding(std::size_t{EnergyTerms::count} * n);
   exempt_.resize_discarding(n);
   grounded_.resize_discarding(n);
+  rigid_scale_.resize_discarding(std::size_t{RigidSums::kinds} * n);
+  rigid_sums_.resize_discarding(std::size_t{RigidSums::count} * n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
 }
 
@@ -77,7 +81,9 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                         terms_.data(),
                         sums_.data(),
                         exempt_.data(),
-                        grounded_.data()});
+                        grounded_.data(),
+                        rigid_scale_.data(),
+                        rigid_sums_.data()});
 }
 
 template class EnergyGuard<float>;

@@ -18,9 +18,11 @@
 // scaled by the factor f with G(f d) = 0. In other islands, this would change the angular momentum. They gain
 // energy because normals turn while bodies recover from deep overlap, and impulses are removed that oppose
 // the relative normal velocities of all contacts that have pressed in the step. Each such removal is a step
-// of steepest descent; there are at most four.
+// of steepest descent; there are at most four. The last removal takes a share of the motion relative to the
+// rigid motion of the island (rigid_motion.h). An island at rest that recovers from overlap ends at rest.
 //
-// Impulses act along the normals at the current positions, so momentum and angular momentum are conserved.
+// Impulses act along the normals at the current positions, so momentum and angular momentum are conserved. So
+// does the last removal.
 // The impulses for warm starting are not changed: a load that was reduced here would be missing in the next
 // substep, and a column would never come to rest. Bodies that moved freely have no term m h^2 g . g / 2,
 // because free flight is exact.
@@ -80,7 +82,7 @@ class EnergyGuard {
   std::uint8_t* is_free() { return is_free_.size() > 0 ? is_free_.data() : nullptr; }
 
   /// Largest number of removals, and number of partial sums of the scene's G.
-  static constexpr int removals = 5, total_slots = 64;
+  static constexpr int removals = 6, total_slots = 64;
 
   /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
   void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);
@@ -89,17 +91,19 @@ class EnergyGuard {
   Executor& executor_;
   const SolverScene<Real> scene_;
   Buffer<PackedVector3<Real>> start_velocity_, start_spin_, moved_velocity_;
-  Buffer<double> gains_;           ///< by body, see GuardRounds
-  Buffer<std::uint32_t> largest_;  ///< see GuardRounds
-  Buffer<std::uint64_t> total_;    ///< see GuardRounds
-  Buffer<std::uint32_t> flags_;    ///< see GuardRounds::flags
-  Buffer<std::uint32_t> parent_;   ///< by body
-  Buffer<std::uint32_t> scale_;    ///< by root: bits of the largest term, J (float)
-  Buffer<EnergyTerms> terms_;      ///< by body
-  Buffer<std::uint64_t> sums_;     ///< by root: see EnergyTerms
-  Buffer<std::uint8_t> exempt_;    ///< by body: it has a joint, or touches a moving kinematic body
-  Buffer<std::uint8_t> grounded_;  ///< by body: it touches a plane or a static body
-  Buffer<std::uint8_t> is_free_;   ///< by body; empty with Euler's integrator
+  Buffer<double> gains_;               ///< by body, see GuardRounds
+  Buffer<std::uint32_t> largest_;      ///< see GuardRounds
+  Buffer<std::uint64_t> total_;        ///< see GuardRounds
+  Buffer<std::uint32_t> flags_;        ///< see GuardRounds::flags
+  Buffer<std::uint32_t> parent_;       ///< by body
+  Buffer<std::uint32_t> scale_;        ///< by root: bits of the largest term, J (float)
+  Buffer<EnergyTerms> terms_;          ///< by body
+  Buffer<std::uint64_t> sums_;         ///< by root: see EnergyTerms
+  Buffer<std::uint8_t> exempt_;        ///< by body: it has a joint, or touches a moving kinematic body
+  Buffer<std::uint8_t> grounded_;      ///< by body: it touches a plane or a static body
+  Buffer<std::uint32_t> rigid_scale_;  ///< see GuardRounds
+  Buffer<std::uint64_t> rigid_sums_;   ///< see GuardRounds
+  Buffer<std::uint8_t> is_free_;       ///< by body; empty with Euler's integrator
 };
 
 }  // namespace collidoscope

@@ -1,6 +1,7 @@
 #pragma once
 // The rounds of the energy guard (energy_guard.h), for Executor::run_rounds: the test of the whole scene, the
-// islands, then up to `removals` corrections of the islands that gain energy.
+// islands, then up to `removals` corrections of the islands that gain energy. The last one has two more
+// rounds, for the sums of rigid motions.
 //
 // More than 400 lines: all rounds use the same terms of a body.
 
@@ -13,6 +14,7 @@
 #include "sim_cuda/solver/energy_guard.h"
 #include "sim_cuda/solver/energy_terms.h"
 #include "sim_cuda/solver/friction.h"
+#include "sim_cuda/solver/rigid_motion.h"
 
 namespace collidoscope {
 
@@ -44,11 +46,15 @@ struct GuardRounds {
   EnergyTerms* terms_of;  ///< by body
   std::uint64_t* sums;
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
+  std::uint32_t* rigid_scale;       ///< by root and kind: bits of the largest value (float)
+  std::uint64_t* rigid_sums;        ///< by root: RigidSums, in units of the largest value of a kind
 
-  /// Removals of impulses: those at the end of the substep, then steps of steepest descent.
+  /// Removals: impulses at the end of the substep, steps of steepest descent, motion relative to the rigid
+  /// motion.
   static constexpr int removals = EnergyGuard<Real>::removals;
   static constexpr int test_rounds = 3, first_rounds = 6, rounds_per_removal = 4;
-  static constexpr int rounds = first_rounds + removals * rounds_per_removal;
+  static constexpr int rigid_rounds = 2;
+  static constexpr int rounds = first_rounds + removals * rounds_per_removal + rigid_rounds;
 
   SIM_HD std::int64_t items(int round) const {
     const auto contact_count = static_cast<std::int64_t>(control->contacts);
@@ -58,7 +64,7 @@ struct GuardRounds {
     if (round == 3) return body_count;
     if (round == 4) return contact_count;
     if (round == 5) return joints.count;
-    return part_of(round) == 0 ? max_of(body_count, contact_count) : body_count;
+    return part_of(round) == Part::clear ? max_of(body_count, contact_count) : body_count;
   }
   SIM_HD void operator()(int round, int item) const {
     switch (round) {
@@ -77,13 +83,17 @@ struct GuardRounds {
     }
     const int removal = removal_of(round);
     switch (part_of(round)) {
-      case 0:
+      case Part::clear:
         return prepare(removal, item);
-      case 1:
+      case Part::scale_rigid:
+        return find_rigid_scale(item);
+      case Part::add_rigid:
+        return add_rigid(item);
+      case Part::scale:
         return find_scale(removal, item);
-      case 2:
+      case Part::add:
         return add(item);
-      default:
+      case Part::remove:
         return remove(removal, item);
     }
   }
@@ -103,10 +113,16 @@ struct GuardRounds {
     Vector3<Real> impulse, moment;  ///< N s, N m s
   };
 
+  enum class Part { clear, scale_rigid, add_rigid, scale, add, remove };
+
   SIM_HD static int removal_of(int round) {
-    return round < first_rounds ? 0 : (round - first_rounds) / rounds_per_removal;
+    return round < first_rounds ? 0 : min_of((round - first_rounds) / rounds_per_removal, removals - 1);
   }
-  SIM_HD static int part_of(int round) { return (round - first_rounds) % rounds_per_removal; }
+  SIM_HD static Part part_of(int round) {
+    const int removal = removal_of(round), part = round - first_rounds - removal * rounds_per_removal;
+    return static_cast<Part>(part == 0 || is_rigid(removal) ? part : part + rigid_rounds);
+  }
+  SIM_HD static bool is_rigid(int removal) { return removal == removals - 1; }
 
   // ---- bodies ----
 
@@ -263,13 +279,53 @@ struct GuardRounds {
       for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
         sums[EnergyTerms::count * static_cast<std::uint32_t>(item) + k] = 0;
     }
-    if (removal == 0 || item >= static_cast<std::int64_t>(control->contacts)) return;
+    if (is_rigid(removal) && item < body_count) {
+      for (std::uint32_t k = 0; k < RigidSums::kinds; ++k) rigid_scale[at(item, k, RigidSums::kinds)] = 0;
+      for (std::uint32_t k = 0; k < RigidSums::count; ++k) rigid_sums[at(item, k, RigidSums::count)] = 0;
+    }
+    if (removal == 0 || is_rigid(removal) || item >= static_cast<std::int64_t>(control->contacts)) return;
     const auto place = static_cast<std::uint32_t>(item);
     const Pair ids = contacts.ids[place];
     const Real mass = 1 / (bodies.inverse_mass[ids.a] + bodies.inverse_mass[ids.b]);
     const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
     contacts.opposing[place] =
         has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
+  }
+  SIM_HD static std::size_t at(std::int64_t root, std::uint32_t k, std::uint32_t count) {
+    return static_cast<std::size_t>(root) * count + k;
+  }
+  /// Terms of a body in the sums of its island. The origin is the body `root`, with its velocity of the move,
+  /// which does not change here.
+  SIM_HD RigidSums rigid_terms(int body, std::uint32_t root) const {
+    RigidSums terms;
+    terms.add(static_cast<double>(bodies.mass[body]),
+              wide(bodies.position[body]) - wide(bodies.position[root]),
+              wide(bodies.velocity[body]) - wide(moved[root]));
+    if (start_spin != nullptr)
+      terms.add_rotation(wide(bodies.inertia[body]), widened<Real>(bodies.orientation[body]),
+                         wide(bodies.angular_velocity[body]));
+    return terms;
+  }
+  SIM_HD void find_rigid_scale(int body) const {
+    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    const RigidSums terms = rigid_terms(body, root);
+    for (std::uint32_t kind = 0; kind < RigidSums::kinds; ++kind) {
+      const float size = static_cast<float>(terms.largest(kind));
+      if (is_finite(size) && size > 0)
+        atomic_max(&rigid_scale[at(root, kind, RigidSums::kinds)], std::bit_cast<std::uint32_t>(size));
+    }
+  }
+  SIM_HD void add_rigid(int body) const {
+    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    const RigidSums terms = rigid_terms(body, root);
+    std::uint64_t units[RigidSums::count] = {};
+    for (std::uint32_t k = 0; k < RigidSums::count; ++k) {
+      const std::uint32_t scale_bits = rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)];
+      if (scale_bits != 0) units[k] = in_units(terms.values[k], unit(scale_bits));
+    }
+    atomic_add_aggregated(&rigid_sums[at(root, 0, RigidSums::count)], units);
   }
   SIM_HD void find_scale(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
@@ -303,11 +359,11 @@ struct GuardRounds {
       change_of(body, 1 - factor, false);
       for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] += change[k];
     } else {
-      const Change by_contacts = removal == 0 ? change_of(body, share) : opposing_of(body);
-      next = v - share * bodies.inverse_mass[body] * by_contacts.impulse;
-      if (start_spin != nullptr && removal == 0) {
+      const Change removed = removed_of(removal, body, share);
+      next = v - share * bodies.inverse_mass[body] * removed.impulse;
+      if (start_spin != nullptr && has_moments(removal)) {
         AngularState<Real> angular = angular_state(body);
-        angular.apply_angular_impulse(-share * by_contacts.moment);
+        angular.apply_angular_impulse(-share * removed.moment);
         bodies.angular_velocity[body] = angular.velocity;
       }
     }
@@ -337,21 +393,27 @@ struct GuardRounds {
   }
   SIM_HD EnergyTerms terms(int removal, int body) const {
     EnergyTerms sum = gain(body);
-    const Change by_contacts = removal == 0 ? change_of(body, 0) : opposing_of(body);
-    const Vector3<double> impulse = wide(by_contacts.impulse);
+    const Change removed = removed_of(removal, body, 0);
+    const Vector3<double> impulse = wide(removed.impulse);
     sum.values[3] = work_velocity(body).dot(impulse);
     sum.values[4] = wide(bodies.velocity[body].load() - free_velocity(body)).dot(impulse);
     sum.values[5] = static_cast<double>(bodies.inverse_mass[body]) * impulse.dot(impulse);
-    if (start_spin == nullptr || removal > 0) return sum;
+    if (start_spin == nullptr || !has_moments(removal)) return sum;
     AngularState<Real> angular = angular_state(body);
-    const Vector3<double> moment = wide(by_contacts.moment);
+    const Vector3<double> moment = wide(removed.moment);
     const Vector3<Real> before = free_angular_velocity(body);
     sum.values[3] += wide(work_angular_velocity(body)).dot(moment);
     sum.values[4] += wide(angular.velocity - before).dot(moment);
     angular.velocity = Vector3<Real>::Zero();
-    angular.apply_angular_impulse(by_contacts.moment);
+    angular.apply_angular_impulse(removed.moment);
     sum.values[5] += wide(angular.velocity).dot(moment);
     return sum;
+  }
+  /// Steps of steepest descent do not change angular velocities.
+  SIM_HD static bool has_moments(int removal) { return removal == 0 || is_rigid(removal); }
+  /// What the removal takes a share from. `share`: see change_of().
+  SIM_HD Change removed_of(int removal, int body, Real share) const {
+    return removal == 0 ? change_of(body, share) : is_rigid(removal) ? relative_of(body) : opposing_of(body);
   }
   /// Sums the impulses at the end of the substep. `removed` > 0: also takes this share of them from the sums
   /// of static bodies.
@@ -396,6 +458,26 @@ struct GuardRounds {
     }
     return sum;
   }
+  /// Momentum of a body relative to the rigid motion of its island.
+  SIM_HD Change relative_of(int body) const {
+    Change relative{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
+    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    RigidSums sums;
+    for (std::uint32_t k = 0; k < RigidSums::count; ++k)
+      sums.values[k] =
+          unit(rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)]) *
+          static_cast<double>(static_cast<std::int64_t>(rigid_sums[at(root, k, RigidSums::count)]));
+    if (!(sums.values[0] > 0)) return relative;
+    const RigidMotion rigid = sums.motion();
+    const Vector3d velocity = wide(bodies.velocity[body]) - wide(moved[root]) -
+                              rigid.velocity_at(wide(bodies.position[body]) - wide(bodies.position[root]));
+    relative.impulse = bodies.mass[body] * Vector3<Real>(velocity.template cast<Real>());
+    if (start_spin == nullptr) return relative;
+    AngularState<Real> angular = angular_state(body);
+    angular.velocity -= Vector3<Real>(rigid.spin.template cast<Real>());
+    relative.moment = angular.momentum();
+    return relative;
+  }
   /// Correction of the island of a body. Requests the next removal if energy is still gained after it.
   SIM_HD EnergyCorrection correction_of(int removal, std::uint32_t body) const {
     if (!is_guarded(body)) return {};
@@ -411,7 +493,7 @@ struct GuardRounds {
     if (removal > 0 && grounded[root] != 0) return all.scaled();
     EnergyCorrection correction;
     if (all.linear() > resolution * unit(scale[root]))
-      correction = all.without_share(removal == 0 ? 1.0 : largest_descent);
+      correction = all.without_share(has_moments(removal) ? 1.0 : largest_descent);
     if (removal + 1 < removals && all.gain_without(correction.share) > error)
       atomic_store(flags + removal + 1, std::uint32_t{1});
     return correction;

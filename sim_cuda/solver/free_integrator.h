@@ -14,7 +14,7 @@
 // So a body is free in the substep in which it bounces, too. All other bodies move as with
 // semi_implicit_euler, bit for bit. So joints and resting bodies are the same under every integrator, and a
 // ball between bounces moves with the order of its integrator. With `impulse`, contacts between bodies come
-// before begin(), and walls after it.
+// before begin(). Walls come after it, and change the saved velocity of a body that bounces (walls.h).
 //
 // A higher-order step must not create a contact. If it would penetrate a plane deeper than the Euler step,
 // the Euler step is used. Into other bodies and boxes, a step may penetrate deeper by |a| h^2 / 2 until the
@@ -43,6 +43,8 @@ class FreeIntegrator {
   /// Saves velocities at the start of a substep. Call after impacts, and before any other stage changes
   /// velocities. The solver `impulse` calls it after its contact iterations.
   void begin();
+  /// Saved velocities, m/s, by body; null if they are not used.
+  PackedVector3<Real>* start_velocity() { return before_.size() > 0 ? before_.data() : nullptr; }
   /// Computes drift velocities and final velocities. Call after all velocity changes, before move(). `h`:
   /// substep, s. `forces_applied`: velocities already include gravity. `moved`: the final velocities are also
   /// written there. `is_free`: 1 for each free body is written there. `bounced_mask`: see SoftWalls. All may

@@ -77,6 +77,10 @@ struct AngularState {
     const Vector3<Real> body = axes.conjugate() * velocity;
     return axes * Vector3<Real>(body.x() * inertia.x(), body.y() * inertia.y(), body.z() * inertia.z());
   }
+  /// kg m^2/s, in world axes.
+  SIM_HD Vector3<Real> momentum() const {
+    return is_isotropic() ? Vector3<Real>(inertia.x() * velocity) : spin();
+  }
   /// The angular velocity of a body with this spin(), rad/s.
   SIM_HD Vector3<Real> velocity_of(const Vector3<Real>& spin) const {
     if (is_isotropic()) return spin;

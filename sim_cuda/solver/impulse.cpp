@@ -193,7 +193,8 @@ void ImpulseSolver<Real>::advance(const ContactView<Real>& contacts, Real* impul
   if (scene_.plane_count > 0)
     executor_.run("walls", scene_.body_count,
                   ResolveWalls<Real>{scene_.bodies, scene_.planes, scene_.plane_count, scene_.restitution,
-                                     scene_.gravity, h_, scene_.static_impulses, scene_.control});
+                                     scene_.gravity, h_, scene_.static_impulses,
+                                     free_integrator_.start_velocity(), scene_.control});
   if (scene_.effects.drag)
     executor_.run("drag", scene_.body_count,
                   DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, nullptr, h_, scene_.control});

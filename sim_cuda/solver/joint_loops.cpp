@@ -5,7 +5,6 @@
 
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/executor.h"
-#include "sim_cuda/solver/dense_solve.h"
 #include "sim_cuda/solver/tree_joint.h"
 
 namespace collidoscope {
@@ -121,7 +120,7 @@ struct LimitLoops {
   }
 
   SIM_HD void limit(int group) const {
-    LoopScaling scaling{1, Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
+    LoopScaling scaling;
     double gain = 0, kinetic = 0;
     for (std::uint32_t chunk = loops.chunk_begin[group]; chunk < loops.chunk_begin[group + 1]; ++chunk) {
       gain += loops.sums[2 * chunk];
@@ -134,7 +133,7 @@ struct LimitLoops {
       allowance.largest = largest;
       if (allowance.left < 0) {
         const bool held = loops.support_begin[group] < loops.support_begin[group + 1];
-        const double available = held ? kinetic : find_rigid_motion(group, scaling);
+        const double available = held ? kinetic : find_rigid_motion(group, scaling.rigid);
         const double kept = available > 0 ? max_of(1 + allowance.left / available, 0.0) : 0.0;
         using std::sqrt;
         scaling.scale = sqrt(kept);
@@ -162,70 +161,44 @@ struct LimitLoops {
   }
   /// Finds the rigid motion of a group with its momentum and angular momentum. Returns the kinetic energy
   /// relative to it.
-  SIM_HD double find_rigid_motion(int group, LoopScaling& scaling) const {
+  SIM_HD double find_rigid_motion(int group, RigidMotion& rigid) const {
     const std::uint32_t first = loops.chunks[loops.chunk_begin[group]].begin,
                         last = loops.chunks[loops.chunk_begin[group + 1] - 1].end;
-    double mass = 0;
-    Vector3d centre(0, 0, 0), momentum(0, 0, 0);
+    const Vector3d origin = widened<Real>(bodies.position[loops.bodies[first]]);
+    RigidSums sums;
     for (std::uint32_t place = first; place < last; ++place) {
       const std::uint32_t body = loops.bodies[place];
-      const double m = static_cast<double>(bodies.mass[body]);
-      mass += m;
-      centre += m * widened<Real>(bodies.position[body]);
-      momentum += m * wide(bodies.velocity[body]);
+      sums.add(static_cast<double>(bodies.mass[body]), widened<Real>(bodies.position[body]) - origin,
+               wide(bodies.velocity[body]));
+      if (loops.start_spin != nullptr)
+        sums.add_rotation(widened<Real>(bodies.inertia[body]), widened<Real>(bodies.orientation[body]),
+                          wide(bodies.angular_velocity[body]));
     }
-    scaling.centre = centre / mass;
-    scaling.velocity = momentum / mass;
-    double inertia[3][3] = {}, spin[3][1] = {};
-    for (std::uint32_t place = first; place < last; ++place) add_rotation(place, scaling, inertia, spin);
-    const double trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
-    for (int k = 0; k < 3; ++k) inertia[k][k] += 1e-12 * trace;  // bodies may lie on a line
-    if (solve_dense(inertia, spin, 3, 1)) scaling.spin = Vector3d(spin[0][0], spin[1][0], spin[2][0]);
+    rigid = sums.motion();
+    rigid.centre += origin;
     double relative = 0;
     for (std::uint32_t place = first; place < last; ++place) {
       const std::uint32_t body = loops.bodies[place];
-      const Vector3d v = wide(bodies.velocity[body]) - rigid_velocity(body, scaling);
+      const Vector3d v =
+          wide(bodies.velocity[body]) - rigid.velocity_at(widened<Real>(bodies.position[body]));
       relative += static_cast<double>(bodies.mass[body]) / 2 * v.dot(v);
       if (loops.start_spin == nullptr) continue;
       const Vector3d w = widened<Real>(bodies.orientation[body]).conjugate() *
-                         Vector3d(wide(bodies.angular_velocity[body]) - scaling.spin);
+                         Vector3d(wide(bodies.angular_velocity[body]) - rigid.spin);
       relative += w.dot(widened<Real>(bodies.inertia[body]).cwiseProduct(w)) / 2;
     }
     return relative;
-  }
-  /// Adds the inertia tensor of a body about the centre, and its angular momentum.
-  SIM_HD void add_rotation(std::uint32_t place, const LoopScaling& scaling, double (&inertia)[3][3],
-                           double (&spin)[3][1]) const {
-    const std::uint32_t body = loops.bodies[place];
-    const double m = static_cast<double>(bodies.mass[body]);
-    const Vector3d arm = widened<Real>(bodies.position[body]) - scaling.centre;
-    Vector3d momentum = m * arm.cross(Vector3d(wide(bodies.velocity[body]) - scaling.velocity));
-    if (loops.start_spin != nullptr) momentum += rotated_inertia(body, wide(bodies.angular_velocity[body]));
-    for (int column = 0; column < 3; ++column) {
-      const Vector3d e(column == 0 ? 1 : 0, column == 1 ? 1 : 0, column == 2 ? 1 : 0);
-      Vector3d by = m * arm.cross(Vector3d(e.cross(arm)));
-      if (loops.start_spin != nullptr) by += rotated_inertia(body, e);
-      for (int row = 0; row < 3; ++row) inertia[row][column] += by[row];
-    }
-    for (int row = 0; row < 3; ++row) spin[row][0] += momentum[row];
-  }
-  SIM_HD Vector3d rotated_inertia(std::uint32_t body, const Vector3d& w) const {
-    const Quaterniond axes = widened<Real>(bodies.orientation[body]);
-    return axes * Vector3d(widened<Real>(bodies.inertia[body]).cwiseProduct(axes.conjugate() * w));
-  }
-  SIM_HD Vector3d rigid_velocity(std::uint32_t body, const LoopScaling& scaling) const {
-    return scaling.velocity +
-           scaling.spin.cross(Vector3d(widened<Real>(bodies.position[body]) - scaling.centre));
   }
 
   SIM_HD void slow_down(std::uint32_t body) const {
     const LoopScaling scaling = loops.scalings[loops.group_of[body]];
     if (!(scaling.scale < 1)) return;
-    const Vector3d rigid = rigid_velocity(body, scaling);
+    const Vector3d rigid = scaling.rigid.velocity_at(widened<Real>(bodies.position[body]));
     const Vector3d v = rigid + scaling.scale * (wide(bodies.velocity[body]) - rigid);
     bodies.velocity[body] = Vector3<Real>(v.cast<Real>());
     if (loops.start_spin == nullptr) return;
-    const Vector3d w = scaling.spin + scaling.scale * (wide(bodies.angular_velocity[body]) - scaling.spin);
+    const Vector3d w =
+        scaling.rigid.spin + scaling.scale * (wide(bodies.angular_velocity[body]) - scaling.rigid.spin);
     bodies.angular_velocity[body] = Vector3<Real>(w.cast<Real>());
   }
 };

@@ -31,6 +31,7 @@
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/friction.h"
+#include "sim_cuda/solver/rigid_motion.h"
 #include "sim_cuda/solver/warm_start.h"
 
 namespace collidoscope {
@@ -88,10 +89,10 @@ struct LoopChunk {
   std::uint32_t begin, end;  ///< places in LoopView::bodies
 };
 
-/// Result of a substep for a group: v becomes c + s (v - c), c = velocity + spin x (position - centre).
+/// Result of a substep for a group: v becomes c + s (v - c), where c is the velocity of the rigid motion.
 struct LoopScaling {
-  double scale;
-  Vector3d velocity, spin, centre;
+  double scale = 1;
+  RigidMotion rigid;
 };
 
 template <class Real>

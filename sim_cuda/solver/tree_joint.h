@@ -23,21 +23,9 @@ namespace collidoscope {
 /// velocities: the velocity error at the current pose; nothing moves.
 enum class TreeScheme { energy_momentum, start_pose, velocities };
 
-SIM_HD inline Vector3d unit_vector(int component) {
-  return {component == 0 ? 1.0 : 0.0, component == 1 ? 1.0 : 0.0, component == 2 ? 1.0 : 0.0};
-}
 SIM_HD inline double length_of(const Vector3d& v) {
   using std::sqrt;
   return sqrt(v.dot(v));
-}
-template <class Real>
-SIM_HD Vector3d widened(const Vector3<Real>& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
-template <class Real>
-SIM_HD Quaterniond widened(const Quaternion<Real>& q) {
-  return {static_cast<double>(q.w()), static_cast<double>(q.x()), static_cast<double>(q.y()),
-          static_cast<double>(q.z())};
 }
 
 /// Motion of a body in the substep.

@@ -4,12 +4,15 @@
 //
 // A body that would penetrate a plane at the end of the step bounces now, at most h |v| before it touches.
 // If it is too slow to bounce, it gets the speed that keeps it on the plane after gravity. So spheres never
-// enter a wall at any speed. Orthogonal planes, such as the box faces, do not undo each other.
+// enter a wall at any speed. Orthogonal planes, such as the box faces, do not undo each other. A body that
+// only bounces, faster than 2 g h, then moves freely, from its velocity after the bounce. It is on the
+// parabola of an impact at the surface.
 //
 // The total energy of a body does not rise over a step. A bounce keeps e <= 1 of the speed. A body at gap s
 // that would cross the plane ends on it with speed s/h. Then s^2/h^2 / 2 <= v^2 / 2 + g s, since this is
 // convex in s and true at both ends.
 
+#include <cmath>
 #include <cstdint>
 
 #include "sim_cuda/core/arithmetic.h"
@@ -43,13 +46,14 @@ struct ResolveWalls {
   Vector3<Real> gravity;  ///< m/s^2, zero if the effect is off
   Real h;                 ///< length of a run, s
   StaticImpulse* static_impulses;
+  PackedVector3<Real>* start_velocity;  ///< see FreeIntegrator; or null
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     Vector3<Real> x = bodies.position[body], v = bodies.velocity[body];
     const Real r = bodies.radius[body], m = bodies.mass[body];
-    bool moved = false, hit = false;
+    bool moved = false, hit = false, held = false;
     const auto apply_impulse = [&](const Vector3<Real>& normal, Real change) {
       const Vector3<Real> step = change * normal;
       v += step;
@@ -73,19 +77,34 @@ struct ResolveWalls {
       if (!(gap + h * (speed + gain) < 0)) continue;
       const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(body)),
                                          plane.restitution, -speed);
-      const Real bounce = speed < 0 ? -e * speed : Real(0);
-      const Real target = max_of(bounce, -gap / h - gain);
-      if (target > speed) apply_impulse(plane.normal, target - speed);
+      const bool fast = -speed > -2 * gain;
+      const Real bounce = !(speed < 0) ? Real(0) : fast ? rebound(-speed, gap, -gain / h, e) : -e * speed;
+      const Real stay = -gap / h - gain, target = max_of(bounce, stay);
+      if (!(target > speed)) continue;
+      apply_impulse(plane.normal, target - speed);
+      held = held || !(fast && bounce > stay);
     }
     // A bounce that would cross the whole box in this step ends on the opposite wall.
     for (int p = 0; hit && p < plane_count; ++p) {
       const WallPlane<Real> plane = planes[p];
       const Real gap = max_of(plane.normal.dot(x) - plane.offset - r, Real(0));
       const Real speed = plane.normal.dot(v), stay = -gap / h - h * plane.normal.dot(gravity);
-      if (stay > speed) apply_impulse(plane.normal, stay - speed);
+      if (!(stay > speed)) continue;
+      apply_impulse(plane.normal, stay - speed);
+      held = true;
     }
     if (moved) bodies.position[body] = x;
     if (hit) bodies.velocity[body] = v;
+    if (hit && !held && start_velocity != nullptr) start_velocity[body] = v;
+  }
+
+ private:
+  /// Speed after an impact at the surface, at the same gap, m/s. `a`: acceleration to the surface, m/s^2.
+  /// 0 if the rebound does not reach the gap.
+  SIM_HD static Real rebound(Real approach, Real gap, Real a, Real e) {
+    const Real lift = 2 * a * gap, squared = e * e * (approach * approach + lift) - lift;
+    using std::sqrt;
+    return squared > 0 ? sqrt(squared) : Real(0);
   }
 };
 

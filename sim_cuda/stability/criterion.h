@@ -67,10 +67,10 @@ inline constexpr auto quantity_names = std::to_array<Named<Quantity>>({
     {"velocity", Quantity::velocity, "velocity along the axis"},
     {"momentum_change", Quantity::momentum_change,
      "|p − p₀ − J − m·g·t|/S: the momentum change not caused by the walls' impulse J or by gravity; S the "
-     "largest sum of m·|v| so far"},
+     "largest of the sums of m·|v| and of m·|x − x₀|/t so far"},
     {"angular_momentum_change", Quantity::angular_momentum_change,
      "change of the angular momentum L about the origin, without external forces; divided by the largest |L| "
-     "so far, or by the sum of m·|v| times the radius of the group"},
+     "so far, or by S times the radius of the group"},
     {"quaternion_norm", Quantity::quaternion_norm, "largest | |q| − 1 |"},
     {"joint_error", Quantity::joint_error, "largest position error of the anchors of a joint"},
     {"joint_angle", Quantity::joint_angle, "largest angle between the axes of a hinge, or beyond its limits"},

@@ -123,12 +123,14 @@ void Observation::update_scales() {
   const InitialBodies& initial = world_->initial();
   Vector3d middle(0, 0, 0);
   for (const Vector3d& x : bodies().position) middle += x / static_cast<double>(initial.size());
-  double sum = 0, reach = 0;
+  double sum = 0, mean = 0, reach = 0;
   for (std::size_t body = 0; body < initial.size(); ++body) {
     if (!is_moved(initial, body)) continue;
     sum += initial.mass[body] * bodies().velocity[body].norm();
+    mean += initial.mass[body] * (bodies().position[body] - initial.position[body]).norm();
     reach = std::max(reach, (bodies().position[body] - middle).norm() + initial.radius[body]);
   }
+  if (seconds_ > 0) sum = std::max(sum, mean / seconds_);
   const double(&turning)[3] = stats().angular_momentum;
   momentum_scale_ = std::max(momentum_scale_, sum);
   angular_momentum_scale_ =

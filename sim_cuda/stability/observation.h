@@ -34,7 +34,7 @@ class Observation {
 
   // Running maxima including the current state; computed only if an assertion needs them.
   double energy_scale() const { return energy_scale_; }      ///< J: kinetic + |change of potential energy|
-  double momentum_scale() const { return momentum_scale_; }  ///< kg m/s: sum of m |v|
+  double momentum_scale() const { return momentum_scale_; }  ///< kg m/s: see momentum_change
   double angular_momentum_scale() const {
     return angular_momentum_scale_;
   }  ///< kg m^2/s: the larger of |L| and the momentum scale times the extent
