@@ -52,8 +52,8 @@ TEST(RigidMotion, RelativeMotionHasNoMomentum) {
       mixed += p.mass * relative.dot(rigid);
     }
     EXPECT_LT(momentum.norm(), 1e-12) << on_a_line;
-    EXPECT_LT(angular.norm(), 1e-8) << on_a_line;
-    EXPECT_LT(std::abs(mixed), 1e-8) << on_a_line;  // so scaling the relative motion removes its energy only
+    EXPECT_LT(angular.norm(), 1e-12) << on_a_line;
+    EXPECT_LT(std::abs(mixed), 1e-11) << on_a_line;  // so scaling the relative motion removes its energy only
     EXPECT_GT(relative_energy, 0.1);
   }
 }
@@ -69,8 +69,8 @@ TEST(RigidMotion, OfARotatingBodyIsItsMotion) {
     sums.add_rotation(Vector3d(0.1, 0.5, 0.3), axes, spin);
   }
   const RigidMotion motion = sums.motion();
-  EXPECT_LT((motion.spin - spin).norm(), 1e-8);
-  for (const MovingPoint& p : points) EXPECT_LT((motion.velocity_at(p.position) - p.velocity).norm(), 1e-8);
+  EXPECT_LT((motion.spin - spin).norm(), 1e-12);
+  for (const MovingPoint& p : points) EXPECT_LT((motion.velocity_at(p.position) - p.velocity).norm(), 1e-11);
 }
 
 }  // namespace

@@ -291,6 +291,13 @@ struct GuardRounds {
     contacts.opposing[place] =
         has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
   }
+  /// Bits of a term in RigidSums: as many as the sum of all bodies allows, at most those of a double.
+  /// Momentum is conserved to the rounding of these sums.
+  SIM_HD int rigid_bits() const {
+    int terms = 1;
+    while (terms < 24 && body_count >> terms != 0) ++terms;
+    return min_of(62 - terms, 52);
+  }
   SIM_HD static std::size_t at(std::int64_t root, std::uint32_t k, std::uint32_t count) {
     return static_cast<std::size_t>(root) * count + k;
   }
@@ -323,7 +330,7 @@ struct GuardRounds {
     std::uint64_t units[RigidSums::count] = {};
     for (std::uint32_t k = 0; k < RigidSums::count; ++k) {
       const std::uint32_t scale_bits = rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)];
-      if (scale_bits != 0) units[k] = in_units(terms.values[k], unit(scale_bits));
+      if (scale_bits != 0) units[k] = in_units(terms.values[k], unit(scale_bits, rigid_bits()), rigid_bits());
     }
     atomic_add_aggregated(&rigid_sums[at(root, 0, RigidSums::count)], units);
   }
@@ -377,16 +384,16 @@ struct GuardRounds {
   // ---- islands ----
 
   /// Unit of a sum in which the largest term has the given bits.
-  SIM_HD static double unit(std::uint32_t largest_bits) {
+  SIM_HD static double unit(std::uint32_t largest_bits, int bits_of_term = bits) {
     return static_cast<double>(std::bit_cast<float>(largest_bits)) /
-           static_cast<double>(std::uint64_t{1} << bits);
+           static_cast<double>(std::uint64_t{1} << bits_of_term);
   }
   SIM_HD static bool is_finite(float value) { return value - value == 0; }
   /// `value` as a whole number of units. 0 if it is not finite or much too large, as for a body that is not
   /// finite: the conversion of such a number differs between CPU and GPU.
-  SIM_HD static std::uint64_t in_units(double value, double one) {
+  SIM_HD static std::uint64_t in_units(double value, double one, int bits_of_term = bits) {
     const double units = value / one;
-    constexpr double largest_units = static_cast<double>(std::uint64_t{1} << (bits + 1));
+    const double largest_units = static_cast<double>(std::uint64_t{1} << (bits_of_term + 1));
     return units > -largest_units && units < largest_units
                ? static_cast<std::uint64_t>(static_cast<std::int64_t>(units))
                : 0;
@@ -465,7 +472,7 @@ struct GuardRounds {
     RigidSums sums;
     for (std::uint32_t k = 0; k < RigidSums::count; ++k)
       sums.values[k] =
-          unit(rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)]) *
+          unit(rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)], rigid_bits()) *
           static_cast<double>(static_cast<std::int64_t>(rigid_sums[at(root, k, RigidSums::count)]));
     if (!(sums.values[0] > 0)) return relative;
     const RigidMotion rigid = sums.motion();

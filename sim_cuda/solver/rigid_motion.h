@@ -72,9 +72,15 @@ struct RigidSums {
     about_centre.add_point_inertia(-mass, rigid.centre);
     const double* tensor = about_centre.values + 10;
     const double regular = 1e-10 * (tensor[0] + tensor[1] + tensor[2]);  // bodies may lie on a line
-    rigid.spin = Symmetric3<double>{tensor[0] + regular, tensor[1] + regular, tensor[2] + regular,
-                                    tensor[3],           tensor[4],           tensor[5]}
-                     .solve(angular);
+    const Symmetric3<double> matrix{tensor[0] + regular, tensor[1] + regular, tensor[2] + regular,
+                                    tensor[3],           tensor[4],           tensor[5]};
+    rigid.spin = matrix.solve(angular);
+    // One step of iterative refinement removes the effect of `regular`.
+    const Vector3d spin = rigid.spin;
+    const Vector3d by_spin(tensor[0] * spin[0] + tensor[3] * spin[1] + tensor[4] * spin[2],
+                           tensor[3] * spin[0] + tensor[1] * spin[1] + tensor[5] * spin[2],
+                           tensor[4] * spin[0] + tensor[5] * spin[1] + tensor[2] * spin[2]);
+    rigid.spin += matrix.solve(Vector3d(angular - by_spin));
     return rigid;
   }
 
