@@ -198,21 +198,6 @@ TEST_P(EnergyBounds, InitialOverlapOfTumblingBodies) {
   });
 }
 
-/// Overlapping bodies at rest, and a ball far away. Its kinetic energy is that of the bodies at ten radii per
-/// second, the largest speed of the recovery.
-Scene overlap_at_rest(Uniform& uniform) {
-  Scene scene = enlarged(any_gas(uniform), uniform);
-  scene.physics.gravity = Vector3d(0, 0, 0);
-  scene.box.reset();
-  scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
-  double energy = 0;
-  for (Body& body : scene.bodies) {
-    body.velocity = Vector3d(0, 0, 0);
-    energy += *body.mass / 2 * std::pow(10 * body.radius, 2);
-  }
-  scene.bodies.push_back(ball(2 * energy, 0.1, Vector3d(0, 0, 1000), Vector3d(0, 0, 1)));
-  return scene;
-}
 TEST_P(EnergyBounds, RecoveryFromRest) { check_contacts(30, 1, overlap_at_rest); }
 
 Scene without_overlap(Uniform& uniform) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -21,10 +22,9 @@ std::vector<MovingPoint> random_points(int count, bool on_a_line) {
   std::vector<MovingPoint> points;
   for (int k = 0; k < count; ++k)
     points.push_back(
-        {0.1 + of(random) * of(random),
+        {1.1 + of(random),
          on_a_line ? Vector3d(0, 0, 5 + of(random)) : Vector3d(40 + of(random), of(random), of(random)),
          Vector3d(of(random), of(random), 3 + of(random))});
-  for (MovingPoint& point : points) point.mass = std::abs(point.mass) + 0.01;
   return points;
 }
 

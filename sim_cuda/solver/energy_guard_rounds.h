@@ -158,9 +158,7 @@ struct GuardRounds {
   SIM_HD AngularState<Real> angular_state(int body) const {
     return AngularState<Real>::of(bodies, static_cast<std::uint32_t>(body));
   }
-  SIM_HD static Vector3<double> wide(const Vector3<Real>& v) {
-    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-  }
+  SIM_HD static Vector3d wide(const Vector3<Real>& v) { return widened<Real>(v); }
   /// The first three terms of a body.
   SIM_HD EnergyTerms gain(int body) const {
     EnergyTerms sum{};

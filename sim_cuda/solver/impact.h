@@ -80,9 +80,7 @@ struct ImpactLaw {
   /// pair.
   SIM_HD Real separation(Real approach, Real gap, Real acceleration, Real e) const {
     if (e == 1 || !(gap * acceleration != 0)) return e * approach;
-    const Real lift = 2 * acceleration * gap, squared = e * e * (approach * approach + lift) - lift;
-    using std::sqrt;
-    return squared > 0 ? sqrt(squared) : Real(0);
+    return rebound_speed(approach, gap, acceleration, e);
   }
 };
 

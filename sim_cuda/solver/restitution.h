@@ -3,6 +3,7 @@
 // materials, as in Box2D and box3d. Approach speeds below the threshold do not bounce, so that resting
 // contacts settle.
 
+#include <cmath>
 #include <cstdint>
 
 #include "sim_cuda/broad_phase/broad_phase.h"
@@ -10,6 +11,16 @@
 #include "sim_cuda/core/host_device.h"
 
 namespace collidoscope {
+
+/// Separation speed at the gap at which a body approaches a static surface, m/s, after an impact at the
+/// surface; 0 if the rebound does not reach the gap. `approach`, m/s; `gap`, m; `acceleration`: to the
+/// surface, m/s^2.
+template <class Real>
+SIM_HD Real rebound_speed(Real approach, Real gap, Real acceleration, Real e) {
+  const Real lift = 2 * acceleration * gap, squared = e * e * (approach * approach + lift) - lift;
+  using std::sqrt;
+  return squared > 0 ? sqrt(squared) : Real(0);
+}
 
 template <class Real>
 struct Restitution {

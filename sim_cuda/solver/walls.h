@@ -12,7 +12,6 @@
 // that would cross the plane ends on it with speed s/h. Then s^2/h^2 / 2 <= v^2 / 2 + g s, since this is
 // convex in s and true at both ends.
 
-#include <cmath>
 #include <cstdint>
 
 #include "sim_cuda/core/arithmetic.h"
@@ -78,7 +77,9 @@ struct ResolveWalls {
       const Real e = restitution.between(restitution.of_body(static_cast<std::uint32_t>(body)),
                                          plane.restitution, -speed);
       const bool fast = -speed > -2 * gain;
-      const Real bounce = !(speed < 0) ? Real(0) : fast ? rebound(-speed, gap, -gain / h, e) : -e * speed;
+      const Real bounce = !(speed < 0) ? Real(0)
+                          : fast       ? rebound_speed(-speed, gap, -gain / h, e)
+                                       : -e * speed;
       const Real stay = -gap / h - gain, target = max_of(bounce, stay);
       if (!(target > speed)) continue;
       apply_impulse(plane.normal, target - speed);
@@ -96,15 +97,6 @@ struct ResolveWalls {
     if (moved) bodies.position[body] = x;
     if (hit) bodies.velocity[body] = v;
     if (hit && !held && start_velocity != nullptr) start_velocity[body] = v;
-  }
-
- private:
-  /// Speed after an impact at the surface, at the same gap, m/s. `a`: acceleration to the surface, m/s^2.
-  /// 0 if the rebound does not reach the gap.
-  SIM_HD static Real rebound(Real approach, Real gap, Real a, Real e) {
-    const Real lift = 2 * a * gap, squared = e * e * (approach * approach + lift) - lift;
-    using std::sqrt;
-    return squared > 0 ? sqrt(squared) : Real(0);
   }
 };
 
