@@ -467,13 +467,13 @@ struct GuardRounds {
   SIM_HD Change relative_of(int body) const {
     Change relative{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    RigidSums sums;
+    RigidSums all;
     for (std::uint32_t k = 0; k < RigidSums::count; ++k)
-      sums.values[k] =
+      all.values[k] =
           unit(rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)], rigid_bits()) *
           static_cast<double>(static_cast<std::int64_t>(rigid_sums[at(root, k, RigidSums::count)]));
-    if (!(sums.values[0] > 0)) return relative;
-    const RigidMotion rigid = sums.motion();
+    if (!(all.values[0] > 0)) return relative;
+    const RigidMotion rigid = all.motion();
     const Vector3d velocity = wide(bodies.velocity[body]) - wide(moved[root]) -
                               rigid.velocity_at(wide(bodies.position[body]) - wide(bodies.position[root]));
     relative.impulse = bodies.mass[body] * Vector3<Real>(velocity.template cast<Real>());
