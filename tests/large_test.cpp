@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 /// s. The program ends within one second; a busy machine may detect the end later. With a sanitizer, the end
 /// of a work item and the release of memory take three times as long.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef WITH_SANITIZER
 constexpr double soon = 6;
 #else
 constexpr double soon = 2;

@@ -25,7 +25,7 @@ constexpr int golden_steps = 60;
 
 /// With a sanitizer, tests are up to 30 times slower. Any shape with several lanes and threads shows a race
 /// or a wrong index.
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#ifdef WITH_SANITIZER
 const std::vector<LaunchShape> launch_shapes{{2, 4}, {0, 0}};
 const std::vector<LaneOrder> lane_orders{LaneOrder::shuffled};
 const std::vector<int> thread_counts{2};

@@ -298,11 +298,10 @@ TEST(PanelPicture, APointOfTheDiagramIsASetting) {
   test_context();
   AccuracyPanel panel;
   panel.picture();
-  const std::size_t fine = *std::ranges::max_element(
-      std::views::iota(std::size_t{0}, panel.panel_view.points.size()), {}, [&](std::size_t k) {
-        const AccuracyPoint& p = panel.panel_view.points[k];
-        return p.on_front ? p.ms.median : 0;
-      });
+  const std::vector<AccuracyPoint>& points = panel.panel_view.points;
+  const auto slowest = std::ranges::max_element(
+      points, {}, [](const AccuracyPoint& point) { return point.on_front ? point.ms.median : 0; });
+  const auto fine = static_cast<std::size_t>(slowest - points.begin());
   const AccuracySetting& setting = panel.panel_view.points[fine].setting;
   panel.mouse(panel.place_of(fine), false);
   EXPECT_NE(panel.workspace.settings.physics.time_step, setting.time_step)

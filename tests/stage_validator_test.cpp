@@ -84,7 +84,7 @@ void find_each(const RunOptions& options) {
     const char* stage;
     FindingQuantity quantity;
   };
-  for (const auto& [stage, quantity] :
+  for (const Planted& planted :
        std::initializer_list<Planted>{{"bounds", FindingQuantity::box},
                                       {"contacts", FindingQuantity::normal},
                                       {"attractor", FindingQuantity::acceleration},
@@ -113,7 +113,7 @@ void find_each(const RunOptions& options) {
                                       {"a stage to come", FindingQuantity::position}}) {
     Stages<Real> stages(options);
     const auto place = [&]() -> void* {
-      switch (quantity) {
+      switch (planted.quantity) {
         case FindingQuantity::box:
           return &stages.boxes.data()[3].max;
         case FindingQuantity::normal:
@@ -132,20 +132,20 @@ void find_each(const RunOptions& options) {
       return nullptr;
     };
     const std::vector<typename Stages<Real>::Spoilt> run{{"bounds"},          {"keys"}, {"contacts"},
-                                                         {stage, place(), 2}, {"keep"}, {"later"}};
+                                                         {planted.stage, place(), 2}, {"keep"}, {"later"}};
     // A stage after one of the same name counts as the same stage.
     stages.run(run);
     const FirstViolation found = stages.found();
-    const std::string what = std::string(stage) + ", " + std::string(name_of(quantity));
+    const std::string what = std::string(planted.stage) + ", " + std::string(name_of(planted.quantity));
     ASSERT_NE(found.key, FirstViolation::none) << what;
     EXPECT_EQ(found.body(), 3u) << what;
     EXPECT_EQ(found.is_final, 1u) << what;
     const Finding finding = stages.read(run);
-    EXPECT_EQ(finding.stage, stage) << what;
-    EXPECT_EQ(finding.quantity, quantity) << what;
+    EXPECT_EQ(finding.stage, planted.stage) << what;
+    EXPECT_EQ(finding.quantity, planted.quantity) << what;
     EXPECT_EQ(finding.body, 3u) << what;
     EXPECT_FALSE(std::isfinite(finding.value)) << what;
-    if (std::string_view(stage) != "contacts") {
+    if (std::string_view(planted.stage) != "contacts") {
       EXPECT_EQ(finding.substep, 3) << what;
     }
   }

@@ -176,7 +176,9 @@ bool is_given(const CLI::App& app, std::string_view flag) {
 
 void warn_of_old_names(const CLI::App& app, const std::vector<std::string>& arguments) {
   for (const auto& [old_name, name] : renamed_flags) {
-    const auto is_old = [&](const std::string& text) { return text.substr(0, text.find('=')) == old_name; };
+    const auto is_old = [old = old_name](const std::string& text) {
+      return text.substr(0, text.find('=')) == old;
+    };
     if (is_given(app, name) && std::ranges::any_of(arguments, is_old))
       fmt::print(stderr, "{}: renamed to {}; the old name is still accepted\n", old_name, name);
   }

@@ -26,8 +26,7 @@ void freeze_at_start(World& world, const SavedRun& run, const Change& change, co
     if (now != no_body && now < world.initial().size()) state.frozen.push_back(now);
   }
   std::ranges::sort(state.frozen);
-  const auto twice = std::ranges::unique(state.frozen);
-  state.frozen.erase(twice.begin(), twice.end());
+  state.frozen.erase(std::unique(state.frozen.begin(), state.frozen.end()), state.frozen.end());
   world.restore(state);
 }
 

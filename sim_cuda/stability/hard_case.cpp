@@ -103,7 +103,7 @@ std::vector<HardCase> read_hard_cases(const std::string& folder, const std::vect
   const std::vector<std::string_view> words(known.begin(), known.end());
   std::vector<std::string> wanted = names.empty() ? known : names, faults;
   std::ranges::sort(wanted);
-  wanted.erase(std::ranges::unique(wanted).begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   std::vector<HardCase> cases;
   for (const std::string& name : wanted) {
     if (!std::ranges::binary_search(known, name)) {

@@ -137,10 +137,11 @@ void TestRun::Impl::begin() {
   for (std::size_t k = 0; k < criterion.assertions.size(); ++k) {
     const Assertion& assertion = criterion.assertions[k];
     if (assertion.quantity != Quantity::other_hash) continue;
-    for (const LaunchShape& shape : assertion.shapes) others.emplace_back(k, options).options.shape = shape;
+    for (const LaunchShape& shape : assertion.shapes)
+      others.emplace_back(Other{k, options}).options.shape = shape;
     for (const std::string& name :
          assertion.every_broad_phase ? broad_phase_names(configuration.executor) : assertion.broad_phases)
-      others.emplace_back(k, options).options.broad_phase = name;
+      others.emplace_back(Other{k, options}).options.broad_phase = name;
   }
   Scene scene =
       fault != nullptr ? with_configuration(with_injected_fault(hard_case, *fault), configuration) : own;

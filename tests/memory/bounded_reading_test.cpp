@@ -66,8 +66,11 @@ class BoundedReading : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// All file readers.
-const std::pair<const char*, void (*)(const std::string&)> readers[] = {
+struct Reader {
+  const char* name;
+  void (*read)(const std::string& file);
+};
+const Reader readers[] = {
     {"scene", [](const std::string& file) { read_scene(file); }},
     {"changes", [](const std::string& file) { read_changes(file, Scene{}, {}, 0); }},
     {"mesh", [](const std::string& file) { read_mesh(file, "mesh"); }},
@@ -77,10 +80,10 @@ const std::pair<const char*, void (*)(const std::string&)> readers[] = {
 TEST_F(BoundedReading, AHundredMillionBytesAreRefusedUnread) {
   const std::string file = written("{");
   std::filesystem::resize_file(file, 100'000'000);
-  for (const auto& [name, read] : readers) {
-    const Reading reading = tried([&] { read(file); });
-    EXPECT_THAT(reading.line, testing::StartsWith(file + ": ")) << name;
-    EXPECT_LT(reading.peak_bytes, mebibyte) << name;
+  for (const Reader& reader : readers) {
+    const Reading reading = tried([&] { reader.read(file); });
+    EXPECT_THAT(reading.line, testing::StartsWith(file + ": ")) << reader.name;
+    EXPECT_LT(reading.peak_bytes, mebibyte) << reader.name;
   }
   EXPECT_THAT(tried([&] { read_scene(file); }).line, HasSubstr("larger than 64 MiB, the maximum size"));
 }
@@ -90,31 +93,32 @@ TEST_F(BoundedReading, AHundredThousandListsWithinEachOtherAreRefused) {
     std::string text;
     for (int depth = 0; depth < 100'000; ++depth) text += opening;
     const std::string file = written(text);
-    for (const auto& [name, read] : readers) {
-      const Reading reading = tried([&] { read(file); });
-      EXPECT_LT(reading.peak_bytes, static_cast<std::int64_t>(3 * text.size()) + mebibyte) << name;
+    for (const Reader& reader : readers) {
+      const Reading reading = tried([&] { reader.read(file); });
+      EXPECT_LT(reading.peak_bytes, static_cast<std::int64_t>(3 * text.size()) + mebibyte) << reader.name;
     }
     EXPECT_THAT(tried([&] { read_scene(file); }).line, HasSubstr("more than 64 nested arrays and objects"));
   }
 }
 
 TEST_F(BoundedReading, WhatNeverEndsIsReadAsFarAsTheLimit) {
-  for (const auto& [name, read] : readers) {
-    const Reading reading = tried([&] { read("/dev/zero"); });
-    EXPECT_THAT(reading.line, testing::StartsWith("/dev/zero: ")) << name;
-    EXPECT_LT(reading.peak_bytes, 2 * static_cast<std::int64_t>(JsonDocument::max_bytes) + mebibyte) << name;
+  for (const Reader& reader : readers) {
+    const Reading reading = tried([&] { reader.read("/dev/zero"); });
+    EXPECT_THAT(reading.line, testing::StartsWith("/dev/zero: ")) << reader.name;
+    EXPECT_LT(reading.peak_bytes, 2 * static_cast<std::int64_t>(JsonDocument::max_bytes) + mebibyte)
+        << reader.name;
   }
 }
 
 TEST_F(BoundedReading, OfFoldersAndPipes) {
   const std::string pipe = folder_ / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  for (const auto& [name, read] : readers) {
-    EXPECT_THAT(tried([&] { read(folder_.path()); }).line, HasSubstr(": is a folder")) << name;
-    if (std::string(name) == "snapshot") continue;
+  for (const Reader& reader : readers) {
+    EXPECT_THAT(tried([&] { reader.read(folder_.path()); }).line, HasSubstr(": is a folder")) << reader.name;
+    if (std::string(reader.name) == "snapshot") continue;
     // A pipe from another program: collidoscope-headless run <(...)
     std::thread writer([&] { std::ofstream(pipe) << "v 0 0\n"; });
-    EXPECT_THAT(tried([&] { read(pipe); }).line, testing::StartsWith(pipe + ":1:1: ")) << name;
+    EXPECT_THAT(tried([&] { reader.read(pipe); }).line, testing::StartsWith(pipe + ":1:1: ")) << reader.name;
     writer.join();
   }
   EXPECT_EQ(tried([&] { read_snapshot(pipe); }).line,
@@ -175,7 +179,7 @@ TEST_F(BoundedReading, AFullSceneOfAHundredThousandBodies) {
 }
 
 /// The address sanitizer needs five times as long, so the files are smaller with it.
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef WITH_SANITIZER
 constexpr std::size_t part = 4;
 #else
 constexpr std::size_t part = 1;

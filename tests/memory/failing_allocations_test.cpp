@@ -182,7 +182,7 @@ TEST(FailingAllocations, OfSteps) {
 }
 
 /// With the address sanitizer a process needs three times as long, so only every third allocation fails.
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef WITH_SANITIZER
 constexpr int stride = 3;
 #else
 constexpr int stride = 1;

@@ -12,7 +12,7 @@
 #include "tests/memory/counted_new.h"
 #include "tests/scenes.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WITH_SANITIZER
 // The address sanitizer quarantines up to 256 MiB of freed memory, which would look like growth.
 extern "C" const char* __asan_default_options() { return "quarantine_size_mb=1"; }
 #endif
