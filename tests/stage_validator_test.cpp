@@ -131,8 +131,8 @@ void find_each(const RunOptions& options) {
       }
       return nullptr;
     };
-    const std::vector<typename Stages<Real>::Spoilt> run{{"bounds"},          {"keys"}, {"contacts"},
-                                                         {planted.stage, place(), 2}, {"keep"}, {"later"}};
+    const std::vector<typename Stages<Real>::Spoilt> run{
+        {"bounds"}, {"keys"}, {"contacts"}, {planted.stage, place(), 2}, {"keep"}, {"later"}};
     // A stage after one of the same name counts as the same stage.
     stages.run(run);
     const FirstViolation found = stages.found();

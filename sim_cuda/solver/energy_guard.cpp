@@ -13,6 +13,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       scene_(scene),
       start_velocity_(executor, "velocities at substep start"),
       start_spin_(executor, "spins at substep start"),
+      start_rotation_(executor, "rotation energies at substep start"),
       moved_velocity_(executor, "velocities of the move"),
       gains_(executor, "energy guard gains"),
       largest_(executor, "energy guard largest gain"),
@@ -31,6 +32,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   start_velocity_.resize_discarding(n);
   if (scene.effects.rotation && (scene.effects.friction || scene.effects.joints))
     start_spin_.resize_discarding(n);
+  if (start_spin() != nullptr && scene.unequal_moments) start_rotation_.resize_discarding(n);
   moved_velocity_.resize_discarding(n);
   gains_.resize_discarding(n);
   largest_.upload({0});
@@ -55,6 +57,7 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                         scene_.body_count,
                         start_velocity_.data(),
                         start_spin(),
+                        start_rotation(),
                         moved_velocity_.data(),
                         is_free(),
                         scene_.gravity,

@@ -9,6 +9,10 @@
 //
 //   G = sum of m (w . d + d . d / 2) - m h^2 g . g / 2
 //
+// A body with unequal moments of inertia also turns between the impulses before and after the move, which
+// changes the energy of its angular momentum L: G has the further term E(q', L) - E(q, L), with its
+// orientations q, q' at the start and the end, and L at the start. It is 0 in free rotation.
+//
 // An exact inelastic solution has G <= 0. If G > 0 in an island, the share s of all contact impulses P at the
 // end of the substep is removed from the velocities, so that the energy does not rise:
 //
@@ -19,7 +23,8 @@
 // energy because normals turn while bodies recover from deep overlap, and impulses are removed that oppose
 // the relative normal velocities of all contacts that have pressed in the step. Each such removal is a step
 // of steepest descent; there are at most four. The last removal takes a share of the motion relative to the
-// rigid motion of the island (rigid_motion.h). An island at rest that recovers from overlap ends at rest.
+// rigid motion of the island (rigid_motion.h). An island at rest that recovers from overlap ends at rest. If
+// the island touches planes or static bodies, the last removal takes a share of the motion itself.
 //
 // Impulses act along the normals at the current positions, so momentum and angular momentum are conserved. So
 // does the last removal.
@@ -76,6 +81,8 @@ class EnergyGuard {
   /// AngularState::spin(); the latter is null if contacts and joints do not change it.
   PackedVector3<Real>* start_velocity() { return start_velocity_.data(); }
   PackedVector3<Real>* start_spin() { return start_spin_.size() > 0 ? start_spin_.data() : nullptr; }
+  /// By body, of the same time: kinetic energy of the rotation, J. Null if all moments of inertia are equal.
+  Real* start_rotation() { return start_rotation_.size() > 0 ? start_rotation_.data() : nullptr; }
   /// Velocities of the move, m/s, by body; written by the integrator.
   PackedVector3<Real>* moved_velocity() { return moved_velocity_.data(); }
   /// By body, written by the integrator: 1 if the body moved freely. Null with semi-implicit Euler.
@@ -90,7 +97,9 @@ class EnergyGuard {
  private:
   Executor& executor_;
   const SolverScene<Real> scene_;
-  Buffer<PackedVector3<Real>> start_velocity_, start_spin_, moved_velocity_;
+  Buffer<PackedVector3<Real>> start_velocity_, start_spin_;
+  Buffer<Real> start_rotation_;
+  Buffer<PackedVector3<Real>> moved_velocity_;
   Buffer<double> gains_;               ///< by body, see GuardRounds
   Buffer<std::uint32_t> largest_;      ///< see GuardRounds
   Buffer<std::uint64_t> total_;        ///< see GuardRounds

@@ -22,7 +22,9 @@ template <class Real>
 struct GuardRounds {
   BodyView<Real> bodies;
   std::int64_t body_count;
-  const PackedVector3<Real>*start, *start_spin, *moved;
+  const PackedVector3<Real>*start, *start_spin;
+  const Real* start_rotation;  ///< see EnergyGuard; null if all moments of inertia are equal
+  const PackedVector3<Real>* moved;
   const std::uint8_t* is_free;  ///< see EnergyGuard; null: the integrator is Euler's
   Vector3<Real> gravity;        ///< m/s^2
   const Vector3<Real>* field;   ///< m/s^2, by body; null without attractors
@@ -168,6 +170,7 @@ struct GuardRounds {
       before = free_angular_velocity(body);
       spin_change = bodies.angular_velocity[body].load() - before;
     }
+    sum.values[2] -= gain_by_turning(body);
     if (change.dot(change) == 0 && spin_change.dot(spin_change) == 0) return sum;
     const double m = static_cast<double>(bodies.mass[body]);
     const Vector3<double> d = wide(change);
@@ -175,7 +178,7 @@ struct GuardRounds {
     sum.values[1] = m / 2 * d.dot(d);
     if (with_gravity && !moved_freely(body)) {
       const Vector3<double> g = wide(h * pull(body));
-      sum.values[2] = m / 2 * g.dot(g + wide(spring_change(body)));
+      sum.values[2] += m / 2 * g.dot(g + wide(spring_change(body)));
     }
     if (start_spin == nullptr) return sum;
     const Quaternion<Real> q = bodies.orientation[body];
@@ -186,6 +189,21 @@ struct GuardRounds {
       sum.values[1] += inertia[k] / 2 * added[k] * added[k];
     }
     return sum;
+  }
+
+  /// Change of the energy of the angular momentum at the start, J, because the body has turned since.
+  SIM_HD double gain_by_turning(int body) const {
+    if (start_rotation == nullptr) return 0;
+    const AngularState<Real> angular = angular_state(body);
+    if (angular.is_isotropic()) return 0;
+    const Vector3<Real> spin = start_spin[body];
+    const double gained = angular.energy_of(spin) - static_cast<double>(start_rotation[body]);
+    // Rounding of the orientation changes the momentum by this share.
+    constexpr double share = sizeof(Real) == 4 ? 4e-7 : 1e-15;
+    const Vector3d momentum = wide(spin), velocity = wide(angular.velocity_of(spin));
+    using std::sqrt;
+    const double rounding = share * sqrt(momentum.dot(momentum) * velocity.dot(velocity));
+    return gained > rounding ? gained - rounding : gained < -rounding ? gained + rounding : 0;
   }
 
   // ---- rounds ----
@@ -228,7 +246,7 @@ struct GuardRounds {
   }
   SIM_HD void begin(int body) const {
     parent[body] = static_cast<std::uint32_t>(body);
-    grounded[body] = touches_plane(body) ? 1 : 0;
+    grounded[body] = touches_plane(body) || has_left_plane(body) ? 1 : 0;
     exempt[body] = is_exempt(body) ? 1 : 0;
   }
   SIM_HD bool is_exempt(int body) const {
@@ -239,6 +257,14 @@ struct GuardRounds {
     for (int p = 0; p < surfaces; ++p)
       if (contacts.plane_impulse[p * body_count + body] > 0) return true;
     return false;
+  }
+  /// True if friction has turned the body in the substep, although it touches nothing now: it was friction of
+  /// the last substep, at a plane that the body has left.
+  SIM_HD bool has_left_plane(int body) const {
+    if (surfaces == 0 || !(gain_by_turning(body) > 0)) return false;
+    for (std::uint32_t k = 0; control->contacts > 0 && k < contacts.by_body.count[body]; ++k)
+      if (has_pressed(contacts.by_body.end(body, k).contact)) return false;
+    return true;
   }
   SIM_HD bool is_moving(std::uint32_t body) const {
     const Vector3<Real> v = bodies.velocity[body];
@@ -359,13 +385,12 @@ struct GuardRounds {
     Vector3<Real> next;
     if (factor < 1) {
       next = free_velocity(body) + factor * (v - free_velocity(body));
-      // In the sum over the island, this is the momentum that planes give less.
-      const Vector3<double> change = wide(bodies.mass[body] * Vector3<Real>(next - v));
+      give_to_ground(body, Vector3<Real>(next - v));
       change_of(body, 1 - factor, false);
-      for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] += change[k];
     } else {
       const Change removed = removed_of(removal, body, share);
       next = v - share * bodies.inverse_mass[body] * removed.impulse;
+      if (is_rigid(removal) && is_grounded(body)) give_to_ground(body, Vector3<Real>(next - v));
       if (start_spin != nullptr && has_moments(removal)) {
         AngularState<Real> angular = angular_state(body);
         angular.apply_angular_impulse(-share * removed.moment);
@@ -377,6 +402,16 @@ struct GuardRounds {
     if (start_spin == nullptr || !(factor < 1)) return;
     const Vector3<Real> before = free_angular_velocity(body), w = bodies.angular_velocity[body];
     bodies.angular_velocity[body] = Vector3<Real>(before + factor * (w - before));
+  }
+
+  /// In the sum over the island, this is the momentum that planes and static bodies give less.
+  SIM_HD void give_to_ground(int body, const Vector3<Real>& velocity_change) const {
+    const Vector3<double> change = wide(bodies.mass[body] * velocity_change);
+    for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] += change[k];
+  }
+  /// True if the body's island touches planes or static bodies.
+  SIM_HD bool is_grounded(int body) const {
+    return grounded[root_of(parent, static_cast<std::uint32_t>(body))] != 0;
   }
 
   // ---- islands ----
@@ -463,9 +498,14 @@ struct GuardRounds {
     }
     return sum;
   }
-  /// Momentum of a body relative to the rigid motion of its island.
+  /// Momentum of a body relative to the rigid motion of its island, or to the ground that the island touches.
   SIM_HD Change relative_of(int body) const {
     Change relative{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
+    if (is_grounded(body)) {
+      relative.impulse = bodies.mass[body] * bodies.velocity[body].load();
+      if (start_spin != nullptr) relative.moment = angular_state(body).momentum();
+      return relative;
+    }
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     RigidSums all;
     for (std::uint32_t k = 0; k < RigidSums::count; ++k)
@@ -495,8 +535,13 @@ struct GuardRounds {
     const double error = all.rounding(relative_rounding) +
                          relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
     if (!(all.gain() > (removal == 0 ? 0 : error))) return {};
-    if (removal > 0 && grounded[root] != 0) return all.scaled();
     EnergyCorrection correction;
+    if (removal > 0 && grounded[root] != 0 && !is_rigid(removal)) {
+      if (removal == 1) correction = all.scaled();
+      if (all.gain_with(correction.factor) > error)
+        for (int next = removal + 1; next < removals; ++next) atomic_store(flags + next, std::uint32_t{1});
+      return correction;
+    }
     if (all.linear() > resolution * unit(scale[root]))
       correction = all.without_share(has_moments(removal) ? 1.0 : largest_descent);
     if (removal + 1 < removals && all.gain_without(correction.share) > error)

@@ -20,9 +20,10 @@ struct EnergyCorrection {
 struct EnergyTerms {
   static constexpr std::uint32_t count = 6;
   double values[count];
-  SIM_HD double start() const { return values[0]; }      ///< sum of m w . d
-  SIM_HD double square() const { return values[1]; }     ///< sum of m d . d / 2
-  SIM_HD double allowed() const { return values[2]; }    ///< sum of m h g . (h g + change by springs) / 2
+  SIM_HD double start() const { return values[0]; }   ///< sum of m w . d
+  SIM_HD double square() const { return values[1]; }  ///< sum of m d . d / 2
+  /// Sum of m h g . (h g + change by springs) / 2, less the change of the energy of rotation by turning.
+  SIM_HD double allowed() const { return values[2]; }
   SIM_HD double by_start() const { return values[3]; }   ///< sum of w . P
   SIM_HD double by_change() const { return values[4]; }  ///< sum of d . P
   SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
@@ -39,7 +40,7 @@ struct EnergyTerms {
   }
   /// Error of the gain of a body.
   SIM_HD double rounding(double relative) const {
-    return relative * (square() + (start() < 0 ? -start() : start())) + 1e-4 * allowed();
+    return relative * (square() + (start() < 0 ? -start() : start())) + 1e-4 * max_of(allowed(), 0.0);
   }
   /// Smallest share, at most `most`, without which the gain is 0 or minimal.
   SIM_HD EnergyCorrection without_share(double most) const {
@@ -49,13 +50,16 @@ struct EnergyTerms {
         discriminant > 0 ? 2 * gain() / (linear() + sqrt(discriminant)) : linear() / by_self();
     return {.share = min_of(share, most)};
   }
-  /// Factor of all changes of velocity, with which the gain is 0.
+  /// Factor of all changes of velocity, with which the gain is 0, or smallest.
   SIM_HD EnergyCorrection scaled() const {
     if (!(square() > 0)) return {};
     using std::sqrt;
     const double sum =
         sqrt(max_of(start() * start() + 4 * square() * allowed(), 0.0)) + (start() > 0 ? start() : -start());
-    return {.factor = start() > 0 ? 2 * allowed() / sum : sum / (2 * square())};
+    return {.factor = start() > 0 ? max_of(2 * allowed() / sum, 0.0) : sum / (2 * square())};
+  }
+  SIM_HD double gain_with(double factor) const {
+    return factor * start() + factor * factor * square() - allowed();
   }
 };
 

@@ -81,11 +81,28 @@ struct AngularState {
   SIM_HD Vector3<Real> momentum() const {
     return is_isotropic() ? Vector3<Real>(inertia.x() * velocity) : spin();
   }
+  /// Kinetic energy of the rotation of a body with this spin(), J.
+  SIM_HD double energy_of(const Vector3<Real>& spin) const {
+    const Vector3d own = widened<Real>(axes).conjugate() * widened<Real>(spin);
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += own[k] * own[k] / static_cast<double>(inertia[k]);
+    return sum / 2;
+  }
   /// The angular velocity of a body with this spin(), rad/s.
   SIM_HD Vector3<Real> velocity_of(const Vector3<Real>& spin) const {
     if (is_isotropic()) return spin;
     const Vector3<Real> body = axes.conjugate() * spin;
     return axes * Vector3<Real>(body.x() / inertia.x(), body.y() / inertia.y(), body.z() / inertia.z());
+  }
+  /// Change of the angular velocity by a unit of angular impulse along `direction`, along the same direction,
+  /// 1/(kg m^2). `direction`: of any length, in world axes.
+  SIM_HD Real inverse_inertia_along(const Vector3<Real>& direction) const {
+    const Real squared = direction.dot(direction);
+    if (is_isotropic() || !(squared > 0)) return inverse_inertia_max();
+    const Vector3<Real> own = axes.conjugate() * direction;
+    return (own.x() * own.x() / inertia.x() + own.y() * own.y() / inertia.y() +
+            own.z() * own.z() / inertia.z()) /
+           squared;
   }
   /// `impulse` in N m s, in world axes.
   SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {

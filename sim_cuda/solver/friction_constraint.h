@@ -7,6 +7,7 @@
 #include "sim_cuda/solver/contact_storage.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/soft_contact.h"
+#include "sim_cuda/solver/tangent_response.h"
 
 namespace collidoscope {
 
@@ -50,6 +51,15 @@ struct FrictionConstraint {
   }
   SIM_HD Real angular_inverse_mass_b() const {
     return arm_b * arm_b * (inverse_inertia_b < 0 ? -inverse_inertia_b : inverse_inertia_b);
+  }
+  SIM_HD bool is_isotropic() const { return !(inverse_inertia_a < 0) && !(inverse_inertia_b < 0); }
+  /// `n_a`, `n_b`: number of parts into which the bodies are split.
+  SIM_HD TangentResponse<Real> response(const BodyView<Real>& bodies, Pair ids, Real inverse_mass,
+                                        Real n_a = 1, Real n_b = 1) const {
+    TangentResponse<Real> response(normal, inverse_mass);
+    response.add(AngularState<Real>::of(bodies, ids.a), arm_a * arm_a * n_a);
+    response.add(AngularState<Real>::of(bodies, ids.b), arm_b * arm_b * n_b);
+    return response;
   }
   /// Updates the angular velocities for an impulse at the contact, N s.
   SIM_HD void apply_impulse(const BodyView<Real>& bodies, Pair ids, const Vector3<Real>& impulse) {

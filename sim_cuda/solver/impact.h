@@ -126,8 +126,9 @@ struct Impact {
     atomic_store(again, std::uint32_t{1});
     return change;
   }
+  template <class Mass>
   SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
-                                     const Vector3<Real>& slip, Real mass) const {
+                                     const Vector3<Real>& slip, const Mass& mass) const {
     if (!(contact.impulse > 0)) friction.impulse = Vector3<Real>::Zero();
     return solve_friction<Real>(slip, mass, friction.coefficient * contact.impact, friction.impact);
   }

@@ -92,9 +92,10 @@ struct SolveRollingContacts {
                n_b = static_cast<Real>(source.by_body.count[b]);
     const AngularState<Real> angular_a = AngularState<Real>::of(bodies, a),
                              angular_b = AngularState<Real>::of(bodies, b);
-    const Real inertia = 1 / (n_a * angular_a.inverse_inertia_max() + n_b * angular_b.inverse_inertia_max());
-    change[place] = solve_friction<Real>(angular_b.velocity - angular_a.velocity, inertia, limit,
-                                         rolling_impulse.impulse);
+    const Vector3<Real> velocity = angular_b.velocity - angular_a.velocity;
+    const Real inertia = 1 / (n_a * angular_a.inverse_inertia_along(velocity) +
+                              n_b * angular_b.inverse_inertia_along(velocity));
+    change[place] = solve_friction<Real>(velocity, inertia, limit, rolling_impulse.impulse);
     rolling[place] = rolling_impulse;
   }
 };
@@ -123,9 +124,9 @@ struct SolveRollingBodies {
       Vector3<Real> accumulated = wall_impulse[at];
       const Real normal_impulse = source.wall_impulse[at];
       if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) continue;
-      angular.apply_angular_impulse(solve_friction<Real>(angular.velocity, 1 / angular.inverse_inertia_max(),
-                                                         max_of(own, law.of_plane[p]) * r * normal_impulse,
-                                                         accumulated));
+      angular.apply_angular_impulse(
+          solve_friction<Real>(angular.velocity, 1 / angular.inverse_inertia_along(angular.velocity),
+                               max_of(own, law.of_plane[p]) * r * normal_impulse, accumulated));
       wall_impulse[at] = accumulated;
     }
     bodies.angular_velocity[body] = angular.velocity;

@@ -26,6 +26,7 @@ struct BeginSubstep {
   bool with_field;             ///< true if gravity or attractors are on
   Real h;                      ///< s
   PackedVector3<Real>*start_velocity, *start_spin;  ///< see EnergyGuard; start_spin may be null
+  Real* start_rotation;                             ///< see EnergyGuard; may be null
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
@@ -59,11 +60,17 @@ struct BeginSubstep {
     };
   }
 
+  SIM_HD void store_start_spin(int id) const {
+    const AngularState<Real> angular = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id));
+    const Vector3<Real> spin = angular.spin();
+    start_spin[id] = spin;
+    if (start_rotation != nullptr && !angular.is_isotropic())
+      start_rotation[id] = static_cast<Real>(angular.energy_of(spin));
+  }
   SIM_HD void begin(int id, const ImpulseSums& impulses) const {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     start_velocity[id] = body.v;
-    if (start_spin != nullptr)
-      start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
+    if (start_spin != nullptr) store_start_spin(id);
     SoftWalls<Real, with_friction, with_box_obstacles> own = walls;
     if (field != nullptr) own.gravity = gravity + field[id];
     if (with_field) body.v += h * own.gravity;

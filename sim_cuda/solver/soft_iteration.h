@@ -67,8 +67,10 @@ struct Relax {
     if (last) contact.end_substep();
     return change;
   }
+  /// `mass`: effective mass, kg, or a TangentResponse.
+  template <class Mass>
   SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
-                                     const Vector3<Real>& slip, Real mass) const {
+                                     const Vector3<Real>& slip, const Mass& mass) const {
     if (last) friction.impact = Vector3<Real>::Zero();
     return solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
   }
@@ -220,9 +222,13 @@ struct Iteration {
     if constexpr (Act::has_friction) {
       if (!act.has_tangent(k.contact, k.friction)) return change != 0;
       FrictionConstraint<Real> pair(a.angular_velocity, b.angular_velocity, k.contact, k.bodies, k.inertia);
-      const Real mass = 1 / (w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b());
+      const auto solve = [&](const auto& mass) {
+        return act.solve_tangent(k.contact, k.friction, pair.slip(b.v - a.v), mass);
+      };
       const Vector3<Real> friction_impulse =
-          act.solve_tangent(k.contact, k.friction, pair.slip(b.v - a.v), mass);
+          pair.is_isotropic()
+              ? solve(1 / (w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b()))
+              : solve(pair.response(bodies, k.ids, w_a + w_b));
       a.v -= w_a * friction_impulse;
       b.v += w_b * friction_impulse;
       pair.apply_impulse(bodies, k.ids, friction_impulse);
@@ -291,10 +297,13 @@ struct Iteration {
     if constexpr (Act::has_friction) {
       const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
                                           k.contact, k.bodies, k.inertia);
-      const Real mass =
-          1 / ((w_a + pair.angular_inverse_mass_a()) * n_a + (w_b + pair.angular_inverse_mass_b()) * n_b);
+      const auto solve = [&](const auto& mass) {
+        return act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
+      };
       contacts.uncoloured_friction[place] =
-          act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
+          pair.is_isotropic() ? solve(1 / ((w_a + pair.angular_inverse_mass_a()) * n_a +
+                                           (w_b + pair.angular_inverse_mass_b()) * n_b))
+                              : solve(pair.response(bodies, k.ids, w_a * n_a + w_b * n_b, n_a, n_b));
     }
     contacts.template store<Act::sums>(k, true);
   }

@@ -312,12 +312,13 @@ void SoftStepSolver<Real>::apply_forces() {
     run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
                                         scene_.control});
   const auto with = [&]<bool with_box_obstacles>() {
-    run_bodies("forces", BeginSubstep<Real, with_friction, with_box_obstacles>{
-                             scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
-                             planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                             scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
-                             scene_.effects.gravity || scene_.effects.attractor, h_,
-                             energy_guard_.start_velocity(), energy_guard_.start_spin(), scene_.control});
+    run_bodies("forces",
+               BeginSubstep<Real, with_friction, with_box_obstacles>{
+                   scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
+                   planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+                   scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
+                   scene_.effects.gravity || scene_.effects.attractor, h_, energy_guard_.start_velocity(),
+                   energy_guard_.start_spin(), energy_guard_.start_rotation(), scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
 }

@@ -18,6 +18,7 @@
 #include "sim_cuda/solver/box_surface.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/tangent_response.h"
 #include "sim_cuda/solver/walls.h"
 
 namespace collidoscope {
@@ -206,12 +207,21 @@ struct SoftWalls {
       if (!(normal_impulse > 0) && accumulated.dot(accumulated) == 0) return;
       const Vector3<Real> slip =
           tangential_part<Real>(body.v - body.radius * body.angular.velocity.cross(normal), normal);
-      const Real mass =
-          1 / (body.inverse_mass + body.radius * body.radius * body.angular.inverse_inertia_max());
       const Real mu = Friction<Real>::between(friction.coefficients.of_body(static_cast<std::uint32_t>(id)),
                                               surface_friction);
-      apply_friction_impulse(id, body, normal,
-                             solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated));
+      const auto solve = [&](const auto& mass) {
+        return solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated);
+      };
+      const Real squared_arm = body.radius * body.radius;
+      if (body.angular.is_isotropic()) {
+        apply_friction_impulse(
+            id, body, normal,
+            solve(1 / (body.inverse_mass + squared_arm * body.angular.inverse_inertia_max())));
+      } else {
+        TangentResponse<Real> response(normal, body.inverse_mass);
+        response.add(body.angular, squared_arm);
+        apply_friction_impulse(id, body, normal, solve(response));
+      }
     }
   }
   /// Call after the normal impulses of relax.
