@@ -12,131 +12,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdlib>
-#include <functional>
-#include <numeric>
-#include <sstream>
-
-#include "tests/energy_scenes.h"
-#include "tests/executors.h"
+#include "tests/energy_bounds.h"
 
 namespace collidoscope {
 namespace {
 
-constexpr double contact_bound = 1e-3;  ///< of T
-constexpr double joint_bound = 5e-3;
-
-/// A third of the scenes with a sanitizer, whose task is to find errors in memory.
-std::vector<int> energy_seeds(int count) {
-  if (const char* const seed = std::getenv("COLLIDOSCOPE_ENERGY_SEED")) return {std::atoi(seed)};
-#ifdef WITH_SANITIZER
-  count = (count + 2) / 3;
-#endif
-  const char* const asked = std::getenv("COLLIDOSCOPE_ENERGY_SCENES");
-  std::vector<int> seeds(static_cast<std::size_t>(asked != nullptr ? count * std::atoi(asked) : count));
-  std::iota(seeds.begin(), seeds.end(), 0);
-  return seeds;
-}
-
-struct EnergyCourse {
-  double rise = 0;        ///< largest rise of E above its earlier minimum, relative to T
-  std::int64_t step = 0;  ///< the state of that rise
-  double push_work = 0;   ///< largest magnitude, relative to the final T
-  StepStats end;
-};
-
-Vector3d vector_of(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
-
-EnergyCourse energy_course(const Scene& scene, int steps, const RunOptions& options) {
-  World world(scene, options);
-  Vector3d kinematic_velocity(0, 0, 0);
-  double mass = 0;  // kg, of dynamic bodies
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    if (scene.bodies[i].motion == Motion::dynamic)
-      mass += world.initial().mass[i];
-    else if (scene.bodies[i].motion == Motion::kinematic)
-      kinematic_velocity = scene.bodies[i].velocity;
-  const Vector3d start = vector_of(world.measure().momentum);
-  EnergyCourse course;
-  double lowest = 0, largest_kinetic = 0;
-  for (int k = 0; k <= steps; ++k) {
-    if (k > 0) world.step();
-    const StepStats now = world.measure();
-    course.end = now;
-    const Vector3d impulse = vector_of(now.momentum) - start - vector_of(now.wall_impulse_vector) -
-                             mass * world.time() * scene.physics.gravity;
-    const double energy = now.energy() - now.push_work - kinematic_velocity.dot(impulse);
-    largest_kinetic = std::max(largest_kinetic, now.kinetic_energy);
-    course.push_work = std::max(course.push_work, std::abs(now.push_work));
-    if (k == 0) lowest = energy;
-    if (energy - lowest > course.rise * largest_kinetic) {
-      course.rise = (energy - lowest) / largest_kinetic;
-      course.step = k;
-    }
-    lowest = std::min(lowest, energy);
-  }
-  course.push_work /= largest_kinetic;
-  return course;
-}
-
-class EnergyBounds : public OnEachExecutor {
- protected:
-  using Maker = std::function<Scene(Uniform&)>;
-
-  /// Runs `count` scenes of `make` for `seconds`, at most 400 steps, with every solver that supports them.
-  /// `value` of each run must be at most `bound`. `one_solver`: a different one for every second scene.
-  void check(int count, double seconds, double bound, const Maker& make,
-             double EnergyCourse::*value = &EnergyCourse::rise,
-             std::initializer_list<Solver> solvers = {Solver::soft_step, Solver::jacobi_split,
-                                                      Solver::impulse},
-             std::initializer_list<int> rates = {30, 60, 120, 240, 1000}, bool one_solver = false) {
-    int runs = 0, failures = 0;
-    double worst = bound;
-    std::string report, lines;  // the worst; the first 20
-    for (const int seed : energy_seeds(count)) {
-      Uniform uniform{Random(static_cast<std::uint32_t>(seed))};
-      const int rate = one_of(uniform, rates);
-      Scene scene = make(uniform);
-      scene.physics.time_step = TimeStep::per_second(rate);
-      scene.physics.precision = seed % 2 == 0 ? Precision::f32 : Precision::f64;
-      const std::size_t chosen = static_cast<std::size_t>(seed / 2) % solvers.size();
-      for (const Solver solver : solvers) {
-        if (one_solver && solver != solvers.begin()[chosen]) continue;
-        scene.physics.solver = solver;
-        if (!validate(scene).empty()) {
-          ASSERT_EQ(solver, Solver::impulse) << line_of(validate(scene)[0]);
-          continue;
-        }
-        const int steps = std::min(static_cast<int>(seconds * rate), 400);
-        const EnergyCourse course = energy_course(scene, steps, options());
-        ASSERT_EQ(course.end.non_finite, 0) << write_scene(scene);
-        ASSERT_EQ(course.end.escaped, 0) << write_scene(scene);
-        ++runs;
-        if (!(course.*value > bound)) continue;
-        ++failures;
-        std::ostringstream line;
-        line << course.*value << ", seed " << seed << ", " << name_of(solver_names, solver) << ", "
-             << name_of(precision_names, scene.physics.precision) << ", " << rate << "/s, state "
-             << course.step << '\n';
-        if (failures <= 20) lines += line.str();
-        if (!(course.*value > worst)) continue;
-        worst = course.*value;
-        report = line.str() + write_scene(scene);
-      }
-    }
-    EXPECT_EQ(failures, 0) << "of " << runs << " runs; allowed " << bound << '\n'
-                           << lines << "worst: " << report;
-  }
-  void check_contacts(int count, double seconds, const Maker& make) {
-    check(count, seconds, contact_bound, make);
-  }
-  /// One solver per scene, since bodies seldom touch.
-  void check_joints(int count, const Maker& make) {
-    check(count, 3, joint_bound, make, &EnergyCourse::rise, {Solver::soft_step, Solver::jacobi_split},
-          {30, 60, 120, 240, 1000}, true);
-  }
-};
 ON_EACH_EXECUTOR(EnergyBounds);
 
 // ---- impacts ----
@@ -178,18 +58,25 @@ TEST_P(EnergyBounds, HeavyBallsOnPiles) { check_contacts(10, 3, heavy_on_pile); 
 TEST_P(EnergyBounds, Friction) { check_contacts(8, 3, rough_pile); }
 TEST_P(EnergyBounds, RollingResistance) { check_contacts(8, 3, rolling_pile); }
 
+Scene tumbling_pile(Uniform& uniform, const std::function<Scene(Uniform&)>& make) {
+  Scene scene = make(uniform);
+  set_inertias(scene, uniform);
+  return scene;
+}
 TEST_P(EnergyBounds, TumblingBodiesWithFriction) {
-  check_contacts(8, 3, [](Uniform& uniform) {
-    Scene scene = rough_pile(uniform);
-    set_inertias(scene, uniform);
-    return scene;
-  });
+  check_contacts(8, 3, [](Uniform& uniform) { return tumbling_pile(uniform, rough_pile); }, {253});
+}
+TEST_P(EnergyBounds, TumblingBodiesWithRollingResistance) {
+  check_contacts(8, 3, [](Uniform& uniform) { return tumbling_pile(uniform, rolling_pile); });
 }
 
 TEST_P(EnergyBounds, InitialOverlap) {
-  check_contacts(12, 2, [](Uniform& uniform) {
-    return enlarged(uniform.random() % 2 == 0 ? heavy_on_pile(uniform) : any_gas(uniform), uniform);
-  });
+  check_contacts(12, 2,
+                 [](Uniform& uniform) {
+                   return enlarged(uniform.random() % 2 == 0 ? heavy_on_pile(uniform) : any_gas(uniform),
+                                   uniform);
+                 },
+                 {1106});
 }
 TEST_P(EnergyBounds, InitialOverlapWithFriction) {
   check_contacts(8, 2, [](Uniform& uniform) { return enlarged(rough_pile(uniform), uniform); });
@@ -198,26 +85,53 @@ TEST_P(EnergyBounds, InitialOverlapWithRollingResistance) {
   check_contacts(8, 2, [](Uniform& uniform) { return enlarged(rolling_pile(uniform), uniform); });
 }
 TEST_P(EnergyBounds, InitialOverlapOfTumblingBodies) {
-  check_contacts(8, 2, [](Uniform& uniform) {
-    Scene scene = enlarged(rough_pile(uniform), uniform);
-    set_inertias(scene, uniform);
-    return scene;
-  });
+  check_contacts(8, 2,
+                 [](Uniform& uniform) {
+                   Scene scene = enlarged(rough_pile(uniform), uniform);
+                   set_inertias(scene, uniform);
+                   return scene;
+                 },
+                 {62, 507, 764});
 }
 
 TEST_P(EnergyBounds, RecoveryFromRest) { check_contacts(30, 1, overlap_at_rest); }
+
+/// Without gravity and walls.
+TEST_P(EnergyBounds, InitialOverlapWithStaticBodies) {
+  check_contacts(20, 1, [](Uniform& uniform) {
+    Scene scene = enlarged(any_gas(uniform), uniform);
+    scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
+    for (std::size_t k = 0; k < scene.bodies.size(); k += 9) {
+      scene.bodies[k].motion = Motion::fixed;
+      scene.bodies[k].velocity = Vector3d(0, 0, 0);
+    }
+    return scene;
+  });
+}
 
 Scene without_overlap(Uniform& uniform) {
   return one_of(uniform, {any_pile, heavy_on_pile, rough_pile})(uniform);
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
-  check(10, 4, 0.01, without_overlap, &EnergyCourse::push_work, {Solver::soft_step});
-  // It converges more slowly, so bodies overlap more.
-  check(10, 4, 0.02, without_overlap, &EnergyCourse::push_work, {Solver::jacobi_split});
+  // A ball that falls on a dense pile pushes bodies into others that are no contacts of the step. So 3 % of
+  // 1,000 runs have more, at most 11 %; jacobi_split, which converges more slowly, at most 15 %.
+  check(
+      10, 4, 0.01, without_overlap,
+      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.05, .most = 0.2});
+  check(10, 4, 0.02, without_overlap,
+        {.value = &EnergyCourse::push_work,
+         .solvers = {Solver::jacobi_split},
+         .share_above = 0.05,
+         .most = 0.2});
 }
 TEST_P(EnergyBounds, PushWorkOfImpulseWithoutInitialOverlap) {
   // At large steps, bodies overlap before this solver finds their contact.
-  check(10, 4, 0.01, without_overlap, &EnergyCourse::push_work, {Solver::impulse}, {1000});
+  check(10, 4, 0.01, without_overlap,
+        {.value = &EnergyCourse::push_work,
+         .solvers = {Solver::impulse},
+         .rates = {1000},
+         .share_above = 0.01,
+         .most = 0.1});
 }
 
 // ---- kinematic bodies ----
@@ -237,18 +151,21 @@ TEST_P(EnergyBounds, KinematicBodiesInAGas) {
 
 /// A kinematic ball moves along the floor through resting balls.
 TEST_P(EnergyBounds, KinematicBodiesOnTheFloor) {
-  check_contacts(10, 3, [](Uniform& uniform) {
-    Scene scene = impact_space(any_restitution(uniform), g);
-    scene.materials[0].friction = one_of(uniform, {0.0, 0.4});
-    for (int k = 0; k < 30; ++k)
-      scene.bodies.push_back(
-          ball(1, 0.3, Vector3d(k % 6 + uniform(-0.1, 0.1), k / 6, uniform(0.3, 2)), uniform.vector(1)));
-    Body moving = ball(1, 0.6, Vector3d(-1, 2.2, 0.6), Vector3d(uniform(1, 4), 0, 0));
-    moving.motion = Motion::kinematic;
-    scene.bodies.push_back(moving);
-    scene.obstacles = {Plane{}};
-    return scene;
-  });
+  check_contacts(
+      10, 3,
+      [](Uniform& uniform) {
+        Scene scene = impact_space(any_restitution(uniform), g);
+        scene.materials[0].friction = one_of(uniform, {0.0, 0.4});
+        for (int k = 0; k < 30; ++k)
+          scene.bodies.push_back(
+              ball(1, 0.3, Vector3d(k % 6 + uniform(-0.1, 0.1), k / 6, uniform(0.3, 2)), uniform.vector(1)));
+        Body moving = ball(1, 0.6, Vector3d(-1, 2.2, 0.6), Vector3d(uniform(1, 4), 0, 0));
+        moving.motion = Motion::kinematic;
+        scene.bodies.push_back(moving);
+        scene.obstacles = {Plane{}};
+        return scene;
+      },
+      {203});
 }
 
 // ---- free rotation ----
@@ -296,7 +213,7 @@ TEST_P(EnergyBounds, JointsDoNoPushWork) {
     scene.joints.resize(1);
     return scene;
   };
-  check(20, 3, 1e-9, pendulum, &EnergyCourse::push_work);
+  check(20, 3, 1e-9, pendulum, {.value = &EnergyCourse::push_work});
 }
 
 TEST_P(EnergyBounds, Chains) {

@@ -61,6 +61,29 @@ TEST_P(Rubbing, SlidingTurnsToRolling) {
   }
 }
 
+/// The principal axis along the slip has the moment 1e-3 I, I or 10 I, the others I. The ball turns about one
+/// of the others.
+TEST_P(Rubbing, SlidingTurnsToRollingWithUnequalMoments) {
+  const double v0 = 2, r = 0.5, mu = 0.5, moment = 0.1;
+  for (const Precision precision : {Precision::f64, Precision::f32})
+    for (const double along : {1e-3, 1.0, 1.9}) {
+      Scene scene = on_a_plane(mu, 0);
+      scene.physics.precision = precision;
+      scene.bodies[0].velocity = Vector3d(v0, 0, 0);
+      scene.bodies[0].mass = 1;
+      scene.bodies[0].inertia = moment * Vector3d(along, 1, 1);
+      World world(scene, options());
+      const double tolerance = precision == Precision::f64 ? 1e-9 : 1e-5, dt = scene.physics.time_step;
+      const BodyStates sliding = after(world, 10);
+      EXPECT_NEAR(sliding.velocity[0].x(), v0 - mu * g * 10 * dt, tolerance * v0) << along;
+      EXPECT_NEAR(sliding.angular_velocity[0].y(), mu * g * r / moment * 10 * dt, tolerance * v0 / r)
+          << along;
+      const BodyStates rolling = after(world, 110);
+      EXPECT_NEAR(rolling.velocity[0].x(), v0 * r * r / (moment + r * r), tolerance * v0) << along;
+      EXPECT_NEAR(rolling.angular_velocity[0].y() * r, rolling.velocity[0].x(), tolerance * v0) << along;
+    }
+}
+
 TEST_P(Rubbing, AnInclineRollsOrSlides) {
   for (const double degrees : {10.0, 30.0, 50.0})
     for (const double part : {0.5, 0.95, 1.05, 2.0}) {

@@ -57,6 +57,27 @@ TEST_P(Resisting, ABallRollsOut) {
   }
 }
 
+/// The principal axis along the way has the moment 1e-3 I or 1.9 I, the others I.
+TEST_P(Resisting, ABallOfUnequalMomentsRollsOut) {
+  const double v0 = 2, c = 0.1, moment = 0.1, slowing = c * g * r * r / (moment + r * r);
+  for (const double along : {1e-3, 1.9}) {
+    Scene scene = on_a_plane(c, 0);
+    scene.bodies[0].velocity = Vector3d(v0, 0, 0);
+    scene.bodies[0].angular_velocity = Vector3d(0, v0 / r, 0);
+    scene.bodies[0].mass = 1;
+    scene.bodies[0].inertia = moment * Vector3d(along, 1, 1);
+    World world(scene, options());
+    world.step(60);
+    const double before = world.bodies().velocity[0].x();
+    world.step(60);
+    const BodyStates s = world.bodies();
+    EXPECT_NEAR(before - s.velocity[0].x(), slowing / 2, 1e-9) << "of 0.5 s; " << along;
+    EXPECT_NEAR(s.angular_velocity[0].y() * r, s.velocity[0].x(), 1e-9) << along;
+    world.step(360);
+    EXPECT_LT(world.bodies().velocity[0].norm(), 1e-9) << along;
+  }
+}
+
 TEST_P(Resisting, AnInclineHoldsOrRolls) {
   for (const double degrees : {2.0, 10.0, 30.0})
     for (const double part : {0.5, 0.95, 1.05, 2.0}) {

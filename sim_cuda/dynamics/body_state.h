@@ -32,7 +32,7 @@ struct BodyView {
 struct StaticImpulse {
   double impulse = 0;     ///< N s, sum of magnitudes
   double vector[3] = {};  ///< N s, applied to the body
-  double push_work = 0;   ///< J, potential energy added by overlap recovery; with `impulse`: at walls only
+  double push_work = 0;   ///< J, potential energy added by overlap recovery
 };
 
 template <class Real>

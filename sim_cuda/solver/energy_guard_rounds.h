@@ -108,7 +108,7 @@ struct GuardRounds {
   static constexpr double resolution = 4096;
   /// Largest share of opposing impulses: twice what stops a single pair.
   static constexpr double largest_descent = 2;
-  static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-5 : 1e-9;
+  static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-6 : 1e-9;
 
   /// Velocity changes by the contacts of a body, as they act at the current positions.
   struct Change {
@@ -406,6 +406,7 @@ struct GuardRounds {
 
   /// In the sum over the island, this is the momentum that planes and static bodies give less.
   SIM_HD void give_to_ground(int body, const Vector3<Real>& velocity_change) const {
+    if (static_impulses == nullptr) return;
     const Vector3<double> change = wide(bodies.mass[body] * velocity_change);
     for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] += change[k];
   }

@@ -8,6 +8,17 @@ namespace collidoscope {
 
 namespace {
 
+/// Adds the potential energy of a body that is pushed by `shift` m to push_work.
+template <class Real>
+struct PushWork {
+  Vector3<Real> gravity;           ///< m/s^2
+  StaticImpulse* static_impulses;  ///< null without gravity and walls
+  SIM_HD void add(const BodyView<Real>& bodies, std::uint32_t body, const Vector3<Real>& shift) const {
+    if (static_impulses != nullptr && bodies.inverse_mass[body] > 0)
+      static_impulses[body].push_work -= static_cast<double>(bodies.mass[body] * gravity.dot(shift));
+  }
+};
+
 /// Resolves one contact. The contacts of a launch have one colour, so no two share a body.
 template <class Real>
 struct ResolveContact {
@@ -16,6 +27,7 @@ struct ResolveContact {
   Restitution<Real> restitution;
   ImpulseSum<Real> impulses;
   bool correct_positions;  ///< also push overlapping bodies apart
+  PushWork<Real> work;
 
   SIM_HD void operator()(int contact) const {
     const auto [a, b] = contacts.bodies[contact];
@@ -39,6 +51,9 @@ struct ResolveContact {
       const Real share = distance / (w_a + w_b);
       bodies.position[a] = x_a - share * w_a * now.normal;
       bodies.position[b] = x_b + share * w_b * now.normal;
+      if (w_a > 0 && w_b > 0) return;  // the sum of their potential energies stays the same
+      work.add(bodies, a, -share * w_a * now.normal);
+      work.add(bodies, b, share * w_b * now.normal);
     }
   }
 };
@@ -91,6 +106,7 @@ struct ApplyUncoloured {
   ContactsByBodyView uncoloured;
   const Real *impulse, *shift;
   bool correct_positions;
+  PushWork<Real> work;
 
   SIM_HD void operator()(int body) const {
     const std::uint32_t n = uncoloured.count[body];
@@ -120,7 +136,10 @@ struct ApplyUncoloured {
   }
   SIM_HD void apply(int body, const ImpulseSums& impulses) const {
     bodies.velocity[body] += bodies.inverse_mass[body] * impulses.sum[0];
-    if (correct_positions) bodies.position[body] += bodies.inverse_mass[body] * impulses.sum[1];
+    if (!correct_positions) return;
+    const Vector3<Real> push = bodies.inverse_mass[body] * impulses.sum[1];
+    bodies.position[body] += push;
+    work.add(bodies, static_cast<std::uint32_t>(body), push);
   }
 };
 
@@ -209,12 +228,14 @@ void ImpulseSolver<Real>::iterate(const ContactView<Real>& contacts, const Impul
   const ColourView colours = colouring_.view();
   const ContactsByBodyView uncoloured = uncoloured_.view(uncoloured_degrees_);
   const BodyView<Real>& bodies = scene_.bodies;
+  const PushWork<Real> work{scene_.gravity, scene_.static_impulses};
   // Contacts of one colour share no body, so a colour has at most body_count / 2 contacts.
   const std::int64_t colour_capacity =
       contact_capacity_ < scene_.body_count / 2 ? contact_capacity_ : scene_.body_count / 2;
-  executor_.run_rounds("solve", Colouring::colours, colour_capacity,
-                       ColourByColour<ResolveContact<Real>>{
-                           colours, {contacts, bodies, scene_.restitution, impulses, correct_positions}});
+  executor_.run_rounds(
+      "solve", Colouring::colours, colour_capacity,
+      ColourByColour<ResolveContact<Real>>{
+          colours, {contacts, bodies, scene_.restitution, impulses, correct_positions, work}});
   executor_.run("solve", ItemCount(&scene_.control->uncoloured_contacts, contact_capacity_),
                 ResolveUncoloured<Real>{contacts, bodies, scene_.restitution, colours.order,
                                         colours.begin + Colouring::colours, uncoloured.count,
@@ -222,7 +243,7 @@ void ImpulseSolver<Real>::iterate(const ContactView<Real>& contacts, const Impul
                                         correct_positions});
   executor_.run("solve", uncoloured_degrees_.bodies(),
                 ApplyUncoloured<Real>{contacts, bodies, uncoloured, uncoloured_impulse_.data(),
-                                      uncoloured_correction_.data(), correct_positions});
+                                      uncoloured_correction_.data(), correct_positions, work});
 }
 
 template <class Real>

@@ -6,8 +6,9 @@
 // Energy: at fixed positions, no stage raises the kinetic energy if restitution <= 1. Each impulse
 // separates with at most the approach speed, and a split body is an average of such results. Free motion
 // under gravity then keeps the energy with velocity_verlet and rk4. semi_implicit_euler removes
-// 1/2 m g^2 h^2 from each body. Only the positional push against walls can add energy, which is measured as
-// `push_work`. Pushes between bodies keep the centre of mass, and with it the potential energy.
+// 1/2 m g^2 h^2 from each body. Only the positional push against walls and bodies that are not dynamic can
+// add energy, which is measured as `push_work`. Pushes between dynamic bodies keep the centre of mass, and
+// with it the potential energy.
 
 #include <cstdint>
 
