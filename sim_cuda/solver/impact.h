@@ -85,9 +85,10 @@ struct ImpactLaw {
 };
 
 /// The act of an impact sweep.
-template <class Real, bool with_friction>
+template <class Real, bool with_friction, bool unequal_moments>
 struct Impact {
-  static constexpr bool has_friction = with_friction, sums = true, mostly_idle = true;
+  static constexpr bool has_friction = with_friction, sums = true, mostly_idle = true,
+                        has_unequal_moments = unequal_moments;
   ImpactLaw<Real> law;
   std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
   std::uint8_t* struck;  ///< by body: 2 + the last sweep in which its velocity changed; 1: fast; 0: slow
@@ -157,9 +158,9 @@ struct Impact {
 /// of all bodies, then contacts as in an Iteration. Sweep 0 tests all bodies at their planes, and contacts of
 /// bodies faster than half of the threshold. A later sweep tests the bodies whose velocity has changed since
 /// the last sweep, and their contacts; the result is that of testing all.
-template <class Real, bool with_friction, bool with_box_obstacles>
+template <class Real, bool with_friction, bool with_box_obstacles, bool unequal_moments>
 struct ImpactSweeps {
-  using Contacts = Iteration<Real, Impact<Real, with_friction>>;
+  using Contacts = Iteration<Real, Impact<Real, with_friction, unequal_moments>>;
   static constexpr int rounds_per_sweep = Contacts::rounds + 1;
   SIM_HD int rounds() const { return (max_impact_sweeps - first) * rounds_per_sweep; }
 
@@ -214,7 +215,7 @@ struct ImpactSweeps {
     if (!(v.dot(v) > limit * limit)) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     const bool may_shift = control->contacts == 0 || contacts_of[id] == 0;
-    if (!walls.resolve_impacts(id, body, law, law.growth(sweep), may_shift)) return;
+    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, law.growth(sweep), may_shift)) return;
     walls.store(id, body);
     contacts.act.struck[id] = static_cast<std::uint8_t>(sweep + 2);
     atomic_store(needed + sweep + 1, std::uint32_t{1});

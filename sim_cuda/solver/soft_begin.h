@@ -26,7 +26,6 @@ struct BeginSubstep {
   bool with_field;             ///< true if gravity or attractors are on
   Real h;                      ///< s
   PackedVector3<Real>*start_velocity, *start_spin;  ///< see EnergyGuard; start_spin may be null
-  Real* start_rotation;                             ///< see EnergyGuard; may be null
   const StepControl* control;
 
   SIM_HD void operator()(int id) const {
@@ -60,17 +59,11 @@ struct BeginSubstep {
     };
   }
 
-  SIM_HD void store_start_spin(int id) const {
-    const AngularState<Real> angular = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id));
-    const Vector3<Real> spin = angular.spin();
-    start_spin[id] = spin;
-    if (start_rotation != nullptr && !angular.is_isotropic())
-      start_rotation[id] = static_cast<Real>(angular.energy_of(spin));
-  }
   SIM_HD void begin(int id, const ImpulseSums& impulses) const {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
     start_velocity[id] = body.v;
-    if (start_spin != nullptr) store_start_spin(id);
+    if (start_spin != nullptr)
+      start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
     SoftWalls<Real, with_friction, with_box_obstacles> own = walls;
     if (field != nullptr) own.gravity = gravity + field[id];
     if (with_field) body.v += h * own.gravity;
@@ -83,6 +76,18 @@ struct BeginSubstep {
     own.solve(id, body, false);
     body.velocity_changed = true;
     walls.store(id, body);
+  }
+};
+
+/// Stores EnergyGuard::start_rotation(). A stage of its own, because most scenes do not need it.
+template <class Real>
+struct StoreRotationEnergy {
+  BodyView<Real> bodies;
+  Real* start_rotation;
+  SIM_HD void operator()(int id) const {
+    const AngularState<Real> angular = AngularState<Real>::of(bodies, static_cast<std::uint32_t>(id));
+    if (bodies.inverse_mass[id] > 0 && !angular.is_isotropic())
+      start_rotation[id] = static_cast<Real>(angular.energy_of(angular.spin()));
   }
 };
 

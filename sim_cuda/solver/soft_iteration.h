@@ -54,10 +54,11 @@ struct Solve {
   }
 };
 
-/// Rigid solve after the move, with friction. Contacts without an impulse stay inactive.
-template <class Real, bool with_friction>
+/// Rigid solve after the move, with friction. Contacts without an impulse stay inactive. `unequal_moments`:
+/// of inertia. Kernels for them need more registers, so other scenes have their own.
+template <class Real, bool with_friction, bool unequal_moments = false>
 struct Relax {
-  static constexpr bool has_friction = with_friction, sums = true;
+  static constexpr bool has_friction = with_friction, sums = true, has_unequal_moments = unequal_moments;
   Softness<Real> softness;
   bool last;  ///< last iteration of this substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
@@ -163,6 +164,10 @@ template <class Real, class Act>
 struct Iteration {
   static constexpr bool static_item_counts = true;
   static constexpr int rounds = Colouring::colours + 2;
+  static constexpr bool has_unequal_moments() {
+    if constexpr (requires { Act::has_unequal_moments; }) return Act::has_unequal_moments;
+    return false;
+  }
 
   OrderedContacts<Real, Act::has_friction> contacts;
   BodyView<Real> bodies;
@@ -225,10 +230,15 @@ struct Iteration {
       const auto solve = [&](const auto& mass) {
         return act.solve_tangent(k.contact, k.friction, pair.slip(b.v - a.v), mass);
       };
-      const Vector3<Real> friction_impulse =
-          pair.is_isotropic()
-              ? solve(1 / (w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b()))
-              : solve(pair.response(bodies, k.ids, w_a + w_b));
+      const auto of_equal_moments = [&] {
+        return solve(1 / (w_a + w_b + pair.angular_inverse_mass_a() + pair.angular_inverse_mass_b()));
+      };
+      Vector3<Real> friction_impulse;
+      if constexpr (has_unequal_moments())
+        friction_impulse =
+            pair.is_isotropic() ? of_equal_moments() : solve(pair.response(bodies, k.ids, w_a + w_b));
+      else
+        friction_impulse = of_equal_moments();
       a.v -= w_a * friction_impulse;
       b.v += w_b * friction_impulse;
       pair.apply_impulse(bodies, k.ids, friction_impulse);
@@ -241,7 +251,8 @@ struct Iteration {
 
   // ---- on a GPU, in float: all colours without a barrier ----
 
-  static constexpr int sync_free_rounds = PackedVector3<Real>::has_tag ? Colouring::colours : 0;
+  static constexpr int sync_free_rounds =
+      PackedVector3<Real>::has_tag && !has_unequal_moments() ? Colouring::colours : 0;
   /// With friction, barriers between colours are faster if a colour has more contacts than there are
   /// threads. At 1,000,000 bodies `relax` takes 2.6 ms per step, and 2.9 ms with dependency counters.
   static constexpr bool sync_free_beyond_threads = !Act::has_friction;
@@ -300,10 +311,16 @@ struct Iteration {
       const auto solve = [&](const auto& mass) {
         return act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
       };
-      contacts.uncoloured_friction[place] =
-          pair.is_isotropic() ? solve(1 / ((w_a + pair.angular_inverse_mass_a()) * n_a +
-                                           (w_b + pair.angular_inverse_mass_b()) * n_b))
-                              : solve(pair.response(bodies, k.ids, w_a * n_a + w_b * n_b, n_a, n_b));
+      const auto of_equal_moments = [&] {
+        return solve(
+            1 / ((w_a + pair.angular_inverse_mass_a()) * n_a + (w_b + pair.angular_inverse_mass_b()) * n_b));
+      };
+      if constexpr (has_unequal_moments())
+        contacts.uncoloured_friction[place] =
+            pair.is_isotropic() ? of_equal_moments()
+                                : solve(pair.response(bodies, k.ids, w_a * n_a + w_b * n_b, n_a, n_b));
+      else
+        contacts.uncoloured_friction[place] = of_equal_moments();
     }
     contacts.template store<Act::sums>(k, true);
   }

@@ -155,8 +155,8 @@ void SoftStepSolver<Real>::resolve_impacts() {
                   EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
   const ImpactLaw<Real> law{scene_.restitution, scene_.gravity,
                             scene_.effects.attractor ? scene_.field : nullptr, h_};
-  const auto with = [&]<bool with_box_obstacles>() {
-    using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles>;
+  const auto with = [&]<bool with_box_obstacles, bool unequal_moments>() {
+    using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles, unequal_moments>;
     using Contacts = typename Sweeps::Contacts;
     std::uint32_t* const needed = impact_sweeps_.data();
     const OrderedContacts<Real, with_friction> contacts = ordered_contacts<with_friction>(true);
@@ -183,7 +183,13 @@ void SoftStepSolver<Real>::resolve_impacts() {
       }
     executor_.run_rounds("bounce", sweeps.rounds(), items, sweeps);
   };
-  scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
+  with_moments<with_friction>([&]<bool unequal_moments>() {
+    // For unequal moments there is one version, with boxes: each takes long to compile.
+    if (unequal_moments || scene_.boxes.count > 0)
+      with.template operator()<true, unequal_moments>();
+    else if constexpr (!unequal_moments)
+      with.template operator()<false, false>();
+  });
   executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), scene_.control});
 }
 
@@ -241,7 +247,9 @@ void SoftStepSolver<Real>::relax(int substep) {
     const bool last = iteration == scene_.iterations;
     if (scene_.effects.joints) scene_.joints->relax(iteration == 1, energy_guard_.moved_velocity());
     iterate_walls<with_friction>("relax", true);
-    iterate("relax", Relax<Real, with_friction>{softness_, last});
+    with_moments<with_friction>([&]<bool unequal_moments>() {
+      iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
+    });
     if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
     record_iteration<with_friction>(substep, false, iteration);
   }
@@ -311,14 +319,15 @@ void SoftStepSolver<Real>::apply_forces() {
   if (scene_.effects.drag)
     run_bodies("drag", DragBodies<Real>{scene_.bodies, scene_.drag, scene_.gravity, scene_.field, h_,
                                         scene_.control});
+  if (energy_guard_.start_rotation() != nullptr)
+    run_bodies("forces", StoreRotationEnergy<Real>{scene_.bodies, energy_guard_.start_rotation()});
   const auto with = [&]<bool with_box_obstacles>() {
-    run_bodies("forces",
-               BeginSubstep<Real, with_friction, with_box_obstacles>{
-                   scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
-                   planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                   scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
-                   scene_.effects.gravity || scene_.effects.attractor, h_, energy_guard_.start_velocity(),
-                   energy_guard_.start_spin(), energy_guard_.start_rotation(), scene_.control});
+    run_bodies("forces", BeginSubstep<Real, with_friction, with_box_obstacles>{
+                             scene_.bodies, soft_.data(), all_.view(colouring_.degrees()),
+                             planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+                             scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
+                             scene_.effects.gravity || scene_.effects.attractor, h_,
+                             energy_guard_.start_velocity(), energy_guard_.start_spin(), scene_.control});
   };
   scene_.boxes.count > 0 ? with.template operator()<true>() : with.template operator()<false>();
 }
@@ -383,10 +392,13 @@ void SoftStepSolver<Real>::dispatch_walls(const Launch& launch) {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing) {
-  dispatch_walls<with_friction>([&]<bool with_box_obstacles>(
-                                    const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
-    run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles>{walls, relaxing, scene_.control});
-  });
+  dispatch_walls<with_friction>(
+      [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
+        with_moments<with_friction>([&]<bool unequal_moments>() {
+          run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles, unequal_moments>{
+                                walls, relaxing, scene_.control});
+        });
+      });
 }
 
 template class SoftStepSolver<float>;

@@ -76,6 +76,13 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void iterate(const char* stage, const Act& act);
   template <bool with_friction, class Launch>
   void dispatch_walls(const Launch& launch);
+  /// Calls `launch` with true if the scene has friction and unequal moments of inertia.
+  template <bool with_friction, class Launch>
+  void with_moments(const Launch& launch) const {
+    if constexpr (with_friction)
+      if (scene_.unequal_moments) return launch.template operator()<true>();
+    launch.template operator()<false>();
+  }
   template <bool with_friction>
   void iterate_walls(const char* stage, bool relaxing);
   template <bool with_friction>

@@ -9,7 +9,7 @@
 namespace collidoscope {
 
 /// One iteration over the planes of all bodies.
-template <class Real, bool with_friction, bool with_box_obstacles>
+template <class Real, bool with_friction, bool with_box_obstacles, bool unequal_moments>
 struct SolveWalls {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
   bool relaxing;
@@ -20,7 +20,7 @@ struct SolveWalls {
     if (!walls.may_touch(body, relaxing)) return;
     walls.load_rest(id, body);
     walls.solve(id, body, relaxing);
-    if (relaxing) walls.apply_friction(id, body);
+    if (relaxing) walls.template apply_friction<unequal_moments>(id, body);
     walls.store(id, body);
   }
 };

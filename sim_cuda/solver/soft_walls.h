@@ -196,11 +196,14 @@ struct SoftWalls {
   }
 
   /// Solves friction at one plane, limited by mu times `normal_impulse` (N s). Updates `accumulated`.
+  template <bool unequal_moments>
   SIM_HD void apply_plane_friction(int id, Body& body, int p, const Vector3<Real>& normal,
                                    Real normal_impulse, Vector3<Real>& accumulated) const {
     if constexpr (with_friction)
-      apply_plane_friction(id, body, normal, normal_impulse, accumulated, plane(p, id).friction);
+      apply_plane_friction<unequal_moments>(id, body, normal, normal_impulse, accumulated,
+                                            plane(p, id).friction);
   }
+  template <bool unequal_moments>
   SIM_HD void apply_plane_friction(int id, Body& body, const Vector3<Real>& normal, Real normal_impulse,
                                    Vector3<Real>& accumulated, Real surface_friction) const {
     if constexpr (with_friction) {
@@ -213,24 +216,26 @@ struct SoftWalls {
         return solve_friction<Real>(slip, mass, mu * normal_impulse, accumulated);
       };
       const Real squared_arm = body.radius * body.radius;
-      if (body.angular.is_isotropic()) {
-        apply_friction_impulse(
-            id, body, normal,
-            solve(1 / (body.inverse_mass + squared_arm * body.angular.inverse_inertia_max())));
-      } else {
-        TangentResponse<Real> response(normal, body.inverse_mass);
-        response.add(body.angular, squared_arm);
-        apply_friction_impulse(id, body, normal, solve(response));
-      }
+      if constexpr (unequal_moments)
+        if (!body.angular.is_isotropic()) {
+          TangentResponse<Real> response(normal, body.inverse_mass);
+          response.add(body.angular, squared_arm);
+          return apply_friction_impulse(id, body, normal, solve(response));
+        }
+      apply_friction_impulse(
+          id, body, normal,
+          solve(1 / (body.inverse_mass + squared_arm * body.angular.inverse_inertia_max())));
     }
   }
   /// Call after the normal impulses of relax.
+  template <bool unequal_moments>
   SIM_HD void apply_friction(int id, Body& body) const {
     if constexpr (with_friction) {
       for (int p = 0; p < count(); ++p) {
         if (!is_active(body, p)) continue;
         const std::int64_t here = index(p, id);
-        apply_plane_friction(id, body, p, plane(p, id).normal, impulse[here], friction.impulse[here]);
+        apply_plane_friction<unequal_moments>(id, body, p, plane(p, id).normal, impulse[here],
+                                              friction.impulse[here]);
       }
     }
   }
@@ -262,6 +267,7 @@ struct SoftWalls {
   }
   /// One sweep over the planes of a body. Returns true if the body got an impulse. `growth`: see ImpactLaw.
   /// `may_shift`: an impact may move the body to the surface (impact.h).
+  template <bool unequal_moments>
   SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, Real growth,
                               bool may_shift) const {
     bool any = false;
@@ -299,7 +305,7 @@ struct SoftWalls {
       if constexpr (with_friction) {
         if (is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();
         Vector3<Real> sum = Vector3<Real>::Zero();
-        apply_plane_friction(id, body, normal, change, sum, surface.friction);
+        apply_plane_friction<unequal_moments>(id, body, normal, change, sum, surface.friction);
       }
       any = true;
     }
