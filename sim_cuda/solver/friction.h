@@ -8,6 +8,7 @@
 
 #include <cstdint>
 
+#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/dynamics/body_state.h"
 
@@ -100,9 +101,11 @@ struct AngularState {
     const Real squared = direction.dot(direction);
     if (is_isotropic() || !(squared > 0)) return inverse_inertia_max();
     const Vector3<Real> own = axes.conjugate() * direction;
-    return (own.x() * own.x() / inertia.x() + own.y() * own.y() / inertia.y() +
-            own.z() * own.z() / inertia.z()) /
-           squared;
+    const Real along = (own.x() * own.x() / inertia.x() + own.y() * own.y() / inertia.y() +
+                        own.z() * own.z() / inertia.z()) /
+                       squared;
+    const Real largest = max_of(inertia.x(), max_of(inertia.y(), inertia.z()));
+    return max_of(along, 1 / largest);  // the squares of a slow rotation may be 0
   }
   /// `impulse` in N m s, in world axes.
   SIM_HD void apply_angular_impulse(const Vector3<Real>& impulse) {

@@ -1,3 +1,5 @@
+// More than 400 lines: the stages of a step share the lists of the solver.
+
 #include "sim_cuda/solver/soft_step.h"
 
 #include <algorithm>
