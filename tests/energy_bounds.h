@@ -20,8 +20,8 @@ namespace collidoscope {
 inline constexpr double contact_bound = 1e-3;  ///< of T
 inline constexpr double joint_bound = 5e-3;
 
-/// A third of the scenes with a sanitizer, whose task is to find errors in memory.
-/// Then `more`: seeds that failed once, among 100 times as many scenes.
+/// Seeds of `count` scenes, then `more`: seeds that failed once among 100 times as many scenes. With a
+/// sanitizer, whose task is to find errors in memory, a third of `count`.
 inline std::vector<int> energy_seeds(int count, const std::vector<int>& more = {}) {
   if (const char* const seed = std::getenv("COLLIDOSCOPE_ENERGY_SEED")) return {std::atoi(seed)};
 #ifdef WITH_SANITIZER
@@ -126,9 +126,8 @@ class EnergyBounds : public OnEachExecutor {
         report = line.str() + write_scene(scene);
       }
     }
-    EXPECT_LE(failures, std::max(share_above * runs, share_above > 0 ? 1.0 : 0.0))
-        << "of " << runs << " runs; allowed " << bound << '\n'
-        << lines << "worst: " << report;
+    EXPECT_LE(failures, share_above * runs) << "of " << runs << " runs; allowed " << bound << '\n'
+                                            << lines << "worst: " << report;
     EXPECT_LE(worst, std::max(most, bound)) << report;
   }
   void check_contacts(int count, double seconds, const Maker& make, const std::vector<int>& seeds = {}) {

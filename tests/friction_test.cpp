@@ -61,8 +61,8 @@ TEST_P(Rubbing, SlidingTurnsToRolling) {
   }
 }
 
-/// The principal axis along the slip has the moment 1e-3 I, I or 10 I, the others I. The ball turns about one
-/// of the others.
+/// The principal axis along the slip has the moment 1e-3 I, I or 1.9 I, the others I. The ball turns about
+/// one of the others.
 TEST_P(Rubbing, SlidingTurnsToRollingWithUnequalMoments) {
   const double v0 = 2, r = 0.5, mu = 0.5, moment = 0.1;
   for (const Precision precision : {Precision::f64, Precision::f32})
